@@ -10,14 +10,14 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
 from roughcontact.errors import InputError
 
 T = TypeVar("T", bound=type)
 
 
-class Registry(Generic[T]):
+class Registry:
     """The names of one kind of plug-in.
 
     Parameters
@@ -47,10 +47,11 @@ class Registry(Generic[T]):
 
         def enter(cls: T) -> T:
             # A class defined again (a notebook cell run twice) replaces itself.
-            taken = self._classes.get(name)
-            same = taken is not None and taken.__qualname__ == cls.__qualname__ and taken.__module__ == cls.__module__
-            if (taken is not None and not same) or (taken is None and name in self._entries()):
-                raise InputError(f"The name {name!r} of a {self.kind} is taken already; choose another name.")
+            owners = {entry.value for entry in self._entries().get(name, [])}
+            if name in self._classes:
+                owners.add(_path(self._classes[name]))
+            if owners - {_path(cls)}:
+                raise InputError(f"The name {name!r} of a {self.kind} is taken already by {', '.join(sorted(owners))}.")
             self._classes[name] = cls
             return cls
 
@@ -126,8 +127,12 @@ class Registry(Generic[T]):
         return f"There is no {self.kind} named {name!r}.{guess} Known: {', '.join(names) or 'none'}."
 
 
-kernels: Registry[Any] = Registry("kernel", "roughcontact.kernels")
-convolvers: Registry[Any] = Registry("convolver", "roughcontact.convolvers")
-solvers: Registry[Any] = Registry("solver", "roughcontact.solvers")
-areas: Registry[Any] = Registry("area estimator", "roughcontact.areas")
-readers: Registry[Any] = Registry("surface reader", "roughcontact.readers")
+def _path(cls: type) -> str:
+    return f"{cls.__module__}:{cls.__qualname__}"
+
+
+kernels = Registry("kernel", "roughcontact.kernels")
+convolvers = Registry("convolver", "roughcontact.convolvers")
+solvers = Registry("solver", "roughcontact.solvers")
+areas = Registry("area estimator", "roughcontact.areas")
+readers = Registry("surface reader", "roughcontact.readers")

@@ -1,0 +1,25 @@
+"""The half-space in Fourier space."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+
+from roughcontact.checks import Array, Pair
+from roughcontact.kernels.base import InfluenceKernel
+
+
+@attrs.frozen
+class FourierHalfSpace(InfluenceKernel):
+    r"""Homogeneous half-space whose pressure is the trigonometric polynomial through the cells.
+
+    .. math:: \hat u(q) = \frac{2}{E^*\,|q|}\,\hat p(q)
+
+    References
+    ----------
+    Stanley, Kato, J. Tribol. 119 (1997) 481-485, https://doi.org/10.1115/1.2833523
+    """
+
+    def spectrum(self, qx: Array, qy: Array, spacing: Pair, compliance: float) -> Array:
+        """Return 2 / (E* |q|), shape (m, n), m/Pa; see `OffersSpectrum`."""
+        return np.asarray(2.0 * compliance / np.hypot(qx, qy), dtype=np.float64)

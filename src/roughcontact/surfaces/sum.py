@@ -1,0 +1,35 @@
+"""Sums of surfaces: form and waviness and roughness."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+
+from roughcontact.checks import Array
+from roughcontact.grid import Grid
+from roughcontact.surfaces.base import Surface, own_grid
+
+
+@attrs.frozen
+class SurfaceSum(Surface):
+    """The sum of the heights of several surfaces; ``one + other`` makes it.
+
+    Parameters
+    ----------
+    parts
+        The surfaces to be added.
+    """
+
+    parts: tuple[Surface, ...]
+
+    @property
+    def grid(self) -> Grid | None:
+        """The grid of the first part that carries one."""
+        return next((grid for grid in map(own_grid, self.parts) if grid is not None), None)
+
+    def heights(self, grid: Grid) -> Array:
+        """Return the summed heights, shape `grid.shape`, m."""
+        total = np.zeros(grid.shape)
+        for part in self.parts:
+            total += part.heights(grid)
+        return total
