@@ -1,0 +1,28 @@
+"""Contact of rough surfaces by the semi-analytical method.
+
+Surfaces and materials in; contact pressure, gap, approach and real contact area out.
+"""
+
+from roughcontact.areas import AreaEstimator
+from roughcontact.body import RIGID_FLAT, Body
+from roughcontact.convolvers import DCFFT, CircularFFT, Convolver, Direct, PlannedConvolution
+from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError
+from roughcontact.grid import Boundary, Grid
+from roughcontact.kernels import FourierHalfSpace, InfluenceKernel, Love
+from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid
+from roughcontact.plan import Plan
+from roughcontact.problem import ContactProblem
+from roughcontact.registry import areas, convolvers, kernels, readers, solvers
+from roughcontact.solution import Area, ContactSolution, Residuals, Status
+from roughcontact.solvers import Outcome, PolonskyKeer, Solver, SpectralGradient, Task
+from roughcontact.surfaces import (
+    FlatSurface,
+    HeightMap,
+    ParaboloidSurface,
+    SelfAffineSurface,
+    SphereSurface,
+    Surface,
+    WavySurface,
+)
+
+__version__ = "0.1.0"

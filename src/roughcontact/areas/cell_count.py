@@ -1,0 +1,24 @@
+"""The count of cells in contact."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+
+from roughcontact.areas.base import OVERSHOOT, AreaEstimator, boundary_sides
+from roughcontact.solution import Area, ContactSolution
+
+
+@attrs.frozen
+class CellCount(AreaEstimator):
+    """All cells with p > 0, as most codes count: always too much, for every cell that is touched counts whole.
+
+    The uncertainty is that excess as the perimeter tells it (see `Perimeter`).
+    """
+
+    def estimate(self, solution: ContactSolution) -> Area:
+        """Return the counted area; see `AreaEstimator.estimate`."""
+        contact = solution.contact
+        count = int(np.count_nonzero(contact))
+        excess = OVERSHOOT * boundary_sides(contact, solution.boundary) * solution.grid.cell_area
+        return Area(count * solution.grid.cell_area, count / contact.size, excess, "cell-count")

@@ -1,0 +1,83 @@
+"""The plan of a solve, for a person to read."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+
+from roughcontact.convolvers import Convolver
+from roughcontact.grid import Boundary, Grid
+from roughcontact.kernels import InfluenceKernel
+from roughcontact.solvers import Solver
+
+# Real arrays of the grid's size that a solve keeps alive at its widest, beyond the transforms.
+_FIELDS = 9
+
+
+@attrs.frozen(kw_only=True)
+class Plan:
+    """What will run, and what is left out and why; `str` of it is the text of ``explain()``.
+
+    Attributes
+    ----------
+    grid, boundary, kernel, convolver, solver
+        The parts that will run.
+    modulus
+        Contact modulus E*, Pa.
+    relief
+        Greatest undeformed gap, m.
+    limit
+        Greatest pressure, Pa.
+    left_out
+        What does not run, with the reason.
+    notes
+        What the user should know about the input.
+    """
+
+    grid: Grid
+    boundary: Boundary
+    kernel: InfluenceKernel
+    convolver: Convolver
+    solver: Solver
+    modulus: float
+    relief: float
+    limit: float
+    left_out: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def transform_shape(self) -> tuple[int, int]:
+        """Cells the convolver works on, padding included."""
+        return self.convolver.transform_shape(self.grid, self.boundary)
+
+    @property
+    def memory(self) -> int:
+        """Estimated peak memory of a solve, bytes."""
+        mx, my = self.transform_shape
+        symbol = 8 * (mx // 2 + 1 if self.boundary is Boundary.FREE else mx) * (my // 2 + 1)
+        waves = 16 * self.grid.shape[0] * (my // 2 + 1)
+        return 8 * _FIELDS * self.grid.cells + symbol + 2 * waves
+
+    @property
+    def work(self) -> float:
+        """Estimated floating-point operations of a convolution."""
+        cells = math.prod(self.transform_shape)
+        return 5.0 * cells * math.log2(max(cells, 2))
+
+    def __str__(self) -> str:
+        mx, my = self.transform_shape
+        cap = f"{self.limit:g} Pa" if math.isfinite(self.limit) else "none"
+        rows = [
+            ("grid", f"{self.grid}, boundary {self.boundary}"),
+            ("bodies", f"contact modulus {self.modulus:g} Pa, relief {self.relief:g} m, pressure limit {cap}"),
+            ("kernel", repr(self.kernel)),
+            ("convolver", f"{self.convolver!r} on {mx} x {my} cells"),
+            ("solver", repr(self.solver)),
+            ("precision", "float64"),
+            ("memory", f"about {self.memory / 2**20:.0f} MiB at the widest"),
+            ("work", f"about {self.work:.1e} operations a convolution; one or two convolutions an iteration"),
+        ]
+        rows += [("left out", text) for text in self.left_out]
+        rows += [("note", text) for text in self.notes]
+        return "\n".join(f"{label:<10} {text}" for label, text in rows)

@@ -1,0 +1,272 @@
+"""The contact problem: two bodies, a grid and the parts that solve it."""
+
+from __future__ import annotations
+
+import time
+from functools import cached_property
+
+import attrs
+import numpy as np
+
+from roughcontact.body import RIGID_FLAT, Body
+from roughcontact.checks import Array, choice, frozen_array, number
+from roughcontact.convolvers import Convolver, PlannedConvolution
+from roughcontact.convolvers.base import require_boundary
+from roughcontact.errors import InputError, NotConverged
+from roughcontact.grid import Boundary, Grid
+from roughcontact.kernels import BoundKernel, InfluenceKernel
+from roughcontact.materials import Rigid, contact_modulus, pressure_limit
+from roughcontact.optimality import optimality, rounding_floor
+from roughcontact.plan import Plan
+from roughcontact.registry import convolvers, kernels, solvers
+from roughcontact.solution import ContactSolution, Residuals, Status
+from roughcontact.solvers import Outcome, Solver, Task
+from roughcontact.surfaces import FlatSurface, HeightMap
+from roughcontact.surfaces.base import own_grid
+
+_AUTO_CONVOLVER = {Boundary.FREE: "dc-fft", Boundary.PERIODIC: "circular-fft", Boundary.WRAPPED: "circular-fft"}
+_AUTO_SOLVER = "spectral-gradient"
+_LOAD_TOLERANCE = 1e-12
+
+
+def _boundary(value: str) -> Boundary:
+    return Boundary(choice(value, "The boundary", [str(name) for name in Boundary]))
+
+
+def _is_body(_: object, __: object, value: object) -> None:
+    if not isinstance(value, Body):
+        raise InputError.about("Each side of a contact", value, "a Body(surface, material)")
+
+
+def _is_grid(_: object, __: object, value: object) -> None:
+    if value is not None and not isinstance(value, Grid):
+        raise InputError.about("The grid", value, "a Grid(shape, size)")
+
+
+@attrs.frozen(eq=False)
+class ContactProblem:
+    """Normal, frictionless contact of two rough bodies on half-spaces.
+
+    Parameters
+    ----------
+    body, counter
+        The two bodies; heights of both are positive towards the other.
+    grid
+        The grid; may be left out when a surface carries its own.
+    boundary
+        ``"free"``: the domain stands alone; ``"periodic"``: it repeats for ever; ``"wrapped"``: the
+        nearest image only.
+    kernel, convolver, solver
+        Registered names or instances; ``"auto"`` chooses.
+
+    Raises
+    ------
+    InputError
+        If the parts do not fit together.
+    """
+
+    body: Body = attrs.field(validator=_is_body)
+    counter: Body = attrs.field(default=RIGID_FLAT, validator=_is_body)
+    grid: Grid | None = attrs.field(default=None, kw_only=True, validator=_is_grid)
+    boundary: Boundary = attrs.field(default=Boundary.FREE, converter=_boundary, kw_only=True)
+    kernel: str | InfluenceKernel = attrs.field(default="love", kw_only=True)
+    convolver: str | Convolver = attrs.field(default="auto", kw_only=True)
+    solver: str | Solver = attrs.field(default="auto", kw_only=True)
+
+    def __attrs_post_init__(self) -> None:
+        # The plan checks that the parts fit together.
+        _ = self.plan
+
+    @cached_property
+    def plan(self) -> Plan:
+        """What will run, and what is left out."""
+        grid = self._grid()
+        convolver: Convolver = convolvers.resolve(
+            _AUTO_CONVOLVER[self.boundary] if self.convolver == "auto" else self.convolver, Convolver
+        )
+        require_boundary(convolver, self.boundary)
+        one, other = self.body.material, self.counter.material
+        return Plan(
+            grid=grid,
+            boundary=self.boundary,
+            kernel=kernels.resolve(self.kernel, InfluenceKernel),
+            convolver=convolver,
+            solver=solvers.resolve(_AUTO_SOLVER if self.solver == "auto" else self.solver, Solver),
+            modulus=contact_modulus(one, other),
+            relief=self._relief(grid),
+            limit=pressure_limit(one, other),
+            left_out=tuple(self._left_out()),
+            notes=tuple(self._notes()),
+        )
+
+    @cached_property
+    def convolution(self) -> PlannedConvolution:
+        """The planned convolution in dimensionless variables: lengths in cells, E* = 1."""
+        plan = self.plan
+        unit = plan.grid.spacing[0] / plan.modulus
+        bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit)
+        return plan.convolver.plan(bound, plan.grid, plan.boundary)
+
+    @cached_property
+    def undeformed(self) -> Array:
+        """Gap before deformation when the summits just touch, shape (nx, ny), m, at least zero."""
+        return self._undeformed(self._grid())
+
+    def explain(self) -> str:
+        """Return in words what a solve will do, and what is left out and why."""
+        return str(self.plan)
+
+    def solve(
+        self,
+        *,
+        pressure: float | None = None,
+        force: float | None = None,
+        approach: float | None = None,
+        throw: bool = True,
+    ) -> ContactSolution:
+        """Solve the contact at a given load.
+
+        Parameters
+        ----------
+        pressure
+            Nominal mean pressure, Pa.
+        force
+            Normal force, N.
+        approach
+            Approach of the bodies, m; no solver that ships offers it yet.
+        throw
+            Whether to raise when the solver does not converge, or to return what it has.
+
+        Returns
+        -------
+        ContactSolution
+            The fields with their certificate.
+
+        Raises
+        ------
+        InputError
+            If not exactly one load is given, or it cannot be carried.
+        NotConverged
+            If the solution is not certified and `throw` is true; the error carries it.
+        """
+        started = time.perf_counter()
+        mean = self._mean_pressure(pressure, force, approach)
+        plan = self.plan
+        unit = plan.modulus * (plan.relief / plan.grid.spacing[0])
+        task = Task(undeformed=self.undeformed / plan.relief, mean_pressure=mean / unit, limit=plan.limit / unit)
+        outcome = plan.solver.solve(self.convolution, task)
+        solution = self._certified(task, outcome, started)
+        if throw and not solution.status.success:
+            raise NotConverged(
+                f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals}). "
+                "The unfinished solution is in .solution of this error; solve(..., throw=False) returns it.",
+                solution,
+            )
+        return solution
+
+    def _certified(self, task: Task, outcome: Outcome, started: float) -> ContactSolution:
+        """Give the outcome its units, and residuals that depend on nothing but its pressure."""
+        plan = self.plan
+        unit = plan.modulus * (plan.relief / plan.grid.spacing[0])
+        displacement = self.convolution.apply(outcome.pressure)
+        state = optimality(outcome.pressure, displacement, task.undeformed, task.limit)
+        carried = self.convolution.sum(outcome.pressure) / outcome.pressure.size
+        load = abs(carried / task.mean_pressure - 1.0)
+        bound = 2.0 * max(plan.solver.tolerance, rounding_floor(displacement, task.undeformed, state.scale))
+        confirmed = state.error <= bound and load <= _LOAD_TOLERANCE
+        bounded = 0.0 <= float(outcome.pressure.min()) and float(outcome.pressure.max()) <= task.limit
+        status = outcome.status
+        if status.success and not (confirmed and bounded):
+            status = Status.UNCONFIRMED
+        # Saturated cells carry the limit to the last bit.
+        pressure = np.where(outcome.pressure >= task.limit, plan.limit, outcome.pressure * unit)
+        return ContactSolution(
+            grid=plan.grid,
+            boundary=plan.boundary,
+            modulus=plan.modulus,
+            limit=plan.limit,
+            pressure=frozen_array(pressure),
+            displacement=frozen_array(displacement * plan.relief),
+            undeformed=self.undeformed,
+            approach=state.approach * plan.relief,
+            status=status,
+            iterations=outcome.iterations,
+            convolutions=outcome.convolutions + 1,
+            seconds=time.perf_counter() - started,
+            residuals=Residuals(state.complementarity, state.penetration, load, state.scale * plan.relief),
+            history=outcome.history,
+        )
+
+    def _grid(self) -> Grid:
+        found = (own_grid(body.surface) for body in (self.body, self.counter))
+        grid = self.grid or next((grid for grid in found if grid is not None), None)
+        if grid is None:
+            raise InputError("The surfaces carry no grid of their own: give grid=Grid(shape, size).")
+        return grid
+
+    def _undeformed(self, grid: Grid) -> Array:
+        total = np.zeros(grid.shape)
+        for body in (self.body, self.counter):
+            heights = np.asarray(body.surface.heights(grid))
+            if heights.shape != grid.shape or heights.dtype.kind != "f" or not np.isfinite(heights).all():
+                raise InputError(
+                    f"The surface {type(body.surface).__name__} must give finite real heights of shape {grid.shape}, "
+                    f"but gave an array of shape {heights.shape} and type {heights.dtype}"
+                    f"{'' if heights.shape != grid.shape else ' with values that are not finite'}."
+                )
+            total += heights
+        return frozen_array(total.max() - total)
+
+    def _relief(self, grid: Grid) -> float:
+        relief = float(self._undeformed(grid).max())
+        if relief == 0.0:
+            raise InputError(
+                "Both surfaces are flat, so the pressure is uniform and there is nothing to solve: "
+                "give at least one of them a relief."
+            )
+        return relief
+
+    def _mean_pressure(self, pressure: float | None, force: float | None, approach: float | None) -> float:
+        given = {"pressure": pressure, "force": force, "approach": approach}
+        named = [name for name, value in given.items() if value is not None]
+        if len(named) != 1:
+            got = " and ".join(f"{name}=" for name in named) or "none of them"
+            raise InputError(f"Give exactly one of pressure= (Pa), force= (N) and approach= (m), but got {got}.")
+        if approach is not None:
+            raise InputError("No solver at hand works at a given approach yet: give pressure= (Pa) or force= (N).")
+        if pressure is not None:
+            mean = number(pressure, "The mean pressure", "Pa", above=0.0)
+        else:
+            mean = number(force, "The force", "N", above=0.0) / self.plan.grid.area
+        limit = self.plan.limit
+        if mean > limit * (1.0 + _LOAD_TOLERANCE):
+            raise InputError(
+                f"The mean pressure of {mean:g} Pa is more than the bodies bear: at most {limit:g} Pa, "
+                f"that is {limit * self.plan.grid.area:g} N on this domain."
+            )
+        return min(mean, limit)
+
+    def _left_out(self) -> list[str]:
+        """Say what this scene does not need."""
+        padding = {
+            Boundary.FREE: "images of the domain: the boundary is free",
+            Boundary.PERIODIC: "padding: the domain repeats, every image counts",
+            Boundary.WRAPPED: "padding and all but the nearest images: the boundary is wrapped",
+        }
+        texts = [padding[self.boundary]]
+        if pressure_limit(self.body.material, self.counter.material) == np.inf:
+            texts.append("pressure cap: neither material has a limit")
+        if self.boundary is Boundary.PERIODIC:
+            texts.append("kernel in real space: its spectrum is used")
+        for body in (self.body, self.counter):
+            if isinstance(body.material, Rigid):
+                texts.append("deformation of one body: it is rigid")
+            if isinstance(body.surface, FlatSurface):
+                texts.append("heights of one body: it is flat")
+        return texts
+
+    def _notes(self) -> list[str]:
+        maps = (body.surface for body in (self.body, self.counter) if isinstance(body.surface, HeightMap))
+        if self.boundary is Boundary.FREE or all(surface.periodic for surface in maps):
+            return []
+        return ["a height map is not marked periodic: any jump across the border is taken as it is"]

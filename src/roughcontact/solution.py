@@ -1,0 +1,204 @@
+"""What a solve returns: the fields, the certificate and the answers derived from them."""
+
+from __future__ import annotations
+
+from enum import Enum
+from functools import cached_property
+from typing import Protocol, runtime_checkable
+
+import attrs
+import numpy as np
+
+from roughcontact.checks import Array, Mask
+from roughcontact.errors import InputError
+from roughcontact.grid import Boundary, Grid
+from roughcontact.registry import areas
+
+DEFAULT_AREA = "perimeter"
+
+
+class Status(Enum):
+    """How a solve ended, in a sentence."""
+
+    CONVERGED = "converged: the conditions of contact hold within the tolerance"
+    CONVERGED_TO_ROUNDING = "converged to rounding: the conditions of contact hold as well as float64 can tell"
+    MAXIMUM_ITERATIONS = "not converged: the maximum number of iterations was reached"
+    STALLED = "not converged: no step lowers the error any more"
+    NOT_FINITE = "not converged: a value that is not finite appeared"
+    UNCONFIRMED = "not converged: the residuals recomputed from the pressure do not confirm the solver"
+
+    @property
+    def success(self) -> bool:
+        """Whether the solution is certified."""
+        return self in (Status.CONVERGED, Status.CONVERGED_TO_ROUNDING)
+
+    def __str__(self) -> str:
+        return self.value
+
+
+@attrs.frozen
+class Residuals:
+    """The violations of the conditions of contact, recomputed in float64 from the pressure alone.
+
+    Attributes
+    ----------
+    complementarity
+        Pressure-weighted mean of the gap where it ought to vanish, divided by `scale`.
+    penetration
+        Deepest overlap outside the saturated cells, divided by `scale`.
+    load
+        Relative error of the load.
+    scale
+        Height that counts as one, m: the smaller of the rms relief and the range of the displacement.
+    """
+
+    complementarity: float
+    penetration: float
+    load: float
+    scale: float
+
+    @property
+    def error(self) -> float:
+        """The greater of complementarity and penetration."""
+        return max(self.complementarity, self.penetration)
+
+    def __str__(self) -> str:
+        return f"complementarity {self.complementarity:.1e}, penetration {self.penetration:.1e}, load {self.load:.1e}"
+
+
+@attrs.frozen
+class Area:
+    """Real contact area with its error bar.
+
+    Attributes
+    ----------
+    value
+        Area, m2.
+    fraction
+        Area over nominal area.
+    uncertainty
+        How far the true area may be away, m2.
+    estimator
+        The estimator that made it.
+    """
+
+    value: float
+    fraction: float
+    uncertainty: float
+    estimator: str
+
+    def __str__(self) -> str:
+        relative = self.uncertainty / self.value if self.value > 0.0 else 0.0
+        return f"{self.value:.5g} m2 ({100 * self.fraction:.4g} % of nominal) +- {100 * relative:.2g} % [{self.estimator}]"
+
+
+@runtime_checkable
+class EstimatesArea(Protocol):
+    """Anything that estimates the real contact area from a solution."""
+
+    def estimate(self, solution: ContactSolution) -> Area:
+        """Return the area."""
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class ContactSolution:
+    """A solved contact.
+
+    Attributes
+    ----------
+    grid, boundary
+        Where the fields live, and what lies beyond.
+    modulus
+        Contact modulus E*, Pa.
+    limit
+        Greatest contact pressure, Pa; `inf` where there is none.
+    pressure
+        Contact pressure, shape `grid.shape`, Pa.
+    displacement
+        Sum of the elastic displacements of both surfaces, shape `grid.shape`, m, positive into the
+        bodies; its mean is zero on a periodic boundary.
+    undeformed
+        Gap before deformation when the summits just touch, shape `grid.shape`, m.
+    approach
+        Approach of the bodies since first touch, m.
+    status, iterations, convolutions, seconds
+        How the solve ended and what it took (wall time).
+    residuals
+        The certificate.
+    history
+        The solver's error before each iteration.
+    """
+
+    grid: Grid
+    boundary: Boundary
+    modulus: float
+    limit: float
+    pressure: Array
+    displacement: Array
+    undeformed: Array
+    approach: float
+    status: Status
+    iterations: int
+    convolutions: int
+    seconds: float
+    residuals: Residuals
+    history: tuple[float, ...]
+
+    @cached_property
+    def gap(self) -> Array:
+        """Gap, shape `grid.shape`, m: zero in contact up to the residual, negative where saturated cells overlap."""
+        gap = self.undeformed + self.displacement
+        gap -= self.approach
+        gap.flags.writeable = False
+        return gap
+
+    @property
+    def contact(self) -> Mask:
+        """Cells in contact, p > 0, shape `grid.shape`."""
+        return self.pressure > 0.0
+
+    @property
+    def saturated(self) -> Mask:
+        """Cells whose pressure has reached the limit, shape `grid.shape`."""
+        return self.pressure >= self.limit
+
+    @property
+    def force(self) -> float:
+        """Normal force, N."""
+        return float(np.add.reduce(self.pressure, axis=None)) * self.grid.cell_area
+
+    @property
+    def mean_pressure(self) -> float:
+        """Nominal mean pressure, Pa."""
+        return self.force / self.grid.area
+
+    def area(self, estimator: str | EstimatesArea = DEFAULT_AREA) -> Area:
+        """Return the real contact area.
+
+        Parameters
+        ----------
+        estimator
+            Registered name or instance of an area estimator; the default if left out.
+
+        Raises
+        ------
+        InputError
+            If there is no such estimator.
+        """
+        chosen = areas.resolve(estimator, EstimatesArea)
+        area: Area = chosen.estimate(self)
+        if not np.isfinite([area.value, area.uncertainty]).all():
+            raise InputError(f"The area estimator {chosen!r} returned a value that is not finite for this solution.")
+        return area
+
+    def __str__(self) -> str:
+        return (
+            f"{self.status}\n"
+            f"  after {self.iterations} iterations, {self.convolutions} convolutions, {self.seconds:.2g} s\n"
+            f"  residuals      {self.residuals}\n"
+            f"  force          {self.force:.6g} N\n"
+            f"  mean pressure  {self.mean_pressure:.6g} Pa\n"
+            f"  max pressure   {self.pressure.max():.6g} Pa\n"
+            f"  approach       {self.approach:.6g} m\n"
+            f"  contact area   {self.area()}"
+        )

@@ -1,0 +1,7 @@
+"""Solvers: the pressure that satisfies the conditions of contact."""
+
+from roughcontact.solvers.base import Outcome, Solver, Task
+from roughcontact.solvers.polonsky_keer import PolonskyKeer
+from roughcontact.solvers.spectral_gradient import SpectralGradient
+
+__all__ = ["Outcome", "PolonskyKeer", "Solver", "SpectralGradient", "Task"]

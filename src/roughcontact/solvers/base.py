@@ -1,0 +1,129 @@
+"""The solver interface: a dimensionless task in, a pressure out."""
+
+from __future__ import annotations
+
+import abc
+import math
+
+import attrs
+
+from roughcontact.checks import Array, integer, number
+from roughcontact.convolvers import PlannedConvolution
+from roughcontact.optimality import Optimality, optimality, rounding_floor
+from roughcontact.solution import Status
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Task:
+    """A contact problem in dimensionless variables.
+
+    Attributes
+    ----------
+    undeformed
+        Undeformed gap, shape (nx, ny), at least zero; its maximum, the relief, is one.
+    mean_pressure
+        Mean pressure to be carried, above zero and at most `limit`.
+    limit
+        Greatest pressure; `inf` where there is none.
+    """
+
+    undeformed: Array
+    mean_pressure: float
+    limit: float = math.inf
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Outcome:
+    """What a solver returns.
+
+    Attributes
+    ----------
+    pressure
+        Pressure, shape (nx, ny), between zero and the limit.
+    status
+        How it ended.
+    iterations, convolutions
+        What it took.
+    history
+        The error (see `optimality`) at the start of each iteration.
+    """
+
+    pressure: Array
+    status: Status
+    iterations: int
+    convolutions: int
+    history: tuple[float, ...]
+
+
+class Solver(abc.ABC):
+    """A way to find the pressure. It knows a planned convolution, never a kernel."""
+
+    @property
+    @abc.abstractmethod
+    def tolerance(self) -> float:
+        """The error (see `optimality`) at which the solver calls a pressure converged."""
+
+    @abc.abstractmethod
+    def solve(self, convolution: PlannedConvolution, task: Task) -> Outcome:
+        """Return the pressure that carries the load.
+
+        Raises
+        ------
+        InputError
+            If this solver cannot treat such a task.
+        """
+
+
+class Monitor:
+    """Judges the iterates of one solve and remembers their errors.
+
+    Parameters
+    ----------
+    task
+        What is being solved.
+    tolerance, max_iterations
+        When to stop.
+    """
+
+    def __init__(self, task: Task, tolerance: float, max_iterations: int) -> None:
+        self._task = task
+        self._tolerance = tolerance
+        self._max_iterations = max_iterations
+        self.history: list[float] = []
+
+    def judge(self, pressure: Array, displacement: Array) -> tuple[Optimality, Status | None]:
+        """Measure an iterate; the status is None as long as the solver should go on."""
+        state = optimality(pressure, displacement, self._task.undeformed, self._task.limit)
+        self.history.append(state.error)
+        return state, self._status(state, displacement)
+
+    def _status(self, state: Optimality, displacement: Array) -> Status | None:
+        if not (math.isfinite(state.error) and math.isfinite(state.approach)):
+            return Status.NOT_FINITE
+        if state.error <= self._tolerance:
+            return Status.CONVERGED
+        if state.error <= rounding_floor(displacement, self._task.undeformed, state.scale):
+            return Status.CONVERGED_TO_ROUNDING
+        if len(self.history) > self._max_iterations:
+            return Status.MAXIMUM_ITERATIONS
+        return None
+
+    def outcome(self, pressure: Array, status: Status, convolutions: int) -> Outcome:
+        """Return the outcome of the solve."""
+        return Outcome(
+            pressure=pressure,
+            status=status,
+            iterations=len(self.history) - 1,
+            convolutions=convolutions,
+            history=tuple(self.history),
+        )
+
+
+def positive_tolerance(value: float) -> float:
+    """Check a tolerance."""
+    return number(value, "The tolerance of the solver", above=0.0)
+
+
+def iteration_limit(value: int) -> int:
+    """Check a maximum number of iterations."""
+    return integer(value, "The maximum number of iterations", at_least=1)
