@@ -7,6 +7,7 @@ from roughcontact.areas import AreaEstimator
 from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.convolvers import DCFFT, CircularFFT, Convolver, Direct, PlannedConvolution
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError
+from roughcontact.files import SurfaceReader, read_surface, write_solution
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import FourierHalfSpace, InfluenceKernel, Love
 from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid

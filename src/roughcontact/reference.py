@@ -1,0 +1,236 @@
+"""Closed forms of contact mechanics, to check solutions against.
+
+Every formula is that of two elastic half-spaces with contact modulus E*,
+1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2. Units are SI.
+"""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+from scipy import optimize, special
+
+from roughcontact.checks import Array, Pair, number
+
+
+@attrs.frozen
+class Hertz:
+    """Contact of two paraboloids.
+
+    Attributes
+    ----------
+    semi_axes
+        Semi-axes of the contact ellipse along x and y, m.
+    p_max
+        Greatest pressure, Pa.
+    approach
+        Approach of distant points, m.
+    """
+
+    semi_axes: Pair
+    p_max: float
+    approach: float
+
+    @property
+    def area(self) -> float:
+        """Contact area, m2."""
+        return math.pi * self.semi_axes[0] * self.semi_axes[1]
+
+    def pressure(self, x: Array, y: Array) -> Array:
+        """Return the pressure at broadcastable positions x, y from the centre, m; Pa."""
+        inside = 1.0 - (x / self.semi_axes[0]) ** 2 - (y / self.semi_axes[1]) ** 2
+        return np.asarray(self.p_max * np.sqrt(np.maximum(inside, 0.0)), dtype=np.float64)
+
+
+def hertz_sphere(force: float, radius: float, modulus: float) -> Hertz:
+    r"""Return Hertz's solution for a sphere on a flat.
+
+    .. math:: a^3 = \frac{3FR}{4E^*}, \quad \delta = \frac{a^2}{R}, \quad p_0 = \frac{3F}{2\pi a^2}
+
+    Parameters
+    ----------
+    force
+        Normal force, N.
+    radius
+        Relative radius of curvature, m.
+    modulus
+        Contact modulus E*, Pa.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), sec. 4.2, https://doi.org/10.1017/CBO9781139171731
+    """
+    force, radius, modulus = _positive(force, "N"), _positive(radius, "m"), _positive(modulus, "Pa")
+    a = (0.75 * force * radius / modulus) ** (1 / 3)
+    return Hertz((a, a), 1.5 * force / (math.pi * a**2), a**2 / radius)
+
+
+def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
+    r"""Return Hertz's solution for a paraboloid with two principal radii, along x and y.
+
+    With e the eccentricity of the ellipse, b = a sqrt(1 - e^2) its minor semi-axis and K, E the
+    complete elliptic integrals of e,
+
+    .. math:: \frac{1}{2R'} = \frac{p_0}{E^*}\frac{b}{e^2 a^2}(K - E), \quad
+              \frac{1}{2R''} = \frac{p_0}{E^*}\frac{b}{e^2 a^2}\left(\frac{a^2}{b^2}E - K\right), \quad
+              \delta = \frac{p_0}{E^*} b K
+
+    Parameters
+    ----------
+    force
+        Normal force, N.
+    radii
+        Relative radii of curvature along x and y, m.
+    modulus
+        Contact modulus E*, Pa.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), eq. 4.24 to 4.26, https://doi.org/10.1017/CBO9781139171731
+    """
+    force, modulus = _positive(force, "N"), _positive(modulus, "Pa")
+    blunt, sharp = sorted((_positive(radii[0], "m"), _positive(radii[1], "m")), reverse=True)
+    if blunt == sharp:
+        return hertz_sphere(force, blunt, modulus)
+
+    def mismatch(log_ratio: float) -> float:
+        shallow, steep = _curvature_integrals(math.exp(log_ratio))
+        return math.log(steep / shallow) - math.log(blunt / sharp)
+
+    ratio = math.exp(optimize.brentq(mismatch, math.log(1e-15), 0.0, xtol=1e-15, rtol=1e-14))
+    shallow, _ = _curvature_integrals(ratio)
+    # From 1/(2 R') with p0 = 3F / (2 pi a b).
+    a = (3.0 * force * blunt * shallow / (math.pi * modulus)) ** (1 / 3)
+    b = a * ratio
+    p_max = 1.5 * force / (math.pi * a * b)
+    axes = (a, b) if radii[0] >= radii[1] else (b, a)
+    return Hertz(axes, p_max, p_max * b * float(special.ellipkm1(ratio**2)) / modulus)
+
+
+@attrs.frozen
+class WavyContact:
+    r"""Contact of a flat with the wave z = amplitude (cos(2 pi x / wavelength) + cos(2 pi y / wavelength)).
+
+    Parameters
+    ----------
+    amplitude, wavelength
+        Amplitude of each of the two waves and their common length, m.
+    modulus
+        Contact modulus E*, Pa.
+
+    References
+    ----------
+    Johnson, Greenwood, Higginson, Int. J. Mech. Sci. 27 (1985) 383-396,
+    https://doi.org/10.1016/0020-7403(85)90029-3
+    """
+
+    amplitude: float
+    wavelength: float
+    modulus: float
+
+    @property
+    def full_contact_pressure(self) -> float:
+        """Mean pressure p* = 2 pi E* amplitude / wavelength at which the last gap closes, Pa."""
+        return 2.0 * math.pi * self.modulus * self.amplitude / self.wavelength
+
+    def light_area_fraction(self, mean_pressure: float) -> float:
+        """Return the contact area over nominal area in the limit of light load (the paper's eq. 27)."""
+        return math.pi * (3.0 * mean_pressure / (8.0 * math.pi * self.full_contact_pressure)) ** (2 / 3)
+
+    def light_p_max(self, mean_pressure: float) -> float:
+        """Return the greatest pressure in the limit of light load, Pa (the paper's eq. 26)."""
+        return 1.5 * mean_pressure / self.light_area_fraction(mean_pressure)
+
+    def heavy_area_fraction(self, mean_pressure: float) -> float:
+        """Return the contact area over nominal area in the limit of nearly full contact."""
+        return 1.0 - 1.5 / math.pi * (1.0 - mean_pressure / self.full_contact_pressure)
+
+    def full_contact(self, x: Array, y: Array, mean_pressure: float) -> Array:
+        """Return the pressure in full contact at broadcastable x, y, Pa, for a mean of at least p*."""
+        phase_x, phase_y = (2 * np.pi * t / self.wavelength for t in (x, y))
+        return np.asarray(mean_pressure + 0.5 * self.full_contact_pressure * (np.cos(phase_x) + np.cos(phase_y)))
+
+
+@attrs.frozen
+class Westergaard:
+    """Contact of a flat with the one-dimensional wave z = amplitude cos(2 pi x / wavelength).
+
+    Parameters
+    ----------
+    amplitude, wavelength
+        Amplitude and length of the wave, m.
+    modulus
+        Contact modulus E*, Pa.
+
+    References
+    ----------
+    Westergaard, J. Appl. Mech. 6 (1939) A49-A53, https://doi.org/10.1115/1.4008919;
+    Johnson, Contact Mechanics (1985), sec. 13.2, https://doi.org/10.1017/CBO9781139171731
+    """
+
+    amplitude: float
+    wavelength: float
+    modulus: float
+
+    @property
+    def full_contact_pressure(self) -> float:
+        """Mean pressure p* = pi E* amplitude / wavelength at which the last gap closes, Pa."""
+        return math.pi * self.modulus * self.amplitude / self.wavelength
+
+    def half_width(self, mean_pressure: float) -> float:
+        """Return half the width of a contact strip, m."""
+        return self.wavelength / math.pi * math.asin(math.sqrt(mean_pressure / self.full_contact_pressure))
+
+    def pressure(self, x: Array, mean_pressure: float) -> Array:
+        """Return the pressure at distances x from a crest, Pa, for a mean of at most p*."""
+        edge = mean_pressure / self.full_contact_pressure
+        place = np.pi * np.asarray(x) / self.wavelength
+        inside = np.sqrt(np.maximum(edge - np.sin(place) ** 2, 0.0))
+        return np.asarray(2.0 * mean_pressure * np.abs(np.cos(place)) / edge * inside, dtype=np.float64)
+
+
+@attrs.frozen
+class FlatPunch:
+    r"""Rigid flat circular punch.
+
+    .. math:: \delta = \frac{F}{2 E^* a}, \quad p(r) = \frac{F}{2\pi a^2}\left(1 - r^2/a^2\right)^{-1/2}
+
+    Parameters
+    ----------
+    force
+        Normal force, N.
+    radius
+        Radius a of the punch, m.
+    modulus
+        Contact modulus E*, Pa.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), sec. 3.4, https://doi.org/10.1017/CBO9781139171731
+    """
+
+    force: float
+    radius: float
+    modulus: float
+
+    @property
+    def approach(self) -> float:
+        """Depth of the indentation, m."""
+        return self.force / (2.0 * self.modulus * self.radius)
+
+    def pressure(self, r: Array) -> Array:
+        """Return the pressure at distances r < radius from the axis, Pa."""
+        mean = self.force / (math.pi * self.radius**2)
+        return np.asarray(0.5 * mean / np.sqrt(1.0 - (np.asarray(r) / self.radius) ** 2), dtype=np.float64)
+
+
+def _positive(value: float, unit: str) -> float:
+    return number(value, "An argument of a closed form", unit, above=0.0)
+
+
+def _curvature_integrals(ratio: float) -> tuple[float, float]:
+    """Return (K - E)/e^2 and (E/ratio^2 - K)/e^2 of an ellipse b/a = ratio, in Carlson's form, which does not cancel."""
+    square = ratio**2
+    return float(special.elliprd(0.0, square, 1.0)) / 3.0, float(special.elliprd(0.0, 1.0, square)) / 3.0
