@@ -143,7 +143,7 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
         error = float(y[-used - 1]) - value
         misfit = abs(error - (float(y[-1]) - value) * (x[-1] / x[-used - 1]) ** q)
         if misfit > _MISFIT * abs(error):
-            warnings += (f"the error of the next coarser grid is off by {100 * misfit / abs(error):.2g} %",)
+            warnings += (f"the error of the next coarser grid is off by {100 * misfit / abs(error):.0f} %",)
     return Extrapolation("Richardson", value, {"q": float(q)}, misfit, warnings + _monotone(y))
 
 
@@ -194,7 +194,7 @@ def _complaints(x: Array, y: Array, limit: float, residual: float) -> tuple[str,
         warnings += (f"{x.size} grids determine {_PARAMETERS} parameters exactly: the misfit tells nothing",)
     step = abs(limit - float(y[-1]))
     if residual > _MISFIT * step:
-        share = f"{100 * residual / step:.2g} % of" if step > 0.0 else "more than"
+        share = f"{100 * residual / step:.0f} % of" if step > 0.0 else "more than"
         warnings += (f"the curve misses the data by {share} its step beyond the finest grid",)
     return warnings + _monotone(y)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import attrs
@@ -33,7 +34,9 @@ class InstrumentReader(SurfaceReader):
             If SurfaceTopography is not installed.
         """
         try:
-            from SurfaceTopography import read_topography
+            # Its imports warn of optional parallel packages that play no part here.
+            with warnings.catch_warnings(action="ignore"):
+                from SurfaceTopography import read_topography
         except ImportError:
             raise MissingPackage(
                 f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "

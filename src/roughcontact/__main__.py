@@ -1,0 +1,56 @@
+"""The command ``roughcontact``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+
+from roughcontact import __version__
+from roughcontact.errors import MissingPackage, NotConverged, RoughContactError
+
+_EXTRA = "roughcontact[cli]"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return the exit status."""
+    try:
+        options = _parser().parse_args(arguments)
+        command: Callable[[argparse.Namespace], None] = options.command
+        command(options)
+    except NotConverged as error:
+        return _fail(str(error), 1)
+    except RoughContactError as error:
+        return _fail(str(error), 2)
+    except OSError as error:
+        return _fail(f"{error.strerror or error}: {error.filename}", 2)
+    except KeyboardInterrupt:
+        return _fail("interrupted", 130)
+    return 0
+
+
+def _fail(sentence: str, status: int) -> int:
+    print(f"roughcontact: {sentence}", file=sys.stderr)
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    try:
+        from roughcontact.cli import paper, solve
+    except ImportError as error:
+        raise MissingPackage(f"The command line needs {error.name}: pip install '{_EXTRA}'.") from error
+    parser = argparse.ArgumentParser(prog="roughcontact", description="Contact of rough surfaces.")
+    parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    one = commands.add_parser("paper", help="recompute Tables 1 to 3 and Figures 4 to 6 of the paper")
+    one.add_argument("--full", action="store_true", help="with the grid of 2048 x 2048 cells")
+    one.add_argument("-o", "--output", default="paper-results", metavar="FOLDER", help="where the results go (paper-results)")
+    one.set_defaults(command=paper.run)
+    other = commands.add_parser("solve", help="solve the contact of measured height maps")
+    solve.add_options(other)
+    other.set_defaults(command=solve.run)
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

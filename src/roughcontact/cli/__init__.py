@@ -1,0 +1,1 @@
+"""The command line: ``roughcontact paper`` and ``roughcontact solve``."""
