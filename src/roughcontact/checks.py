@@ -115,7 +115,7 @@ def heights_array(values: npt.ArrayLike) -> Array:
     """
     what = "The height map"
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
-        values = values.astype(float).filled(np.nan)
+        values = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)
     try:
         array = np.array(values)
     except ValueError:

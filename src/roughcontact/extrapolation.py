@@ -154,7 +154,9 @@ def _data(cells: Sequence[float], values: Sequence[float]) -> tuple[Array, Array
         raise InputError.about("The data of an extrapolation", (cells, values), "two lists of numbers") from None
     if x.ndim != 1 or x.shape != y.shape or x.size < 2 or np.unique(x).size != x.size:
         raise InputError.about(
-            "The data of an extrapolation", (cells, values), "two lists of equal length, at least two different grids"
+            "The data of an extrapolation",
+            (cells, values),
+            "two lists of equal length, at least two different grids",
         )
     if not (np.isfinite(x).all() and np.isfinite(y).all() and x.min() > 0.0):
         raise InputError.about("The data of an extrapolation", (cells, values), "finite, and the cell counts above 0")

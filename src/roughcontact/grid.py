@@ -10,6 +10,7 @@ import numpy as np
 
 from roughcontact.checks import Array, Pair, integer, pair
 from roughcontact.errors import InputError
+from roughcontact.units import si
 
 
 class Boundary(StrEnum):
@@ -88,7 +89,7 @@ class Grid:
         return self.shape == other.shape and bool(np.allclose(self.size, other.size, rtol=1e-9, atol=0.0))
 
     def __str__(self) -> str:
-        return f"{self.shape[0]} x {self.shape[1]} cells on {self.size[0]:g} m x {self.size[1]:g} m"
+        return f"{self.shape[0]} x {self.shape[1]} cells on {si(self.size[0], 'm')} x {si(self.size[1], 'm')}"
 
 
 def _centres(count: int, size: float) -> Array:

@@ -6,10 +6,14 @@ where p = 0 and g <= 0 (plastic overlap) where p = limit.
 
 from __future__ import annotations
 
+import math
+
 import attrs
 import numpy as np
 
 from roughcontact.checks import Array
+
+_ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
 
 
 @attrs.frozen
@@ -27,12 +31,15 @@ class Optimality:
     scale
         The height that counts as one: the smaller of the rms relief and the range of the elastic
         displacement, so that neither a tall surface nor a light load hides an error.
+    floor
+        The error that float64 cannot go below on these fields.
     """
 
     approach: float
     complementarity: float
     penetration: float
     scale: float
+    floor: float
 
     @property
     def error(self) -> float:
@@ -40,51 +47,50 @@ class Optimality:
         return max(self.complementarity, self.penetration)
 
 
-def optimality(pressure: Array, displacement: Array, undeformed: Array, limit: float) -> Optimality:
-    """Measure the violation of the conditions of contact, in float64.
+class Conditions:
+    """The conditions of one contact, to be measured on any pressure, in float64.
 
     Parameters
     ----------
-    pressure
-        Contact pressure, shape (nx, ny), between 0 and `limit`, not zero everywhere.
-    displacement
-        Displacement it causes, shape (nx, ny).
     undeformed
         Undeformed gap, from any datum, shape (nx, ny).
     limit
         Greatest pressure; `inf` where there is none.
-
-    Notes
-    -----
-    The approach is the pressure-weighted mean of u + h over the cells that are neither open nor
-    saturated; where there is none, any level that separates both kinds would do.
     """
-    level = displacement + undeformed
-    saturated = pressure >= limit
-    bearing = np.where(saturated, 0.0, pressure) if saturated.any() else pressure
-    load = float(np.add.reduce(bearing, axis=None))
-    approach = float(np.einsum("ij,ij->", bearing, level)) / load if load > 0.0 else _between(level, pressure, limit)
-    level -= approach
-    allowed = np.where(saturated, np.maximum(level, 0.0), level)
-    scale = _scale(displacement, undeformed)
-    violation = float(np.einsum("ij,ij->", pressure, np.abs(allowed))) / float(np.add.reduce(pressure, axis=None))
-    return Optimality(approach, violation / scale, max(0.0, -float(allowed.min())) / scale, scale)
 
+    def __init__(self, undeformed: Array, limit: float = math.inf) -> None:
+        self._undeformed = undeformed
+        self._limit = limit
+        self._relief = float(undeformed.std())
+        self._size = float(np.abs(undeformed).max())
 
-def rounding_floor(displacement: Array, undeformed: Array, scale: float) -> float:
-    """Return the violation that float64 cannot go below on these fields."""
-    size = float(np.abs(displacement).max()) + float(np.abs(undeformed).max())
-    return 16.0 * float(np.finfo(np.float64).eps) * size / scale
+    def measure(self, pressure: Array, displacement: Array) -> Optimality:
+        """Measure a pressure and the displacement it causes, both of shape (nx, ny).
 
+        The pressure lies between zero and the limit and is not zero everywhere. The approach is the
+        pressure-weighted mean of u + h over the cells that are neither open nor saturated; where
+        there is none, any level that separates both kinds would do.
+        """
+        level = displacement + self._undeformed
+        saturated = pressure >= self._limit if math.isfinite(self._limit) else None
+        bearing = pressure if saturated is None else np.where(saturated, 0.0, pressure)
+        load = float(np.add.reduce(bearing, axis=None))
+        approach = float(np.einsum("ij,ij->", bearing, level)) / load if load > 0.0 else self._between(level, pressure)
+        level -= approach
+        if saturated is not None:
+            # Overlap is what saturation means; only an open gap is an error there.
+            np.maximum(level, 0.0, out=level, where=saturated)
+        deepest = float(level.min())
+        np.abs(level, out=level)
+        total = load if saturated is None else float(np.add.reduce(pressure, axis=None))
+        open_gap = float(np.einsum("ij,ij->", pressure, level)) / total
+        low, high = float(displacement.min()), float(displacement.max())
+        scale = min(self._relief, high - low) or max(self._relief, high - low) or 1.0
+        floor = _ROUNDING * (max(high, -low) + self._size) / scale
+        return Optimality(approach, open_gap / scale, max(0.0, -deepest) / scale, scale, floor)
 
-def _scale(displacement: Array, undeformed: Array) -> float:
-    relief = float(undeformed.std())
-    elastic = float(displacement.max() - displacement.min())
-    return min(relief, elastic) or max(relief, elastic) or 1.0
-
-
-def _between(level: Array, pressure: Array, limit: float) -> float:
-    """Return a level that separates the saturated from the open cells, as well as there is one."""
-    lower = float(level[pressure >= limit].max())
-    open_cells = pressure <= 0.0
-    return min(lower, float(level[open_cells].min())) if open_cells.any() else lower
+    def _between(self, level: Array, pressure: Array) -> float:
+        """Return a level that separates the saturated from the open cells, as well as there is one."""
+        lower = float(level[pressure >= self._limit].max())
+        open_cells = pressure <= 0.0
+        return min(lower, float(level[open_cells].min())) if open_cells.any() else lower

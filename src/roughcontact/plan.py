@@ -10,6 +10,7 @@ from roughcontact.convolvers import Convolver
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import InfluenceKernel
 from roughcontact.solvers import Solver
+from roughcontact.units import si
 
 # Real arrays of the grid's size that a solve keeps alive at its widest, beyond the transforms.
 _FIELDS = 9
@@ -67,10 +68,13 @@ class Plan:
 
     def __str__(self) -> str:
         mx, my = self.transform_shape
-        cap = f"{self.limit:g} Pa" if math.isfinite(self.limit) else "none"
+        cap = si(self.limit, "Pa") if math.isfinite(self.limit) else "none"
         rows = [
             ("grid", f"{self.grid}, boundary {self.boundary}"),
-            ("bodies", f"contact modulus {self.modulus:g} Pa, relief {self.relief:g} m, pressure limit {cap}"),
+            (
+                "bodies",
+                f"contact modulus {si(self.modulus, 'Pa')}, relief {si(self.relief, 'm')}, pressure limit {cap}",
+            ),
             ("kernel", repr(self.kernel)),
             ("convolver", f"{self.convolver!r} on {mx} x {my} cells"),
             ("solver", repr(self.solver)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
@@ -16,15 +17,20 @@ from roughcontact.errors import InputError, NotConverged
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel, InfluenceKernel
 from roughcontact.materials import Rigid, contact_modulus, pressure_limit
-from roughcontact.optimality import optimality, rounding_floor
+from roughcontact.optimality import Conditions
 from roughcontact.plan import Plan
 from roughcontact.registry import convolvers, kernels, solvers
 from roughcontact.solution import ContactSolution, Residuals, Status
 from roughcontact.solvers import Outcome, Solver, Task
 from roughcontact.surfaces import FlatSurface, HeightMap
 from roughcontact.surfaces.base import own_grid
+from roughcontact.units import si
 
-_AUTO_CONVOLVER = {Boundary.FREE: "dc-fft", Boundary.PERIODIC: "circular-fft", Boundary.WRAPPED: "circular-fft"}
+_AUTO_CONVOLVER = {
+    Boundary.FREE: "dc-fft",
+    Boundary.PERIODIC: "circular-fft",
+    Boundary.WRAPPED: "circular-fft",
+}
 _AUTO_SOLVER = "spectral-gradient"
 _LOAD_TOLERANCE = 1e-12
 
@@ -33,12 +39,12 @@ def _boundary(value: str) -> Boundary:
     return Boundary(choice(value, "The boundary", [str(name) for name in Boundary]))
 
 
-def _is_body(_: object, __: object, value: object) -> None:
+def _is_body(_: Any, __: Any, value: Any) -> None:
     if not isinstance(value, Body):
         raise InputError.about("Each side of a contact", value, "a Body(surface, material)")
 
 
-def _is_grid(_: object, __: object, value: object) -> None:
+def _is_grid(_: Any, __: Any, value: Any) -> None:
     if value is not None and not isinstance(value, Grid):
         raise InputError.about("The grid", value, "a Grid(shape, size)")
 
@@ -169,12 +175,12 @@ class ContactProblem:
         plan = self.plan
         unit = plan.modulus * (plan.relief / plan.grid.spacing[0])
         displacement = self.convolution.apply(outcome.pressure)
-        state = optimality(outcome.pressure, displacement, task.undeformed, task.limit)
+        state = Conditions(task.undeformed, task.limit).measure(outcome.pressure, displacement)
         carried = self.convolution.sum(outcome.pressure) / outcome.pressure.size
         load = abs(carried / task.mean_pressure - 1.0)
-        bound = 2.0 * max(plan.solver.tolerance, rounding_floor(displacement, task.undeformed, state.scale))
+        bound = 2.0 * max(plan.solver.tolerance, state.floor)
         confirmed = state.error <= bound and load <= _LOAD_TOLERANCE
-        bounded = 0.0 <= float(outcome.pressure.min()) and float(outcome.pressure.max()) <= task.limit
+        bounded = outcome.pressure.min() >= 0.0 and outcome.pressure.max() <= task.limit
         status = outcome.status
         if status.success and not (confirmed and bounded):
             status = Status.UNCONFIRMED
@@ -241,8 +247,8 @@ class ContactProblem:
         limit = self.plan.limit
         if mean > limit * (1.0 + _LOAD_TOLERANCE):
             raise InputError(
-                f"The mean pressure of {mean:g} Pa is more than the bodies bear: at most {limit:g} Pa, "
-                f"that is {limit * self.plan.grid.area:g} N on this domain."
+                f"The mean pressure of {si(mean, 'Pa')} is more than the bodies bear: at most {si(limit, 'Pa')}, "
+                f"that is {si(limit * self.plan.grid.area, 'N')} on this domain."
             )
         return min(mean, limit)
 

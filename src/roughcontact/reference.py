@@ -97,9 +97,9 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
 
     def mismatch(log_ratio: float) -> float:
         shallow, steep = _curvature_integrals(math.exp(log_ratio))
-        return math.log(steep / shallow) - math.log(blunt / sharp)
+        return float(math.log(steep / shallow) - math.log(blunt / sharp))
 
-    ratio = math.exp(optimize.brentq(mismatch, math.log(1e-15), 0.0, xtol=1e-15, rtol=1e-14))
+    ratio = math.exp(float(optimize.brentq(mismatch, math.log(1e-15), 0.0, xtol=1e-15, rtol=1e-14)))
     shallow, _ = _curvature_integrals(ratio)
     # From 1/(2 R') with p0 = 3F / (2 pi a b).
     a = (3.0 * force * blunt * shallow / (math.pi * modulus)) ** (1 / 3)
@@ -137,7 +137,7 @@ class WavyContact:
 
     def light_area_fraction(self, mean_pressure: float) -> float:
         """Return the contact area over nominal area in the limit of light load (the paper's eq. 27)."""
-        return math.pi * (3.0 * mean_pressure / (8.0 * math.pi * self.full_contact_pressure)) ** (2 / 3)
+        return math.pi * math.pow(3.0 * mean_pressure / (8.0 * math.pi * self.full_contact_pressure), 2 / 3)
 
     def light_p_max(self, mean_pressure: float) -> float:
         """Return the greatest pressure in the limit of light load, Pa (the paper's eq. 26)."""
@@ -231,6 +231,6 @@ def _positive(value: float, unit: str) -> float:
 
 
 def _curvature_integrals(ratio: float) -> tuple[float, float]:
-    """Return (K - E)/e^2 and (E/ratio^2 - K)/e^2 of an ellipse b/a = ratio, in Carlson's form, which does not cancel."""
+    """Return (K - E)/e^2 and (E/ratio^2 - K)/e^2 of the ellipse b/a = ratio; Carlson's form does not cancel."""
     square = ratio**2
     return float(special.elliprd(0.0, square, 1.0)) / 3.0, float(special.elliprd(0.0, 1.0, square)) / 3.0

@@ -89,7 +89,7 @@ class Registry:
         if not isinstance(made, base):
             hint = " Pass an instance, not the class." if isinstance(made, type) else ""
             raise InputError(
-                f"The {self.kind} must be a registered name or an instance of {base.__name__}, but got {choice!r}.{hint}"
+                f"The {self.kind} must be a registered name or a {base.__name__}, but got {choice!r}.{hint}"
             )
         return made
 

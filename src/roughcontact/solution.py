@@ -13,6 +13,7 @@ from roughcontact.checks import Array, Mask
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.registry import areas
+from roughcontact.units import si
 
 DEFAULT_AREA = "perimeter"
 
@@ -89,7 +90,9 @@ class Area:
 
     def __str__(self) -> str:
         relative = self.uncertainty / self.value if self.value > 0.0 else 0.0
-        return f"{self.value:.5g} m2 ({100 * self.fraction:.4g} % of nominal) +- {100 * relative:.2g} % [{self.estimator}]"
+        return (
+            f"{self.value:.5g} m2 ({100 * self.fraction:.4g} % of nominal) +- {100 * relative:.2g} % [{self.estimator}]"
+        )
 
 
 @runtime_checkable
@@ -196,9 +199,9 @@ class ContactSolution:
             f"{self.status}\n"
             f"  after {self.iterations} iterations, {self.convolutions} convolutions, {self.seconds:.2g} s\n"
             f"  residuals      {self.residuals}\n"
-            f"  force          {self.force:.6g} N\n"
-            f"  mean pressure  {self.mean_pressure:.6g} Pa\n"
-            f"  max pressure   {self.pressure.max():.6g} Pa\n"
-            f"  approach       {self.approach:.6g} m\n"
+            f"  force          {si(self.force, 'N', 6)}\n"
+            f"  mean pressure  {si(self.mean_pressure, 'Pa', 6)}\n"
+            f"  max pressure   {si(float(self.pressure.max()), 'Pa', 6)}\n"
+            f"  approach       {si(self.approach, 'm', 6)}\n"
             f"  contact area   {self.area()}"
         )

@@ -12,8 +12,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table as RichTable
 
-from roughcontact.paper import Case, Table, all_tables, remarks, run_case
-from roughcontact.paper import printed
+from roughcontact.paper import Case, Table, all_tables, printed, remarks, run_case
 from roughcontact.paper.figures import draw_all
 
 
@@ -54,9 +53,10 @@ def _show(table: Table, console: Console) -> None:
     view = RichTable(title=table.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
     for column in table.columns:
         view.add_column(column, justify="right")
+    several = len(table.rows) > len(printed.LOADS)
     for row, following in zip_longest(table.rows, table.rows[1:]):
         # A line between loads that have several rows.
-        view.add_row(*row, end_section=len(table.rows) > len(printed.LOADS) and following and following[0] != row[0])
+        view.add_row(*row, end_section=several and following is not None and following[0] != row[0])
     console.print()
     console.print(view)
     for note in table.notes:

@@ -25,9 +25,12 @@ class NpzReader(SurfaceReader):
         with np.load(path, allow_pickle=False) as data:
             if "heights" not in data:
                 raise InputError(f"it holds {sorted(data)}, but no array named 'heights'")
-            size = tuple(float(side) for side in np.broadcast_to(data["size"], 2)) if "size" in data else None
+            size = None
+            if "size" in data:
+                lx, ly = (float(side) for side in np.broadcast_to(data["size"], 2))
+                size = lx, ly
             periodic = bool(data["periodic"]) if "periodic" in data else False
-            return RawMap(data["heights"], size and (size[0], size[1]), periodic)
+            return RawMap(data["heights"], size, periodic)
 
 
 @attrs.frozen

@@ -99,6 +99,6 @@ def _complete(heights: np.ndarray, file: Path, missing: str) -> np.ndarray:
     if missing == "refuse":
         raise InputError(
             f"The file {file.name} misses {holes} of {heights.size} points: "
-            "read_surface(..., missing='fill') fills them from their neighbours."
+            "fill them from their neighbours with missing='fill' (on the command line --missing fill)."
         )
     return filled(heights)

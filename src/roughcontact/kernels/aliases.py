@@ -73,7 +73,7 @@ def _other_rows(theta_x: Array, theta_y: Array, aspect: float) -> Array:
     across = weights * _sinc(theta_x, orders)
     along = (weights * _sinc(theta_y, orders))[:, others]
     distance = np.hypot(x[:, np.newaxis, :, np.newaxis] / aspect, y[:, others][np.newaxis, :, np.newaxis, :])
-    return np.einsum("im,jn,ijmn->ij", across, along, 1.0 / distance, optimize=True)
+    return np.asarray(np.einsum("im,jn,ijmn->ij", across, along, 1.0 / distance, optimize=True))
 
 
 def _sinc(theta: Array, orders: Array) -> Array:

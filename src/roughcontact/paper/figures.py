@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -33,12 +34,12 @@ def _of_load(cases: Sequence[Case], load: int) -> list[Case]:
     return [case for case in cases if case.load == load]
 
 
-def _grid_axis(axes: object, cells: Sequence[int]) -> None:
-    axes.set_xscale("log", base=2)  # type: ignore[attr-defined]
-    axes.xaxis.set_major_locator(FixedLocator(cells))  # type: ignore[attr-defined]
-    axes.xaxis.set_minor_locator(NullLocator())  # type: ignore[attr-defined]
-    axes.set_xticklabels([str(n) for n in cells])  # type: ignore[attr-defined]
-    axes.set_xlabel("cells along a side")  # type: ignore[attr-defined]
+def _grid_axis(axes: Axes) -> None:
+    axes.set_xscale("log", base=2)
+    axes.xaxis.set_major_locator(FixedLocator(printed.GRIDS))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_xticklabels([str(cells) for cells in printed.GRIDS])
+    axes.set_xlabel("cells along a side")
 
 
 def _errors(cases: Sequence[Case]) -> Figure:
@@ -54,11 +55,13 @@ def _errors(cases: Sequence[Case]) -> Figure:
         }
         for label, (values, true, style) in ours.items():
             axes.plot(cells, 100 * np.abs(np.array(values) / true[load] - 1), style, label=label)
-        for values, analytic in ((printed.SAM_AREA, printed.ANALYTIC_AREA), (printed.SAM_P_MAX, printed.ANALYTIC_P_MAX)):
-            error = 100 * np.abs(np.array(values[load]) / analytic[load] - 1)
-            axes.plot(printed.GRIDS, error, "kx", label="_" if analytic is printed.ANALYTIC_P_MAX else "as printed")
+        for print_, analytic, label in (
+            (printed.SAM_AREA, printed.ANALYTIC_AREA, "as printed"),
+            (printed.SAM_P_MAX, printed.ANALYTIC_P_MAX, "_nolegend_"),
+        ):
+            axes.plot(printed.GRIDS, 100 * np.abs(np.array(print_[load]) / analytic[load] - 1), "kx", label=label)
         axes.set_yscale("log")
-        _grid_axis(axes, printed.GRIDS)
+        _grid_axis(axes)
         axes.set_title(f"{load} MPa")
         axes.grid(alpha=0.3)
     figure.axes[0].set_ylabel("error, % (ours: against converged;\nprinted: against eq. 26, 27)")
@@ -75,7 +78,9 @@ def _summit(cases: Sequence[Case]) -> Figure:
         position, half = 1e6 * summit_positions(case), 0.5e6 * case.spacing
         edges = np.append(position - half, position[-1] + half)
         lines = {"edgecolors": "0.6", "linewidth": 0.2} if case.cells <= 1024 else {}
-        axes.pcolormesh(edges, edges, case.summit.T, cmap=ListedColormap(["#2b4c8c", "#f4d35e"]), vmin=0, vmax=1, **lines)
+        axes.pcolormesh(
+            edges, edges, case.summit.T, cmap=ListedColormap(["#2b4c8c", "#f4d35e"]), vmin=0, vmax=1, **lines
+        )
         axes.add_patch(Circle((0, 0), radius, fill=False, edgecolor="#d1495b", linewidth=1.8))
         window = 2.6 * radius
         axes.set(xlim=(-window, window), ylim=(-window, window), aspect="equal")
@@ -94,10 +99,21 @@ def _extrapolations(cases: Sequence[Case]) -> Figure:
         decay, _ = fits(cases, load)
         cells = np.geomspace(printed.GRIDS[0], 1.4 * printed.GRIDS[-1], 300)
         curve = decay.value + decay.parameters["k"] * np.exp(-cells / decay.parameters["t"])
-        axes.plot([case.cells for case in chosen], [case.area for case in chosen], "o", color=color, label=f"{load} MPa, counted")
+        axes.plot(
+            [case.cells for case in chosen],
+            [case.area for case in chosen],
+            "o",
+            color=color,
+            label=f"{load} MPa, counted",
+        )
         axes.plot(cells, curve, "-", color=color, label=f"eq. 28 fitted: {decay.value:.3f} %")
-        axes.axhline(printed.TRUE_AREA[load], color=color, linestyle=":", label=f"converged: {printed.TRUE_AREA[load]:.3f} %")
-    _grid_axis(axes, printed.GRIDS)
+        axes.axhline(
+            printed.TRUE_AREA[load],
+            color=color,
+            linestyle=":",
+            label=f"converged: {printed.TRUE_AREA[load]:.3f} %",
+        )
+    _grid_axis(axes)
     axes.set(ylabel="real contact area, % of nominal", ylim=(0, None))
     axes.legend(fontsize=8, ncols=3, loc="upper right")
     axes.grid(alpha=0.3)

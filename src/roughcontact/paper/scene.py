@@ -77,9 +77,7 @@ def run_case(cells: int, load: int) -> Case:
     """Solve the scene on `cells` x `cells` cells at `load` MPa."""
     started = time.perf_counter()
     solution = problem(cells).solve(pressure=1e6 * load)
-    first, last = (
-        int(np.rint((SUMMIT + side * WAVELENGTH / 4) / SIZE * (cells - 1))) for side in (-1, 1)
-    )
+    first, last = (int(np.rint((SUMMIT + side * WAVELENGTH / 4) / SIZE * (cells - 1))) for side in (-1, 1))
     return Case(
         cells=cells,
         load=load,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import attrs
 
@@ -133,7 +133,7 @@ def _analytic(equation: str, unit: str, print_: dict[int, float], ours: Sequence
     return f"eq. {equation}, the limit of light load: {', '.join(pairs)}"
 
 
-def _printed(table: dict[int, tuple[float, ...]], case: Case) -> float:
+def _printed(table: Mapping[int, tuple[float, ...]], case: Case) -> float:
     return table[case.load][printed.GRIDS.index(case.cells)]
 
 

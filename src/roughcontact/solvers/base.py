@@ -9,7 +9,7 @@ import attrs
 
 from roughcontact.checks import Array, integer, number
 from roughcontact.convolvers import PlannedConvolution
-from roughcontact.optimality import Optimality, optimality, rounding_floor
+from roughcontact.optimality import Conditions, Optimality
 from roughcontact.solution import Status
 
 
@@ -45,7 +45,7 @@ class Outcome:
     iterations, convolutions
         What it took.
     history
-        The error (see `optimality`) at the start of each iteration.
+        The error (see `Optimality`) at the start of each iteration.
     """
 
     pressure: Array
@@ -61,7 +61,7 @@ class Solver(abc.ABC):
     @property
     @abc.abstractmethod
     def tolerance(self) -> float:
-        """The error (see `optimality`) at which the solver calls a pressure converged."""
+        """The error (see `Optimality`) at which the solver calls a pressure converged."""
 
     @abc.abstractmethod
     def solve(self, convolution: PlannedConvolution, task: Task) -> Outcome:
@@ -86,23 +86,23 @@ class Monitor:
     """
 
     def __init__(self, task: Task, tolerance: float, max_iterations: int) -> None:
-        self._task = task
+        self._conditions = Conditions(task.undeformed, task.limit)
         self._tolerance = tolerance
         self._max_iterations = max_iterations
         self.history: list[float] = []
 
     def judge(self, pressure: Array, displacement: Array) -> tuple[Optimality, Status | None]:
         """Measure an iterate; the status is None as long as the solver should go on."""
-        state = optimality(pressure, displacement, self._task.undeformed, self._task.limit)
+        state = self._conditions.measure(pressure, displacement)
         self.history.append(state.error)
-        return state, self._status(state, displacement)
+        return state, self._status(state)
 
-    def _status(self, state: Optimality, displacement: Array) -> Status | None:
+    def _status(self, state: Optimality) -> Status | None:
         if not (math.isfinite(state.error) and math.isfinite(state.approach)):
             return Status.NOT_FINITE
         if state.error <= self._tolerance:
             return Status.CONVERGED
-        if state.error <= rounding_floor(displacement, self._task.undeformed, state.scale):
+        if state.error <= state.floor:
             return Status.CONVERGED_TO_ROUNDING
         if len(self.history) > self._max_iterations:
             return Status.MAXIMUM_ITERATIONS

@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array
+from roughcontact.checks import Array, Mask
 from roughcontact.convolvers import PlannedConvolution
 from roughcontact.errors import InputError
 from roughcontact.solution import Status
@@ -21,13 +21,13 @@ class PolonskyKeer(Solver):
     Two convolutions an iteration. Three misprints are mended: the gap is K p + h (eq. 9 has its
     sign reversed, against eq. 19 to 21), the load is the sum times the whole cell (eq. 22), and the
     pressure is scaled by F/F' (eq. 23). It stops on the conditions of contact themselves (see
-    `optimality`) and not on the change of the pressure (eq. 24), which can be small far from the
+    `Optimality`) and not on the change of the pressure (eq. 24), which can be small far from the
     solution. There is no pressure limit in it.
 
     Parameters
     ----------
     tolerance
-        Error (see `optimality`) to be reached.
+        Error (see `Optimality`) to be reached.
     max_iterations
         Iterations after which it gives up.
 
@@ -83,7 +83,7 @@ class _Search:
         self.restart = True
         self._square = 1.0
 
-    def step(self, gap: Array, contact: Array, convolution: PlannedConvolution) -> float | None:
+    def step(self, gap: Array, contact: Mask, convolution: PlannedConvolution) -> float | None:
         """Turn to the new direction and return the step length; None if there is no descent."""
         residual = np.where(contact, gap, 0.0)
         square = convolution.dot(residual, residual)
@@ -99,7 +99,7 @@ class _Search:
         return convolution.dot(gap, self.direction) / curvature
 
 
-def _less_mean(values: Array, contact: Array, convolution: PlannedConvolution) -> Array:
+def _less_mean(values: Array, contact: Mask, convolution: PlannedConvolution) -> Array:
     """Return `values` less their mean over the contact."""
     count = int(np.count_nonzero(contact))
     return values - convolution.sum(np.where(contact, values, 0.0)) / count

@@ -6,7 +6,9 @@ import numpy as np
 
 from roughcontact.checks import Array
 
+# Newton needs a handful of rounds; bisection to the last bit would need this many.
 _ROUNDS = 200
+_EXACT = 4e-16
 
 
 def onto_load(values: Array, mean: float, limit: float) -> Array:
@@ -18,7 +20,7 @@ def onto_load(values: Array, mean: float, limit: float) -> Array:
     Parameters
     ----------
     values
-        Any finite field, shape (nx, ny).
+        Any finite field, shape (nx, ny); the search is short if the shift is near zero.
     mean
         Mean pressure, above zero and at most `limit`.
     limit
@@ -30,22 +32,24 @@ def onto_load(values: Array, mean: float, limit: float) -> Array:
         The pressure, shape (nx, ny).
     """
     load = mean * values.size
-    upper = float(values.max())
-    # With this shift every cell carries at least the mean.
-    lower = float(values.min()) - mean
-    shift = min(max(float(np.add.reduce(values, axis=None)) / values.size - mean, lower), upper)
+    # With the lower shift every cell carries at least the mean, with the upper one none carries any.
+    lower, upper = float(values.min()) - mean, float(values.max())
+    shift = min(max(0.0, lower), upper)
+    candidates = values.ravel()
     for _ in range(_ROUNDS):
-        pressure = np.clip(values - shift, 0.0, limit)
-        excess = float(np.add.reduce(pressure, axis=None)) - load
+        carried = np.clip(candidates - shift, 0.0, limit)
+        excess = float(np.add.reduce(carried)) - load
+        free = int(np.count_nonzero((carried > 0.0) & (carried < limit)))
         if excess > 0.0:
-            lower = shift
+            # Cells that are open now stay so: the shift only grows from here.
+            lower, candidates = shift, candidates[carried > 0.0]
         else:
             upper = shift
-        free = int(np.count_nonzero((pressure > 0.0) & (pressure < limit)))
         trial = shift + excess / free if free else 0.5 * (lower + upper)
         if not lower < trial < upper:
             trial = 0.5 * (lower + upper)
-        if abs(excess) <= 4e-16 * load or trial in (lower, upper):
+        if abs(excess) <= _EXACT * load or trial in (lower, upper):
             break
         shift = trial
-    return pressure
+    pressure = values - shift
+    return np.clip(pressure, 0.0, limit, out=pressure)

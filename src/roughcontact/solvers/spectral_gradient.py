@@ -34,7 +34,7 @@ class SpectralGradient(Solver):
     Parameters
     ----------
     tolerance
-        Error (see `optimality`) to be reached.
+        Error (see `Optimality`) to be reached.
     max_iterations
         Iterations after which it gives up.
 
@@ -68,7 +68,7 @@ class SpectralGradient(Solver):
             energies.append(_energy(pressure, displacement, gradient, convolution))
             if math.isnan(length):
                 length, convolutions = _first_length(gradient, convolution), convolutions + 1
-            step = onto_load(pressure - length * gradient, task.mean_pressure, task.limit)
+            step = onto_load(_moved(pressure, gradient, -length), task.mean_pressure, task.limit)
             step -= pressure
             change = convolution.apply(step)
             convolutions += 1
@@ -78,8 +78,20 @@ class SpectralGradient(Solver):
             part = 1.0
             if energies[-1] + slope + 0.5 * curvature > max(energies) + _DECREASE * slope:
                 part = min(1.0, -slope / curvature)
-            pressure, displacement, exact = pressure + part * step, displacement + part * change, False
             length = convolution.dot(step, step) / curvature
+            pressure = _bounded(_moved(pressure, step, part), task.limit)
+            displacement, exact = _moved(displacement, change, part), False
+
+
+def _moved(start: Array, direction: Array, length: float) -> Array:
+    moved = direction * length
+    moved += start
+    return moved
+
+
+def _bounded(pressure: Array, limit: float) -> Array:
+    """Take away what rounding may have left outside the bounds."""
+    return np.clip(pressure, 0.0, limit, out=pressure)
 
 
 def _energy(pressure: Array, displacement: Array, gradient: Array, convolution: PlannedConvolution) -> float:

@@ -29,7 +29,7 @@ class ParaboloidSurface(Surface):
     """
 
     radius: Pair = attrs.field(converter=_radius)
-    center: Pair = attrs.field(converter=centre_point, default=0.0)
+    center: Pair = attrs.field(converter=centre_point, default=(0.0, 0.0))
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, zero at the summit."""

@@ -46,9 +46,7 @@ def _interpolated(values: Array, count: int, *, periodic: bool) -> Array:
     return np.asarray((1.0 - weight) * values[lower % old] + weight * values[(lower + 1) % old], dtype=np.float64)
 
 
-def _resized(
-    spectrum: npt.NDArray[np.complex128], axis: int, count: int
-) -> npt.NDArray[np.complex128]:
+def _resized(spectrum: npt.NDArray[np.complex128], axis: int, count: int) -> npt.NDArray[np.complex128]:
     """Cut or pad a spectrum along one axis and move its origin from old to new cell centres."""
     old = spectrum.shape[axis]
     half = (min(old, count) - 1) // 2

@@ -72,8 +72,9 @@ class SelfAffineSurface(Surface):
             raise InputError("Give exactly one of rms_height= and rms_slope= for a self-affine surface.")
         if not self.shortest <= self.rolloff <= self.longest:
             raise InputError.about(
-                "The roll-off wavelength", self.rolloff, f"between shortest ({self.shortest:g} m) "
-                f"and longest ({self.longest:g} m)"
+                "The roll-off wavelength",
+                self.rolloff,
+                f"between shortest ({self.shortest:g} m) and longest ({self.longest:g} m)",
             )
 
     def heights(self, grid: Grid) -> Array:
@@ -87,11 +88,16 @@ class SelfAffineSurface(Surface):
         limit = max(2.0 * step for step in grid.spacing)
         if self.shortest < limit * (1 - _TOUCH):
             raise InputError.about(
-                "The shortest wavelength", self.shortest, f"at least two cells ({limit:g} m) on this grid",
-                "Refine the grid or choose a longer wave."
+                "The shortest wavelength",
+                self.shortest,
+                f"at least two cells ({limit:g} m) on this grid",
+                "Refine the grid or choose a longer wave.",
             )
         kx, ky = (np.arange(-m, m + 1) for m in (int(side / self.shortest * (1 + _TOUCH)) for side in grid.size))
-        qx, qy = 2 * np.pi * kx[:, None] / grid.size[0], 2 * np.pi * ky[None, :] / grid.size[1]
+        qx, qy = (
+            np.asarray(2 * np.pi * k / side, dtype=np.float64)
+            for k, side in ((kx[:, None], grid.size[0]), (ky[None, :], grid.size[1]))
+        )
         modes = self._modes(qx, qy)
         # The origin is the centre of the domain; the FFT's is the first cell.
         modes = modes * np.exp(1j * (qx * grid.x[0, 0] + qy * grid.y[0, 0]))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import attrs
 import numpy as np
 
@@ -30,7 +28,7 @@ class SphereSurface(Surface):
     """
 
     radius: float = attrs.field(converter=_radius)
-    center: Pair = attrs.field(converter=centre_point, default=0.0)
+    center: Pair = attrs.field(converter=centre_point, default=(0.0, 0.0))
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, zero at the summit.

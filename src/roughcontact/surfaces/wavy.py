@@ -46,7 +46,7 @@ class WavySurface(Surface):
 
     amplitude: Pair = attrs.field(converter=_amplitude)
     wavelength: Pair = attrs.field(converter=_wavelength)
-    phase: Pair = attrs.field(converter=_phase, default=0.0)
+    phase: Pair = attrs.field(converter=_phase, default=(0.0, 0.0))
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m."""
