@@ -1,0 +1,173 @@
+from __future__ import annotations
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import aspects
+
+import roughcontact as rc
+from roughcontact.kernels import BoundKernel
+from roughcontact.kernels.love import cell_potential
+
+
+def love_by_mpmath(i, j, dx, dy):
+    """Love's four logarithms with 50 digits, for 1/(pi E*) = 1."""
+    with mp.workdps(50):
+        dx, dy = mp.mpf(dx), mp.mpf(dy)
+
+        def corner(x, y):
+            return (x * mp.asinh(y / abs(x)) if x else 0) + (y * mp.asinh(x / abs(y)) if y else 0)
+
+        x, y = (i - mp.mpf(1) / 2) * dx, (j - mp.mpf(1) / 2) * dy
+        return corner(x + dx, y + dy) - corner(x, y + dy) - corner(x + dx, y) + corner(x, y)
+
+
+def offsets(rng, count=60):
+    """Offsets up to 16384 cells, evenly in their logarithm, with the axes and the corners."""
+    some = rng.integers(0, 2 ** rng.integers(1, 15, count))
+    return np.unique(np.concatenate([[0, 1, 2, 9, 10, 11, 110, 111, 16384], some]))
+
+
+@pytest.mark.parametrize("aspect", [1e-3, 0.03, 0.7, 1.0, 1.5, 8.0, 1e2, 1e3])
+def test_love_agrees_with_mpmath_to_1e_13_out_to_16384_cells(aspect):
+    rng = np.random.default_rng(3)
+    i, j = offsets(rng), offsets(rng)
+    if aspect >= 1:
+        values = cell_potential(i.astype(float), j.astype(float), aspect)
+    else:
+        values = aspect * cell_potential(j.astype(float), i.astype(float), 1 / aspect).T
+    for a, b in zip(rng.integers(0, i.size, 250), rng.integers(0, j.size, 250), strict=True):
+        exact = love_by_mpmath(int(i[a]), int(j[b]), aspect, 1)
+        assert abs(values[a, b] / exact - 1) < 1e-13
+
+
+@pytest.mark.parametrize("spacing", [(2e-6, 2e-6), (1e-6, 1e-3), (1e-3, 1e-6)])
+def test_coefficients_are_loves_solution_in_si(spacing):
+    compliance = 3e-12
+    values = rc.Love().coefficients((5, 7), spacing, compliance)
+    for i, j in np.ndindex(5, 7):
+        exact = love_by_mpmath(i, j, *spacing) * compliance / mp.pi
+        assert abs(values[i, j] / exact - 1) < 1e-13
+
+
+def test_far_from_the_cell_its_load_acts_like_a_point():
+    values = rc.Love().coefficients((2001, 1), (1e-6, 1e-6), 1.0)
+    distance = 2000e-6
+    assert values[2000, 0] == pytest.approx(1e-12 / (np.pi * distance), rel=1e-6)
+
+
+@given(aspects, st.integers(2, 40))
+def test_coefficients_are_positive_and_fall_with_distance(aspect, count):
+    values = rc.Love().coefficients((count, count), (1.0, aspect), 1.0)
+    assert values.min() > 0
+    assert np.diff(values, axis=0).max() < 0
+    assert np.diff(values, axis=1).max() < 0
+
+
+@given(aspects, st.integers(2, 12), st.integers(2, 12))
+def test_turning_the_cells_turns_the_coefficients(aspect, nx, ny):
+    upright = rc.Love().coefficients((nx, ny), (1.0, aspect), 1.0)
+    turned = rc.Love().coefficients((ny, nx), (aspect, 1.0), 1.0)
+    np.testing.assert_allclose(upright, turned.T, rtol=1e-14)
+
+
+def plain_alias_sum(theta_x, theta_y, dx, dy, count):
+    """The defining sum, summed over squares of 2 count + 1 aliases a side, smoothed by averaging squares."""
+    orders = np.arange(-count, count + 1)
+    x, y = (t + 2 * np.pi * orders for t in (theta_x, theta_y))
+    terms = np.sinc(x / 2 / np.pi)[:, None] * np.sinc(y / 2 / np.pi)[None, :]
+    terms = terms / np.hypot(x[:, None] / dx, y[None, :] / dy)
+    taper = np.clip((count + 1 - np.abs(orders)) / (count / 2), 0, 1)
+    smooth = taper**2 * (3 - 2 * taper)
+    return 2 * np.sum(terms * smooth[:, None] * smooth[None, :])
+
+
+@pytest.mark.parametrize("aspect", [0.01, 0.5, 1.0, 1.3, 40.0])
+def test_spectrum_is_the_alias_sum(aspect):
+    theta = np.array([0.02, 0.7, 2.0, 3.0, np.pi])
+    dx, dy = aspect, 1.0
+    values = rc.Love().spectrum(theta[:, None] / dx, theta[None, :] / dy, (dx, dy), 1.0)
+    for i, j in np.ndindex(5, 5):
+        assert values[i, j] == pytest.approx(plain_alias_sum(theta[i], theta[j], dx, dy, 400), rel=1e-12)
+
+
+def test_periodised_love_is_the_sum_over_all_images():
+    """Tiles of the domain around it, convolved freely, become the periodic surface as they grow in number."""
+    shape, spacing = (6, 4), (1.0, 1.4)
+    pressure = np.random.default_rng(0).random(shape)
+    # Without mean and first moments the distant images decay fast enough.
+    pressure += pressure[::-1] + pressure[:, ::-1] + pressure[::-1, ::-1]
+    pressure -= pressure.mean()
+    kernel = BoundKernel(rc.Love())
+
+    def tiled(images):
+        count = 2 * images + 1
+        cells = (count * shape[0], count * shape[1])
+        grid = rc.Grid(cells, (cells[0] * spacing[0], cells[1] * spacing[1]))
+        free = rc.DCFFT().plan(kernel, grid, rc.Boundary.FREE).apply(np.tile(pressure, (count, count)))
+        middle = free[images * shape[0] :, images * shape[1] :][: shape[0], : shape[1]]
+        return middle - middle.mean()
+
+    grid = rc.Grid(shape, (shape[0] * spacing[0], shape[1] * spacing[1]))
+    periodic = rc.CircularFFT().plan(kernel, grid, rc.Boundary.PERIODIC).apply(pressure)
+    coarse, fine = tiled(20), tiled(40)
+    far = (40.5 / 20.5) ** 3
+    np.testing.assert_allclose(
+        fine + (fine - coarse) / (far - 1), periodic, rtol=0, atol=1e-8 * np.abs(periodic).max()
+    )
+    assert np.abs(fine - periodic).max() > 1e-8 * np.abs(periodic).max()
+
+
+@given(aspects)
+def test_both_kernels_agree_on_long_waves(aspect):
+    q = np.array([[1e-3]])
+    love = rc.Love().spectrum(q, 0.5 * q, (1.0, aspect), 1.0)
+    fourier = rc.FourierHalfSpace().spectrum(q, 0.5 * q, (1.0, aspect), 1.0)
+    np.testing.assert_allclose(love, fourier, rtol=1e-5)
+
+
+@given(aspects, st.integers(2, 30), st.integers(2, 30))
+def test_loves_spectrum_is_positive_on_nearly_square_cells(aspect, nx, ny):
+    qx, qy = np.pi * np.linspace(0.01, 1, nx)[:, None], np.pi / aspect * np.linspace(0.01, 1, ny)[None, :]
+    assert rc.Love().spectrum(qx, qy, (1.0, aspect), 1.0).min() > 0
+
+
+def test_the_mean_pressure_moves_no_periodic_surface():
+    grid = rc.Grid((8, 6), (1.0, 1.0))
+    for kernel in (rc.Love(), rc.FourierHalfSpace()):
+        plan = rc.CircularFFT().plan(BoundKernel(kernel), grid, rc.Boundary.PERIODIC)
+        assert np.abs(plan.apply(np.ones(grid.shape))).max() < 1e-15
+
+
+class Neither(rc.InfluenceKernel):
+    pass
+
+
+class Broken(rc.InfluenceKernel):
+    def __init__(self, values):
+        self.values = values
+
+    def coefficients(self, shape, spacing, compliance):
+        return self.values(shape)
+
+
+@pytest.mark.parametrize(
+    ("kernel", "boundary", "sentence"),
+    [
+        (Neither(), "free", "offers no real-space coefficients"),
+        (Neither(), "periodic", "offers no spectrum"),
+        (rc.FourierHalfSpace(), "free", "use boundary='periodic'"),
+        (Broken(lambda shape: np.full(shape, np.nan)), "free", "not finite"),
+        (Broken(lambda shape: np.ones((2, 2))), "free", "shape (2, 2)"),
+        (Broken(lambda shape: np.ones(shape, dtype=int)), "wrapped", "real numbers"),
+    ],
+)
+def test_unfit_kernels_are_refused_in_words(kernel, boundary, sentence):
+    wave = rc.WavySurface(1e-6, 1e-3)
+    problem = rc.ContactProblem(
+        rc.Body(wave, rc.Elastic(1e9, 0.3)), grid=rc.Grid((8, 9), 1e-3), boundary=boundary, kernel=kernel
+    )
+    with pytest.raises(rc.InputError, match=sentence.replace("(", r"\(").replace(")", r"\)")):
+        problem.solve(pressure=1e3)

@@ -1,0 +1,141 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import seeds
+
+import roughcontact as rc
+
+GRID = rc.Grid((40, 30), (2e-4, 3e-4))
+
+
+def test_wave_is_equation_25():
+    wave = rc.WavySurface((1e-6, 2e-6), (5e-5, 1e-4), phase=(0.3, -0.2))
+    x, y = (np.arange(40) - 19.5) * 5e-6, (np.arange(30) - 14.5) * 1e-5
+    expected = 1e-6 * np.cos(2 * np.pi * x / 5e-5 + 0.3)[:, None] + 2e-6 * np.cos(2 * np.pi * y / 1e-4 - 0.2)
+    np.testing.assert_allclose(wave.heights(GRID), expected, rtol=0, atol=1e-20)
+
+
+def test_a_sphere_is_a_paraboloid_near_its_summit():
+    small = rc.Grid((11, 11), 1e-5)
+    sphere, paraboloid = rc.SphereSurface(1e-2).heights(small), rc.ParaboloidSurface(1e-2).heights(small)
+    np.testing.assert_allclose(sphere, paraboloid, rtol=1e-6)
+
+
+def test_a_sphere_has_its_radius():
+    heights = rc.SphereSurface(2e-4, center=(1e-5, 0)).heights(GRID)
+    distance = np.sqrt((GRID.x - 1e-5) ** 2 + GRID.y**2 + (heights + 2e-4) ** 2)
+    np.testing.assert_allclose(distance, 2e-4, rtol=1e-14)
+
+
+def test_surfaces_add():
+    wave, ball = rc.WavySurface(1e-6, 1e-4), rc.ParaboloidSurface((1e-2, 3e-2))
+    bump = rc.HeightMap(np.random.default_rng(0).random(GRID.shape), size=GRID.size)
+    total = wave + ball + bump
+    assert total.grid == GRID
+    np.testing.assert_array_equal(total.heights(GRID), wave.heights(GRID) + ball.heights(GRID) + bump.heights(GRID))
+
+
+def test_a_map_keeps_a_private_copy():
+    values = np.zeros((3, 4))
+    surface = rc.HeightMap(values, size=1.0)
+    values[0, 0] = 1.0
+    assert surface.values[0, 0] == 0.0
+    assert not surface.values.flags.writeable
+
+
+def test_bilinear_is_exact_on_planes_inside():
+    plane = rc.HeightMap(GRID.x + 2 * GRID.y, size=GRID.size)
+    finer = plane.resample((80, 45))
+    expected = finer.grid.x + 2 * finer.grid.y
+    np.testing.assert_allclose(finer.values[2:-2, 2:-2], expected[2:-2, 2:-2], atol=1e-17)
+
+
+def test_bilinear_takes_the_mean_of_two_cells_when_halving():
+    values = np.random.default_rng(0).random((8, 6))
+    halved = rc.HeightMap(values, size=1.0).resample((4, 3))
+    np.testing.assert_allclose(halved.values, values.reshape(4, 2, 3, 2).mean(axis=(1, 3)), rtol=1e-14)
+
+
+def test_bilinear_goes_around_on_a_periodic_map():
+    values = np.random.default_rng(0).random((8, 6))
+    surface = rc.HeightMap(values, size=1.0, periodic=True)
+    moved = rc.HeightMap(np.roll(values, 2, axis=0), size=1.0, periodic=True)
+    np.testing.assert_allclose(np.roll(surface.resample((12, 6)).values, 3, axis=0), moved.resample((12, 6)).values)
+
+
+@given(seeds, st.integers(5, 40), st.integers(5, 40))
+def test_fourier_is_exact_on_waves(seed, nx, ny):
+    rng = np.random.default_rng(seed)
+    waves = rc.WavySurface(rng.random(2), (1 / 2, 1 / 2), phase=rng.random(2) * 6)
+    coarse, fine = rc.Grid((5, 6), 1.0), rc.Grid((nx, ny), 1.0)
+    surface = rc.HeightMap(waves.heights(coarse), size=1.0, periodic=True)
+    np.testing.assert_allclose(surface.resample((nx, ny), "fourier").values, waves.heights(fine), atol=1e-13)
+
+
+def test_fourier_to_the_same_and_threefold_cells_keeps_the_values():
+    values = np.random.default_rng(0).random((6, 9))
+    surface = rc.HeightMap(values, size=1.0, periodic=True)
+    np.testing.assert_allclose(surface.resample((6, 9), "fourier").values, values, atol=1e-15)
+    # The centres of threefold finer cells include the old ones.
+    np.testing.assert_allclose(surface.resample((18, 27), "fourier").values[1::3, 1::3], values, atol=1e-14)
+
+
+def test_block_mean_keeps_the_mean():
+    values = np.random.default_rng(0).random((12, 10))
+    coarse = rc.HeightMap(values, size=1.0).resample((3, 5), "mean")
+    np.testing.assert_allclose(coarse.values, values.reshape(3, 4, 5, 2).mean(axis=(1, 3)))
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2, 4])
+def test_detrending_removes_polynomials_and_nothing_else(degree):
+    x, y = np.meshgrid(np.linspace(0, 1, 25), np.linspace(-1, 2, 18), indexing="ij")
+    rng = np.random.default_rng(0)
+    trend = sum(rng.random() * x**i * y**j for i in range(degree + 1) for j in range(degree + 1 - i))
+    rough = rng.standard_normal(x.shape)
+    plain = rc.HeightMap(rough, size=(1.0, 3.0)).detrend(degree)
+    with_trend = rc.HeightMap(rough + 1e3 * trend, size=(1.0, 3.0)).detrend(degree)
+    np.testing.assert_allclose(with_trend.values, plain.values, atol=1e-10)
+    for i in range(degree + 1):
+        for j in range(degree + 1 - i):
+            assert abs(np.sum(plain.values * x**i * y**j)) < 1e-9
+
+
+class TestSelfAffine:
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8.0, longest=64.0, rolloff=32.0, seed=5)
+
+    def test_has_the_slope_that_was_asked_for(self):
+        heights = self.surface.heights(rc.Grid((64, 64), 64.0))
+        waves = np.fft.fft2(heights) / heights.size
+        q = 2 * np.pi * np.fft.fftfreq(64)
+        slope = np.sqrt(np.sum((q[:, None] ** 2 + q**2) * np.abs(waves) ** 2))
+        assert slope == pytest.approx(0.1, rel=1e-12)
+        assert abs(heights.mean()) < 1e-14
+
+    def test_has_the_height_that_was_asked_for(self):
+        surface = rc.SelfAffineSurface(hurst=0.5, rms_height=2e-7, shortest=4e-6, longest=3e-5, seed=1)
+        heights = surface.heights(rc.Grid((32, 48), (3.2e-5, 4.8e-5)))
+        assert heights.std() == pytest.approx(2e-7, rel=1e-12)
+
+    def test_is_the_same_surface_on_every_grid(self):
+        coarse = rc.HeightMap(self.surface.heights(rc.Grid((32, 40), 64.0)), size=64.0, periodic=True)
+        fine = self.surface.heights(rc.Grid((96, 120), 64.0))
+        np.testing.assert_allclose(coarse.resample((96, 120), "fourier").values, fine, atol=1e-13)
+
+    def test_has_only_the_waves_that_were_asked_for(self):
+        waves = np.abs(np.fft.fft2(self.surface.heights(rc.Grid((64, 64), 64.0))))
+        q = np.hypot(*np.meshgrid(np.fft.fftfreq(64), np.fft.fftfreq(64)))
+        outside = (q > 1.001 / 8) | (q < 0.999 / 64)
+        assert waves[outside].max() < 1e-10 * waves.max()
+
+    def test_falls_with_the_hurst_exponent(self):
+        grid = rc.Grid((256, 256), 256.0)
+        powers = np.zeros(2)
+        for seed in range(20):
+            surface = rc.SelfAffineSurface(hurst=0.8, rms_height=1.0, shortest=4.0, longest=256.0, seed=seed)
+            waves = np.abs(np.fft.fft2(surface.heights(grid))) ** 2
+            k = 256 * np.hypot(*np.meshgrid(np.fft.fftfreq(256), np.fft.fftfreq(256)))
+            powers += [waves[np.abs(k - 8) < 0.5].mean(), waves[np.abs(k - 32) < 0.5].mean()]
+        assert np.log(powers[0] / powers[1]) / np.log(4) == pytest.approx(2 + 2 * 0.8, abs=0.15)
