@@ -114,9 +114,7 @@ def test_periodised_love_is_the_sum_over_all_images():
     periodic = rc.CircularFFT().plan(kernel, grid, rc.Boundary.PERIODIC).apply(pressure)
     coarse, fine = tiled(20), tiled(40)
     far = (40.5 / 20.5) ** 3
-    np.testing.assert_allclose(
-        fine + (fine - coarse) / (far - 1), periodic, rtol=0, atol=1e-8 * np.abs(periodic).max()
-    )
+    np.testing.assert_allclose(fine + (fine - coarse) / (far - 1), periodic, rtol=0, atol=1e-8 * np.abs(periodic).max())
     assert np.abs(fine - periodic).max() > 1e-8 * np.abs(periodic).max()
 
 

@@ -67,9 +67,9 @@ class Conditions:
     def measure(self, pressure: Array, displacement: Array) -> Optimality:
         """Measure a pressure and the displacement it causes, both of shape (nx, ny).
 
-        The pressure lies between zero and the limit and is not zero everywhere. The approach is the
-        pressure-weighted mean of u + h over the cells that are neither open nor saturated; where
-        there is none, any level that separates both kinds would do.
+        The pressure lies between zero and the limit. The approach is the pressure-weighted mean of
+        u + h over the cells that are neither open nor saturated; where there is none, any level that
+        separates both kinds would do.
         """
         level = displacement + self._undeformed
         saturated = pressure >= self._limit if math.isfinite(self._limit) else None
@@ -83,7 +83,7 @@ class Conditions:
         deepest = float(level.min())
         np.abs(level, out=level)
         total = load if saturated is None else float(np.add.reduce(pressure, axis=None))
-        open_gap = float(np.einsum("ij,ij->", pressure, level)) / total
+        open_gap = float(np.einsum("ij,ij->", pressure, level)) / total if total > 0.0 else math.inf
         low, high = float(displacement.min()), float(displacement.max())
         scale = min(self._relief, high - low) or max(self._relief, high - low) or 1.0
         floor = _ROUNDING * (max(high, -low) + self._size) / scale
@@ -91,6 +91,6 @@ class Conditions:
 
     def _between(self, level: Array, pressure: Array) -> float:
         """Return a level that separates the saturated from the open cells, as well as there is one."""
-        lower = float(level[pressure >= self._limit].max())
+        lower = float(level[pressure >= self._limit].max(initial=level.min()))
         open_cells = pressure <= 0.0
         return min(lower, float(level[open_cells].min())) if open_cells.any() else lower

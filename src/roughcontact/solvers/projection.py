@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from roughcontact.checks import Array
@@ -39,17 +41,25 @@ def onto_load(values: Array, mean: float, limit: float) -> Array:
     for _ in range(_ROUNDS):
         carried = np.clip(candidates - shift, 0.0, limit)
         excess = float(np.add.reduce(carried)) - load
-        free = int(np.count_nonzero((carried > 0.0) & (carried < limit)))
+        inside = int(np.count_nonzero((carried > 0.0) & (carried < limit)))
         if excess > 0.0:
             # Cells that are open now stay so: the shift only grows from here.
             lower, candidates = shift, candidates[carried > 0.0]
         else:
             upper = shift
-        trial = shift + excess / free if free else 0.5 * (lower + upper)
+        trial = shift + excess / inside if inside else 0.5 * (lower + upper)
         if not lower < trial < upper:
             trial = 0.5 * (lower + upper)
         if abs(excess) <= _EXACT * load or trial in (lower, upper):
             break
         shift = trial
     pressure = values - shift
-    return np.clip(pressure, 0.0, limit, out=pressure)
+    np.clip(pressure, 0.0, limit, out=pressure)
+    # The shift is only known to the last digit of the values, which may be far greater than the mean.
+    free = pressure < limit
+    bearing = float(np.add.reduce(pressure, axis=None, where=free))
+    if bearing > 0.0:
+        rest = load - limit * (values.size - int(np.count_nonzero(free))) if math.isfinite(limit) else load
+        np.multiply(pressure, max(rest, 0.0) / bearing, out=pressure, where=free)
+        np.minimum(pressure, limit, out=pressure)
+    return pressure

@@ -68,8 +68,8 @@ class SpectralGradient(Solver):
             energies.append(_energy(pressure, displacement, gradient, convolution))
             if math.isnan(length):
                 length, convolutions = _first_length(gradient, convolution), convolutions + 1
-            step = onto_load(_moved(pressure, gradient, -length), task.mean_pressure, task.limit)
-            step -= pressure
+            projected = onto_load(_moved(pressure, gradient, -length), task.mean_pressure, task.limit)
+            step = projected - pressure
             change = convolution.apply(step)
             convolutions += 1
             slope, curvature = convolution.dot(gradient, step), convolution.dot(step, change)
@@ -79,7 +79,7 @@ class SpectralGradient(Solver):
             if energies[-1] + slope + 0.5 * curvature > max(energies) + _DECREASE * slope:
                 part = min(1.0, -slope / curvature)
             length = convolution.dot(step, step) / curvature
-            pressure = _bounded(_moved(pressure, step, part), task.limit)
+            pressure = projected if part == 1.0 else np.clip(_moved(pressure, step, part), 0.0, task.limit)
             displacement, exact = _moved(displacement, change, part), False
 
 
@@ -87,11 +87,6 @@ def _moved(start: Array, direction: Array, length: float) -> Array:
     moved = direction * length
     moved += start
     return moved
-
-
-def _bounded(pressure: Array, limit: float) -> Array:
-    """Take away what rounding may have left outside the bounds."""
-    return np.clip(pressure, 0.0, limit, out=pressure)
 
 
 def _energy(pressure: Array, displacement: Array, gradient: Array, convolution: PlannedConvolution) -> float:
