@@ -15,9 +15,9 @@ _EXTRA = "roughcontact[cli]"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
     try:
-        options = _parser().parse_args(arguments)
-        command: Callable[[argparse.Namespace], None] = options.command
-        command(options)
+        chosen = _parser().parse_args(arguments)
+        command: Callable[[argparse.Namespace], None] = chosen.command
+        command(chosen)
     except NotConverged as error:
         return _fail(str(error), 1)
     except RoughContactError as error:
@@ -36,7 +36,7 @@ def _fail(sentence: str, status: int) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     try:
-        from roughcontact.cli import paper, solve
+        from roughcontact.cli import options, paper, solve
     except ImportError as error:
         raise MissingPackage(f"The command line needs {error.name}: pip install '{_EXTRA}'.") from error
     parser = argparse.ArgumentParser(prog="roughcontact", description="Contact of rough surfaces.")
@@ -53,7 +53,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     one.set_defaults(command=paper.run)
     other = commands.add_parser("solve", help="solve the contact of measured height maps")
-    solve.add_options(other)
+    for declare in (options.add_surfaces, options.add_load, options.add_materials, options.add_parts):
+        declare(other)
+    options.add_output(other, "contact-results")
     other.set_defaults(command=solve.run)
     return parser
 

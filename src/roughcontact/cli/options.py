@@ -1,0 +1,53 @@
+"""The options of the commands."""
+
+from __future__ import annotations
+
+import argparse
+
+from roughcontact.cli.units import quantity
+
+_METRE, _PASCAL, _NEWTON, _RATIO = (quantity(unit) for unit in ("m", "Pa", "N", "dimensionless"))
+
+
+def add_output(parser: argparse.ArgumentParser, folder: str) -> None:
+    """Declare where the results go."""
+    parser.add_argument("-o", "--output", default=folder, metavar="FOLDER", help=f"where the results go ({folder})")
+
+
+def add_load(parser: argparse.ArgumentParser) -> None:
+    """Declare the load: exactly one of two."""
+    load = parser.add_mutually_exclusive_group(required=True)
+    load.add_argument("--pressure", type=_PASCAL, metavar="P", help="nominal mean pressure, such as 100MPa")
+    load.add_argument("--force", type=_NEWTON, metavar="F", help="normal force, such as 2.5N")
+
+
+def add_materials(parser: argparse.ArgumentParser) -> None:
+    """Declare the materials of both bodies."""
+    body = parser.add_argument_group("material of the body")
+    body.add_argument("--young", type=_PASCAL, required=True, metavar="E", help="Young's modulus, such as 210GPa")
+    body.add_argument("--poisson", type=_RATIO, default=0.3, metavar="NU", help="Poisson's ratio (0.3)")
+    body.add_argument("--hardness", type=_PASCAL, metavar="H", help="pressure at which it flows, such as 6GPa")
+    other = parser.add_argument_group("material of the other body")
+    other.add_argument("--counter-young", type=_PASCAL, metavar="E", help="Young's modulus; rigid if left out")
+    other.add_argument("--counter-poisson", type=_RATIO, default=0.3, metavar="NU", help="Poisson's ratio (0.3)")
+    other.add_argument("--counter-hardness", type=_PASCAL, metavar="H", help="pressure at which it flows")
+
+
+def add_surfaces(parser: argparse.ArgumentParser) -> None:
+    """Declare the height maps and what is done to them."""
+    parser.add_argument("surface", help="height map of the body: npz, npy, text, or an instrument's file")
+    parser.add_argument("counter", nargs="?", help="height map of the other body; a flat if left out")
+    maps = parser.add_argument_group("height maps")
+    maps.add_argument("--size", type=_METRE, nargs="+", metavar="L", help="sides x [y], where the file does not tell")
+    maps.add_argument("--missing", choices=("refuse", "fill"), default="refuse", help="missing points (refuse)")
+    maps.add_argument("--detrend", type=int, metavar="DEGREE", help="take away a polynomial: 1 tilt, 2 curvature too")
+    maps.add_argument("--resample", type=int, nargs=2, metavar=("NX", "NY"), help="bilinear, to so many cells")
+
+
+def add_parts(parser: argparse.ArgumentParser) -> None:
+    """Declare the parts of the problem that can be exchanged."""
+    parts = parser.add_argument_group("parts")
+    parts.add_argument("--boundary", choices=("free", "periodic", "wrapped"), default="free", help="(free)")
+    parts.add_argument("--kernel", default="love", help="influence kernel (love)")
+    parts.add_argument("--solver", default="auto", help="solver (auto)")
+    parts.add_argument("--area", metavar="ESTIMATOR", help="area estimator to report besides the default")

@@ -1,0 +1,105 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from strategies import problems
+
+import roughcontact as rc
+from roughcontact import reference
+from roughcontact.areas.base import boundary_sides
+
+
+@settings(max_examples=40)
+@given(problems())
+def test_areas_are_between_nothing_and_the_whole(case):
+    problem, mean = case
+    solution = problem.solve(pressure=mean)
+    count, corrected = solution.area("cell-count"), solution.area("perimeter")
+    assert 0 < count.fraction <= 1
+    assert corrected.value <= count.value
+    assert corrected.value > 0
+    for area in (count, corrected):
+        assert area.fraction == pytest.approx(area.value / solution.grid.area)
+        assert area.uncertainty >= 0
+
+
+def test_full_contact_is_the_nominal_area_exactly():
+    problem = rc.ContactProblem(
+        rc.Body(rc.WavySurface(1e-6, 1e-4), rc.Elastic(1e9, 0.3)), grid=rc.Grid((16, 16), 1e-4), boundary="periodic"
+    )
+    solution = problem.solve(pressure=1e9)
+    for name in ("cell-count", "perimeter"):
+        area = solution.area(name)
+        assert area.fraction == 1.0
+        assert area.uncertainty == 0.0
+
+
+@pytest.mark.parametrize(
+    ("boundary", "sides"), [(rc.Boundary.FREE, 4), (rc.Boundary.PERIODIC, 6), (rc.Boundary.WRAPPED, 6)]
+)
+def test_sides_are_counted_across_the_seam_where_there_is_one(boundary, sides):
+    mask = np.zeros((5, 6), dtype=bool)
+    mask[0, 2:4] = True
+    assert boundary_sides(mask, boundary) == sides
+
+
+def test_a_row_of_cells_is_no_neighbour_of_itself():
+    assert boundary_sides(np.array([[True, False, False, True]]), rc.Boundary.PERIODIC) == 2
+
+
+def hertz(cells_across, offset):
+    """A sphere whose contact radius is so many cells, its summit anywhere in a cell."""
+    n, modulus, radius = 64, 1e11, 1e-2
+    grid = rc.Grid((n, n), 1e-3)
+    a = cells_across * grid.spacing[0]
+    centre = np.asarray(offset) * grid.spacing[0]
+    problem = rc.ContactProblem(
+        rc.Body(rc.ParaboloidSurface(radius, center=centre), rc.Elastic(modulus, 0.0)), grid=grid
+    )
+    force = 4 * modulus * a**3 / (3 * radius)
+    return problem.solve(force=force), reference.hertz_sphere(force, radius, modulus).area
+
+
+def errors(cells_across, name):
+    rng = np.random.default_rng(int(10 * cells_across))
+    found = []
+    for _ in range(12):
+        solution, exact = hertz(cells_across, rng.random(2) - 0.5)
+        area = solution.area(name)
+        found.append((area.value / exact - 1, area.uncertainty / exact))
+    return np.array(found).T
+
+
+@pytest.mark.parametrize("cells_across", [2.5, 4.0, 6.5, 11.0, 20.0])
+def test_the_error_bars_hold_the_true_area_of_a_sphere(cells_across):
+    for name in ("cell-count", "perimeter"):
+        error, bar = errors(cells_across, name)
+        assert np.mean(np.abs(error) <= 2 * bar) >= 0.9
+
+
+def test_counting_covers_too_much_and_the_perimeter_corrects_most_of_it():
+    for cells_across in (4.0, 8.0, 16.0):
+        counted, _ = errors(cells_across, "cell-count")
+        corrected, _ = errors(cells_across, "perimeter")
+        assert counted.mean() > 0
+        assert abs(corrected.mean()) < 0.5 * counted.mean()
+
+
+def test_the_excess_of_the_count_falls_like_the_cell():
+    coarse, fine = (errors(size, "cell-count")[0].mean() for size in (5.0, 20.0))
+    assert np.log(coarse / fine) / np.log(4) == pytest.approx(1.0, abs=0.4)
+
+
+def test_an_estimator_that_fails_is_named():
+    class Lost(rc.AreaEstimator):
+        def estimate(self, solution):
+            return rc.Area(np.nan, np.nan, 0.0, "lost")
+
+    solution, _ = hertz(4.0, (0, 0))
+    with pytest.raises(rc.InputError, match="not finite"):
+        solution.area(Lost())
+
+
+def test_an_area_reads_well():
+    assert str(rc.Area(2e-9, 0.012, 1e-10, "count")) == "2e-09 m2 (1.2 % of nominal) +- 5 % [count]"

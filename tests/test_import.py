@@ -1,0 +1,51 @@
+"""Importing the package loads what a solve needs and nothing else."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from importlib.metadata import requires
+
+HEAVY = {
+    "matplotlib",
+    "pint",
+    "rich",
+    "SurfaceTopography",
+    "scipy.ndimage",
+    "scipy.optimize",
+    "scipy.sparse.linalg",
+    "pandas",
+    "roughcontact.paper",
+    "roughcontact.cli",
+}
+
+
+def loaded_after(script):
+    probe = f"{script}\nimport json, sys\nprint(json.dumps(sorted(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+def test_import_loads_nothing_heavy():
+    before, after = loaded_after("import scipy.fft"), loaded_after("import roughcontact")
+    assert not HEAVY & (after - before)
+
+
+def test_a_solve_loads_nothing_heavy():
+    script = """
+import roughcontact as rc
+body = rc.Body(rc.WavySurface(1e-6, 1e-4), rc.Elastic(1e9, 0.3))
+rc.ContactProblem(body, grid=rc.Grid((16, 16), 1e-4)).solve(pressure=1e4).area()
+"""
+    assert not HEAVY & (loaded_after(script) - loaded_after("import scipy.fft"))
+
+
+def test_the_core_needs_three_packages():
+    core = [line for line in requires("roughcontact") if "extra ==" not in line]
+    assert {re.split(r"[<>=!~ \[;]", line)[0] for line in core} == {"attrs", "numpy", "scipy"}
+
+
+def test_no_dependency_is_pinned_from_above():
+    assert not any("<" in line.split(";")[0] or "==" in line.split(";")[0] for line in requires("roughcontact"))

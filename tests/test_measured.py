@@ -1,0 +1,54 @@
+"""Maps from real instruments; skipped where neither the maps nor their reader are at hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.__main__ import main
+
+
+@pytest.fixture(autouse=True)
+def reader():
+    # Its imports warn of optional parallel packages.
+    import warnings
+
+    with warnings.catch_warnings(action="ignore"):
+        pytest.importorskip("SurfaceTopography", exc_type=ImportError)
+
+
+@pytest.mark.parametrize(
+    ("name", "shape", "size"),
+    [
+        ("plu-1.plu", (768, 576), (1274.88e-6, 956.16e-6)),
+        ("x3p-2.x3p", (650, 650), (82.977e-6, 204.478e-6)),
+    ],
+)
+def test_maps_come_in_si_units(measured_maps, name, shape, size):
+    surface = rc.read_surface(measured_maps / name)
+    assert surface.values.shape == shape
+    assert surface.size == pytest.approx(size, rel=1e-4)
+    assert 1e-8 < surface.detrend(1).values.std() < 1e-6
+
+
+def test_missing_points_of_a_measurement(measured_maps):
+    with pytest.raises(rc.InputError, match="misses 116 of 307200 points"):
+        rc.read_surface(measured_maps / "opd-1.opd")
+    surface = rc.read_surface(measured_maps / "opd-1.opd", missing="fill")
+    assert surface.detrend(1).values.std() == pytest.approx(6.7e-9, rel=0.02)
+
+
+def test_a_measured_map_goes_through_the_command_line(measured_maps, tmp_path, capsys):
+    command = "--pressure 10MPa --young 210GPa --hardness 6GPa --detrend 2 --resample 192 192".split()
+    assert main(["solve", str(measured_maps / "x3p-2.x3p"), *command, "-o", str(tmp_path)]) == 0
+    assert "converged" in capsys.readouterr().out
+    with np.load(tmp_path / "solution.npz") as data:
+        assert data["pressure"].max() == 6e9
+        assert data["pressure"].mean() == pytest.approx(1e7)
+
+
+def test_a_broken_instrument_file_is_named(tmp_path):
+    (tmp_path / "map.sur").write_bytes(b"DIGITAL SURF" + bytes(100))
+    with pytest.raises(rc.InputError, match=r"map\.sur cannot be read"):
+        rc.read_surface(tmp_path / "map.sur")

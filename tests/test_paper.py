@@ -1,0 +1,70 @@
+"""The paper's Tables 1 and 2: all eighteen pressures and all eighteen areas."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from roughcontact.paper import all_tables, printed, remarks
+from roughcontact.paper.scene import MATERIAL, problem, summit_positions
+
+# Cells in contact as the printed percentages tell them; on the larger grids the print is too coarse.
+CELLS = {
+    50: (112, 284, 800, 2276),
+    100: (156, 400, 1100, 3476),
+    200: (224, 528, 1500, 5388),
+}
+GRIDS = [pytest.param(n, marks=pytest.mark.slow) if n == 2048 else n for n in printed.GRIDS]
+
+
+@pytest.mark.parametrize("load", printed.LOADS)
+@pytest.mark.parametrize("cells", GRIDS)
+def test_table_1_maximum_pressure(cells, load, case_of):
+    expected = printed.SAM_P_MAX[load][printed.GRIDS.index(cells)]
+    assert case_of(cells, load).p_max == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("load", printed.LOADS)
+@pytest.mark.parametrize("cells", GRIDS)
+def test_table_2_real_contact_area(cells, load, case_of):
+    """To one unit of the last printed digit: some are cut off, not rounded."""
+    expected = printed.SAM_AREA[load][printed.GRIDS.index(cells)]
+    assert abs(case_of(cells, load).area - expected) < 1.05e-3
+
+
+@pytest.mark.parametrize("load", printed.LOADS)
+@pytest.mark.parametrize("place", range(4))
+def test_table_2_cells_in_contact(place, load, case_of):
+    assert case_of(printed.GRIDS[place], load).contact_cells == CELLS[load][place]
+
+
+def test_the_scene_is_the_papers():
+    scene = problem(64)
+    assert scene.plan.modulus == pytest.approx(219.78e9, rel=1e-5)
+    assert 1 / MATERIAL.compliance == scene.plan.modulus
+    heights = scene.body.surface.values
+    np.testing.assert_allclose(heights, heights[::-1, ::-1], atol=1e-18)
+    assert heights[0, 0] == pytest.approx(-1e-6)
+    assert scene.plan.grid.spacing[0] == 250e-6 / 64
+
+
+def test_the_summit_is_cut_out_where_it_is(case_of):
+    case = case_of(512, 100)
+    positions = summit_positions(case)
+    i, j = np.nonzero(case.summit)
+    assert np.abs(positions[i]).max() < 1.2e-6
+    assert np.abs(np.hypot(positions[i], positions[j])).max() < 1.4e-6
+    # Four hundred summits carry nearly the same contact.
+    assert case.summit.sum() * 400 == pytest.approx(case.contact_cells, rel=0.2)
+
+
+def test_tables_show_print_and_truth_beside_ours(case_of):
+    cases = [case_of(cells, load) for load in printed.LOADS for cells in printed.GRIDS[:4]]
+    pressure, area, extrapolated = all_tables(cases)
+    assert len(pressure.rows) == len(area.rows) == 12
+    assert len(extrapolated.rows) == 3
+    for table in (pressure, area, extrapolated):
+        assert all(len(row) == len(table.columns) for row in table.rows)
+    assert area.rows[0][:4] == ("50", "64", "112", "2.734")
+    assert any("not to be trusted" in note for note in extrapolated.notes)
+    assert "0.807, 1.255, 1.982" in " ".join(remarks())

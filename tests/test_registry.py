@@ -1,0 +1,146 @@
+"""Both doors of the registries, tried from outside the package."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.registry import Registry
+
+PLUG_IN = '''
+"""A kernel and an area estimator of somebody else."""
+
+import numpy as np
+
+import roughcontact as rc
+
+
+class Winkler(rc.InfluenceKernel):
+    """Independent springs under the cells: a foundation of thickness times its compliance."""
+
+    def __init__(self, thickness=1e-6):
+        self.thickness = thickness
+
+    def coefficients(self, shape, spacing, compliance):
+        values = np.zeros(shape)
+        values[0, 0] = self.thickness * compliance
+        return values
+
+    def spectrum(self, qx, qy, spacing, compliance):
+        return np.full((qx.shape[0], qy.shape[1]), self.thickness * compliance)
+
+
+class PressureWeighted(rc.AreaEstimator):
+    """(sum p)^2 / sum p^2: the area that carries the load evenly."""
+
+    def estimate(self, solution):
+        p = solution.pressure
+        cells = p.sum() ** 2 / (p**2).sum()
+        value = cells * solution.grid.cell_area
+        return rc.Area(value, value / solution.grid.area, 0.0, "pressure-weighted")
+'''
+
+
+def plug_in():
+    names = {"__name__": "somebody_elses"}
+    exec(compile(PLUG_IN, "somebody_elses.py", "exec"), names)
+    return names
+
+
+def test_the_decorator_door():
+    names = plug_in()
+    rc.kernels.register("winkler")(names["Winkler"])
+    rc.areas.register("pressure-weighted")(names["PressureWeighted"])
+    assert "winkler" in rc.kernels.names()
+    surface = rc.ParaboloidSurface(1e-2)
+    grid = rc.Grid((64, 64), 4e-5)
+    material = rc.Elastic(1e9, 0.0)
+    problem = rc.ContactProblem(rc.Body(surface, material), grid=grid, kernel="winkler")
+    force = 1e-3
+    solution = problem.solve(force=force)
+    # On springs the pressure is E/t times the indentation: the load is that over the contact disc.
+    deepest = np.sqrt(force * 1e-6 / (np.pi * 1e-2 * 1e9))
+    # The approach counts from the highest cell centres, half a diagonal off the summit.
+    assert solution.approach + grid.spacing[0] ** 2 / 4 / 1e-2 == pytest.approx(deepest, rel=1e-3)
+    assert solution.area("cell-count").value == pytest.approx(2 * np.pi * 1e-2 * deepest, rel=5e-2)
+    # A paraboloid of pressure: (sum p)^2 / sum p^2 is three quarters of its base.
+    assert solution.area("pressure-weighted").value == pytest.approx(1.5 * np.pi * 1e-2 * deepest, rel=2e-2)
+    periodic = rc.ContactProblem(
+        rc.Body(surface, material), grid=grid, kernel=names["Winkler"](1e-6), boundary="periodic"
+    ).solve(force=force)
+    np.testing.assert_allclose(periodic.pressure, solution.pressure, atol=1e-6 * solution.pressure.max())
+
+
+def test_the_entry_point_door(tmp_path):
+    """A distribution as an installer lays it down: a module and its metadata on the path."""
+    (tmp_path / "somebody_elses.py").write_text(PLUG_IN)
+    metadata = tmp_path / "somebody_elses-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: somebody-elses\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text(
+        "[roughcontact.kernels]\nwinkler = somebody_elses:Winkler\nbroken = somebody_elses:Absent\n"
+        "[roughcontact.areas]\npressure-weighted = somebody_elses:PressureWeighted\n"
+    )
+    script = """
+        import roughcontact as rc
+        body = rc.Body(rc.ParaboloidSurface(1e-2), rc.Elastic(1e9, 0.0))
+        problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 2e-4), kernel="winkler")
+        print(problem.solve(force=1e-3).area("pressure-weighted").estimator, *rc.kernels.names())
+        try:
+            rc.kernels.get("broken")
+        except rc.InputError as error:
+            print(error)
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script)],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={"PYTHONPATH": str(tmp_path)},
+    )
+    first, second = done.stdout.splitlines()
+    assert first == "pressure-weighted broken fourier love winkler"
+    assert "'broken' is installed as somebody_elses:Absent, but cannot be loaded" in second
+
+
+def test_what_ships_comes_through_entry_points():
+    assert {"love", "fourier"} <= set(rc.kernels.names())
+    assert {"direct", "dc-fft", "circular-fft"} <= set(rc.convolvers.names())
+    assert {"polonsky-keer", "spectral-gradient"} <= set(rc.solvers.names())
+    assert {"cell-count", "perimeter"} <= set(rc.areas.names())
+    assert {"npz", "npy", "txt", "instrument"} <= set(rc.readers.names())
+    assert rc.kernels.get("love") is rc.Love
+
+
+class TestNames:
+    def test_a_taken_name_is_refused(self):
+        registry = Registry("thing", "nobody.things")
+        registry.register("one")(int)
+        with pytest.raises(rc.InputError, match="taken already by builtins:int"):
+            registry.register("one")(float)
+
+    def test_a_shipped_name_is_refused(self):
+        with pytest.raises(rc.InputError, match="taken already"):
+            rc.kernels.register("love")(int)
+
+    def test_a_class_may_be_registered_again(self):
+        registry = Registry("thing", "nobody.things")
+        assert registry.register("one")(int) is registry.register("one")(int)
+
+    @pytest.mark.parametrize("name", ["", None, 3])
+    def test_a_name_is_a_word(self, name):
+        with pytest.raises(rc.InputError, match="non-empty string"):
+            rc.kernels.register(name)
+
+    def test_an_unknown_name_lists_the_known_ones(self):
+        with pytest.raises(rc.InputError, match="There is no kernel named 'spring'.*Known: .*fourier.*love"):
+            rc.kernels.get("spring")
+
+    def test_an_empty_registry_says_so(self):
+        with pytest.raises(rc.InputError, match="Known: none"):
+            Registry("thing", "nobody.things").get("one")
