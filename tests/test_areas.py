@@ -3,11 +3,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from strategies import problems
 
 import roughcontact as rc
 from roughcontact import reference
 from roughcontact.areas.base import boundary_sides
+from strategies import problems
 
 
 @settings(max_examples=40)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import grids, pressures, seeds
 
 import roughcontact as rc
 from roughcontact.kernels import BoundKernel
+from strategies import grids, pressures, seeds
 
 KERNEL = BoundKernel(rc.Love())
 PAIRS = [

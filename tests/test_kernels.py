@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import aspects
 
 import roughcontact as rc
 from roughcontact.kernels import BoundKernel
 from roughcontact.kernels.love import cell_potential
+from strategies import aspects
 
 
 def love_by_mpmath(i, j, dx, dy):

@@ -4,10 +4,10 @@ import math
 
 import pytest
 from hypothesis import given
-from strategies import moduli
 
 import roughcontact as rc
 from roughcontact.materials import contact_modulus, pressure_limit
+from strategies import moduli
 
 
 def test_contact_modulus_is_of_the_plane_strain_moduli():

@@ -6,9 +6,9 @@ import attrs
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from strategies import powers_of_two, problems, seeds
 
 import roughcontact as rc
+from strategies import powers_of_two, problems, seeds
 
 GRID = rc.Grid((48, 40), (48e-6, 50e-6))
 STEEL = rc.Elastic(210e9, 0.3)

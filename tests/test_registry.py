@@ -138,7 +138,7 @@ class TestNames:
             rc.kernels.register(name)
 
     def test_an_unknown_name_lists_the_known_ones(self):
-        with pytest.raises(rc.InputError, match="There is no kernel named 'spring'.*Known: .*fourier.*love"):
+        with pytest.raises(rc.InputError, match=r"There is no kernel named 'spring'.*Known: .*fourier.*love"):
             rc.kernels.get("spring")
 
     def test_an_empty_registry_says_so(self):

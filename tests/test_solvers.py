@@ -1,15 +1,17 @@
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 import scipy.optimize
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from strategies import problems, seeds
 
 import roughcontact as rc
 from roughcontact.kernels import BoundKernel
 from roughcontact.solvers.projection import onto_load
+from strategies import problems, seeds
 
 SOLVERS = [rc.PolonskyKeer(), rc.SpectralGradient()]
 
@@ -90,7 +92,7 @@ def test_more_load_more_contact(solver, boundary):
     body = rc.Body(surface, rc.Elastic(1e9, 0.3))
     problem = rc.ContactProblem(body, grid=rc.Grid((64, 64), 64.0), boundary=boundary, solver=solver)
     solutions = [problem.solve(pressure=p) for p in (1e5, 1e6, 1e7, 5e7)]
-    for light, heavy in zip(solutions, solutions[1:], strict=False):
+    for light, heavy in itertools.pairwise(solutions):
         assert heavy.approach > light.approach
         assert heavy.contact.sum() > light.contact.sum()
         # On a periodic surface a cell may lose pressure to its neighbours, but not contact as a whole.

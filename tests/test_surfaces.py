@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import seeds
 
 import roughcontact as rc
+from strategies import seeds
 
 GRID = rc.Grid((40, 30), (2e-4, 3e-4))
 

@@ -44,13 +44,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     one = commands.add_parser("paper", help="recompute Tables 1 to 3 and Figures 4 to 6 of the paper")
     one.add_argument("--full", action="store_true", help="with the grid of 2048 x 2048 cells")
-    one.add_argument(
-        "-o",
-        "--output",
-        default="paper-results",
-        metavar="FOLDER",
-        help="where the results go (paper-results)",
-    )
+    options.add_output(one, "paper-results")
     one.set_defaults(command=paper.run)
     other = commands.add_parser("solve", help="solve the contact of measured height maps")
     for declare in (options.add_surfaces, options.add_load, options.add_materials, options.add_parts):

@@ -1,0 +1,56 @@
+"""The picture of the README: a rough surface, its pressure, and why counting cells is not enough.
+
+python docs/studies/overview.py
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import roughcontact as rc
+from roughcontact.paper import printed
+
+FIGURES = Path(__file__).parent.parent / "figures"
+
+
+def rough_contact(cells: int) -> rc.ContactSolution:
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.05, shortest=2e-6, longest=50e-6, rolloff=25e-6, seed=4)
+    problem = rc.ContactProblem(
+        rc.Body(surface, rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=6e9)),
+        grid=rc.Grid((cells, cells), 100e-6),
+        boundary="periodic",
+    )
+    return problem.solve(pressure=200e6)
+
+
+def main(cells: int = 512, folder: Path = FIGURES) -> None:
+    solution = rough_contact(cells)
+    figure = Figure(figsize=(13, 4), layout="constrained")
+    heights, pressure, areas = figure.subplots(1, 3)
+    extent = (0, 100, 0, 100)
+    image = heights.imshow(-1e6 * solution.undeformed.T, origin="lower", extent=extent)
+    figure.colorbar(image, ax=heights, label="height, µm")
+    heights.set(title="rough surface in", xlabel="x, µm", ylabel="y, µm")
+    shown = np.where(solution.contact, solution.pressure / 1e9, np.nan).T
+    image = pressure.imshow(shown, origin="lower", extent=extent, cmap="plasma")
+    figure.colorbar(image, ax=pressure, label="contact pressure, GPa")
+    pressure.set(title=f"certified pressure out ({solution.iterations} iterations)", xlabel="x, µm")
+    pressure.set_facecolor("0.92")
+    counted = 100 * (np.array(printed.SAM_AREA[100]) / printed.TRUE_AREA[100] - 1)
+    areas.loglog(printed.GRIDS, counted, "o-")
+    areas.set_xticks(printed.GRIDS, [str(n) for n in printed.GRIDS], minor=False)
+    areas.set_xticks([], minor=True)
+    areas.set(title="area by counting cells: too much", xlabel="cells along a side", ylabel="error of the area, %")
+    areas.grid(alpha=0.3, which="both")
+    for cells, error in zip(printed.GRIDS, counted, strict=True):
+        areas.annotate(f"+{error:.0f} %", (cells, error), xytext=(5, 5), textcoords="offset points")
+    areas.set_xlim(right=3800)
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / "overview.png", dpi=120)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,58 @@
+"""What the README and the docs show runs as it stands."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", ROOT / "docs" / "plugins.md"]
+BLOCKS = [
+    pytest.param(block, id=f"{page.stem}-{number}")
+    for page in PAGES
+    for number, block in enumerate(re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.S))
+]
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_scripts_of_the_pages_run(block):
+    done = subprocess.run([sys.executable, "-W", "error", "-c", block], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def study(name, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "studies"))
+    return __import__(name)
+
+
+def test_error_against_run_time(monkeypatch, tmp_path, capsys):
+    study("error_vs_time", monkeypatch).main((64, 128), 1, tmp_path)
+    assert "| 128 |" in capsys.readouterr().out
+    assert (tmp_path / "error_vs_time.png").stat().st_size > 10_000
+
+
+def test_overview(monkeypatch, tmp_path):
+    study("overview", monkeypatch).main(128, tmp_path)
+    assert (tmp_path / "overview.png").stat().st_size > 10_000
+
+
+def test_comparison_judges_ours_by_its_own_function(monkeypatch):
+    compare = study("compare_codes", monkeypatch)
+    heights = compare.surface(64)
+    _, pressure, _ = compare.ours(compare.rc.SpectralGradient(tolerance=1e-9), heights, 0.005)
+    gap, load = compare.violation(pressure, heights, 0.005)
+    assert gap < 1e-8
+    assert load < 1e-12
+    gap, load = compare.violation(2 * pressure, heights, 0.005)
+    assert gap > 1e-2
+    assert load == pytest.approx(1.0)
+
+
+def test_links_of_the_pages_lead_somewhere():
+    for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), ROOT / "plugins" / "README.md"]:
+        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
