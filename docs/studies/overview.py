@@ -47,7 +47,7 @@ def main(cells: int = 512, folder: Path = FIGURES) -> None:
     areas.grid(alpha=0.3, which="both")
     for cells, error in zip(printed.GRIDS, counted, strict=True):
         areas.annotate(f"+{error:.0f} %", (cells, error), xytext=(5, 5), textcoords="offset points")
-    areas.set_xlim(right=3800)
+    areas.set(xlim=(50, 4500), ylim=(2.5, 400))
     folder.mkdir(parents=True, exist_ok=True)
     figure.savefig(folder / "overview.png", dpi=120)
 
