@@ -4,36 +4,13 @@ from __future__ import annotations
 
 import abc
 
+import attrs
 import numpy as np
 
-from roughcontact.checks import Array, integer
+from roughcontact.checks import RealArray, integer
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel
-
-
-class PlannedConvolution(abc.ABC):
-    """The linear map from pressure to displacement on one grid, ready to be applied.
-
-    The reductions live here and not in the solvers, so that one solver serves arrays of any kind.
-    """
-
-    @abc.abstractmethod
-    def apply(self, pressure: Array) -> Array:
-        """Return the displacement caused by `pressure`, both of the grid's shape."""
-
-    def sum(self, values: Array) -> float:
-        """Return the sum over all cells."""
-        return float(np.add.reduce(values, axis=None))
-
-    def dot(self, one: Array, other: Array) -> float:
-        """Return the sum of products over all cells."""
-        # A BLAS dot would start threads that cost more than they save at these sizes.
-        return float(np.einsum("ij,ij->", one, other))
-
-    def max(self, values: Array) -> float:
-        """Return the greatest value."""
-        return float(np.maximum.reduce(values, axis=None))
 
 
 class Convolver(abc.ABC):
@@ -57,6 +34,52 @@ class Convolver(abc.ABC):
         InputError
             If the boundary is not served, or the kernel does not offer what is needed for it.
         """
+
+
+@attrs.frozen
+class Scene:
+    """What a convolution was planned from."""
+
+    convolver: Convolver
+    kernel: BoundKernel
+    grid: Grid
+    boundary: Boundary
+
+
+class PlannedConvolution(abc.ABC):
+    """The linear map from pressure to displacement on one grid, ready to be applied.
+
+    The reductions live here and not in the solvers, so that one solver serves arrays of any kind.
+    """
+
+    @property
+    @abc.abstractmethod
+    def scene(self) -> Scene:
+        """What was planned; solvers plan coarser grids and parts of the domain from it."""
+
+    @abc.abstractmethod
+    def apply(self, pressure: RealArray) -> RealArray:
+        """Return the displacement caused by `pressure`, both of the grid's shape and of one precision.
+
+        A float32 pressure is convolved in float32.
+        """
+
+    def on(self, grid: Grid) -> PlannedConvolution:
+        """Plan the same kernel and boundary on another grid."""
+        return self.scene.convolver.plan(self.scene.kernel, grid, self.scene.boundary)
+
+    def sum(self, values: RealArray) -> float:
+        """Return the sum over all cells."""
+        return float(np.add.reduce(values, axis=None))
+
+    def dot(self, one: RealArray, other: RealArray) -> float:
+        """Return the sum of products over all cells."""
+        # A BLAS dot would start threads that cost more than they save at these sizes.
+        return float(np.einsum("ij,ij->", one, other))
+
+    def max(self, values: RealArray) -> float:
+        """Return the greatest value."""
+        return float(np.maximum.reduce(values, axis=None))
 
 
 def require_boundary(convolver: Convolver, boundary: Boundary) -> None:

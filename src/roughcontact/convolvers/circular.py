@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact.checks import Array
-from roughcontact.convolvers.base import Convolver, PlannedConvolution, require_boundary, worker_count
+from roughcontact.checks import Array, RealArray
+from roughcontact.convolvers.base import Convolver, PlannedConvolution, Scene, require_boundary, worker_count
+from roughcontact.convolvers.spectra import periodic_spectrum, wrapped_spectrum
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel
 
@@ -40,32 +43,30 @@ class CircularFFT(Convolver):
     def plan(self, kernel: BoundKernel, grid: Grid, boundary: Boundary) -> PlannedConvolution:
         """Return the planned convolution; see `Convolver.plan`."""
         require_boundary(self, boundary)
-        (nx, ny), (dx, dy) = grid.shape, grid.spacing
-        if boundary is Boundary.PERIODIC:
-            qx = 2 * np.pi / dx * scipy.fft.fftfreq(nx)[:, np.newaxis]
-            qy = 2 * np.pi / dy * scipy.fft.rfftfreq(ny)[np.newaxis, :]
-            symbol = kernel.spectrum(qx, qy, grid.spacing)
-        else:
-            nearest = kernel.coefficients((nx // 2 + 1, ny // 2 + 1), grid.spacing)
-            i, j = (np.minimum(np.arange(n), n - np.arange(n)) for n in (nx, ny))
-            symbol = scipy.fft.rfft2(nearest[np.ix_(i, j)], workers=self.workers).real
-        return _CircularPlan(np.ascontiguousarray(symbol), ny, self.workers)
+        spectrum = periodic_spectrum if boundary is Boundary.PERIODIC else wrapped_spectrum
+        symbol = spectrum(kernel, grid.shape, grid.spacing)
+        return _CircularPlan(Scene(self, kernel, grid, boundary), np.ascontiguousarray(symbol), self.workers)
 
 
 @attrs.frozen(eq=False)
 class _CircularPlan(PlannedConvolution):
     """Transform, multiply by the real symbol, transform back."""
 
+    scene: Scene
     symbol: Array
-    width: int
     workers: int
 
-    def apply(self, pressure: Array) -> Array:
+    @cached_property
+    def short_symbol(self) -> RealArray:
+        """The symbol in float32."""
+        return self.symbol.astype(np.float32)
+
+    def apply(self, pressure: RealArray) -> RealArray:
         """Return the displacement; see `PlannedConvolution.apply`."""
         # Two one-dimensional transforms are twice as fast as scipy's two-dimensional inverse.
         waves = scipy.fft.rfft(pressure, axis=1, workers=self.workers)
         waves = scipy.fft.fft(waves, axis=0, overwrite_x=True, workers=self.workers)
-        waves *= self.symbol
+        waves *= self.short_symbol if pressure.dtype == np.float32 else self.symbol
         waves = scipy.fft.ifft(waves, axis=0, overwrite_x=True, workers=self.workers)
-        displacement: Array = scipy.fft.irfft(waves, n=self.width, axis=1, overwrite_x=True, workers=self.workers)
-        return displacement
+        width = pressure.shape[1]
+        return np.asarray(scipy.fft.irfft(waves, n=width, axis=1, overwrite_x=True, workers=self.workers))

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import Any, TypeAlias
+
 import attrs
 import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact.checks import Array
-from roughcontact.convolvers.base import Convolver, PlannedConvolution, require_boundary, worker_count
+from roughcontact.checks import Array, RealArray
+from roughcontact.convolvers.base import Convolver, PlannedConvolution, Scene, require_boundary, worker_count
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel
 
-# Columns transformed at a time: few enough to stay in the cache, enough to fill the vector units.
+Waves: TypeAlias = npt.NDArray[np.complexfloating[Any, Any]]
+
+# Columns transformed at a time, in float64: few enough for the cache, enough for the vector units.
 _COLUMNS = 32
 
 
@@ -51,7 +56,8 @@ class DCFFT(Convolver):
         padded = self.transform_shape(grid, boundary)
         coefficients = kernel.coefficients(grid.shape, grid.spacing)
         half = _even_transform(coefficients.T, padded[1])
-        return _PaddedPlan(_even_transform(np.ascontiguousarray(half.T), padded[0]), grid.shape, padded, self.workers)
+        symbol = _even_transform(np.ascontiguousarray(half.T), padded[0])
+        return _PaddedPlan(Scene(self, kernel, grid, boundary), symbol, padded, self.workers)
 
 
 def _even_transform(values: Array, length: int) -> Array:
@@ -67,24 +73,31 @@ def _even_transform(values: Array, length: int) -> Array:
 class _PaddedPlan(PlannedConvolution):
     """Transform with padding, multiply, cut; the symbol is stored for half of the waves in x."""
 
+    scene: Scene
     symbol: Array
-    shape: tuple[int, int]
     padded: tuple[int, int]
     workers: int
 
-    def apply(self, pressure: Array) -> Array:
-        """Return the displacement; see `PlannedConvolution.apply`."""
-        waves = scipy.fft.rfft(pressure, n=self.padded[1], axis=1, workers=self.workers)
-        for start in range(0, waves.shape[1], _COLUMNS):
-            block = slice(start, start + _COLUMNS)
-            waves[:, block] = self._columns(waves[:, block], self.symbol[:, block])
-        displacement = scipy.fft.irfft(waves, n=self.padded[1], axis=1, overwrite_x=True, workers=self.workers)
-        return np.ascontiguousarray(displacement[:, : self.shape[1]])
+    @cached_property
+    def short_symbol(self) -> RealArray:
+        """The symbol in float32."""
+        return self.symbol.astype(np.float32)
 
-    def _columns(self, waves: npt.NDArray[np.complex128], symbol: Array) -> npt.NDArray[np.complex128]:
+    def apply(self, pressure: RealArray) -> RealArray:
+        """Return the displacement; see `PlannedConvolution.apply`."""
+        short = pressure.dtype == np.float32
+        symbol, columns = (self.short_symbol, 2 * _COLUMNS) if short else (self.symbol, _COLUMNS)
+        waves = scipy.fft.rfft(pressure, n=self.padded[1], axis=1, workers=self.workers)
+        for start in range(0, waves.shape[1], columns):
+            block = slice(start, start + columns)
+            waves[:, block] = self._columns(waves[:, block], symbol[:, block])
+        displacement = scipy.fft.irfft(waves, n=self.padded[1], axis=1, overwrite_x=True, workers=self.workers)
+        return np.ascontiguousarray(displacement[:, : pressure.shape[1]])
+
+    def _columns(self, waves: Waves, symbol: RealArray) -> Waves:
         mx, half = self.padded[0], symbol.shape[0]
         columns = scipy.fft.fft(waves, n=mx, axis=0, workers=self.workers)
         columns[:half] *= symbol
         columns[half:] *= symbol[mx - half : 0 : -1]
-        back: npt.NDArray[np.complex128] = scipy.fft.ifft(columns, axis=0, overwrite_x=True, workers=self.workers)
-        return back[: self.shape[0]]
+        back: Waves = scipy.fft.ifft(columns, axis=0, overwrite_x=True, workers=self.workers)
+        return back[: waves.shape[0]]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array
-from roughcontact.convolvers.base import Convolver, PlannedConvolution, require_boundary
+from roughcontact.checks import Array, RealArray
+from roughcontact.convolvers.base import Convolver, PlannedConvolution, Scene, require_boundary
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel
 
@@ -31,22 +31,22 @@ class Direct(Convolver):
         """Return the planned sum; see `Convolver.plan`."""
         require_boundary(self, boundary)
         coefficients = kernel.coefficients(grid.shape, grid.spacing)
-        if boundary is Boundary.WRAPPED:
-            return _WrappedSum(coefficients)
-        return _FreeSum(coefficients)
+        scene = Scene(self, kernel, grid, boundary)
+        return (_WrappedSum if boundary is Boundary.WRAPPED else _FreeSum)(scene, coefficients)
 
 
 @attrs.frozen(eq=False)
 class _FreeSum(PlannedConvolution):
     """All cells of the grid act on each other and nothing else does."""
 
+    scene: Scene
     coefficients: Array
 
-    def apply(self, pressure: Array) -> Array:
+    def apply(self, pressure: RealArray) -> RealArray:
         """Return the displacement; see `PlannedConvolution.apply`."""
         nx, ny = self.coefficients.shape
         offsets = np.abs(np.arange(ny)[:, np.newaxis] - np.arange(ny))
-        total = np.zeros((nx, ny))
+        total = np.zeros((nx, ny), dtype=pressure.dtype)
         for distance, row in enumerate(self.coefficients):
             # One Toeplitz matrix for each distance in x serves all pairs of rows that far apart.
             matrix = row[offsets]
@@ -60,14 +60,15 @@ class _FreeSum(PlannedConvolution):
 class _WrappedSum(PlannedConvolution):
     """Each cell is acted on by the nearest image of every other."""
 
+    scene: Scene
     coefficients: Array
 
-    def apply(self, pressure: Array) -> Array:
+    def apply(self, pressure: RealArray) -> RealArray:
         """Return the displacement; see `PlannedConvolution.apply`."""
         nx, ny = self.coefficients.shape
         offsets = np.abs(np.arange(ny)[:, np.newaxis] - np.arange(ny))
         offsets = np.minimum(offsets, ny - offsets)
-        total = np.zeros((nx, ny))
+        total = np.zeros((nx, ny), dtype=pressure.dtype)
         for shift in range(nx):
             row = self.coefficients[min(shift, nx - shift)]
             total += np.roll(pressure, shift, axis=0) @ row[offsets]
