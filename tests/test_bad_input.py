@@ -139,7 +139,20 @@ TABLE = {
     "load infinite": (lambda: problem().solve(pressure=INF), "finite number"),
     "load nan": (lambda: problem().solve(pressure=NAN), "finite number"),
     "load in words": (lambda: problem().solve(pressure="100MPa"), "'100MPa'"),
-    "approach": (lambda: problem().solve(approach=1e-6), "give pressure="),
+    "approach zero": (lambda: problem().solve(approach=0.0), "above 0"),
+    "approach beyond full contact": (
+        lambda: problem(boundary="periodic").solve(approach=3e-6),
+        "below that of full contact",
+    ),
+    "approach for the paper's solver": (
+        lambda: problem(solver="polonsky-keer").solve(approach=1e-6),
+        "use solver='auto'",
+    ),
+    "hardness of another shape": (
+        lambda: rc.ContactProblem(rc.Body(WAVE, rc.ElasticPerfectlyPlastic(1e9, 0.3, np.ones((2, 2)))), grid=GRID),
+        "shape (2, 2)",
+    ),
+    "hardness with zeros": (lambda: rc.ElasticPerfectlyPlastic(1e9, 0.3, np.zeros((2, 2))), "above 0"),
     "more load than the hardness bears": (
         lambda: rc.ContactProblem(rc.Body(WAVE, rc.ElasticPerfectlyPlastic(1e9, 0.3, 1e6)), grid=GRID).solve(
             pressure=2e6

@@ -18,6 +18,7 @@ FLOORS = [
     {"body", "convolvers", "areas"},
     {"solvers", "files"},
     {"plan"},
+    {"loads"},
     {"problem"},
     {"paper"},
     {"cli"},

@@ -15,7 +15,7 @@ from roughcontact.plan import Plan
 from roughcontact.problem import ContactProblem
 from roughcontact.registry import areas, convolvers, kernels, readers, solvers
 from roughcontact.solution import Area, ContactSolution, Residuals, Status
-from roughcontact.solvers import Outcome, PolonskyKeer, Solver, SpectralGradient, Task
+from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Task
 from roughcontact.surfaces import (
     FlatSurface,
     HeightMap,
@@ -57,6 +57,7 @@ __all__ = [
     "Plan",
     "PlannedConvolution",
     "PolonskyKeer",
+    "ProjectedConjugateGradient",
     "Residuals",
     "Rigid",
     "RoughContactError",

@@ -55,12 +55,16 @@ class Conditions:
     undeformed
         Undeformed gap, from any datum, shape (nx, ny).
     limit
-        Greatest pressure; `inf` where there is none.
+        Greatest pressure, a number or an array; `inf` where there is none.
+    approach
+        Level of u + h in the contact where it is given; None where the load is.
     """
 
-    def __init__(self, undeformed: Array, limit: float = math.inf) -> None:
+    def __init__(self, undeformed: Array, limit: float | Array = math.inf, approach: float | None = None) -> None:
         self._undeformed = undeformed
         self._limit = limit
+        self._approach = approach
+        self._capped = bool(np.isfinite(limit).any())
         self._relief = float(undeformed.std())
         self._size = float(np.abs(undeformed).max())
 
@@ -68,14 +72,17 @@ class Conditions:
         """Measure a pressure and the displacement it causes, both of shape (nx, ny).
 
         The pressure lies between zero and the limit. The approach is the pressure-weighted mean of
-        u + h over the cells that are neither open nor saturated; where there is none, any level that
-        separates both kinds would do.
+        u + h over the cells that are neither open nor saturated, if it is not given; where there is
+        none, any level that separates both kinds would do.
         """
         level = displacement + self._undeformed
-        saturated = pressure >= self._limit if math.isfinite(self._limit) else None
+        saturated = pressure >= self._limit if self._capped else None
         bearing = pressure if saturated is None else np.where(saturated, 0.0, pressure)
         load = float(np.add.reduce(bearing, axis=None))
-        approach = float(np.einsum("ij,ij->", bearing, level)) / load if load > 0.0 else self._between(level, pressure)
+        approach = self._approach
+        if approach is None:
+            weighted = float(np.einsum("ij,ij->", bearing, level))
+            approach = weighted / load if load > 0.0 else self._between(level, pressure)
         level -= approach
         if saturated is not None:
             # Overlap is what saturation means; only an open gap is an error there.
@@ -83,7 +90,9 @@ class Conditions:
         deepest = float(level.min())
         np.abs(level, out=level)
         total = load if saturated is None else float(np.add.reduce(pressure, axis=None))
-        open_gap = float(np.einsum("ij,ij->", pressure, level)) / total if total > 0.0 else math.inf
+        # No pressure at all is an answer to a given approach, never to a given load.
+        none = math.inf if self._approach is None else 0.0
+        open_gap = float(np.einsum("ij,ij->", pressure, level)) / total if total > 0.0 else none
         low, high = float(displacement.min()), float(displacement.max())
         scale = min(self._relief, high - low) or max(self._relief, high - low) or 1.0
         floor = _ROUNDING * (max(high, -low) + self._size) / scale

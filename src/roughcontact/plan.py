@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 import attrs
+import numpy as np
 
+from roughcontact.checks import Array
 from roughcontact.convolvers import Convolver
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import InfluenceKernel
@@ -29,7 +31,7 @@ class Plan:
     relief
         Greatest undeformed gap, m.
     limit
-        Greatest pressure, Pa.
+        Greatest pressure, Pa, a number or an array of shape (nx, ny).
     left_out
         What does not run, with the reason.
     notes
@@ -43,7 +45,7 @@ class Plan:
     solver: Solver
     modulus: float
     relief: float
-    limit: float
+    limit: float | Array
     left_out: tuple[str, ...]
     notes: tuple[str, ...]
 
@@ -68,7 +70,7 @@ class Plan:
 
     def __str__(self) -> str:
         mx, my = self.transform_shape
-        cap = si(self.limit, "Pa") if math.isfinite(self.limit) else "none"
+        cap = _range(self.limit)
         rows = [
             ("grid", f"{self.grid}, boundary {self.boundary}"),
             (
@@ -85,3 +87,10 @@ class Plan:
         rows += [("left out", text) for text in self.left_out]
         rows += [("note", text) for text in self.notes]
         return "\n".join(f"{label:<10} {text}" for label, text in rows)
+
+
+def _range(limit: float | Array) -> str:
+    low, high = float(np.min(limit)), float(np.max(limit))
+    if math.isinf(low):
+        return "none"
+    return si(low, "Pa") if low == high else f"{si(low, 'Pa')} to {si(high, 'Pa')}"

@@ -10,12 +10,13 @@ import attrs
 import numpy as np
 
 from roughcontact.body import RIGID_FLAT, Body
-from roughcontact.checks import Array, choice, frozen_array, number
+from roughcontact.checks import Array, choice, frozen_array
 from roughcontact.convolvers import Convolver, PlannedConvolution
 from roughcontact.convolvers.base import require_boundary
 from roughcontact.errors import InputError, NotConverged
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel, InfluenceKernel
+from roughcontact.loads import LOAD_TOLERANCE, pressure_unit, task_of
 from roughcontact.materials import Rigid, contact_modulus, pressure_limit
 from roughcontact.optimality import Conditions
 from roughcontact.plan import Plan
@@ -24,15 +25,13 @@ from roughcontact.solution import ContactSolution, Residuals, Status
 from roughcontact.solvers import Outcome, Solver, Task
 from roughcontact.surfaces import FlatSurface, HeightMap
 from roughcontact.surfaces.base import own_grid
-from roughcontact.units import si
 
 _AUTO_CONVOLVER = {
     Boundary.FREE: "dc-fft",
     Boundary.PERIODIC: "circular-fft",
     Boundary.WRAPPED: "circular-fft",
 }
-_AUTO_SOLVER = "spectral-gradient"
-_LOAD_TOLERANCE = 1e-12
+_AUTO_SOLVER = "projected-cg"
 
 
 def _boundary(value: str) -> Boundary:
@@ -100,7 +99,7 @@ class ContactProblem:
             solver=solvers.resolve(_AUTO_SOLVER if self.solver == "auto" else self.solver, Solver),
             modulus=contact_modulus(one, other),
             relief=self._relief(grid),
-            limit=pressure_limit(one, other),
+            limit=self._limit(),
             left_out=tuple(self._left_out()),
             notes=tuple(self._notes()),
         )
@@ -139,7 +138,7 @@ class ContactProblem:
         force
             Normal force, N.
         approach
-            Approach of the bodies, m; no solver that ships offers it yet.
+            Approach of the bodies since first touch, m.
         throw
             Whether to raise when the solver does not converge, or to return what it has.
 
@@ -156,11 +155,8 @@ class ContactProblem:
             If the solution is not certified and `throw` is true; the error carries it.
         """
         started = time.perf_counter()
-        mean = self._mean_pressure(pressure, force, approach)
-        plan = self.plan
-        unit = plan.modulus * (plan.relief / plan.grid.spacing[0])
-        task = Task(undeformed=self.undeformed / plan.relief, mean_pressure=mean / unit, limit=plan.limit / unit)
-        outcome = plan.solver.solve(self.convolution, task)
+        task = task_of(self.plan, self.undeformed, pressure=pressure, force=force, approach=approach)
+        outcome = self.plan.solver.solve(self.convolution, task)
         solution = self._certified(task, outcome, started)
         if throw and not solution.status.success:
             raise NotConverged(
@@ -172,15 +168,14 @@ class ContactProblem:
 
     def _certified(self, task: Task, outcome: Outcome, started: float) -> ContactSolution:
         """Give the outcome its units, and residuals that depend on nothing but its pressure."""
-        plan = self.plan
-        unit = plan.modulus * (plan.relief / plan.grid.spacing[0])
+        plan, unit = self.plan, pressure_unit(self.plan)
         displacement = self.convolution.apply(outcome.pressure)
-        state = Conditions(task.undeformed, task.limit).measure(outcome.pressure, displacement)
+        state = Conditions(task.undeformed, task.limit, task.approach).measure(outcome.pressure, displacement)
         carried = self.convolution.sum(outcome.pressure) / outcome.pressure.size
-        load = abs(carried / task.mean_pressure - 1.0)
+        load = 0.0 if task.mean_pressure is None else abs(carried / task.mean_pressure - 1.0)
         bound = 2.0 * max(plan.solver.tolerance, state.floor)
-        confirmed = state.error <= bound and load <= _LOAD_TOLERANCE
-        bounded = outcome.pressure.min() >= 0.0 and outcome.pressure.max() <= task.limit
+        confirmed = state.error <= bound and load <= LOAD_TOLERANCE
+        bounded = outcome.pressure.min() >= 0.0 and (outcome.pressure <= task.limit).all()
         status = outcome.status
         if status.success and not (confirmed and bounded):
             status = Status.UNCONFIRMED
@@ -210,6 +205,14 @@ class ContactProblem:
             raise InputError("The surfaces carry no grid of their own: give grid=Grid(shape, size).")
         return grid
 
+    def _limit(self) -> float | Array:
+        limit = pressure_limit(self.body.material, self.counter.material)
+        if not isinstance(limit, float) and limit.shape != self._grid().shape:
+            raise InputError(
+                f"The pressure limit is an array of shape {limit.shape}, but the grid has {self._grid().shape} cells."
+            )
+        return limit
+
     def _undeformed(self, grid: Grid) -> Array:
         total = np.zeros(grid.shape)
         for body in (self.body, self.counter):
@@ -232,26 +235,6 @@ class ContactProblem:
             )
         return relief
 
-    def _mean_pressure(self, pressure: float | None, force: float | None, approach: float | None) -> float:
-        given = {"pressure": pressure, "force": force, "approach": approach}
-        named = [name for name, value in given.items() if value is not None]
-        if len(named) != 1:
-            got = " and ".join(f"{name}=" for name in named) or "none of them"
-            raise InputError(f"Give exactly one of pressure= (Pa), force= (N) and approach= (m), but got {got}.")
-        if approach is not None:
-            raise InputError("No solver at hand works at a given approach yet: give pressure= (Pa) or force= (N).")
-        if pressure is not None:
-            mean = number(pressure, "The mean pressure", "Pa", above=0.0)
-        else:
-            mean = number(force, "The force", "N", above=0.0) / self.plan.grid.area
-        limit = self.plan.limit
-        if mean > limit * (1.0 + _LOAD_TOLERANCE):
-            raise InputError(
-                f"The mean pressure of {si(mean, 'Pa')} is more than the bodies bear: at most {si(limit, 'Pa')}, "
-                f"that is {si(limit * self.plan.grid.area, 'N')} on this domain."
-            )
-        return min(mean, limit)
-
     def _left_out(self) -> list[str]:
         """Say what this scene does not need."""
         padding = {
@@ -260,7 +243,7 @@ class ContactProblem:
             Boundary.WRAPPED: "padding and all but the nearest images: the boundary is wrapped",
         }
         texts = [padding[self.boundary]]
-        if pressure_limit(self.body.material, self.counter.material) == np.inf:
+        if np.isinf(self._limit()).all():
             texts.append("pressure cap: neither material has a limit")
         if self.boundary is Boundary.PERIODIC:
             texts.append("kernel in real space: its spectrum is used")

@@ -114,7 +114,7 @@ class ContactSolution:
     modulus
         Contact modulus E*, Pa.
     limit
-        Greatest contact pressure, Pa; `inf` where there is none.
+        Greatest contact pressure, Pa, a number or an array of shape (nx, ny); `inf` where there is none.
     pressure
         Contact pressure, shape `grid.shape`, Pa.
     displacement
@@ -135,7 +135,7 @@ class ContactSolution:
     grid: Grid
     boundary: Boundary
     modulus: float
-    limit: float
+    limit: float | Array
     pressure: Array
     displacement: Array
     undeformed: Array

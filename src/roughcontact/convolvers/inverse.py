@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import attrs
 import numpy as np
@@ -28,7 +29,7 @@ class InverseConvolution:
     ----------
     stiffness
         Pressure amplitude per displacement amplitude of each wave, positive and zero for the mean,
-        shape (mx, my // 2 + 1), float32.
+        shape (mx, my // 2 + 1).
     padded
         Cells (mx, my) of the periodic grid.
     """
@@ -36,12 +37,17 @@ class InverseConvolution:
     stiffness: RealArray
     padded: tuple[int, int]
 
+    @cached_property
+    def short_stiffness(self) -> RealArray:
+        """The stiffness in float32."""
+        return self.stiffness.astype(np.float32)
+
     def apply(self, displacement: RealArray) -> RealArray:
         """Return the pressure, shape and precision of `displacement` (float32 or float64)."""
         (mx, my), (nx, ny) = self.padded, displacement.shape
         waves = scipy.fft.rfft(displacement, n=my, axis=1)
         waves = scipy.fft.fft(waves, n=mx, axis=0, overwrite_x=True)
-        waves *= self.stiffness
+        waves *= self.short_stiffness if displacement.dtype == np.float32 else self.stiffness
         waves = scipy.fft.ifft(waves, axis=0, overwrite_x=True)[:nx]
         pressure = scipy.fft.irfft(waves, n=my, axis=1, overwrite_x=True)
         return np.asarray(pressure[:, :ny])
@@ -61,4 +67,4 @@ def inverse_of(scene: Scene) -> InverseConvolution:
     stiffness = np.zeros_like(response)
     np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
     stiffness[0, 0] = 0.0
-    return InverseConvolution(stiffness.astype(np.float32), (mx, my))
+    return InverseConvolution(stiffness, (mx, my))

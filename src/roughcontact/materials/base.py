@@ -5,7 +5,9 @@ from __future__ import annotations
 import abc
 import math
 
-from roughcontact.checks import number
+import numpy as np
+
+from roughcontact.checks import Array, number
 from roughcontact.errors import InputError
 
 
@@ -19,8 +21,11 @@ class Material(abc.ABC):
 
     @property
     @abc.abstractmethod
-    def pressure_limit(self) -> float:
-        """Greatest contact pressure that the surface bears, Pa; `math.inf` where there is none."""
+    def pressure_limit(self) -> float | Array:
+        """Greatest contact pressure that the surface bears, Pa; `math.inf` where there is none.
+
+        A number, or an array of the grid's shape (nx, ny) where it differs from place to place.
+        """
 
 
 def contact_modulus(one: Material, other: Material) -> float:
@@ -44,8 +49,8 @@ def contact_modulus(one: Material, other: Material) -> float:
     return modulus
 
 
-def pressure_limit(one: Material, other: Material) -> float:
-    """Return the greatest contact pressure, Pa: that of the softer body.
+def pressure_limit(one: Material, other: Material) -> float | Array:
+    """Return the greatest contact pressure, Pa, a number or an array: that of the softer body.
 
     Raises
     ------
@@ -54,9 +59,10 @@ def pressure_limit(one: Material, other: Material) -> float:
     """
     limits = (one.pressure_limit, other.pressure_limit)
     for limit in limits:
-        if not limit > 0.0:
-            raise InputError.about("The pressure limit of a material", limit, "a number above 0, or inf (Pa)")
-    return float(min(limits))
+        if not np.all(np.asarray(limit) > 0.0):
+            raise InputError.about("The pressure limit of a material", limit, "above 0, or inf (Pa)")
+    softer = np.minimum(*limits)
+    return float(softer) if np.ndim(softer) == 0 else np.asarray(softer, dtype=np.float64)
 
 
 def young_modulus(value: float) -> float:

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import attrs
+import numpy as np
 
-from roughcontact.checks import number
+from roughcontact.checks import Array, frozen_array, number
+from roughcontact.errors import InputError
 from roughcontact.materials.base import Material, poisson_ratio, young_modulus
 
 
-def _hardness(value: float) -> float:
-    return number(value, "The hardness", "Pa", above=0.0)
+def _hardness(value: float | Array) -> float | Array:
+    if np.ndim(value) == 0:
+        return number(value, "The hardness", "Pa", above=0.0)
+    array = frozen_array(np.array(value, dtype=np.float64))
+    if array.ndim != 2 or not (np.isfinite(array).all() and array.min() > 0.0):
+        raise InputError.about("The hardness", value, "a number or an array (nx, ny), finite and above 0 (Pa)")
+    return array
 
 
-@attrs.frozen
+@attrs.frozen(eq=False)
 class ElasticPerfectlyPlastic(Material):
     """Elastic until the contact pressure reaches the hardness, which it never exceeds.
 
@@ -26,12 +33,12 @@ class ElasticPerfectlyPlastic(Material):
     poisson
         Poisson's ratio, above -1 and at most 0.5.
     hardness
-        Contact pressure at full plasticity, Pa, above zero.
+        Contact pressure at full plasticity, Pa, above zero: a number, or an array of the grid's shape.
     """
 
     young: float = attrs.field(converter=young_modulus)
     poisson: float = attrs.field(converter=poisson_ratio)
-    hardness: float = attrs.field(converter=_hardness)
+    hardness: float | Array = attrs.field(converter=_hardness)
 
     @property
     def compliance(self) -> float:
@@ -39,6 +46,6 @@ class ElasticPerfectlyPlastic(Material):
         return (1.0 - self.poisson**2) / self.young
 
     @property
-    def pressure_limit(self) -> float:
+    def pressure_limit(self) -> float | Array:
         """The hardness, Pa."""
         return self.hardness

@@ -22,14 +22,21 @@ class Task:
     undeformed
         Undeformed gap, shape (nx, ny), at least zero; its maximum, the relief, is one.
     mean_pressure
-        Mean pressure to be carried, above zero and at most `limit`.
+        Mean pressure to be carried, above zero and at most the mean of `limit`; None if the approach
+        is given instead.
+    approach
+        Approach since first touch, above zero; None if the mean pressure is given.
     limit
-        Greatest pressure; `inf` where there is none.
+        Greatest pressure, a number or an array of shape (nx, ny); `inf` where there is none.
+    start
+        A pressure to start from, shape (nx, ny), within the bounds; None if there is none.
     """
 
     undeformed: Array
-    mean_pressure: float
-    limit: float = math.inf
+    mean_pressure: float | None = None
+    approach: float | None = None
+    limit: float | Array = math.inf
+    start: Array | None = None
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -86,8 +93,8 @@ class Monitor:
     """
 
     def __init__(self, task: Task, tolerance: float, max_iterations: int) -> None:
-        self._conditions = Conditions(task.undeformed, task.limit)
-        self._tolerance = tolerance
+        self._conditions = Conditions(task.undeformed, task.limit, task.approach)
+        self.tolerance = tolerance
         self._max_iterations = max_iterations
         self.history: list[float] = []
 
@@ -97,14 +104,28 @@ class Monitor:
         self.history.append(state.error)
         return state, self._status(state)
 
+    def prove(self, pressure: Array, displacement: Array) -> tuple[Optimality, Status | None]:
+        """Measure an iterate whose error has been noted as an estimate; see `judge`."""
+        if self.history:
+            self.history.pop()
+        return self.judge(pressure, displacement)
+
+    def note(self, error: float) -> None:
+        """Remember the estimated error after an iteration."""
+        self.history.append(error)
+
+    def goes_on(self) -> bool:
+        """Tell whether there are iterations left."""
+        return len(self.history) <= self._max_iterations
+
     def _status(self, state: Optimality) -> Status | None:
         if not (math.isfinite(state.error) and math.isfinite(state.approach)):
             return Status.NOT_FINITE
-        if state.error <= self._tolerance:
+        if state.error <= self.tolerance:
             return Status.CONVERGED
         if state.error <= state.floor:
             return Status.CONVERGED_TO_ROUNDING
-        if len(self.history) > self._max_iterations:
+        if not self.goes_on():
             return Status.MAXIMUM_ITERATIONS
         return None
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import attrs
 import numpy as np
 
@@ -45,16 +43,19 @@ class PolonskyKeer(Solver):
         Raises
         ------
         InputError
-            If the pressure is limited.
+            If the pressure is limited or the approach is given.
         """
-        if math.isfinite(task.limit):
+        if np.isfinite(task.limit).any():
             raise InputError(
                 "The solver 'polonsky-keer' has no pressure limit, but a material has one: use solver='auto'."
             )
+        if task.mean_pressure is None:
+            raise InputError("The solver 'polonsky-keer' needs a load, not an approach: use solver='auto'.")
         monitor = Monitor(task, self.tolerance, self.max_iterations)
-        pressure = np.full(task.undeformed.shape, task.mean_pressure)
+        uniform = np.full(task.undeformed.shape, task.mean_pressure)
+        pressure = uniform if task.start is None else task.start
         search = _Search(np.zeros_like(pressure))
-        load = convolution.sum(pressure)
+        load = convolution.sum(uniform)
         convolutions = 0
         while True:
             displacement = convolution.apply(pressure)

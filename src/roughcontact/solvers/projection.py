@@ -1,19 +1,18 @@
-"""The pressure next to a given field that carries a load within its bounds."""
+"""Pressures that carry a load within their bounds."""
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from roughcontact.checks import Array
+from roughcontact.checks import Array, RealArray
 
 # Newton needs a handful of rounds; bisection to the last bit would need this many.
 _ROUNDS = 200
 _EXACT = 4e-16
+_NEAR = 1e-14
 
 
-def onto_load(values: Array, mean: float, limit: float) -> Array:
+def onto_load(values: Array, mean: float, limit: float | Array) -> Array:
     """Project onto the pressures between zero and `limit` whose mean is `mean`.
 
     The nearest such field is clip(values - shift, 0, limit); the shift that meets the load is found
@@ -24,9 +23,9 @@ def onto_load(values: Array, mean: float, limit: float) -> Array:
     values
         Any finite field, shape (nx, ny); the search is short if the shift is near zero.
     mean
-        Mean pressure, above zero and at most `limit`.
+        Mean pressure, above zero and at most the mean of the limit.
     limit
-        Greatest pressure; may be infinite.
+        Greatest pressure, a number or an array of shape (nx, ny); may be infinite.
 
     Returns
     -------
@@ -34,32 +33,80 @@ def onto_load(values: Array, mean: float, limit: float) -> Array:
         The pressure, shape (nx, ny).
     """
     load = mean * values.size
-    # With the lower shift every cell carries at least the mean, with the upper one none carries any.
-    lower, upper = float(values.min()) - mean, float(values.max())
-    shift = min(max(0.0, lower), upper)
-    candidates = values.ravel()
-    for _ in range(_ROUNDS):
-        carried = np.clip(candidates - shift, 0.0, limit)
-        excess = float(np.add.reduce(carried)) - load
-        inside = int(np.count_nonzero((carried > 0.0) & (carried < limit)))
-        if excess > 0.0:
-            # Cells that are open now stay so: the shift only grows from here.
-            lower, candidates = shift, candidates[carried > 0.0]
-        else:
-            upper = shift
-        trial = shift + excess / inside if inside else 0.5 * (lower + upper)
-        if not lower < trial < upper:
-            trial = 0.5 * (lower + upper)
-        if abs(excess) <= _EXACT * load or trial in (lower, upper):
-            break
-        shift = trial
+    if isinstance(limit, float):
+        # With the lower shift every cell carries at least the mean, with the upper one none carries any.
+        bracket = float(values.min()) - mean, float(values.max())
+        shift = _shift(values.ravel(), None, load, limit, bracket, _EXACT)
+    else:
+        bracket = float((values - limit).min()), float(values.max())
+        shift = _shift(values.ravel(), None, load, limit.ravel(), bracket, _EXACT)
     pressure = values - shift
     np.clip(pressure, 0.0, limit, out=pressure)
     # The shift is only known to the last digit of the values, which may be far greater than the mean.
+    return restored(pressure, load, limit)
+
+
+def onto_weighted_load(values: Array, weights: RealArray, load: float, limit: float | Array) -> Array:
+    """Return clip(values - shift * weights, 0, limit) with the shift that gives the sum `load`.
+
+    Parameters
+    ----------
+    values, weights
+        Any finite values and positive weights, shape (n,).
+    load
+        Sum of the result.
+    limit
+        Greatest pressure, a number or an array of shape (n,); may be infinite.
+    """
+    bracket = float(((values - limit) / weights).min()), float((values / weights).max())
+    if not np.isfinite(bracket[0]):
+        bracket = float(((values - load) / weights).min()), bracket[1]
+    shift = _shift(values, weights, load, limit, bracket, _NEAR)
+    return np.clip(values - shift * weights, 0.0, limit)
+
+
+def restored(pressure: Array, load: float, limit: float | Array) -> Array:
+    """Return the pressure with its unsaturated part scaled so that the sum is `load`, to rounding."""
     free = pressure < limit
     bearing = float(np.add.reduce(pressure, axis=None, where=free))
     if bearing > 0.0:
-        rest = load - limit * (values.size - int(np.count_nonzero(free))) if math.isfinite(limit) else load
-        np.multiply(pressure, max(rest, 0.0) / bearing, out=pressure, where=free)
+        saturated = float(np.add.reduce(pressure, axis=None, where=~free))
+        pressure = np.multiply(pressure, max(load - saturated, 0.0) / bearing, out=pressure.copy(), where=free)
         np.minimum(pressure, limit, out=pressure)
     return pressure
+
+
+def _shift(
+    values: Array,
+    weights: RealArray | None,
+    load: float,
+    limit: float | Array,
+    bracket: tuple[float, float],
+    tolerance: float,
+) -> float:
+    """Return the shift at which clip(values - shift * weights, 0, limit) sums to `load`."""
+    lower, upper = bracket
+    shift = min(max(0.0, lower), upper)
+    for _ in range(_ROUNDS):
+        carried = values - (shift if weights is None else shift * weights)
+        np.clip(carried, 0.0, limit, out=carried)
+        excess = float(np.add.reduce(carried)) - load
+        inside = carried > 0.0
+        moving = inside & (carried < limit)
+        slope = float(
+            np.count_nonzero(moving) if weights is None else np.add.reduce(weights, where=moving, dtype=float)
+        )
+        if excess > 0.0:
+            # Cells that are open now stay so: the shift only grows from here.
+            lower, values = shift, values[inside]
+            weights = weights if weights is None else weights[inside]
+            limit = limit if isinstance(limit, float) else limit[inside]
+        else:
+            upper = shift
+        trial = shift + excess / slope if slope > 0.0 else 0.5 * (lower + upper)
+        if not lower < trial < upper:
+            trial = 0.5 * (lower + upper)
+        if abs(excess) <= tolerance * load or trial in (lower, upper):
+            break
+        shift = trial
+    return shift

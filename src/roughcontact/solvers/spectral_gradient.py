@@ -50,7 +50,7 @@ class SpectralGradient(Solver):
     def solve(self, convolution: PlannedConvolution, task: Task) -> Outcome:
         """Return the pressure that carries the load; see `Solver.solve`."""
         monitor = Monitor(task, self.tolerance, self.max_iterations)
-        pressure = np.full(task.undeformed.shape, task.mean_pressure)
+        pressure = _start(task)
         displacement, convolutions, exact = convolution.apply(pressure), 1, True
         energies: deque[float] = deque(maxlen=_MEMORY)
         length = math.nan
@@ -68,7 +68,7 @@ class SpectralGradient(Solver):
             energies.append(_energy(pressure, displacement, gradient, convolution))
             if math.isnan(length):
                 length, convolutions = _first_length(gradient, convolution), convolutions + 1
-            projected = onto_load(_moved(pressure, gradient, -length), task.mean_pressure, task.limit)
+            projected = _projected(_moved(pressure, gradient, -length), task)
             step = projected - pressure
             change = convolution.apply(step)
             convolutions += 1
@@ -81,6 +81,20 @@ class SpectralGradient(Solver):
             length = convolution.dot(step, step) / curvature
             pressure = projected if part == 1.0 else np.clip(_moved(pressure, step, part), 0.0, task.limit)
             displacement, exact = _moved(displacement, change, part), False
+
+
+def _start(task: Task) -> Array:
+    if task.start is not None:
+        return task.start
+    mean = 0.0 if task.mean_pressure is None else task.mean_pressure
+    return np.minimum(np.full(task.undeformed.shape, mean), task.limit)
+
+
+def _projected(values: Array, task: Task) -> Array:
+    """Return the nearest pressure that the task allows."""
+    if task.mean_pressure is None:
+        return np.asarray(np.clip(values, 0.0, task.limit))
+    return onto_load(values, task.mean_pressure, task.limit)
 
 
 def _moved(start: Array, direction: Array, length: float) -> Array:

@@ -1,0 +1,90 @@
+"""Loads, checked and put into dimensionless variables."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from roughcontact.checks import Array, number
+from roughcontact.errors import InputError
+from roughcontact.grid import Boundary
+from roughcontact.plan import Plan
+from roughcontact.solvers import Task
+from roughcontact.units import si
+
+# Relative error of the load that is rounding.
+LOAD_TOLERANCE = 1e-12
+
+
+def pressure_unit(plan: Plan) -> float:
+    """Return the pressure that counts as one in a `Task`, Pa."""
+    return plan.modulus * (plan.relief / plan.grid.spacing[0])
+
+
+def task_of(
+    plan: Plan,
+    undeformed: Array,
+    *,
+    pressure: float | None = None,
+    force: float | None = None,
+    approach: float | None = None,
+    start: Array | None = None,
+) -> Task:
+    """Return the task of carrying the one load that is given.
+
+    Parameters
+    ----------
+    plan
+        The plan of the problem.
+    undeformed
+        Undeformed gap, shape (nx, ny), m.
+    pressure, force, approach
+        Exactly one: nominal mean pressure, Pa; normal force, N; approach since first touch, m.
+    start
+        A pressure to start from, shape (nx, ny), Pa.
+
+    Raises
+    ------
+    InputError
+        If not exactly one load is given, or it cannot be carried.
+    """
+    given = {"pressure": pressure, "force": force, "approach": approach}
+    named = [name for name, value in given.items() if value is not None]
+    if len(named) != 1:
+        got = " and ".join(f"{name}=" for name in named) or "none of them"
+        raise InputError(f"Give exactly one of pressure= (Pa), force= (N) and approach= (m), but got {got}.")
+    unit = pressure_unit(plan)
+    if pressure is not None:
+        mean = _bearable(number(pressure, "The mean pressure", "Pa", above=0.0), plan)
+    elif force is not None:
+        mean = _bearable(number(force, "The force", "N", above=0.0) / plan.grid.area, plan)
+    else:
+        mean = None
+    return Task(
+        undeformed=undeformed / plan.relief,
+        mean_pressure=None if mean is None else mean / unit,
+        approach=None if approach is None else _reachable(approach, undeformed, plan) / plan.relief,
+        limit=plan.limit / unit,
+        start=None if start is None else start / unit,
+    )
+
+
+def _bearable(mean: float, plan: Plan) -> float:
+    largest = float(np.mean(plan.limit))
+    if mean > largest * (1.0 + LOAD_TOLERANCE):
+        raise InputError(
+            f"The mean pressure of {si(mean, 'Pa')} is more than the bodies bear: at most {si(largest, 'Pa')}, "
+            f"that is {si(largest * plan.grid.area, 'N')} on this domain."
+        )
+    return min(mean, largest)
+
+
+def _reachable(approach: float, undeformed: Array, plan: Plan) -> float:
+    approach = number(approach, "The approach", "m", above=0.0)
+    full = float(undeformed.mean())
+    unbounded = plan.boundary is Boundary.PERIODIC and bool(np.isinf(plan.limit).any())
+    if unbounded and approach >= full:
+        raise InputError(
+            f"On a periodic boundary the approach must be below that of full contact, {si(full, 'm')}, but got "
+            f"{si(approach, 'm')}: beyond it any pressure will do. Give pressure= instead."
+        )
+    return approach

@@ -1,0 +1,101 @@
+"""From coarse grids to fine ones."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+
+from roughcontact.checks import Array
+from roughcontact.convolvers import PlannedConvolution
+from roughcontact.convolvers.inverse import inverse_of
+from roughcontact.grid import Boundary, Grid
+from roughcontact.solvers.base import Monitor, Task
+from roughcontact.solvers.conjugate.refinement import Refinement
+
+# Axes are halved as long as they keep this many cells; less is not worth a level.
+_COARSEST = 32
+# A coarse pressure is as good as its grid, so that more than this is wasted on it.
+_TOLERANCE = 1e-2
+_ITERATIONS = 60
+
+
+@attrs.frozen(eq=False)
+class Start:
+    """A pressure to start from.
+
+    Attributes
+    ----------
+    pressure
+        Pressure, shape (nx, ny), within the bounds.
+    products
+        Convolutions it took, in convolutions of the grid it is for.
+    """
+
+    pressure: Array
+    products: float
+
+
+def cascaded(convolution: PlannedConvolution, task: Task) -> Start:
+    """Return the pressure of ever finer grids, down to the one of `task`."""
+    grid = convolution.scene.grid
+    coarse_grid = _halved(grid)
+    if coarse_grid is None:
+        return _first(convolution, task)
+    fx, fy = (fine // coarse for fine, coarse in zip(grid.shape, coarse_grid.shape, strict=True))
+    coarse_task = attrs.evolve(
+        task,
+        undeformed=_averaged(task.undeformed, fx, fy),
+        limit=task.limit if isinstance(task.limit, float) else _averaged(task.limit, fx, fy),
+    )
+    coarse = convolution.on(coarse_grid)
+    start = cascaded(coarse, coarse_task)
+    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
+    pressure, _, _ = refinement.run(start.pressure)
+    products = (start.products + refinement.products) / (fx * fy)
+    if pressure.min() > 0.0:
+        full = full_contact(convolution, task)
+        if full is not None:
+            return Start(full, products + 1)
+    return Start(np.minimum(_prolonged(pressure, fx, fy, grid), task.limit), products)
+
+
+def full_contact(convolution: PlannedConvolution, task: Task) -> Array | None:
+    """Return the pressure that closes every gap of a periodic surface, if it is within the bounds."""
+    if convolution.scene.boundary is not Boundary.PERIODIC or task.mean_pressure is None:
+        return None
+    pressure = task.mean_pressure - inverse_of(convolution.scene).apply(task.undeformed)
+    within = pressure.min() >= 0.0 and not (pressure > task.limit).any()
+    return pressure if within else None
+
+
+def _first(convolution: PlannedConvolution, task: Task) -> Start:
+    full = full_contact(convolution, task)
+    if full is not None:
+        return Start(full, 1)
+    mean = 0.0 if task.mean_pressure is None else task.mean_pressure
+    pressure = np.minimum(np.full(task.undeformed.shape, mean), task.limit)
+    return Start(pressure, 1)
+
+
+def _halved(grid: Grid) -> Grid | None:
+    """Return the grid with every even axis halved that stays long enough; None if there is none."""
+    shape = tuple(n // 2 if n % 2 == 0 and n // 2 >= _COARSEST else n for n in grid.shape)
+    return None if shape == grid.shape else Grid(shape, grid.size)
+
+
+def _averaged(values: Array, fx: int, fy: int) -> Array:
+    nx, ny = values.shape
+    return np.ascontiguousarray(values.reshape(nx // fx, fx, ny // fy, fy).mean(axis=(1, 3)))
+
+
+def _prolonged(values: Array, fx: int, fy: int, grid: Grid) -> Array:
+    """Interpolate linearly between cell centres along the axes that were halved."""
+    for axis, factor in enumerate((fx, fy)):
+        if factor == 2:
+            moved = np.moveaxis(values, axis, 0)
+            before, after = np.roll(moved, 1, axis=0), np.roll(moved, -1, axis=0)
+            fine = np.empty((2 * moved.shape[0], *moved.shape[1:]))
+            fine[0::2] = 0.75 * moved + 0.25 * before
+            fine[1::2] = 0.75 * moved + 0.25 * after
+            values = np.moveaxis(fine, 0, axis)
+    return np.ascontiguousarray(values)

@@ -1,0 +1,112 @@
+"""What is given, the load or the approach, and what it demands of every step."""
+
+from __future__ import annotations
+
+import abc
+
+import attrs
+import numpy as np
+
+from roughcontact.checks import Array, Mask, RealArray
+from roughcontact.solvers.projection import onto_weighted_load, restored
+
+_ROUNDS = 60
+_BALANCED = 1e-5
+
+
+class Control(abc.ABC):
+    """The constraint that holds besides the bounds of the pressure."""
+
+    @abc.abstractmethod
+    def level(self, gap: RealArray, weights: RealArray) -> float:
+        """Return the level that the gap of some cells is to have, shape (n,) both."""
+
+    @abc.abstractmethod
+    def admissible(self, direction: RealArray, weights: RealArray, low: Mask | None, high: Mask | None) -> RealArray:
+        """Return the nearest direction that keeps the constraint and leaves no bound outward.
+
+        `low` and `high` mark the cells, of shape (n,), that just leave zero and the limit.
+        """
+
+    @abc.abstractmethod
+    def feasible(self, trial: Array, before: Array, weights: RealArray, limit: float | Array) -> Array:
+        """Return the nearest pressure to `trial` within the bounds that keeps the constraint, shape (n,)."""
+
+
+@attrs.frozen
+class LoadControl(Control):
+    """The load is given, and the level of the gap is free.
+
+    Parameters
+    ----------
+    load
+        Sum of the pressure over all cells.
+    """
+
+    load: float
+
+    def level(self, gap: RealArray, weights: RealArray) -> float:
+        """Return the weighted mean; see `Control.level`."""
+        total = _sum(weights)
+        return _dot(weights, gap) / total if total > 0.0 else 0.0
+
+    def admissible(self, direction: RealArray, weights: RealArray, low: Mask | None, high: Mask | None) -> RealArray:
+        """Project onto sum zero and the half-lines of released cells, in the metric 1/w; see `Control`."""
+        moved = direction - np.float32(_sum(direction) / _sum(weights)) * weights
+        if low is None and high is None:
+            return moved
+        shift = 0.0
+        for _ in range(_ROUNDS):
+            moved = direction - np.float32(shift) * weights
+            held = _outward(moved, low, high)
+            moved[held] = 0.0
+            excess, slope = _sum(moved), _sum(weights) - _sum(weights[held])
+            if slope <= 0.0 or abs(excess) <= _BALANCED * float(np.abs(moved).max(initial=0.0)):
+                break
+            shift += excess / slope
+        return moved
+
+    def feasible(self, trial: Array, before: Array, weights: RealArray, limit: float | Array) -> Array:
+        """Clip, and spread what is missing by the weights; see `Control.feasible`."""
+        return onto_weighted_load(trial, weights, float(np.add.reduce(before)), limit)
+
+
+@attrs.frozen
+class ApproachControl(Control):
+    """The approach is given: the gap counts from it, and any load will do."""
+
+    def level(self, gap: RealArray, weights: RealArray) -> float:
+        """Return zero; see `Control.level`."""
+        return 0.0
+
+    def admissible(self, direction: RealArray, weights: RealArray, low: Mask | None, high: Mask | None) -> RealArray:
+        """Hold released cells that would go back out; see `Control.admissible`."""
+        if low is None and high is None:
+            return direction
+        return np.where(_outward(direction, low, high), np.float32(0.0), direction)
+
+    def feasible(self, trial: Array, before: Array, weights: RealArray, limit: float | Array) -> Array:
+        """Clip; see `Control.feasible`."""
+        return np.clip(trial, 0.0, limit)
+
+
+def exactly(pressure: Array, control: Control, limit: float | Array) -> Array:
+    """Return the pressure with the rounding of its load taken away."""
+    return restored(pressure, control.load, limit) if isinstance(control, LoadControl) else pressure
+
+
+def _outward(direction: RealArray, low: Mask | None, high: Mask | None) -> Mask:
+    held = np.zeros(direction.shape, dtype=bool)
+    if low is not None:
+        held |= low & (direction < 0.0)
+    if high is not None:
+        held |= high & (direction > 0.0)
+    return held
+
+
+def _sum(values: RealArray) -> float:
+    return float(np.add.reduce(values, dtype=np.float64))
+
+
+def _dot(one: RealArray, other: RealArray) -> float:
+    return float(np.einsum("i,i->", one, other))

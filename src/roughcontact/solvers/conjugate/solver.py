@@ -1,0 +1,58 @@
+"""The default solver, from the top."""
+
+from __future__ import annotations
+
+import attrs
+
+from roughcontact.convolvers import PlannedConvolution
+from roughcontact.solution import Status
+from roughcontact.solvers.base import Monitor, Outcome, Solver, Task, iteration_limit, positive_tolerance
+from roughcontact.solvers.conjugate.cascade import Start, cascaded
+from roughcontact.solvers.conjugate.refinement import Refinement
+from roughcontact.solvers.spectral_gradient import SpectralGradient
+
+
+@attrs.frozen
+class ProjectedConjugateGradient(Solver):
+    """Projected conjugate gradients, preconditioned by the inverse kernel on the active cells.
+
+    Load or approach control, with or without a pressure limit, on any boundary. The number of
+    iterations hardly grows with the grid. The descent runs in float32, every claim in float64;
+    should it stall, `SpectralGradient` goes on from there.
+
+    Parameters
+    ----------
+    tolerance
+        Error (see `Optimality`) to be reached.
+    max_iterations
+        Iterations on the finest grid after which it gives up.
+
+    References
+    ----------
+    Polonsky, Keer, Wear 231 (1999) 206-219, https://doi.org/10.1016/S0043-1648(99)00113-1;
+    Vollebregt, J. Optim. Theory Appl. 162 (2014) 862-879, https://doi.org/10.1007/s10957-013-0499-x
+    """
+
+    tolerance: float = attrs.field(converter=positive_tolerance, default=1e-8)
+    max_iterations: int = attrs.field(converter=iteration_limit, default=1000)
+
+    def solve(self, convolution: PlannedConvolution, task: Task) -> Outcome:
+        """Return the pressure; see `Solver.solve`."""
+        start = cascaded(convolution, task) if task.start is None else Start(task.start, 0.0)
+        monitor = Monitor(task, self.tolerance, self.max_iterations)
+        refinement = Refinement(convolution, task, monitor)
+        pressure, _, status = refinement.run(start.pressure)
+        outcome = monitor.outcome(pressure, status, round(start.products + refinement.products))
+        if status is not Status.STALLED:
+            return outcome
+        return self._rescued(convolution, attrs.evolve(task, start=pressure), outcome)
+
+    def _rescued(self, convolution: PlannedConvolution, task: Task, stalled: Outcome) -> Outcome:
+        """Go on with a method that converges from anywhere, though slowly."""
+        rescue = SpectralGradient(self.tolerance, self.max_iterations).solve(convolution, task)
+        return attrs.evolve(
+            rescue,
+            iterations=stalled.iterations + rescue.iterations,
+            convolutions=stalled.convolutions + rescue.convolutions,
+            history=stalled.history + rescue.history,
+        )
