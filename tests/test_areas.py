@@ -6,7 +6,7 @@ from hypothesis import given, settings
 
 import roughcontact as rc
 from roughcontact import reference
-from roughcontact.areas.base import boundary_sides
+from roughcontact.areas.base import boundary_sides, straight_rows
 from strategies import problems
 
 
@@ -97,9 +97,37 @@ def test_an_estimator_that_fails_is_named():
             return rc.Area(np.nan, np.nan, 0.0, "lost")
 
     solution, _ = hertz(4.0, (0, 0))
-    with pytest.raises(rc.InputError, match="not finite"):
+    with pytest.raises(rc.InputError, match="no Area of finite numbers"):
         solution.area(Lost())
 
 
 def test_an_area_reads_well():
     assert str(rc.Area(2e-9, 0.012, 1e-10, "count")) == "2e-09 m2 (1.2 % of nominal) +- 5 % [count]"
+
+
+@pytest.mark.parametrize("share", [0.01, 0.3, 0.9])
+def test_the_area_bears_the_load_at_the_limit(share):
+    surface = rc.HeightMap(np.random.default_rng(0).standard_normal((32, 32)), size=100.0)
+    problem = rc.ContactProblem(rc.Body(surface, rc.ElasticPerfectlyPlastic(1e9, 0.3, 1e6)))
+    solution = problem.solve(pressure=share * 1e6)
+    assert solution.area("perimeter").fraction >= share * (1 - 1e-12)
+
+
+def test_the_bar_of_sharp_and_of_aligned_edges():
+    """A flat punch, and strips along the grid: two bars hold the true area."""
+    grid = rc.Grid((96, 96), 1e-3)
+    punch = rc.HeightMap(np.where(np.hypot(grid.x, grid.y) < 3e-4, 0.0, -1e-4), size=1e-3)
+    area = rc.ContactProblem(rc.Body(punch, rc.Elastic(1e11, 0.3))).solve(force=1.0).area("perimeter")
+    assert abs(area.value - np.pi * 9e-8) <= 2 * area.uncertainty
+    strip = reference.Westergaard(1e-6, 1e-4, 1e11)
+    mean = 0.3 * strip.full_contact_pressure
+    for shape in ((256, 1), (256, 4)):
+        body = rc.Body(rc.WavySurface((1e-6, 0.0), 1e-4), rc.Elastic(1e11, 0.0))
+        area = rc.ContactProblem(body, grid=rc.Grid(shape, 1e-4), boundary="periodic").solve(pressure=mean).area()
+        assert abs(area.fraction * 1e-4 - 2 * strip.half_width(mean)) <= 2e-4 * area.uncertainty / 1e-8
+
+
+def test_straight_rows():
+    mask = np.zeros((6, 6), dtype=bool)
+    mask[1:3, 1:5] = True
+    assert sorted(straight_rows(mask, rc.Boundary.FREE)) == [2, 2, 4, 4]

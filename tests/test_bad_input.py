@@ -41,6 +41,11 @@ class Stretchy(rc.Material):
     pressure_limit = INF
 
 
+class Wordy(rc.Material):
+    compliance = 1e-9
+    pressure_limit = "hard"
+
+
 TABLE = {
     "grid of one cell": (lambda: rc.Grid((1, 1), 1.0), "at least two cells"),
     "grid of no cell": (lambda: rc.Grid((0, 4), 1.0), "at least 1"),
@@ -161,6 +166,14 @@ TABLE = {
     ),
     "estimator misspelt": (lambda: problem().solve(pressure=1e6).area("cellcount"), "Did you mean 'cell-count'?"),
     "estimator of another kind": (lambda: problem().solve(pressure=1e6).area(3), "registered name"),
+    "estimator class for an instance": (lambda: problem().solve(pressure=1e6).area(rc.CellCount), "Pass an instance"),
+    "number registered": (lambda: rc.kernels.register("x")(5), "a class"),
+    "limit in words": (lambda: rc.ContactProblem(rc.Body(WAVE, Wordy()), grid=GRID), "pressure limit"),
+    "resampling to one number": (lambda: rc.HeightMap(np.eye(4), size=1.0).resample(5), "two whole numbers"),
+    "wave of negative amplitude in a closed form": (lambda: reference.WavyContact(-1.0, 1.0, 1.0), "above 0"),
+    "strip beyond full contact": (lambda: reference.Westergaard(1.0, 1.0, 1.0).half_width(9.0), "at most"),
+    "order in words": (lambda: extrapolation.richardson([1, 2], [1.0, 2.0], order="two"), "'two'"),
+    "modulus complex": (lambda: rc.Elastic(np.complex64(1 + 2j), 0.3), "finite number"),
     "file missing": (lambda: rc.read_surface("nowhere.npz"), "There is no file 'nowhere.npz'"),
     "folder for a file": (lambda: rc.read_surface("."), "it is a folder"),
     "missing points in other words": (lambda: rc.read_surface("nowhere.npz", missing="ignore"), "'refuse', 'fill'"),

@@ -70,12 +70,14 @@ def test_solve_takes_a_pair_with_every_option(height_map, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("extra", "words"),
     [
-        (["--young", "210GPa"], "one of the arguments --pressure --force is required"),
+        (["--young", "210GPa"], "one of the arguments --pressure --approach --force is required"),
         (["--pressure", "1MPa"], "required: --young"),
         (["--pressure", "1MPa", "--force", "1N", "--young", "1GPa"], "not allowed with"),
-        (["--pressure", "1kg", "--young", "1GPa"], "'1kg' is no quantity in Pa"),
+        (["--pressure", "1kg", "--young", "1GPa"], "'1kg' has not the unit it needs"),
         (["--pressure", "lots", "--young", "1GPa"], "'lots' is no"),
         (["--pressure", "", "--young", "1GPa"], "is no"),
+        (["--pressure", "1MPa", "--young", "210"], "'210' has not the unit it needs"),
+        (["--pressure", "1MPa", "--young", "1GPa", "--size", "1", "mm"], "write it like 250um"),
     ],
 )
 def test_a_wrong_command_line_is_explained(height_map, extra, words, capsys):
@@ -124,7 +126,7 @@ def test_an_output_folder_that_cannot_be_made_is_named(height_map, capsys, tmp_p
     [
         ("100MPa", "Pa", 1e8),
         ("100 MPa", "Pa", 1e8),
-        ("2.5e3", "Pa", 2500.0),
+        ("2.5e3Pa", "Pa", 2500.0),
         ("1 bar", "Pa", 1e5),
         ("250um", "m", 250e-6),
         ("250 µm", "m", 250e-6),

@@ -136,3 +136,22 @@ def test_the_limit_is_the_mean_pressure():
     certify(solution, 1e6)
     assert (solution.pressure == 1e6).all()
     assert solution.saturated.all()
+
+
+@pytest.mark.parametrize("young", [1e-3, 210.0])
+def test_what_float64_cannot_resolve_is_not_called_converged(young):
+    """A modulus without its giga: the displacement is a million million times the relief."""
+    surface = rc.HeightMap(1e-9 * np.random.default_rng(0).standard_normal((64, 64)), size=0.1)
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(young, 0.3)))
+    solution = problem.solve(pressure=1e6, throw=False)
+    assert solution.status.success == (solution.residuals.error <= 1e-5)
+
+
+@pytest.mark.parametrize(
+    ("heights", "size", "load"),
+    [(1.0, 1e200, {"force": 1e6}), (1e300, 1.0, {"pressure": 1.0}), (1.0, 1.0, {"pressure": 1e-320})],
+)
+def test_beyond_the_range_of_float64_is_refused(heights, size, load):
+    surface = rc.HeightMap(heights * rough_map(8 * 2), size=size)
+    with pytest.raises(rc.InputError, match=r"leaves? the range of float64"):
+        rc.ContactProblem(rc.Body(surface, rc.Elastic(1e9, 0.3))).solve(**load)

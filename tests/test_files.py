@@ -73,6 +73,7 @@ def test_filling_makes_no_summit_and_continues_planes():
         ("map.txt", b"1 2 3\n4 5\n", "cannot be read"),
         ("map.txt", b"1 2\nx y\n", "cannot be read"),
         ("map.txt", b"# nothing\n", "holds no numbers"),
+        ("map.csv", b"0,5;1,5\n2,5;3,5\n", "only one may separate"),
         ("map.txt", b"\xff\xfe\x00", "cannot be read"),
     ],
 )
@@ -149,3 +150,25 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
         rc.write_solution(path, solution)
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_an_empty_field_is_a_missing_point(tmp_path):
+    (tmp_path / "map.csv").write_text("1e-9,,3e-9\n4e-9,5e-9,7e-9\n2e-9,2e-9,2e-9\n")
+    with pytest.raises(rc.InputError, match="misses 1 of 9 points"):
+        rc.read_surface(tmp_path / "map.csv", size=1.0)
+    assert rc.read_surface(tmp_path / "map.csv", size=1.0, missing="fill").values.shape == (3, 3)
+
+
+def test_a_given_size_that_agrees_is_accepted(tmp_path):
+    np.savez(tmp_path / "map.npz", heights=HEIGHTS, size=(1e-3, 2e-3))
+    assert rc.read_surface(tmp_path / "map.npz", size=np.array([1e-3, 2e-3])).size == (1e-3, 2e-3)
+
+
+def test_results_can_be_read_by_others(tmp_path):
+    surface = rc.HeightMap(HEIGHTS, size=1e-3)
+    solution = rc.ContactProblem(rc.Body(surface, rc.Elastic(1e9, 0.3))).solve(pressure=1e4)
+    rc.write_solution(tmp_path / "solution.npz", solution)
+    (tmp_path / "plain").write_text("")
+    assert (tmp_path / "solution.npz").stat().st_mode == (tmp_path / "plain").stat().st_mode
+    with pytest.raises(rc.InputError, match="There is no folder"):
+        rc.write_solution(tmp_path / "nowhere" / "solution.npz", solution)

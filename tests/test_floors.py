@@ -15,7 +15,7 @@ FLOORS = [
     {"checks", "registry"},
     {"grid", "reference", "extrapolation", "optimality"},
     {"surfaces", "materials", "kernels", "solution"},
-    {"body", "convolvers", "areas"},
+    {"body", "convolvers", "areas", "relief"},
     {"solvers", "files"},
     {"plan"},
     {"loads"},

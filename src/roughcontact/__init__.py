@@ -3,11 +3,11 @@
 Surfaces and materials in; contact pressure, gap, approach and real contact area out.
 """
 
-from roughcontact.areas import AreaEstimator
+from roughcontact.areas import AreaEstimator, CellCount, Perimeter
 from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.convolvers import DCFFT, CircularFFT, Convolver, Direct, PlannedConvolution
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError
-from roughcontact.files import SurfaceReader, read_surface, write_solution
+from roughcontact.files import RawMap, SurfaceReader, read_surface, write_solution
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import FourierHalfSpace, InfluenceKernel, Love
 from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid
@@ -35,6 +35,7 @@ __all__ = [
     "AreaEstimator",
     "Body",
     "Boundary",
+    "CellCount",
     "CircularFFT",
     "ContactProblem",
     "ContactSolution",
@@ -54,10 +55,12 @@ __all__ = [
     "NotConverged",
     "Outcome",
     "ParaboloidSurface",
+    "Perimeter",
     "Plan",
     "PlannedConvolution",
     "PolonskyKeer",
     "ProjectedConjugateGradient",
+    "RawMap",
     "Residuals",
     "Rigid",
     "RoughContactError",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import sys
 from collections.abc import Callable, Sequence
 
@@ -14,6 +15,10 @@ _EXTRA = "roughcontact[cli]"
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
+    # A terminal that cannot show a micro sign gets a question mark, not a traceback.
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
     try:
         chosen = _parser().parse_args(arguments)
         command: Callable[[argparse.Namespace], None] = chosen.command
@@ -23,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except RoughContactError as error:
         return _fail(str(error), 2)
     except OSError as error:
-        return _fail(f"{error.strerror or error}: {error.filename}", 2)
+        return _fail(f"{error.strerror or error}" + (f": {error.filename}" if error.filename else ""), 2)
     except KeyboardInterrupt:
         return _fail("interrupted", 130)
     return 0

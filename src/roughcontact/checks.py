@@ -13,6 +13,7 @@ from roughcontact.errors import InputError
 
 Array: TypeAlias = npt.NDArray[np.float64]
 RealArray: TypeAlias = npt.NDArray[Any]
+IntArray: TypeAlias = npt.NDArray[np.intp]
 Mask: TypeAlias = npt.NDArray[np.bool_]
 Pair: TypeAlias = tuple[float, float]
 
@@ -48,8 +49,8 @@ def number(
         f"at most {at_most:g}" if at_most is not None else "",
     ]
     limits = " and ".join(filter(None, bounds))
-    allowed = "a finite number" + (f" {limits}" if limits else "") + (f" ({unit})" if unit else "")
-    if isinstance(value, (str, bytes, bool, complex)) or np.ndim(value) != 0:  # type: ignore[arg-type]
+    allowed = "a finite number" + (f", {limits}" if limits else "") + (f" ({unit})" if unit else "")
+    if isinstance(value, (str, bytes, bool, np.bool_)) or np.iscomplexobj(value) or np.ndim(value) != 0:  # type: ignore[arg-type]
         raise InputError.about(what, value, allowed)
     try:
         result = float(value)  # type: ignore[arg-type]

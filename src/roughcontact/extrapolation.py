@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 from scipy import optimize
 
-from roughcontact.checks import Array
+from roughcontact.checks import Array, number
 from roughcontact.errors import InputError
 
 # Free parameters of the two fitted curves.
@@ -128,6 +128,8 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
     if order is None and x.size < 3:
         raise InputError("Richardson extrapolation needs three grids to observe the order; give order= or more grids.")
     warnings: tuple[str, ...] = ()
+    if order is not None:
+        order = number(order, "The order of the error", above=0.0)
     q = order if order is not None else _observed_order(x, y)
     if not math.isfinite(q) or q <= 0.0:
         warnings += ("the three finest values do not converge with a positive order; the finest is returned",)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from roughcontact.checks import Array, number
@@ -13,11 +15,25 @@ from roughcontact.units import si
 
 # Relative error of the load that is rounding.
 LOAD_TOLERANCE = 1e-12
+# Pressures have room for their squares within float64.
+_SMALLEST, _LARGEST = 1e-150, 1e150
 
 
 def pressure_unit(plan: Plan) -> float:
-    """Return the pressure that counts as one in a `Task`, Pa."""
-    return plan.modulus * (plan.relief / plan.grid.spacing[0])
+    """Return the pressure that counts as one in a `Task`, Pa.
+
+    Raises
+    ------
+    InputError
+        If it leaves the range of float64.
+    """
+    unit = plan.modulus * (plan.relief / plan.grid.spacing[0])
+    if not _SMALLEST < unit < _LARGEST:
+        raise InputError(
+            f"With a contact modulus of {plan.modulus:g} Pa, a relief of {plan.relief:g} m and cells of "
+            f"{plan.grid.spacing[0]:g} m the pressures leave the range of float64: use units nearer to one."
+        )
+    return unit
 
 
 def task_of(
@@ -53,10 +69,11 @@ def task_of(
         got = " and ".join(f"{name}=" for name in named) or "none of them"
         raise InputError(f"Give exactly one of pressure= (Pa), force= (N) and approach= (m), but got {got}.")
     unit = pressure_unit(plan)
+    area = plan.grid.area
     if pressure is not None:
         mean = _bearable(number(pressure, "The mean pressure", "Pa", above=0.0), plan)
     elif force is not None:
-        mean = _bearable(number(force, "The force", "N", above=0.0) / plan.grid.area, plan)
+        mean = _bearable(number(force, "The force", "N", above=0.0) / area if area > 0.0 else math.inf, plan)
     else:
         mean = None
     return Task(
@@ -69,6 +86,9 @@ def task_of(
 
 
 def _bearable(mean: float, plan: Plan) -> float:
+    unit = pressure_unit(plan)
+    if not _SMALLEST * unit < mean < _LARGEST * unit:
+        raise InputError(f"The mean pressure of {mean:g} Pa leaves the range of float64 beside {unit:g} Pa.")
     largest = float(np.mean(plan.limit))
     if mean > largest * (1.0 + LOAD_TOLERANCE):
         raise InputError(

@@ -13,6 +13,8 @@ import numpy as np
 
 from roughcontact.checks import Array
 
+# A gap that is known to this share of the scale only is not known.
+_RESOLVED = 1e-5
 _ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
 
 
@@ -45,6 +47,11 @@ class Optimality:
     def error(self) -> float:
         """The greater of both violations."""
         return max(self.complementarity, self.penetration)
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the floor is low enough for the gap to mean anything."""
+        return self.floor <= _RESOLVED
 
 
 class Conditions:

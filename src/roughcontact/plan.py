@@ -62,12 +62,6 @@ class Plan:
         waves = 16 * self.grid.shape[0] * (my // 2 + 1)
         return 8 * _FIELDS * self.grid.cells + symbol + 2 * waves
 
-    @property
-    def work(self) -> float:
-        """Estimated floating-point operations of a convolution."""
-        cells = math.prod(self.transform_shape)
-        return 5.0 * cells * math.log2(max(cells, 2))
-
     def __str__(self) -> str:
         mx, my = self.transform_shape
         cap = _range(self.limit)
@@ -82,7 +76,6 @@ class Plan:
             ("solver", repr(self.solver)),
             ("precision", "float64"),
             ("memory", f"about {self.memory / 2**20:.0f} MiB at the widest"),
-            ("work", f"about {self.work:.1e} operations a convolution; one or two convolutions an iteration"),
         ]
         rows += [("left out", text) for text in self.left_out]
         rows += [("note", text) for text in self.notes]

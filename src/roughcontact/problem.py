@@ -21,9 +21,10 @@ from roughcontact.materials import Rigid, contact_modulus, pressure_limit
 from roughcontact.optimality import Conditions
 from roughcontact.plan import Plan
 from roughcontact.registry import convolvers, kernels, solvers
+from roughcontact.relief import rms_slope, seam_jump
 from roughcontact.solution import ContactSolution, Residuals, Status
 from roughcontact.solvers import Outcome, Solver, Task
-from roughcontact.surfaces import FlatSurface, HeightMap
+from roughcontact.surfaces import FlatSurface
 from roughcontact.surfaces.base import own_grid
 
 _AUTO_CONVOLVER = {
@@ -31,6 +32,9 @@ _AUTO_CONVOLVER = {
     Boundary.PERIODIC: "circular-fft",
     Boundary.WRAPPED: "circular-fft",
 }
+# Notes are made above this rms slope, and above this multiple of the steps between neighbours.
+_STEEP = 0.5
+_JUMP = 3.0
 _AUTO_SOLVER = "projected-cg"
 
 
@@ -62,7 +66,7 @@ class ContactProblem:
         ``"free"``: the domain stands alone; ``"periodic"``: it repeats for ever; ``"wrapped"``: the
         nearest image only.
     kernel, convolver, solver
-        Registered names or instances; ``"auto"`` chooses.
+        Registered names or instances; ``"auto"`` chooses the convolver and the solver.
 
     Raises
     ------
@@ -98,7 +102,7 @@ class ContactProblem:
             convolver=convolver,
             solver=solvers.resolve(_AUTO_SOLVER if self.solver == "auto" else self.solver, Solver),
             modulus=contact_modulus(one, other),
-            relief=self._relief(grid),
+            relief=self._relief(),
             limit=self._limit(),
             left_out=tuple(self._left_out()),
             notes=tuple(self._notes()),
@@ -115,7 +119,11 @@ class ContactProblem:
     @cached_property
     def undeformed(self) -> Array:
         """Gap before deformation when the summits just touch, shape (nx, ny), m, at least zero."""
-        return self._undeformed(self._grid())
+        grid = self._grid()
+        total = np.zeros(grid.shape)
+        for body in (self.body, self.counter):
+            total += _heights(body, grid)
+        return frozen_array(total.max() - total)
 
     def explain(self) -> str:
         """Return in words what a solve will do, and what is left out and why."""
@@ -157,6 +165,10 @@ class ContactProblem:
         started = time.perf_counter()
         task = task_of(self.plan, self.undeformed, pressure=pressure, force=force, approach=approach)
         outcome = self.plan.solver.solve(self.convolution, task)
+        if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.undeformed.shape:
+            raise InputError(
+                f"The solver {self.plan.solver!r} must return an Outcome with a pressure of the grid's shape."
+            )
         solution = self._certified(task, outcome, started)
         if throw and not solution.status.success:
             raise NotConverged(
@@ -173,7 +185,7 @@ class ContactProblem:
         state = Conditions(task.undeformed, task.limit, task.approach).measure(outcome.pressure, displacement)
         carried = self.convolution.sum(outcome.pressure) / outcome.pressure.size
         load = 0.0 if task.mean_pressure is None else abs(carried / task.mean_pressure - 1.0)
-        bound = 2.0 * max(plan.solver.tolerance, state.floor)
+        bound = 2.0 * max(plan.solver.tolerance, state.floor if state.resolved else 0.0)
         confirmed = state.error <= bound and load <= LOAD_TOLERANCE
         bounded = outcome.pressure.min() >= 0.0 and (outcome.pressure <= task.limit).all()
         status = outcome.status
@@ -213,21 +225,8 @@ class ContactProblem:
             )
         return limit
 
-    def _undeformed(self, grid: Grid) -> Array:
-        total = np.zeros(grid.shape)
-        for body in (self.body, self.counter):
-            heights = np.asarray(body.surface.heights(grid))
-            if heights.shape != grid.shape or heights.dtype.kind != "f" or not np.isfinite(heights).all():
-                raise InputError(
-                    f"The surface {type(body.surface).__name__} must give finite real heights of shape {grid.shape}, "
-                    f"but gave an array of shape {heights.shape} and type {heights.dtype}"
-                    f"{'' if heights.shape != grid.shape else ' with values that are not finite'}."
-                )
-            total += heights
-        return frozen_array(total.max() - total)
-
-    def _relief(self, grid: Grid) -> float:
-        relief = float(self._undeformed(grid).max())
+    def _relief(self) -> float:
+        relief = float(self.undeformed.max())
         if relief == 0.0:
             raise InputError(
                 "Both surfaces are flat, so the pressure is uniform and there is nothing to solve: "
@@ -255,7 +254,26 @@ class ContactProblem:
         return texts
 
     def _notes(self) -> list[str]:
-        maps = (body.surface for body in (self.body, self.counter) if isinstance(body.surface, HeightMap))
-        if self.boundary is Boundary.FREE or all(surface.periodic for surface in maps):
-            return []
-        return ["a height map is not marked periodic: any jump across the border is taken as it is"]
+        """Say what looks unlike what was meant."""
+        notes = []
+        slope = rms_slope(self.undeformed, self._grid())
+        if slope > _STEEP:
+            notes.append(
+                f"the rms slope of the heights is {slope:.2g}, too steep for a half-space: are they in metres?"
+            )
+        if self.boundary is not Boundary.FREE and seam_jump(self.undeformed) > _JUMP:
+            notes.append("the heights jump across the border, where the domain is taken to go on with its own copy")
+        return notes
+
+
+def _heights(body: Body, grid: Grid) -> Array:
+    heights = np.asarray(body.surface.heights(grid))
+    name = type(body.surface).__name__
+    if heights.shape != grid.shape or heights.dtype.kind != "f":
+        raise InputError(
+            f"The surface {name} must give real heights of shape {grid.shape}, "
+            f"but gave an array of shape {heights.shape} and type {heights.dtype}."
+        )
+    if not np.isfinite(heights).all():
+        raise InputError(f"The surface {name} gave heights that are not finite.")
+    return heights

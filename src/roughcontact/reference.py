@@ -15,6 +15,22 @@ from scipy import optimize, special
 from roughcontact.checks import Array, Pair, number
 
 
+def _positive(value: float, unit: str) -> float:
+    return number(value, "An argument of a closed form", unit, above=0.0)
+
+
+def _length(value: float) -> float:
+    return _positive(value, "m")
+
+
+def _pascal(value: float) -> float:
+    return _positive(value, "Pa")
+
+
+def _newton(value: float) -> float:
+    return _positive(value, "N")
+
+
 @attrs.frozen
 class Hertz:
     """Contact of two paraboloids.
@@ -126,9 +142,9 @@ class WavyContact:
     https://doi.org/10.1016/0020-7403(85)90029-3
     """
 
-    amplitude: float
-    wavelength: float
-    modulus: float
+    amplitude: float = attrs.field(converter=_length)
+    wavelength: float = attrs.field(converter=_length)
+    modulus: float = attrs.field(converter=_pascal)
 
     @property
     def full_contact_pressure(self) -> float:
@@ -137,6 +153,7 @@ class WavyContact:
 
     def light_area_fraction(self, mean_pressure: float) -> float:
         """Return the contact area over nominal area in the limit of light load (the paper's eq. 27)."""
+        mean_pressure = number(mean_pressure, "The mean pressure", "Pa", at_least=0.0)
         return math.pi * math.pow(3.0 * mean_pressure / (8.0 * math.pi * self.full_contact_pressure), 2 / 3)
 
     def light_p_max(self, mean_pressure: float) -> float:
@@ -170,9 +187,9 @@ class Westergaard:
     Johnson, Contact Mechanics (1985), sec. 13.2, https://doi.org/10.1017/CBO9781139171731
     """
 
-    amplitude: float
-    wavelength: float
-    modulus: float
+    amplitude: float = attrs.field(converter=_length)
+    wavelength: float = attrs.field(converter=_length)
+    modulus: float = attrs.field(converter=_pascal)
 
     @property
     def full_contact_pressure(self) -> float:
@@ -181,11 +198,12 @@ class Westergaard:
 
     def half_width(self, mean_pressure: float) -> float:
         """Return half the width of a contact strip, m."""
+        mean_pressure = number(mean_pressure, "The mean pressure", "Pa", above=0.0, at_most=self.full_contact_pressure)
         return self.wavelength / math.pi * math.asin(math.sqrt(mean_pressure / self.full_contact_pressure))
 
     def pressure(self, x: Array, mean_pressure: float) -> Array:
         """Return the pressure at distances x from a crest, Pa, for a mean of at most p*."""
-        edge = mean_pressure / self.full_contact_pressure
+        edge = math.sin(math.pi * self.half_width(mean_pressure) / self.wavelength) ** 2
         place = np.pi * np.asarray(x) / self.wavelength
         inside = np.sqrt(np.maximum(edge - np.sin(place) ** 2, 0.0))
         return np.asarray(2.0 * mean_pressure * np.abs(np.cos(place)) / edge * inside, dtype=np.float64)
@@ -211,9 +229,9 @@ class FlatPunch:
     Johnson, Contact Mechanics (1985), sec. 3.4, https://doi.org/10.1017/CBO9781139171731
     """
 
-    force: float
-    radius: float
-    modulus: float
+    force: float = attrs.field(converter=_newton)
+    radius: float = attrs.field(converter=_length)
+    modulus: float = attrs.field(converter=_pascal)
 
     @property
     def approach(self) -> float:
@@ -221,13 +239,10 @@ class FlatPunch:
         return self.force / (2.0 * self.modulus * self.radius)
 
     def pressure(self, r: Array) -> Array:
-        """Return the pressure at distances r < radius from the axis, Pa."""
+        """Return the pressure at distances r from the axis, Pa; zero from the edge on."""
         mean = self.force / (math.pi * self.radius**2)
-        return np.asarray(0.5 * mean / np.sqrt(1.0 - (np.asarray(r) / self.radius) ** 2), dtype=np.float64)
-
-
-def _positive(value: float, unit: str) -> float:
-    return number(value, "An argument of a closed form", unit, above=0.0)
+        inside = np.maximum(1.0 - (np.asarray(r) / self.radius) ** 2, 0.0)
+        return np.where(inside > 0.0, 0.5 * mean / np.sqrt(np.where(inside > 0.0, inside, 1.0)), 0.0)
 
 
 def _curvature_integrals(ratio: float) -> tuple[float, float]:

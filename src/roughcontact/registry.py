@@ -46,6 +46,8 @@ class Registry:
             raise InputError.about(f"The name of a {self.kind}", name, "a non-empty string")
 
         def enter(cls: T) -> T:
+            if not isinstance(cls, type):
+                raise InputError.about(f"What is registered as a {self.kind}", cls, "a class")
             # A class defined again (a notebook cell run twice) replaces itself.
             owners = {entry.value for entry in self._entries().get(name, [])}
             if name in self._classes:
@@ -73,9 +75,24 @@ class Registry:
             self._classes[name] = self._load(name)
         return self._classes[name]
 
-    def create(self, name: str, **arguments: Any) -> Any:
-        """Return an instance of the class registered under `name`."""
-        return self.get(name)(**arguments)
+    def create(self, name: str) -> Any:
+        """Return an instance of the class registered under `name`, made without arguments.
+
+        Raises
+        ------
+        InputError
+            If it cannot be made so.
+        """
+        cls = self.get(name)
+        try:
+            return cls()
+        except InputError:
+            raise
+        except Exception as error:
+            raise InputError(
+                f"The {self.kind} {name!r} cannot be made without arguments ({error}): "
+                f"pass an instance of {_path(cls)}."
+            ) from error
 
     def resolve(self, choice: object, base: type) -> Any:
         """Return `choice` if it is an instance of `base`, or make one from the registered name.
@@ -86,11 +103,9 @@ class Registry:
             If it is neither.
         """
         made = self.create(choice) if isinstance(choice, str) else choice
-        if not isinstance(made, base):
-            hint = " Pass an instance, not the class." if isinstance(made, type) else ""
-            raise InputError(
-                f"The {self.kind} must be a registered name or a {base.__name__}, but got {choice!r}.{hint}"
-            )
+        if isinstance(made, type) or not isinstance(made, base):
+            hint = "Pass an instance, not the class." if isinstance(made, type) else ""
+            raise InputError.about(f"The {self.kind}", choice, f"a registered name or {self.kind} object", hint)
         return made
 
     def _entries(self) -> dict[str, list[EntryPoint]]:

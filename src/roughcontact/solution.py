@@ -23,6 +23,7 @@ class Status(Enum):
 
     CONVERGED = "converged: the conditions of contact hold within the tolerance"
     CONVERGED_TO_ROUNDING = "converged to rounding: the conditions of contact hold as well as float64 can tell"
+    UNRESOLVED = "not converged: the displacement dwarfs the relief so much that float64 cannot resolve the gap"
     MAXIMUM_ITERATIONS = "not converged: the maximum number of iterations was reached"
     STALLED = "not converged: no step lowers the error any more"
     NOT_FINITE = "not converged: a value that is not finite appeared"
@@ -78,7 +79,7 @@ class Area:
     fraction
         Area over nominal area.
     uncertainty
-        How far the true area may be away, m2.
+        Standard deviation, as the estimator knows it, m2: the true area should lie within two of them.
     estimator
         The estimator that made it.
     """
@@ -189,9 +190,9 @@ class ContactSolution:
             If there is no such estimator.
         """
         chosen = areas.resolve(estimator, EstimatesArea)
-        area: Area = chosen.estimate(self)
-        if not np.isfinite([area.value, area.uncertainty]).all():
-            raise InputError(f"The area estimator {chosen!r} returned a value that is not finite for this solution.")
+        area = chosen.estimate(self)
+        if not isinstance(area, Area) or not np.isfinite([area.value, area.uncertainty]).all():
+            raise InputError(f"The area estimator {chosen!r} returned {area!r}, which is no Area of finite numbers.")
         return area
 
     def __str__(self) -> str:

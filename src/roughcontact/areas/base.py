@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from roughcontact.checks import Mask
+from roughcontact.checks import IntArray, Mask
 from roughcontact.grid import Boundary
 from roughcontact.solution import Area, ContactSolution
 
@@ -23,15 +23,45 @@ class AreaEstimator(abc.ABC):
         """Return the real contact area with its error bar."""
 
 
-def boundary_sides(contact: Mask, boundary: Boundary) -> int:
-    """Count the cell sides between contact and open cells, shape of `contact` (nx, ny).
+def boundary_sides(contact: Mask, boundary: Boundary, of: Mask | None = None) -> int:
+    """Count the cell sides between contact and open cells.
 
     On a free boundary the border of the domain itself is not counted; on the others the domain
     closes on itself.
+
+    Parameters
+    ----------
+    contact
+        Cells in contact, shape (nx, ny).
+    boundary
+        What lies beyond the border.
+    of
+        Count only the sides of these of the cells in contact, shape (nx, ny); all if left out.
     """
-    inner = np.count_nonzero(contact[1:] != contact[:-1]) + np.count_nonzero(contact[:, 1:] != contact[:, :-1])
-    if boundary is Boundary.FREE:
-        return int(inner)
-    # Along an axis of one cell both neighbours are the cell itself and nothing is added.
-    seam = np.count_nonzero(contact[0] != contact[-1]) + np.count_nonzero(contact[:, 0] != contact[:, -1])
-    return int(inner + seam)
+    return sum(int(np.count_nonzero(sides)) for sides in _sides(contact, boundary, of))
+
+
+def straight_rows(contact: Mask, boundary: Boundary) -> IntArray:
+    """Return the lengths, in sides, of the straight rows that make up the edge of the contact."""
+    lengths = []
+    for axis, sides in enumerate(_sides(contact, boundary, None)):
+        along = sides if axis == 0 else sides.T
+        framed = np.zeros((along.shape[0], along.shape[1] + 2), dtype=np.int8)
+        framed[:, 1:-1] = along
+        changes = np.diff(framed, axis=1)
+        lengths.append(np.nonzero(changes == -1)[1] - np.nonzero(changes == 1)[1])
+    return np.concatenate(lengths)
+
+
+def _sides(contact: Mask, boundary: Boundary, of: Mask | None) -> tuple[Mask, Mask]:
+    """Mark the sides between each cell and the next along x, then along y."""
+    found = []
+    for axis in (0, 1):
+        following = np.roll(contact, -1, axis=axis)
+        sides = contact != following
+        if of is not None:
+            sides &= of | np.roll(of, -1, axis=axis)
+        if boundary is Boundary.FREE:
+            sides[(-1,) if axis == 0 else (slice(None), -1)] = False
+        found.append(sides)
+    return found[0], found[1]

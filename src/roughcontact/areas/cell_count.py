@@ -11,7 +11,7 @@ from roughcontact.solution import Area, ContactSolution
 
 @attrs.frozen
 class CellCount(AreaEstimator):
-    """All cells with p > 0, as most codes count: always too much, for every cell that is touched counts whole.
+    """All cells with p > 0, as most codes count: nearly always too much, for a touched cell counts whole.
 
     The uncertainty is that excess as the perimeter tells it (see `Perimeter`).
     """

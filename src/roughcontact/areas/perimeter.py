@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import attrs
 import numpy as np
 
-from roughcontact.areas.base import OVERSHOOT, AreaEstimator, boundary_sides
+from roughcontact.areas.base import OVERSHOOT, AreaEstimator, boundary_sides, straight_rows
 from roughcontact.solution import Area, ContactSolution
 
-# The correction is right to about a third for smooth edges; the rest is the wander of the discrete
-# solution itself, a few hundredths of a cell times the root of the number of boundary sides.
-_SHARE = 0.35
-_WANDER = 0.06
+# Two bars hold everything from no correction at all (sharp edges) to twice the correction.
+_SHARE = 0.5
+# The edge lies anywhere in its cell: rms of a uniform distribution.
+_SPREAD = 1.0 / math.sqrt(12.0)
 
 
 @attrs.frozen
@@ -21,8 +23,12 @@ class Perimeter(AreaEstimator):
     .. math:: A = N \Delta x \Delta y - \frac{\pi - 1 + \ln 2}{24}\, S\, \Delta x \Delta y
 
     with N cells in contact and S cell sides between contact and open cells. Exact on average for a
-    straight edge that crosses the cells at random; it takes too much off smooth Hertzian edges and
-    must not be used for sharp ones (punches), whose count is exact.
+    straight edge that crosses the cells at random; it takes too much off smooth Hertzian edges.
+    Where the pressure has reached its limit the edge is sharp and the count is right, so that sides
+    of saturated cells are not corrected, and the area is never less than the load needs at the limit.
+
+    The uncertainty allows for half of the correction and for edges that lie anywhere in their
+    cells: sides in one straight row err together.
 
     References
     ----------
@@ -33,7 +39,13 @@ class Perimeter(AreaEstimator):
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the corrected area; see `AreaEstimator.estimate`."""
         contact, cell = solution.contact, solution.grid.cell_area
-        count, sides = int(np.count_nonzero(contact)), boundary_sides(contact, solution.boundary)
-        value = (count - OVERSHOOT * sides) * cell
-        uncertainty = (_SHARE * OVERSHOOT * sides + _WANDER * np.sqrt(sides)) * cell
-        return Area(value, value / solution.grid.area, float(uncertainty), "perimeter")
+        elastic = boundary_sides(contact, solution.boundary) - boundary_sides(
+            contact, solution.boundary, solution.saturated
+        )
+        count = int(np.count_nonzero(contact))
+        needed = float(np.add.reduce(solution.pressure / solution.limit, axis=None))
+        value = max(count - OVERSHOOT * elastic, needed) * cell
+        rows = straight_rows(contact, solution.boundary)
+        wander = _SPREAD * math.sqrt(float(np.sum(rows.astype(np.float64) ** 2)))
+        uncertainty = (_SHARE * OVERSHOOT * elastic + wander) * cell
+        return Area(value, value / solution.grid.area, uncertainty, "perimeter")

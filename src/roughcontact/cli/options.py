@@ -18,6 +18,7 @@ def add_load(parser: argparse.ArgumentParser) -> None:
     """Declare the load: exactly one of two."""
     load = parser.add_mutually_exclusive_group(required=True)
     load.add_argument("--pressure", type=_PASCAL, metavar="P", help="nominal mean pressure, such as 100MPa")
+    load.add_argument("--approach", type=_METRE, metavar="D", help="approach since first touch, such as 50nm")
     load.add_argument("--force", type=_NEWTON, metavar="F", help="normal force, such as 2.5N")
 
 
@@ -29,7 +30,7 @@ def add_materials(parser: argparse.ArgumentParser) -> None:
     body.add_argument("--hardness", type=_PASCAL, metavar="H", help="pressure at which it flows, such as 6GPa")
     other = parser.add_argument_group("material of the other body")
     other.add_argument("--counter-young", type=_PASCAL, metavar="E", help="Young's modulus; rigid if left out")
-    other.add_argument("--counter-poisson", type=_RATIO, default=0.3, metavar="NU", help="Poisson's ratio (0.3)")
+    other.add_argument("--counter-poisson", type=_RATIO, metavar="NU", help="Poisson's ratio (the body's)")
     other.add_argument("--counter-hardness", type=_PASCAL, metavar="H", help="pressure at which it flows")
 
 

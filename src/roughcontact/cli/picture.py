@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,10 +21,10 @@ def draw_solution(solution: ContactSolution, path: Path) -> None:
     """Draw the undeformed gap, the pressure and the contact of a solution into a PNG file."""
     lx, ly = solution.grid.size
     height = min(max(3.6 * ly / lx, 2.0), 8.0)
-    width = height * min(lx / ly, 3.0)
+    width = max(height * min(lx / ly, 3.0), 2.0)
     figure = Figure(figsize=(3 * (width + 1.7), height + 1.0), layout="compressed")
     heights, pressure, contact = figure.subplots(1, 3)
-    _field(heights, -solution.undeformed, solution, "heights", "m", "viridis")
+    _field(heights, -solution.undeformed, solution, "combined heights", "m", "viridis")
     shown = np.where(solution.contact, solution.pressure, np.nan)
     _field(pressure, shown, solution, f"pressure, mean {si(solution.mean_pressure, 'Pa')}", "Pa", "plasma")
     pressure.set_facecolor("0.92")
@@ -47,11 +47,21 @@ def _image(axes: Axes, values: Array, solution: ContactSolution, **style: Any) -
     axes.locator_params(axis="x", nbins=max(2, min(5, int(5 * lx / ly))))
     axes.locator_params(axis="y", nbins=5)
     extent = (0.0, lx, 0.0, ly)
-    return axes.imshow(values.T, origin="lower", extent=extent, interpolation="nearest", aspect="equal", **style)
+    return axes.imshow(
+        values.T, origin="lower", extent=extent, interpolation="nearest", aspect=_aspect(lx, ly), **style
+    )
+
+
+def _aspect(lx: float, ly: float) -> Literal["equal", "auto"]:
+    """Return true proportions, unless the domain is too narrow to be seen so."""
+    return "equal" if 1 / 6 <= lx / ly <= 6 else "auto"
 
 
 def _field(axes: Axes, values: Array, solution: ContactSolution, title: str, unit: str, colors: str) -> None:
-    # A few deep pits would take all the colours.
-    image = _image(axes, values, solution, cmap=colors, vmin=np.nanpercentile(values, 0.1))
-    axes.figure.colorbar(image, ax=axes, format=EngFormatter(unit), extend="min")
+    # A few deep pits or high spikes would take all the colours.
+    low, high = np.nanpercentile(values, (0.1, 99.9))
+    ends = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
+    extend = ends[bool(np.nanmin(values) < low), bool(np.nanmax(values) > high)]
+    image = _image(axes, values, solution, cmap=colors, vmin=low, vmax=high)
+    axes.figure.colorbar(image, ax=axes, format=EngFormatter(unit), extend=extend)
     axes.set_title(title)

@@ -7,29 +7,34 @@ from pathlib import Path
 
 from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.cli.picture import draw_solution
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, NotConverged
 from roughcontact.files import read_surface, write_solution
 from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact.problem import ContactProblem
+from roughcontact.registry import areas
+from roughcontact.solution import EstimatesArea
 from roughcontact.surfaces import FlatSurface, HeightMap, Surface
 
 
 def run(options: argparse.Namespace) -> None:
     """Read, solve, print the summary, write fields and picture."""
+    folder = Path(options.output)
+    folder.mkdir(parents=True, exist_ok=True)
+    estimator = None if options.area is None else areas.resolve(options.area, EstimatesArea)
     body = Body(_surface(options.surface, options), _material(options.young, options.poisson, options.hardness))
     problem = ContactProblem(
         body, _counter(options), boundary=options.boundary, kernel=options.kernel, solver=options.solver
     )
     print(problem.explain())
-    solution = problem.solve(pressure=options.pressure, force=options.force)
+    solution = problem.solve(pressure=options.pressure, force=options.force, approach=options.approach, throw=False)
     print(f"\n{solution}")
-    if options.area is not None:
-        print(f"{'':17}{solution.area(options.area)}")
-    folder = Path(options.output)
-    folder.mkdir(parents=True, exist_ok=True)
+    if estimator is not None:
+        print(f"{'':17}{solution.area(estimator)}")
     write_solution(folder / "solution.npz", solution)
     draw_solution(solution, folder / "solution.png")
     print(f"\nWritten to {folder}: solution.npz, solution.png")
+    if not solution.status.success:
+        raise NotConverged(f"The contact is {solution.status}; what was reached is in {folder}.", solution)
 
 
 def _surface(path: str, options: argparse.Namespace) -> HeightMap:
@@ -46,10 +51,13 @@ def _surface(path: str, options: argparse.Namespace) -> HeightMap:
 def _counter(options: argparse.Namespace) -> Body:
     surface: Surface = FlatSurface() if options.counter is None else _surface(options.counter, options)
     if options.counter_young is None:
-        if options.counter_hardness is not None:
-            raise InputError("A rigid body has no hardness: give --counter-young together with --counter-hardness.")
+        if options.counter_hardness is not None or options.counter_poisson is not None:
+            raise InputError(
+                "The other body is rigid: give --counter-young with --counter-poisson or --counter-hardness."
+            )
         return Body(surface, RIGID_FLAT.material)
-    return Body(surface, _material(options.counter_young, options.counter_poisson, options.counter_hardness))
+    poisson = options.poisson if options.counter_poisson is None else options.counter_poisson
+    return Body(surface, _material(options.counter_young, poisson, options.counter_hardness))
 
 
 def _material(young: float, poisson: float, hardness: float | None) -> Material:

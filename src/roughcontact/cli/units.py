@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Callable
 from functools import cache
 from typing import Any
@@ -18,26 +19,21 @@ def _registry() -> Any:
 def quantity(unit: str) -> Callable[[str], float]:
     """Return a converter from text such as ``100MPa`` to a number in `unit`, for argparse.
 
-    A number without a unit is taken in `unit`.
+    A number alone is taken only where the quantity has no dimension: 210 may be Pa or GPa.
     """
+    example = {"Pa": "100MPa", "m": "250um", "N": "2.5N"}.get(unit, "0.3")
 
     def convert(text: str) -> float:
-        import pint
-
+        if not re.match(r"\s*[-+.]?\d", text):
+            raise argparse.ArgumentTypeError(f"{text!r} is no number with a unit; write it like {example}")
         try:
-            return float(text)
-        except ValueError:
-            pass
-        try:
-            return float(_registry().Quantity(text).to(unit).magnitude)
-        except pint.DimensionalityError:
-            raise argparse.ArgumentTypeError(f"{text!r} is no quantity in {unit}") from None
+            value = _registry().Quantity(text)
         # Whatever pint's tokenizer chokes on is no quantity.
         except Exception:
-            raise argparse.ArgumentTypeError(
-                f"{text!r} is no number with a unit; write it like 100{'' if unit == 'Pa' else ' '}M{unit}"
-                if unit == "Pa"
-                else f"{text!r} is no number with a unit; write it like 10 {unit}"
-            ) from None
+            raise argparse.ArgumentTypeError(f"{text!r} is no number with a unit; write it like {example}") from None
+        try:
+            return float(value.to(unit).magnitude)
+        except Exception:
+            raise argparse.ArgumentTypeError(f"{text!r} has not the unit it needs; write it like {example}") from None
 
     return convert

@@ -77,10 +77,6 @@ class PlannedConvolution(abc.ABC):
         # A BLAS dot would start threads that cost more than they save at these sizes.
         return float(np.einsum("ij,ij->", one, other))
 
-    def max(self, values: RealArray) -> float:
-        """Return the greatest value."""
-        return float(np.maximum.reduce(values, axis=None))
-
 
 def require_boundary(convolver: Convolver, boundary: Boundary) -> None:
     """Raise `InputError` if `convolver` does not serve `boundary`."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import attrs
@@ -49,7 +50,7 @@ class NpyReader(SurfaceReader):
 
 @attrs.frozen
 class TextReader(SurfaceReader):
-    """A table of numbers, one row of the file for each x; ``#`` starts a comment, commas may separate."""
+    """A table of numbers, one row for each x, separated by blanks or by one of ``, ;`` and tab; ``#`` comments."""
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -58,8 +59,16 @@ class TextReader(SurfaceReader):
 
     def read(self, path: Path) -> RawMap:
         """Return the map; see `SurfaceReader.read`."""
-        text = path.read_text(encoding="utf-8").replace(",", " ").replace(";", " ")
-        lines = [line for line in text.splitlines() if line.partition("#")[0].strip()]
+        lines = [line.partition("#")[0].strip() for line in path.read_text(encoding="utf-8").splitlines()]
+        lines = [line for line in lines if line]
         if not lines:
             raise InputError("it holds no numbers")
-        return RawMap(np.loadtxt(lines, ndmin=2))
+        separators = [mark for mark in ",;\t" if any(mark in line for line in lines)]
+        if len(separators) > 1:
+            raise InputError(
+                f"it uses {' and '.join(map(repr, separators))}; only one may separate, and points are decimal"
+            )
+        separator = separators[0] if separators else None
+        # An empty field is a missing point.
+        rows = [[float(field) if field.strip() else math.nan for field in line.split(separator)] for line in lines]
+        return RawMap(np.array(rows, dtype=np.float64))

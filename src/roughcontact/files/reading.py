@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,6 +15,7 @@ from roughcontact.files.base import RawMap, SurfaceReader
 from roughcontact.files.missing import filled
 from roughcontact.registry import readers
 from roughcontact.surfaces import HeightMap
+from roughcontact.units import si
 
 _FALLBACK = "instrument"
 
@@ -33,8 +35,8 @@ def read_surface(
         The file. npz, npy and text files are read by numpy, heights in m, first index x; all others
         by the package SurfaceTopography, units converted to SI.
     size
-        Sides of the domain (x, y) or of both, m; needed where the file does not tell, and not
-        allowed where it does.
+        Sides of the domain (x, y) or of both, m; needed where the file does not tell, and checked
+        where it does.
     missing
         What to do with missing points: ``"refuse"`` them, or ``"fill"`` them with the harmonic
         surface through their neighbours, which makes no new summit.
@@ -62,22 +64,34 @@ def read_surface(
     raw = _read(chosen, file)
     if raw.size is None and size is None:
         raise InputError(f"The file {file.name} does not tell the size of its domain: give size=(x, y), m.")
-    if raw.size is not None and size is not None:
+    surface = HeightMap(_complete(raw.heights, file, missing), _size(raw, size), periodic=raw.periodic)
+    if raw.size is not None and not np.allclose(surface.size, raw.size, rtol=1e-6, atol=0.0):
         raise InputError(
-            f"The file {file.name} tells its own size, {raw.size[0]:g} m x {raw.size[1]:g} m: leave size= out."
+            f"The file {file.name} tells its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
+            f"which is not the size given: leave size= out."
         )
-    return HeightMap(_complete(raw.heights, file, missing), raw.size or size or 0.0, periodic=raw.periodic)
+    return surface
 
 
 def _reader_for(file: Path) -> str:
     suffix = file.suffix.lower()
-    fitting = [name for name in readers.names() if name != _FALLBACK and suffix in readers.create(name).suffixes]
-    return fitting[0] if fitting else _FALLBACK
+    for name in readers.names():
+        # A broken plug-in must not keep others from reading their files.
+        with contextlib.suppress(InputError):
+            if name != _FALLBACK and suffix in readers.create(name).suffixes:
+                return name
+    return _FALLBACK
+
+
+def _size(raw: RawMap, given: float | Sequence[float] | None) -> float | Sequence[float]:
+    if given is not None:
+        return given
+    return raw.size if raw.size is not None else 0.0
 
 
 def _read(reader: SurfaceReader, file: Path) -> RawMap:
     try:
-        return reader.read(file)
+        raw = reader.read(file)
     except InputError as error:
         raise InputError(f"The file {file.name} cannot be used: {error}.") from error
     except RoughContactError:
@@ -85,7 +99,12 @@ def _read(reader: SurfaceReader, file: Path) -> RawMap:
     # Readers fail in as many ways as there are broken files; the user needs one sentence.
     except Exception as error:
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"The file {file.name} cannot be read as a height map: {reason[:200]}") from error
+        raise InputError(f"The file {file.name} cannot be read as a height map: {reason[:200]}.") from error
+    if not isinstance(raw, RawMap) or not isinstance(raw.heights, np.ndarray):
+        raise InputError(
+            f"The reader {reader!r} must return a RawMap with an array of heights, but returned {raw!r:.80}."
+        )
+    return raw
 
 
 def _complete(heights: np.ndarray, file: Path, missing: str) -> np.ndarray:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
+from roughcontact.errors import InputError
 from roughcontact.solution import ContactSolution
 
 
@@ -23,11 +23,19 @@ def write_solution(path: str | os.PathLike[str], solution: ContactSolution) -> N
     solution
         What to write: the arrays pressure, gap, displacement and undeformed, shape (nx, ny), the
         size, and every figure of the summary under its own name.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist.
     """
     target = Path(path)
-    handle, name = tempfile.mkstemp(dir=target.parent, suffix=".partial")
+    if not target.parent.is_dir():
+        raise InputError(f"There is no folder {str(target.parent)!r} to write {target.name} into.")
+    partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
+    area = solution.area()
     try:
-        with os.fdopen(handle, "wb") as file:
+        with partial.open("wb") as file:
             np.savez_compressed(
                 file,
                 pressure=solution.pressure,
@@ -40,8 +48,8 @@ def write_solution(path: str | os.PathLike[str], solution: ContactSolution) -> N
                 limit=solution.limit,
                 force=solution.force,
                 approach=solution.approach,
-                area=solution.area().value,
-                area_uncertainty=solution.area().uncertainty,
+                area=area.value,
+                area_uncertainty=area.uncertainty,
                 status=solution.status.name,
                 iterations=solution.iterations,
                 convolutions=solution.convolutions,
@@ -50,7 +58,7 @@ def write_solution(path: str | os.PathLike[str], solution: ContactSolution) -> N
                 penetration=solution.residuals.penetration,
                 load_error=solution.residuals.load,
             )
-        Path(name).replace(target)
+        partial.replace(target)
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        partial.unlink(missing_ok=True)
         raise

@@ -133,6 +133,6 @@ class BoundKernel:
                 f"where real numbers of shape {shape} are needed."
             )
         scaled = values / self.unit
-        if not np.isfinite(scaled).all():
-            raise InputError(f"The kernel {self.kernel!r} returned values that are not finite.")
+        if not np.isfinite(scaled).all() or not scaled.max() > 0.0:
+            raise InputError(f"The kernel {self.kernel!r} returned values that are not finite, or none above zero.")
         return scaled

@@ -59,10 +59,16 @@ def pressure_limit(one: Material, other: Material) -> float | Array:
     """
     limits = (one.pressure_limit, other.pressure_limit)
     for limit in limits:
-        if not np.all(np.asarray(limit) > 0.0):
-            raise InputError.about("The pressure limit of a material", limit, "above 0, or inf (Pa)")
+        array = np.asarray(limit)
+        if array.dtype.kind not in "fiu" or not np.all(array > 0.0):
+            raise InputError.about("The pressure limit of a material", limit, "a number above 0, or inf (Pa)")
     softer = np.minimum(*limits)
     return float(softer) if np.ndim(softer) == 0 else np.asarray(softer, dtype=np.float64)
+
+
+def plane_strain_compliance(young: float, poisson: float) -> float:
+    """Return (1 - nu^2) / E, 1/Pa."""
+    return (1.0 - poisson**2) / young
 
 
 def young_modulus(value: float) -> float:

@@ -6,7 +6,7 @@ import math
 
 import attrs
 
-from roughcontact.materials.base import Material, poisson_ratio, young_modulus
+from roughcontact.materials.base import Material, plane_strain_compliance, poisson_ratio, young_modulus
 
 
 @attrs.frozen
@@ -27,7 +27,7 @@ class Elastic(Material):
     @property
     def compliance(self) -> float:
         """Plane-strain compliance (1 - nu^2) / E, 1/Pa."""
-        return (1.0 - self.poisson**2) / self.young
+        return plane_strain_compliance(self.young, self.poisson)
 
     @property
     def pressure_limit(self) -> float:

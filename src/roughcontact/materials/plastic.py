@@ -7,7 +7,7 @@ import numpy as np
 
 from roughcontact.checks import Array, frozen_array, number
 from roughcontact.errors import InputError
-from roughcontact.materials.base import Material, poisson_ratio, young_modulus
+from roughcontact.materials.base import Material, plane_strain_compliance, poisson_ratio, young_modulus
 
 
 def _hardness(value: float | Array) -> float | Array:
@@ -43,7 +43,7 @@ class ElasticPerfectlyPlastic(Material):
     @property
     def compliance(self) -> float:
         """Plane-strain compliance (1 - nu^2) / E, 1/Pa."""
-        return (1.0 - self.poisson**2) / self.young
+        return plane_strain_compliance(self.young, self.poisson)
 
     @property
     def pressure_limit(self) -> float | Array:

@@ -55,11 +55,11 @@ def _errors(cases: Sequence[Case]) -> Figure:
         }
         for label, (values, true, style) in ours.items():
             axes.plot(cells, 100 * np.abs(np.array(values) / true[load] - 1), style, label=label)
-        for print_, analytic, label in (
-            (printed.SAM_AREA, printed.ANALYTIC_AREA, "as printed"),
-            (printed.SAM_P_MAX, printed.ANALYTIC_P_MAX, "_nolegend_"),
+        for print_, analytic, style, label in (
+            (printed.SAM_AREA, printed.ANALYTIC_AREA, "kx", "area, as printed"),
+            (printed.SAM_P_MAX, printed.ANALYTIC_P_MAX, "k+", "maximum pressure, as printed"),
         ):
-            axes.plot(printed.GRIDS, 100 * np.abs(np.array(print_[load]) / analytic[load] - 1), "kx", label=label)
+            axes.plot(printed.GRIDS, 100 * np.abs(np.array(print_[load]) / analytic[load] - 1), style, label=label)
         axes.set_yscale("log")
         _grid_axis(axes)
         axes.set_title(f"{load} MPa")

@@ -124,7 +124,7 @@ class Monitor:
         if state.error <= self.tolerance:
             return Status.CONVERGED
         if state.error <= state.floor:
-            return Status.CONVERGED_TO_ROUNDING
+            return Status.CONVERGED_TO_ROUNDING if state.resolved else Status.UNRESOLVED
         if not self.goes_on():
             return Status.MAXIMUM_ITERATIONS
         return None

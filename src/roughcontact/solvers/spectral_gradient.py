@@ -14,7 +14,7 @@ from roughcontact.solution import Status
 from roughcontact.solvers.base import Monitor, Outcome, Solver, Task, iteration_limit, positive_tolerance
 from roughcontact.solvers.projection import onto_load
 
-# Energies that a step is compared with; one of them may be exceeded on the way down.
+# A step may raise the energy, but not above the greatest of so many before it.
 _MEMORY = 10
 _DECREASE = 1e-4
 # Iterations between exact displacements, which are otherwise carried along.
@@ -87,7 +87,7 @@ def _start(task: Task) -> Array:
     if task.start is not None:
         return task.start
     mean = 0.0 if task.mean_pressure is None else task.mean_pressure
-    return np.minimum(np.full(task.undeformed.shape, mean), task.limit)
+    return np.asarray(np.minimum(np.full(task.undeformed.shape, mean), task.limit))
 
 
 def _projected(values: Array, task: Task) -> Array:

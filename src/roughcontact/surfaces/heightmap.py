@@ -39,7 +39,7 @@ class HeightMap(Surface):
 
     _heights: Array = attrs.field(converter=heights_array, alias="heights")
     size: Pair = attrs.field(converter=_size)
-    periodic: bool = attrs.field(default=False, kw_only=True)
+    periodic: bool = attrs.field(default=False, kw_only=True, validator=attrs.validators.instance_of(bool))
 
     @property
     def grid(self) -> Grid:
@@ -84,7 +84,7 @@ class HeightMap(Surface):
             If the method is unknown, is ``"fourier"`` on a map that is not periodic, or is
             ``"mean"`` and the new cell counts do not divide the old ones.
         """
-        target = Grid(tuple(shape), self.size).shape
+        target = Grid(shape, self.size).shape
         choice(method, "The resampling method", ("bilinear", "fourier", "mean"))
         if method == "fourier" and not self.periodic:
             raise InputError("Fourier resampling needs a periodic map: use 'bilinear', or periodic=True if it is one.")
