@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from roughcontact.checks import Mask, RealArray
+from roughcontact.convolvers import PlannedConvolution
 from roughcontact.convolvers.inverse import InverseConvolution
+from roughcontact.solvers.conjugate.lift import Lift
 from roughcontact.solvers.conjugate.longwaves import Cells, LongWaves
 
 # Share of the smaller of the active and the passive cells that may change before weights are renewed.
@@ -21,13 +23,18 @@ class Preconditioner:
     ----------
     inverse
         The approximate inverse of the kernel.
-    shape
-        Cells of the grid (nx, ny).
+    convolution
+        Displacement from pressure.
+    lifting
+        Whether the surface may rise as a whole, because the approach is given.
     """
 
-    def __init__(self, inverse: InverseConvolution, shape: tuple[int, int]) -> None:
+    def __init__(self, inverse: InverseConvolution, convolution: PlannedConvolution, *, lifting: bool) -> None:
         self._inverse = inverse
-        self._shape = shape
+        self._convolution = convolution
+        self._lifting = lifting
+        self._lift: Lift | None = None
+        self._shape = shape = convolution.scene.grid.shape
         self._active: Mask = np.zeros(0, dtype=bool)
         # Weights of all cells, flat; those that were passive have the mean.
         self.field: RealArray = np.ones(shape[0] * shape[1], dtype=np.float32)
@@ -59,6 +66,9 @@ class Preconditioner:
             self._waves = LongWaves(self._inverse, self._shape, cells, weights)
         else:
             weights, mean = np.ones_like(weights), 1.0
+        if self._lifting:
+            self._lift = Lift(self._convolution, cells, weights)
+            self.products += 2
         self._active = active
         self.field = np.full(active.size, mean, dtype=np.float32)
         self.field[cells] = weights
@@ -68,14 +78,14 @@ class Preconditioner:
     def apply(self, cells: Cells, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the preconditioned residual on the active cells, shape (n,)."""
         image = self._masked(cells, residual)
-        if self._waves is None:
-            return image
-        corrected = image - self._waves.correction(cells, weights, residual)
-        if float(np.einsum("i,i->", residual, corrected)) > 0.0:
-            return corrected
-        # Where weights ring the correction may lose its sign; it is then of no use for this set.
-        self._waves = None
-        return image
+        if self._waves is not None:
+            corrected = image - self._waves.correction(cells, weights, residual)
+            if float(np.einsum("i,i->", residual, corrected)) > 0.0:
+                image = corrected
+            else:
+                # Where weights ring the correction may lose its sign; it is then of no use for this set.
+                self._waves = None
+        return image if self._lift is None else self._lift.lifted(image, residual, weights)
 
     def _masked(self, cells: Cells, values: RealArray) -> RealArray:
         self.products += 1

@@ -51,7 +51,7 @@ class Refinement:
         self._flat_limit = task.limit if isinstance(task.limit, float) else task.limit.ravel()
         load = None if task.mean_pressure is None else task.mean_pressure * task.undeformed.size
         self._control = ApproachControl() if load is None else LoadControl(load)
-        self._preconditioner = Preconditioner(inverse_of(convolution.scene), task.undeformed.shape)
+        self._preconditioner = Preconditioner(inverse_of(convolution.scene), convolution, lifting=load is None)
         self._descent = Descent(convolution, self._preconditioner, self._control, self._flat_limit)
         self.proofs = 0
 
