@@ -14,6 +14,8 @@ from roughcontact.solvers.conjugate.refinement import Refinement
 
 # Axes are halved as long as they keep this many cells; less is not worth a level.
 _COARSEST = 32
+# The approach is estimated on a grid with no more cells along an axis.
+_ESTIMATE = 64
 # A coarse pressure is as good as its grid, so that more than this is wasted on it.
 _TOLERANCE = 1e-2
 _ITERATIONS = 60
@@ -38,16 +40,11 @@ class Start:
 def cascaded(convolution: PlannedConvolution, task: Task) -> Start:
     """Return the pressure of ever finer grids, down to the one of `task`."""
     grid = convolution.scene.grid
-    coarse_grid = _halved(grid)
-    if coarse_grid is None:
+    halved = coarser(convolution, task)
+    if halved is None:
         return _first(convolution, task)
-    fx, fy = (fine // coarse for fine, coarse in zip(grid.shape, coarse_grid.shape, strict=True))
-    coarse_task = attrs.evolve(
-        task,
-        undeformed=_averaged(task.undeformed, fx, fy),
-        limit=task.limit if isinstance(task.limit, float) else _averaged(task.limit, fx, fy),
-    )
-    coarse = convolution.on(coarse_grid)
+    coarse, coarse_task = halved
+    fx, fy = (fine // half for fine, half in zip(grid.shape, coarse_task.undeformed.shape, strict=True))
     start = cascaded(coarse, coarse_task)
     refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
     pressure, _, _ = refinement.run(start.pressure)
@@ -57,6 +54,35 @@ def cascaded(convolution: PlannedConvolution, task: Task) -> Start:
         if full is not None:
             return Start(full, products + 1)
     return Start(np.minimum(_prolonged(pressure, fx, fy, grid), task.limit), products)
+
+
+def coarser(convolution: PlannedConvolution, task: Task) -> tuple[PlannedConvolution, Task] | None:
+    """Return the convolution and the task on the grid of half the cells; None if there is none."""
+    grid = convolution.scene.grid
+    half = _halved(grid)
+    if half is None:
+        return None
+    fx, fy = (fine // coarse for fine, coarse in zip(grid.shape, half.shape, strict=True))
+    limit = task.limit if isinstance(task.limit, float) else _averaged(task.limit, fx, fy)
+    return convolution.on(half), attrs.evolve(task, undeformed=_averaged(task.undeformed, fx, fy), limit=limit)
+
+
+def estimated_approach(convolution: PlannedConvolution, task: Task) -> float | None:
+    """Return the approach that a coarse grid gives for the load; None if there is no coarse grid."""
+    if task.approach is not None:
+        return task.approach
+    half = coarser(convolution, attrs.evolve(task, start=None))
+    if half is None:
+        return None
+    while max(half[1].undeformed.shape) > _ESTIMATE:
+        further = coarser(*half)
+        if further is None:
+            break
+        half = further
+    coarse, coarse_task = half
+    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
+    _, state, _ = refinement.run(_first(coarse, coarse_task).pressure)
+    return state.approach
 
 
 def full_contact(convolution: PlannedConvolution, task: Task) -> Array | None:

@@ -106,7 +106,7 @@ class Descent:
         load = float(np.add.reduce(pressure))
         opened = float(np.einsum("i,i->", pressure, gap)) / load if load > 0.0 else 0.0
         outside = self.pressure < self._limit if self._capped else True
-        deepest = float(np.minimum.reduce(self.gap, where=outside, initial=0.0 if self._capped else np.inf))
+        deepest = float(np.minimum.reduce(self.gap, where=outside, initial=np.inf))
         return max(opened, level - deepest)
 
     def _active(self) -> Active:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import attrs
 
 from roughcontact.convolvers import PlannedConvolution
+from roughcontact.grid import Boundary
 from roughcontact.solution import Status
 from roughcontact.solvers.base import Monitor, Outcome, Solver, Task, iteration_limit, positive_tolerance
-from roughcontact.solvers.conjugate.cascade import Start, cascaded
+from roughcontact.solvers.conjugate.cascade import Start, cascaded, estimated_approach
 from roughcontact.solvers.conjugate.refinement import Refinement
+from roughcontact.solvers.conjugate.window import window_for
 from roughcontact.solvers.spectral_gradient import SpectralGradient
 
 
@@ -38,14 +40,28 @@ class ProjectedConjugateGradient(Solver):
 
     def solve(self, convolution: PlannedConvolution, task: Task) -> Outcome:
         """Return the pressure; see `Solver.solve`."""
+        if convolution.scene.boundary is not Boundary.FREE:
+            return self._solved(convolution, task)[0]
+        approach = estimated_approach(convolution, task)
+        while approach is not None and (window := window_for(convolution, task, approach)) is not None:
+            outcome, approach = self._solved(window.planned(convolution), window.task(task))
+            pressure = window.pasted(outcome.pressure, task.undeformed.shape)
+            if window.holds(task.undeformed, approach):
+                return attrs.evolve(outcome, pressure=pressure)
+            # The estimate was too low: the next window is larger, and knows where to start.
+            task = attrs.evolve(task, start=pressure)
+        return self._solved(convolution, task)[0]
+
+    def _solved(self, convolution: PlannedConvolution, task: Task) -> tuple[Outcome, float]:
+        """Solve on all cells of the convolution; return the approach as well."""
         start = cascaded(convolution, task) if task.start is None else Start(task.start, 0.0)
         monitor = Monitor(task, self.tolerance, self.max_iterations)
         refinement = Refinement(convolution, task, monitor)
-        pressure, _, status = refinement.run(start.pressure)
+        pressure, state, status = refinement.run(start.pressure)
         outcome = monitor.outcome(pressure, status, round(start.products + refinement.products))
-        if status is not Status.STALLED:
-            return outcome
-        return self._rescued(convolution, attrs.evolve(task, start=pressure), outcome)
+        if status is Status.STALLED:
+            outcome = self._rescued(convolution, attrs.evolve(task, start=pressure), outcome)
+        return outcome, state.approach
 
     def _rescued(self, convolution: PlannedConvolution, task: Task, stalled: Outcome) -> Outcome:
         """Go on with a method that converges from anywhere, though slowly."""
