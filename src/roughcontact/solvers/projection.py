@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from roughcontact.checks import Array, RealArray
@@ -9,7 +11,6 @@ from roughcontact.checks import Array, RealArray
 # Newton needs a handful of rounds; bisection to the last bit would need this many.
 _ROUNDS = 200
 _EXACT = 4e-16
-_NEAR = 1e-14
 
 
 def onto_load(values: Array, mean: float, limit: float | Array) -> Array:
@@ -36,32 +37,31 @@ def onto_load(values: Array, mean: float, limit: float | Array) -> Array:
     if isinstance(limit, float):
         # With the lower shift every cell carries at least the mean, with the upper one none carries any.
         bracket = float(values.min()) - mean, float(values.max())
-        shift = _shift(values.ravel(), None, load, limit, bracket, _EXACT)
+        shift = _shift(values.ravel(), None, load, limit, bracket, _EXACT * load)
     else:
         bracket = float((values - limit).min()), float(values.max())
-        shift = _shift(values.ravel(), None, load, limit.ravel(), bracket, _EXACT)
+        shift = _shift(values.ravel(), None, load, limit.ravel(), bracket, _EXACT * load)
     pressure = values - shift
     np.clip(pressure, 0.0, limit, out=pressure)
     # The shift is only known to the last digit of the values, which may be far greater than the mean.
     return restored(pressure, load, limit)
 
 
-def onto_weighted_load(values: Array, weights: RealArray, load: float, limit: float | Array) -> Array:
+def onto_weighted_load(values: Array, weights: RealArray, load: float, limit: float | Array, error: float) -> Array:
     """Return clip(values - shift * weights, 0, limit) with the shift that gives the sum `load`.
 
     Parameters
     ----------
     values, weights
-        Any finite values and positive weights, shape (n,).
+        Any finite values and weights that are not negative, shape (n,); what weighs nothing is only clipped.
     load
         Sum of the result.
     limit
         Greatest pressure, a number or an array of shape (n,); may be infinite.
+    error
+        How far the sum may miss the load.
     """
-    bracket = float(((values - limit) / weights).min()), float((values / weights).max())
-    if not np.isfinite(bracket[0]):
-        bracket = float(((values - load) / weights).min()), bracket[1]
-    shift = _shift(values, weights, load, limit, bracket, _NEAR)
+    shift = _shift(values, weights, load, limit, (-math.inf, math.inf), max(error, _EXACT * load))
     return np.clip(values - shift * weights, 0.0, limit)
 
 
@@ -82,10 +82,11 @@ def _shift(
     load: float,
     limit: float | Array,
     bracket: tuple[float, float],
-    tolerance: float,
+    error: float,
 ) -> float:
     """Return the shift at which clip(values - shift * weights, 0, limit) sums to `load`."""
     lower, upper = bracket
+    reach = abs(load) / values.size
     shift = min(max(0.0, lower), upper)
     for _ in range(_ROUNDS):
         carried = values - (shift if weights is None else shift * weights)
@@ -103,10 +104,18 @@ def _shift(
             limit = limit if isinstance(limit, float) else limit[inside]
         else:
             upper = shift
-        trial = shift + excess / slope if slope > 0.0 else 0.5 * (lower + upper)
+        trial = shift + excess / slope if slope > 0.0 else math.nan
         if not lower < trial < upper:
-            trial = 0.5 * (lower + upper)
-        if abs(excess) <= tolerance * load or trial in (lower, upper):
+            trial = 0.5 * (lower + upper) if math.isfinite(upper - lower) else _further(lower, upper, reach)
+            reach *= 2.0
+        if abs(excess) <= error or trial in (lower, upper):
             break
         shift = trial
     return shift
+
+
+def _further(lower: float, upper: float, reach: float) -> float:
+    """Return a shift beyond the bound that is known, to find the other one."""
+    if math.isfinite(lower):
+        return lower + reach
+    return upper - reach if math.isfinite(upper) else reach

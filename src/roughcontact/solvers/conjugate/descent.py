@@ -7,9 +7,9 @@ import numpy as np
 
 from roughcontact.checks import Array, Mask, RealArray
 from roughcontact.convolvers import PlannedConvolution
+from roughcontact.solvers.conjugate.active import Active, active_set
 from roughcontact.solvers.conjugate.control import Control
-from roughcontact.solvers.conjugate.longwaves import Cells
-from roughcontact.solvers.conjugate.preconditioner import Preconditioner, spread
+from roughcontact.solvers.conjugate.preconditioner import Preconditioner
 
 # Step lengths: the first guess, the greatest, and the one after a fall back to the plain gradient.
 _FIRST, _GREATEST, _CAREFUL = 0.8, 1.5, 0.3
@@ -19,21 +19,15 @@ _WHOLE, _SHORTENED = 0.85, 0.1
 
 
 @attrs.frozen(eq=False)
-class Active:
-    """The cells whose pressure may change: inside the bounds, or at one and drawn inside by the gap.
+class Released:
+    """Marks of the active cells that just leave a bound, as vectors; None if none does.
 
     Attributes
     ----------
-    mask
-        All cells, flat.
-    cells
-        Flat indices of the active ones, shape (n,).
     low, high
-        Of the active cells, those that leave zero and those that leave the limit; None if none does.
+        Those that leave zero and those that leave the limit.
     """
 
-    mask: Mask
-    cells: Cells
     low: Mask | None
     high: Mask | None
 
@@ -76,7 +70,7 @@ class Descent:
         self.products = 0
         self.pressure: Array = np.zeros(0)
         self.gap: RealArray = np.zeros(0, dtype=np.float32)
-        self.cells: Cells = np.zeros(0, dtype=np.intp)
+        self.active: Active = active_set(np.zeros(0, dtype=bool))
 
     def start(self, pressure: Array, gap: RealArray) -> None:
         """Go on from a pressure with its gap, both flat; the gap is float32 and is kept up to date."""
@@ -84,80 +78,89 @@ class Descent:
 
     def iterate(self) -> bool:
         """Make one step; return whether the energy fell."""
-        active = self._active()
-        if active.cells.size == 0:
+        active, released = self._active()
+        if active.count == 0:
             return False
-        weights = self._preconditioner.weights(active.mask, active.cells)
-        gap = self.gap[active.cells]
-        residual = np.float32(self._control.level(gap, weights)) - gap
-        direction = self._direction(active, weights, residual)
+        weights = self._preconditioner.weights(active)
+        gap = active.take(self.gap)
+        residual = np.float32(self._control.level(gap, weights)) * active.ones - gap
+        direction = self._direction(active, released, weights, residual)
         if direction is None:
             return False
-        self.cells = active.cells
-        return self._move(active.cells, weights, residual, direction)
+        self.active = active
+        return self._move(active, weights, residual, direction)
 
     def error(self) -> float:
         """Return the violation of the descent's own gap, as `Conditions` would measure it, not scaled."""
-        pressure, gap = self.pressure[self.cells], self.gap[self.cells]
-        limit = self._limit if isinstance(self._limit, float) else self._limit[self.cells]
-        free = np.where(pressure < limit, pressure, 0.0) if self._capped else pressure
-        level = self._control.level(gap, free)
-        gap = np.abs(np.where(pressure < limit, gap - level, np.maximum(gap - level, 0.0)))
+        pressure, gap = self.active.take(self.pressure), self.active.take(self.gap)
+        limit = self._limits(self.active)
+        bearing = np.where(pressure < limit, pressure, 0.0) if self._capped else pressure
+        level = self._control.level(gap, bearing)
+        gap = gap - np.float32(level)
+        if self._capped:
+            np.maximum(gap, 0.0, out=gap, where=pressure >= limit)
         load = float(np.add.reduce(pressure))
-        opened = float(np.einsum("i,i->", pressure, gap)) / load if load > 0.0 else 0.0
+        opened = float(np.einsum("i,i->", pressure, np.abs(gap))) / load if load > 0.0 else 0.0
         outside = self.pressure < self._limit if self._capped else True
         deepest = float(np.minimum.reduce(self.gap, where=outside, initial=np.inf))
         return max(opened, level - deepest)
 
-    def _active(self) -> Active:
+    def _active(self) -> tuple[Active, Released]:
+        """Return the cells inside the bounds and those at one that the gap draws inside."""
         bearing = self.pressure > 0.0
         free = bearing & (self.pressure < self._limit) if self._capped else bearing
-        inside = np.flatnonzero(free)
-        level = np.float32(self._control.level(self.gap[inside], self._preconditioner.field[inside]))
-        released = self.gap < level
-        released &= ~bearing
-        mask = free | released
-        overloaded = None
+        inside = active_set(free)
+        level = np.float32(self._control.level(inside.take(self.gap), inside.take(self._preconditioner.field)))
+        low = self.gap < level
+        low &= ~bearing
+        mask = free | low
+        high = None
         if self._capped:
-            overloaded = (self.gap > level) & bearing & ~free
-            mask |= overloaded
-        cells = np.flatnonzero(mask)
-        return Active(mask, cells, _some(released, cells), None if overloaded is None else _some(overloaded, cells))
+            high = (self.gap > level) & bearing & ~free
+            mask |= high
+        active = active_set(mask)
+        return active, Released(_some(low, active), None if high is None else _some(high, active))
 
-    def _direction(self, active: Active, weights: RealArray, residual: RealArray) -> RealArray | None:
+    def _limits(self, active: Active) -> float | Array:
+        return self._limit if isinstance(self._limit, float) else active.take(self._limit)
+
+    def _direction(
+        self, active: Active, released: Released, weights: RealArray, residual: RealArray
+    ) -> RealArray | None:
         """Return the first admissible descent of: conjugate, preconditioned, plain gradient."""
-        image = self._preconditioner.apply(active.cells, weights, residual)
-        for candidate in (self._conjugate(image, active.cells), image, weights * residual):
-            direction = self._control.admissible(candidate, weights, active.low, active.high)
+        image = self._preconditioner.apply(active, weights, residual)
+        for candidate in (self._conjugate(image, active), image, weights * residual):
+            direction = self._control.admissible(candidate, weights, released.low, released.high)
             if _dot(residual, direction) > 0.0:
                 return direction
             self._length = _CAREFUL
         return None
 
-    def _conjugate(self, image: RealArray, cells: Cells) -> RealArray:
+    def _conjugate(self, image: RealArray, active: Active) -> RealArray:
         if self._step is None:
             return image
-        share = -_dot(image, self._change[cells]) / self._curvature
-        return image + np.float32(max(0.0, share)) * self._step[cells] if share > 0.0 else image
+        share = -_dot(image, active.take(self._change)) / self._curvature
+        return image + np.float32(share) * active.take(self._step) if share > 0.0 else image
 
-    def _move(self, cells: Cells, weights: RealArray, residual: RealArray, direction: RealArray) -> bool:
-        before = self.pressure[cells]
-        limit = self._limit if isinstance(self._limit, float) else self._limit[cells]
+    def _move(self, active: Active, weights: RealArray, residual: RealArray, direction: RealArray) -> bool:
+        before = active.take(self.pressure)
+        limit = self._limits(active)
         for _ in range(_BACKTRACKS):
             trial = before + self._length * direction
             clipped = bool(trial.min() < 0.0 or (self._capped and (trial > limit).any()))
             if clipped:
                 trial = self._control.feasible(trial, before, weights, limit)
             step = (trial - before).astype(np.float32)
-            field = spread(cells, step, self._shape)
-            change = self._convolution.apply(field).ravel()
+            field = active.put(step)
+            change = self._convolution.apply(field.reshape(self._shape)).ravel()
             self.products += 1
-            curvature = _dot(step, change[cells])
+            curvature = _dot(step, active.take(change))
             part = _dot(residual, step) / curvature if curvature > 0.0 else 0.0
             taken = self._taken(part, clipped, before, step, limit)
             if taken > 0.0:
-                self.pressure[cells] = trial if taken == 1.0 else np.clip(before + taken * step, 0.0, limit)
-                self._step, self._change, self._curvature = field.ravel(), change, curvature
+                moved = trial if taken == 1.0 else np.clip(before + taken * step, 0.0, limit)
+                active.store(self.pressure, moved)
+                self._step, self._change, self._curvature = field, change, curvature
                 self.gap += np.float32(taken) * change
                 return True
             self._length *= _CAREFUL
@@ -182,9 +185,8 @@ class Descent:
         return 0.0
 
 
-def _some(mask: Mask, cells: Cells) -> Mask | None:
-    chosen = mask[cells]
-    return chosen if chosen.any() else None
+def _some(mask: Mask, active: Active) -> Mask | None:
+    return active.take(mask) if mask.any() else None
 
 
 def _dot(one: RealArray, other: RealArray) -> float:

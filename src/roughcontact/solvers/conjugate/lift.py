@@ -6,7 +6,7 @@ import numpy as np
 
 from roughcontact.checks import RealArray
 from roughcontact.convolvers import PlannedConvolution
-from roughcontact.solvers.conjugate.longwaves import Cells
+from roughcontact.solvers.conjugate.active import Active
 
 # Of two pressures that lift alike one is enough.
 _DISTINCT = 1e-6
@@ -21,28 +21,24 @@ class Lift:
     ----------
     convolution
         Displacement from pressure.
-    cells, weights
-        Flat indices of the active cells and their weights, shape (n,).
+    active, weights
+        The active cells and the vector of their weights.
     """
 
-    def __init__(self, convolution: PlannedConvolution, cells: Cells, weights: RealArray) -> None:
+    def __init__(self, convolution: PlannedConvolution, active: Active, weights: RealArray) -> None:
         shape = convolution.scene.grid.shape
-        vectors = _vectors(weights)
-        responses = []
-        for vector in vectors:
-            field = np.zeros(shape[0] * shape[1], dtype=np.float32)
-            field[cells] = vector
-            responses.append(convolution.apply(field.reshape(shape)).ravel()[cells])
+        vectors = _vectors(active, weights)
+        responses = [active.take(convolution.apply(active.put(vector).reshape(shape)).ravel()) for vector in vectors]
         products = [[float(np.einsum("i,i->", one, other)) for other in responses] for one in vectors]
-        self._inverse = np.linalg.pinv(np.array(products), rcond=_DISTINCT, hermitian=False)
+        self._inverse = np.linalg.pinv(np.array(products), rcond=_DISTINCT)
 
-    def lifted(self, image: RealArray, residual: RealArray, weights: RealArray) -> RealArray:
-        """Return the preconditioned residual with its lift made exact, shape (n,)."""
-        vectors = _vectors(weights)
+    def lifted(self, active: Active, image: RealArray, residual: RealArray, weights: RealArray) -> RealArray:
+        """Return the preconditioned residual with its lift made exact."""
+        vectors = _vectors(active, weights)
         share = float(np.add.reduce(image, dtype=np.float64)) / float(np.add.reduce(weights, dtype=np.float64))
         parts = self._inverse @ [float(np.einsum("i,i->", vector, residual)) for vector in vectors]
         return image + np.float32(parts[0] - share) * vectors[0] + np.float32(parts[1]) * vectors[1]
 
 
-def _vectors(weights: RealArray) -> tuple[RealArray, RealArray]:
-    return weights, np.ones_like(weights)
+def _vectors(active: Active, weights: RealArray) -> tuple[RealArray, RealArray]:
+    return weights, active.ones

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 import scipy.fft
 
 from roughcontact.checks import RealArray
 from roughcontact.convolvers.inverse import InverseConvolution
-
-Cells: TypeAlias = npt.NDArray[np.intp]
+from roughcontact.solvers.conjugate.active import Active, Partition
 
 # Waves are long up to this multiple of the wave whose stiffness is the mean weight of the domain.
 _CUT = 2.0
@@ -43,17 +40,16 @@ class LongWaves:
         The stiffness of each wave.
     shape
         Cells of the grid (nx, ny).
-    cells, weights
-        Flat indices of the active cells and their flat-punch weights, shape (n,).
+    active, weights
+        The active cells and the vector of their flat-punch weights.
     """
 
-    def __init__(self, inverse: InverseConvolution, shape: tuple[int, int], cells: Cells, weights: RealArray) -> None:
+    def __init__(self, inverse: InverseConvolution, shape: tuple[int, int], active: Active, weights: RealArray) -> None:
         mx, my = inverse.padded
         mean = float(np.add.reduce(weights, dtype=np.float64)) / (mx * my)
         bx, by = (_blocks(axis, count, mean) for axis, count in zip(_axes(inverse), (mx, my), strict=True))
-        self._shape = (bx, by)
-        self._block = _block_map(shape, (mx, my), (bx, by))
-        self._diagonal = self._gathered(cells, weights)
+        self._partition = _partition(shape, (mx, my), (bx, by))
+        self._diagonal = self._gathered(active, weights)
         half = np.fft.fftfreq(bx, 1 / bx).astype(int)
         stiffness = inverse.short_stiffness[half][:, : by // 2 + 1]
         size = mx * my / (bx * by)
@@ -61,13 +57,13 @@ class LongWaves:
         self._far = stiffness * np.exp(growth) * np.float32(size)
         self._approximate = 1.0 / (self._far + np.float32(size * mean))
 
-    def correction(self, cells: Cells, weights: RealArray, residual: RealArray) -> RealArray:
-        """Return what is to be taken from z0 on the cells, shape (n,)."""
-        return weights * self._solved(self._gathered(cells, weights * residual)).ravel()[self._block[cells]]
+    def correction(self, active: Active, weights: RealArray, residual: RealArray) -> RealArray:
+        """Return the vector that is to be taken from z0."""
+        solution = self._solved(self._gathered(active, weights * residual))
+        return weights * active.unblocked(solution, self._partition)
 
-    def _gathered(self, cells: Cells, values: RealArray) -> RealArray:
-        total = np.bincount(self._block[cells], weights=values, minlength=self._shape[0] * self._shape[1])
-        return total.reshape(self._shape).astype(np.float32)
+    def _gathered(self, active: Active, values: RealArray) -> RealArray:
+        return active.blocks(values, self._partition).astype(np.float32)
 
     def _solved(self, right: RealArray) -> RealArray:
         """Solve the system on the blocks to a few per cent."""
@@ -116,11 +112,11 @@ def _blocks(stiffness: RealArray, count: int, mean: float) -> int:
     return max(count // size, 1)
 
 
-@lru_cache(maxsize=2)
-def _block_map(shape: tuple[int, int], padded: tuple[int, int], blocks: tuple[int, int]) -> npt.NDArray[np.int32]:
-    """Return the number of the block of each cell, flat; the same few blocks are asked for again and again."""
+@lru_cache(maxsize=4)
+def _partition(shape: tuple[int, int], padded: tuple[int, int], blocks: tuple[int, int]) -> Partition:
+    """Divide the cells; the same few partitions are asked for again and again."""
     rows, columns = (((np.arange(n) * b) // m).astype(np.int32) for n, m, b in zip(shape, padded, blocks, strict=True))
-    return np.asarray(np.add.outer(rows * np.int32(blocks[1]), columns).ravel())
+    return Partition(shape, blocks, rows, columns)
 
 
 def _dot(one: RealArray, other: RealArray) -> float:

@@ -7,8 +7,9 @@ import numpy as np
 from roughcontact.checks import Mask, RealArray
 from roughcontact.convolvers import PlannedConvolution
 from roughcontact.convolvers.inverse import InverseConvolution
+from roughcontact.solvers.conjugate.active import Active
 from roughcontact.solvers.conjugate.lift import Lift
-from roughcontact.solvers.conjugate.longwaves import Cells, LongWaves
+from roughcontact.solvers.conjugate.longwaves import LongWaves
 
 # Share of the smaller of the active and the passive cells that may change before weights are renewed.
 _CHANGED = 0.01
@@ -35,65 +36,53 @@ class Preconditioner:
         self._lifting = lifting
         self._lift: Lift | None = None
         self._shape = shape = convolution.scene.grid.shape
-        self._active: Mask = np.zeros(0, dtype=bool)
+        self._mask: Mask = np.zeros(0, dtype=bool)
         # Weights of all cells, flat; those that were passive have the mean.
         self.field: RealArray = np.ones(shape[0] * shape[1], dtype=np.float32)
         self._waves: LongWaves | None = None
         self.renewals = 0
         self.products = 0
 
-    def weights(self, active: Mask, cells: Cells) -> RealArray:
-        """Return the flat-punch weights M 1 of the active cells, shape (n,), positive.
+    def weights(self, active: Active) -> RealArray:
+        """Return the vector of flat-punch weights M 1 of the active cells, positive.
 
         They are renewed, at the price of a product, only when the active set has changed enough.
-
-        Parameters
-        ----------
-        active
-            Mask of all cells, flat.
-        cells
-            Flat indices of the active ones.
         """
-        smaller = min(cells.size, active.size - cells.size + _PASSIVE * active.size)
-        if self._active.size and np.count_nonzero(active ^ self._active) <= _CHANGED * smaller:
-            return self.field[cells]
-        weights = self._masked(cells, np.ones(cells.size, dtype=np.float32))
-        mean = float(weights.mean())
+        mask = active.mask
+        smaller = min(active.count, mask.size - active.count + _PASSIVE * mask.size)
+        if self._mask.size and np.count_nonzero(mask ^ self._mask) <= _CHANGED * smaller:
+            return active.take(self.field)
+        ones = active.ones
+        weights = self._masked(active, ones)
+        mean = float(np.add.reduce(weights, dtype=np.float64)) / active.count
         self._waves = None
         if mean > 0.0:
             # Ringing of the inverse may leave cells without weight, or with a negative one.
-            weights = np.maximum(weights, np.float32(_SMALLEST_WEIGHT * mean))
-            self._waves = LongWaves(self._inverse, self._shape, cells, weights)
+            weights = np.maximum(weights, np.float32(_SMALLEST_WEIGHT * mean) * ones)
+            self._waves = LongWaves(self._inverse, self._shape, active, weights)
         else:
-            weights, mean = np.ones_like(weights), 1.0
+            weights, mean = ones, 1.0
         if self._lifting:
-            self._lift = Lift(self._convolution, cells, weights)
+            self._lift = Lift(self._convolution, active, weights)
             self.products += 2
-        self._active = active
-        self.field = np.full(active.size, mean, dtype=np.float32)
-        self.field[cells] = weights
+        self._mask = mask
+        self.field = np.full(mask.size, mean, dtype=np.float32)
+        active.store(self.field, weights)
         self.renewals += 1
         return weights
 
-    def apply(self, cells: Cells, weights: RealArray, residual: RealArray) -> RealArray:
-        """Return the preconditioned residual on the active cells, shape (n,)."""
-        image = self._masked(cells, residual)
+    def apply(self, active: Active, weights: RealArray, residual: RealArray) -> RealArray:
+        """Return the vector of the preconditioned residual."""
+        image = self._masked(active, residual)
         if self._waves is not None:
-            corrected = image - self._waves.correction(cells, weights, residual)
+            corrected = image - self._waves.correction(active, weights, residual)
             if float(np.einsum("i,i->", residual, corrected)) > 0.0:
                 image = corrected
             else:
                 # Where weights ring the correction may lose its sign; it is then of no use for this set.
                 self._waves = None
-        return image if self._lift is None else self._lift.lifted(image, residual, weights)
+        return image if self._lift is None else self._lift.lifted(active, image, residual, weights)
 
-    def _masked(self, cells: Cells, values: RealArray) -> RealArray:
+    def _masked(self, active: Active, vector: RealArray) -> RealArray:
         self.products += 1
-        return self._inverse.apply(spread(cells, values, self._shape)).ravel()[cells]
-
-
-def spread(cells: Cells, values: RealArray, shape: tuple[int, int]) -> RealArray:
-    """Return a field of the grid's shape that has `values` on `cells` and is zero elsewhere."""
-    field = np.zeros(shape[0] * shape[1], dtype=values.dtype)
-    field[cells] = values
-    return field.reshape(shape)
+        return active.take(self._inverse.apply(active.put(vector).reshape(self._shape)).ravel())

@@ -10,7 +10,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array
+from roughcontact.checks import Array, IntArray
 from roughcontact.convolvers import PlannedConvolution
 from roughcontact.grid import Boundary, Grid
 from roughcontact.solvers.base import Task
@@ -75,7 +75,7 @@ def window_for(convolution: PlannedConvolution, task: Task, approach: float) -> 
     if convolution.scene.boundary is not Boundary.FREE:
         return None
     touching = task.undeformed <= _MARGIN * approach
-    rows, columns = (_extent(touching.any(axis=axis)) for axis in (1, 0))
+    rows, columns = (_extent(np.flatnonzero(touching.any(axis=axis)), touching.shape[1 - axis]) for axis in (1, 0))
     if _length(rows) * _length(columns) > _WORTH * task.undeformed.size:
         return None
     window = Window(rows, columns)
@@ -86,12 +86,11 @@ def window_for(convolution: PlannedConvolution, task: Task, approach: float) -> 
     return window if bearable else None
 
 
-def _extent(touching: Array) -> slice:
-    """Return the range of the marked cells, a little longer."""
-    marked = np.flatnonzero(touching)
+def _extent(marked: IntArray, count: int) -> slice:
+    """Return the range of the marked of `count` cells, a little longer."""
     first, last = int(marked[0]), int(marked[-1]) + 1
-    length = min(-(-(last - first + 2) // _ROUND) * _ROUND, touching.size)
-    start = min(max(first - (length - (last - first)) // 2, 0), touching.size - length)
+    length = min(-(-(last - first + 2) // _ROUND) * _ROUND, count)
+    start = min(max(first - (length - (last - first)) // 2, 0), count - length)
     return slice(start, start + length)
 
 
