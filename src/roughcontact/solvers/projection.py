@@ -11,6 +11,8 @@ from roughcontact.checks import Array, RealArray
 # Newton needs a handful of rounds; bisection to the last bit would need this many.
 _ROUNDS = 200
 _EXACT = 4e-16
+# A load that is missed by more than this is not rounding.
+_LOST = 1e-13
 
 
 def onto_load(values: Array, mean: float, limit: float | Array) -> Array:
@@ -66,13 +68,22 @@ def onto_weighted_load(values: Array, weights: RealArray, load: float, limit: fl
 
 
 def restored(pressure: Array, load: float, limit: float | Array) -> Array:
-    """Return the pressure with its unsaturated part scaled so that the sum is `load`, to rounding."""
+    """Return the pressure with its unsaturated part scaled so that the sum is `load`, to rounding.
+
+    Where that cannot be, for nothing is unsaturated, the pressure is shifted instead.
+    """
     free = pressure < limit
     bearing = float(np.add.reduce(pressure, axis=None, where=free))
+    saturated = float(np.add.reduce(pressure, axis=None, where=~free))
     if bearing > 0.0:
-        saturated = float(np.add.reduce(pressure, axis=None, where=~free))
         pressure = np.multiply(pressure, max(load - saturated, 0.0) / bearing, out=pressure.copy(), where=free)
         np.minimum(pressure, limit, out=pressure)
+    if abs(float(np.add.reduce(pressure, axis=None)) - load) > _LOST * load:
+        flat, bound = pressure.ravel(), limit if isinstance(limit, float) else limit.ravel()
+        touching = flat > 0.0
+        capacity = float(np.sum(np.broadcast_to(bound, flat.shape), where=touching))
+        weights = touching.astype(np.float64) if capacity > load else np.ones_like(flat)
+        pressure = onto_weighted_load(flat, weights, load, bound, 0.0).reshape(pressure.shape)
     return pressure
 
 
