@@ -18,7 +18,7 @@ FLOORS = [
     {"body", "convolvers", "areas", "relief"},
     {"solvers", "files"},
     {"plan"},
-    {"loads"},
+    {"loads", "sweep"},
     {"problem"},
     {"paper"},
     {"cli"},

@@ -14,8 +14,8 @@ from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material, R
 from roughcontact.plan import Plan
 from roughcontact.problem import ContactProblem
 from roughcontact.registry import areas, convolvers, kernels, readers, solvers
-from roughcontact.solution import Area, ContactSolution, Residuals, Status
-from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Task
+from roughcontact.solution import Area, ContactSolution, Level, Residuals, Status
+from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
 from roughcontact.surfaces import (
     FlatSurface,
     HeightMap,
@@ -25,6 +25,7 @@ from roughcontact.surfaces import (
     Surface,
     WavySurface,
 )
+from roughcontact.sweep import Sweep
 
 __version__ = "0.1.0"
 
@@ -49,6 +50,7 @@ __all__ = [
     "HeightMap",
     "InfluenceKernel",
     "InputError",
+    "Level",
     "Love",
     "Material",
     "MissingPackage",
@@ -69,8 +71,10 @@ __all__ = [
     "SpectralGradient",
     "SphereSurface",
     "Status",
+    "Step",
     "Surface",
     "SurfaceReader",
+    "Sweep",
     "Task",
     "WavySurface",
     "areas",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -22,10 +23,11 @@ from roughcontact.optimality import Conditions
 from roughcontact.plan import Plan
 from roughcontact.registry import convolvers, kernels, solvers
 from roughcontact.relief import rms_slope, seam_jump
-from roughcontact.solution import ContactSolution, Residuals, Status
-from roughcontact.solvers import Outcome, Solver, Task
+from roughcontact.solution import DEFAULT_AREA, ContactSolution, EstimatesArea, Residuals, Status
+from roughcontact.solvers import Outcome, Solver, Step, Task
 from roughcontact.surfaces import FlatSurface
 from roughcontact.surfaces.base import own_grid
+from roughcontact.sweep import Sweep, area_load, swept
 
 _AUTO_CONVOLVER = {
     Boundary.FREE: "dc-fft",
@@ -135,7 +137,9 @@ class ContactProblem:
         pressure: float | None = None,
         force: float | None = None,
         approach: float | None = None,
+        start: Array | None = None,
         throw: bool = True,
+        on_step: Callable[[Step], None] | None = None,
     ) -> ContactSolution:
         """Solve the contact at a given load.
 
@@ -147,6 +151,10 @@ class ContactProblem:
             Normal force, N.
         approach
             Approach of the bodies since first touch, m.
+        start
+            A contact pressure to start from, shape (nx, ny), Pa: that of a similar load.
+        on_step
+            Called with a `Step` after each iteration.
         throw
             Whether to raise when the solver does not converge, or to return what it has.
 
@@ -163,7 +171,8 @@ class ContactProblem:
             If the solution is not certified and `throw` is true; the error carries it.
         """
         started = time.perf_counter()
-        task = task_of(self.plan, self.undeformed, pressure=pressure, force=force, approach=approach)
+        task = task_of(self.plan, self.undeformed, pressure=pressure, force=force, approach=approach, start=start)
+        task = attrs.evolve(task, on_step=on_step)
         outcome = self.plan.solver.solve(self.convolution, task)
         if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.undeformed.shape:
             raise InputError(
@@ -177,6 +186,53 @@ class ContactProblem:
                 solution,
             )
         return solution
+
+    def sweep(
+        self,
+        *,
+        pressure: Sequence[float] | None = None,
+        force: Sequence[float] | None = None,
+        approach: Sequence[float] | None = None,
+    ) -> Sweep:
+        """Solve for several loads, each starting from the ones before.
+
+        Parameters
+        ----------
+        pressure, force, approach
+            Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m.
+
+        Returns
+        -------
+        Sweep
+            The solutions in the order of the loads, and a table of what came out.
+
+        Raises
+        ------
+        InputError
+            If not exactly one list is given, or it is empty, or a load cannot be carried.
+        NotConverged
+            If a solution is not certified.
+        """
+        return swept(self.solve, pressure=pressure, force=force, approach=approach)
+
+    def solve_area(self, fraction: float, estimator: str | EstimatesArea = DEFAULT_AREA) -> ContactSolution:
+        """Find the load at which the real contact area is a given share of the nominal area.
+
+        Parameters
+        ----------
+        fraction
+            Real contact area over nominal area, above 0 and below 1.
+        estimator
+            Registered name or instance of the area estimator that is to give it.
+
+        Raises
+        ------
+        InputError
+            If the fraction is out of bounds or no load gives it, on this grid and with this limit.
+        """
+        scale = self.plan.modulus * rms_slope(self.undeformed, self.plan.grid)
+        largest = float(np.mean(self.plan.limit))
+        return area_load(self.solve, fraction, estimator, min(scale, largest), largest)
 
     def _certified(self, task: Task, outcome: Outcome, started: float) -> ContactSolution:
         """Give the outcome its units, and residuals that depend on nothing but its pressure."""
@@ -208,6 +264,7 @@ class ContactProblem:
             seconds=time.perf_counter() - started,
             residuals=Residuals(state.complementarity, state.penetration, load, state.scale * plan.relief),
             history=outcome.history,
+            levels=outcome.levels,
         )
 
     def _grid(self) -> Grid:

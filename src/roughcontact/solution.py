@@ -69,6 +69,29 @@ class Residuals:
 
 
 @attrs.frozen
+class Level:
+    """The work on one of the grids that a solver went through.
+
+    Attributes
+    ----------
+    shape
+        Cells of the grid.
+    iterations
+        Iterations on it.
+    double, single
+        Convolutions in float64 and in float32.
+    inverse
+        Applications of the approximate inverse, each the cost of a convolution.
+    """
+
+    shape: tuple[int, int]
+    iterations: int
+    double: int
+    single: int = 0
+    inverse: int = 0
+
+
+@attrs.frozen
 class Area:
     """Real contact area with its error bar.
 
@@ -131,6 +154,8 @@ class ContactSolution:
         The certificate.
     history
         The solver's error before each iteration.
+    levels
+        The work on each grid, from coarse to fine, where the solver tells.
     """
 
     grid: Grid
@@ -147,6 +172,7 @@ class ContactSolution:
     seconds: float
     residuals: Residuals
     history: tuple[float, ...]
+    levels: tuple[Level, ...] = ()
 
     @cached_property
     def gap(self) -> Array:

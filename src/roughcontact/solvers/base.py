@@ -4,13 +4,33 @@ from __future__ import annotations
 
 import abc
 import math
+from collections.abc import Callable
 
 import attrs
 
 from roughcontact.checks import Array, integer, number
 from roughcontact.convolvers import PlannedConvolution
 from roughcontact.optimality import Conditions, Optimality
-from roughcontact.solution import Status
+from roughcontact.solution import Level, Status
+
+
+@attrs.frozen
+class Step:
+    """How far a solver has come.
+
+    Attributes
+    ----------
+    shape
+        Cells of the grid it is working on.
+    iteration
+        Iterations on that grid so far.
+    error
+        Error (see `Optimality`), estimated or proved.
+    """
+
+    shape: tuple[int, int]
+    iteration: int
+    error: float
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -30,6 +50,8 @@ class Task:
         Greatest pressure, a number or an array of shape (nx, ny); `inf` where there is none.
     start
         A pressure to start from, shape (nx, ny), within the bounds; None if there is none.
+    on_step
+        Called after each iteration, on coarse grids too.
     """
 
     undeformed: Array
@@ -37,6 +59,7 @@ class Task:
     approach: float | None = None
     limit: float | Array = math.inf
     start: Array | None = None
+    on_step: Callable[[Step], None] | None = None
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -53,6 +76,8 @@ class Outcome:
         What it took.
     history
         The error (see `Optimality`) at the start of each iteration.
+    levels
+        The work on each grid, from coarse to fine; may be left out.
     """
 
     pressure: Array
@@ -60,6 +85,7 @@ class Outcome:
     iterations: int
     convolutions: int
     history: tuple[float, ...]
+    levels: tuple[Level, ...] = ()
 
 
 class Solver(abc.ABC):
@@ -96,12 +122,13 @@ class Monitor:
         self._conditions = Conditions(task.undeformed, task.limit, task.approach)
         self.tolerance = tolerance
         self._max_iterations = max_iterations
+        self._task = task
         self.history: list[float] = []
 
     def judge(self, pressure: Array, displacement: Array) -> tuple[Optimality, Status | None]:
         """Measure an iterate; the status is None as long as the solver should go on."""
         state = self._conditions.measure(pressure, displacement)
-        self.history.append(state.error)
+        self.note(state.error)
         return state, self._status(state)
 
     def prove(self, pressure: Array, displacement: Array) -> tuple[Optimality, Status | None]:
@@ -111,8 +138,10 @@ class Monitor:
         return self.judge(pressure, displacement)
 
     def note(self, error: float) -> None:
-        """Remember the estimated error after an iteration."""
+        """Remember the error after an iteration, and tell those who watch."""
         self.history.append(error)
+        if self._task.on_step is not None:
+            self._task.on_step(Step(self._task.undeformed.shape, len(self.history) - 1, error))
 
     def goes_on(self) -> bool:
         """Tell whether there are iterations left."""

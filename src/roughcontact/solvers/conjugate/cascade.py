@@ -9,6 +9,7 @@ from roughcontact.checks import Array
 from roughcontact.convolvers import PlannedConvolution
 from roughcontact.convolvers.inverse import inverse_of
 from roughcontact.grid import Boundary, Grid
+from roughcontact.solution import Level
 from roughcontact.solvers.base import Monitor, Task
 from roughcontact.solvers.conjugate.refinement import Refinement
 
@@ -31,10 +32,13 @@ class Start:
         Pressure, shape (nx, ny), within the bounds.
     products
         Convolutions it took, in convolutions of the grid it is for.
+    levels
+        The work on each coarser grid.
     """
 
     pressure: Array
     products: float
+    levels: tuple[Level, ...] = ()
 
 
 def cascaded(convolution: PlannedConvolution, task: Task) -> Start:
@@ -49,11 +53,12 @@ def cascaded(convolution: PlannedConvolution, task: Task) -> Start:
     refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
     pressure, _, _ = refinement.run(start.pressure)
     products = (start.products + refinement.products) / (fx * fy)
+    levels = (*start.levels, refinement.level)
     if pressure.min() > 0.0:
         full = full_contact(convolution, task)
         if full is not None:
-            return Start(full, products + 1)
-    return Start(np.minimum(_prolonged(pressure, fx, fy, grid), task.limit), products)
+            return Start(full, products + 1, levels)
+    return Start(np.minimum(_prolonged(pressure, fx, fy, grid), task.limit), products, levels)
 
 
 def coarser(convolution: PlannedConvolution, task: Task) -> tuple[PlannedConvolution, Task] | None:

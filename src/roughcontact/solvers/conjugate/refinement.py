@@ -10,7 +10,7 @@ from roughcontact.checks import Array
 from roughcontact.convolvers import PlannedConvolution
 from roughcontact.convolvers.inverse import inverse_of
 from roughcontact.optimality import Optimality
-from roughcontact.solution import Status
+from roughcontact.solution import Level, Status
 from roughcontact.solvers.base import Monitor, Task
 from roughcontact.solvers.conjugate.control import ApproachControl, LoadControl, exactly
 from roughcontact.solvers.conjugate.descent import Descent
@@ -59,6 +59,17 @@ class Refinement:
     def products(self) -> int:
         """Convolutions and inverse convolutions so far, in either precision."""
         return self.proofs + self._descent.products + self._preconditioner.products
+
+    @property
+    def level(self) -> Level:
+        """The work so far."""
+        return Level(
+            self._task.undeformed.shape,
+            len(self._monitor.history) - 1,
+            self.proofs,
+            self._descent.products,
+            self._preconditioner.products,
+        )
 
     def run(self, pressure: Array) -> tuple[Array, Optimality, Status]:
         """Solve from `pressure`, shape (nx, ny); return the pressure, its measure and how it ended."""

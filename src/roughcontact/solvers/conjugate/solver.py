@@ -59,6 +59,7 @@ class ProjectedConjugateGradient(Solver):
         refinement = Refinement(convolution, task, monitor)
         pressure, state, status = refinement.run(start.pressure)
         outcome = monitor.outcome(pressure, status, round(start.products + refinement.products))
+        outcome = attrs.evolve(outcome, levels=(*start.levels, refinement.level))
         if status is Status.STALLED:
             outcome = self._rescued(convolution, attrs.evolve(task, start=pressure), outcome)
         return outcome, state.approach
@@ -71,4 +72,5 @@ class ProjectedConjugateGradient(Solver):
             iterations=stalled.iterations + rescue.iterations,
             convolutions=stalled.convolutions + rescue.convolutions,
             history=stalled.history + rescue.history,
+            levels=stalled.levels,
         )
