@@ -17,6 +17,8 @@ from roughcontact.kernels import OffersSpectrum
 
 # Room beyond a free border, as a share of the domain: less couples opposite borders, more gains nothing.
 _MARGIN = 1.25
+# A narrow domain needs more than a share of itself, in cells.
+_AT_LEAST = 16
 # Wave amplitudes below this share of the mean are rounding or ringing of the kernel.
 _SMALLEST = 1e-6
 
@@ -56,7 +58,9 @@ class InverseConvolution:
 def inverse_of(scene: Scene) -> InverseConvolution:
     """Return the approximate inverse of what was planned."""
     if scene.boundary is Boundary.FREE:
-        mx, my = (scipy.fft.next_fast_len(math.ceil(_MARGIN * n), real=True) for n in scene.grid.shape)
+        mx, my = (
+            scipy.fft.next_fast_len(max(math.ceil(_MARGIN * n), n + _AT_LEAST), real=True) for n in scene.grid.shape
+        )
     else:
         mx, my = scene.grid.shape
     known = isinstance(scene.kernel.kernel, OffersSpectrum)

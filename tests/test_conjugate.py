@@ -1,0 +1,273 @@
+"""The default solver: counts, controls, limits, windows, and agreement with the others."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import roughcontact as rc
+from roughcontact.solvers.conjugate.cascade import cascaded
+from roughcontact.solvers.conjugate.descent import Descent
+from strategies import height_maps, moduli, problems
+from test_solvers import violations
+
+YOUNG, SLOPE = 1.0, 0.1
+
+
+def rough(n, *, boundary="periodic", hardness=None, seed=0, cells=8, solver="auto", kernel="love"):
+    surface = rc.SelfAffineSurface(
+        hurst=0.8, rms_slope=SLOPE, shortest=float(cells), longest=float(n), rolloff=n / 8, seed=seed
+    )
+    material = rc.Elastic(YOUNG, 0.0) if hardness is None else rc.ElasticPerfectlyPlastic(YOUNG, 0.0, hardness)
+    body = rc.Body(surface, material)
+    return rc.ContactProblem(body, grid=rc.Grid((n, n), float(n)), boundary=boundary, solver=solver, kernel=kernel)
+
+
+SIZES = [64, 128, 256, *(pytest.param(n, marks=pytest.mark.slow) for n in (512, 1024))]
+
+
+@pytest.mark.parametrize("n", SIZES)
+@pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
+@pytest.mark.parametrize(("cells", "share"), [(8, 0.01), (8, 0.05), (8, 0.2), (8, 1.0), (2, 0.2)])
+def test_iterations_hardly_grow_with_the_grid(n, boundary, cells, share):
+    solution = rough(n, boundary=boundary, cells=cells).solve(pressure=share * SLOPE * YOUNG)
+    assert solution.status is rc.Status.CONVERGED
+    assert solution.iterations <= 25
+    assert solution.convolutions <= 75
+
+
+@pytest.mark.parametrize("n", SIZES)
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("share", [1e-6, 0.01, 0.2, 0.5, 0.9, 0.99, 1.0])
+def test_iterations_with_a_limit(n, boundary, share):
+    hardness = 0.3 * YOUNG * SLOPE
+    solution = rough(n, boundary=boundary, hardness=hardness).solve(pressure=share * hardness)
+    assert solution.iterations <= 40
+    assert solution.pressure.max() <= hardness
+    assert solution.residuals.load <= 1e-12
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
+@pytest.mark.parametrize("share", [0.02, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95, 0.995])
+def test_approach_and_load_find_one_solution(boundary, share):
+    problem = rough(96, boundary=boundary)
+    by_approach = problem.solve(approach=share * problem.undeformed.mean())
+    if not by_approach.contact.any():
+        pytest.skip("this approach does not touch")
+    assert by_approach.iterations <= 35
+    by_load = problem.solve(pressure=by_approach.mean_pressure)
+    np.testing.assert_allclose(by_load.pressure, by_approach.pressure, atol=1e-6 * by_load.pressure.max())
+    assert by_load.approach == pytest.approx(by_approach.approach, rel=1e-6)
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
+def test_agrees_with_the_independent_solvers(boundary):
+    fast = rough(96, boundary=boundary).solve(pressure=5e-3)
+    for solver in ("polonsky-keer", "spectral-gradient"):
+        other = rough(96, boundary=boundary, solver=solver).solve(pressure=5e-3)
+        np.testing.assert_allclose(other.pressure, fast.pressure, atol=1e-6 * fast.pressure.max())
+
+
+def test_a_limit_may_differ_from_place_to_place():
+    limits = np.where(np.arange(64)[:, None] < 32, 0.02, 0.06) * np.ones((64, 64))
+    solution = rough(64, hardness=limits).solve(pressure=8e-3)
+    assert (solution.pressure <= limits).all()
+    assert solution.saturated[:32].any()
+    assert solution.saturated[32:].any()
+    assert np.array_equal(solution.saturated, solution.pressure >= limits)
+    opened, penetration = violations(solution, rough(64, hardness=limits))
+    assert max(opened, penetration) <= 3e-8
+
+
+def test_the_greatest_load_of_an_uneven_limit_is_its_mean():
+    limits = np.full((64, 64), 0.02)
+    limits[:32] = 0.04
+    problem = rough(64, hardness=limits)
+    np.testing.assert_array_equal(problem.solve(pressure=0.03).pressure, limits)
+    with pytest.raises(rc.InputError, match="at most 30 mPa"):
+        problem.solve(pressure=0.031)
+
+
+def test_full_contact_takes_no_iteration():
+    solution = rough(128).solve(pressure=3 * SLOPE * YOUNG)
+    assert solution.contact.all()
+    assert solution.iterations == 0
+    assert solution.convolutions <= 5
+
+
+@pytest.mark.parametrize("control", ["pressure", "approach"])
+def test_only_the_window_that_can_touch_is_solved(control):
+    grid = rc.Grid((256, 256), 1e-3)
+    ball = rc.ParaboloidSurface(1e-2, center=(2e-4, -1e-4))
+    problem = rc.ContactProblem(rc.Body(ball, rc.Elastic(1e11, 0.3)), grid=grid)
+    load = {"pressure": 1e6} if control == "pressure" else {"approach": 2e-7}
+    solution = problem.solve(**load)
+    assert max(np.prod(level.shape) for level in solution.levels) <= 64 * 64
+    whole = attrs.evolve(problem, solver="spectral-gradient").solve(**load)
+    np.testing.assert_allclose(solution.pressure, whole.pressure, atol=1e-6 * whole.pressure.max())
+    assert solution.gap.min() > -1e-6 * solution.approach
+
+
+def test_a_window_that_was_too_small_is_enlarged(monkeypatch):
+    from roughcontact.solvers.conjugate import solver
+
+    real = solver.estimated_approach
+    monkeypatch.setattr(solver, "estimated_approach", lambda convolution, task: 0.05 * real(convolution, task))
+    ball = rc.ParaboloidSurface(1e-2)
+    problem = rc.ContactProblem(rc.Body(ball, rc.Elastic(1e11, 0.3)), grid=rc.Grid((256, 256), 1e-3))
+    solution = problem.solve(pressure=1e8)
+    assert solution.status is rc.Status.CONVERGED
+    assert solution.gap.min() > -1e-6 * solution.approach
+
+
+class CoefficientsOnly(rc.InfluenceKernel):
+    """A kernel without a spectrum: stiffer than Love's far away, as a layer makes it."""
+
+    def coefficients(self, shape, spacing, compliance):
+        distance = np.hypot(np.arange(shape[0])[:, None] * spacing[0], np.arange(shape[1]) * spacing[1])
+        return rc.Love().coefficients(shape, spacing, compliance) * (0.5 + 0.5 * np.exp(-distance / 20.0))
+
+
+@pytest.mark.parametrize("boundary", ["free", "wrapped"])
+def test_any_kernel_gets_a_preconditioner_of_its_own(boundary):
+    problem = rough(128, boundary=boundary, kernel=CoefficientsOnly())
+    solution = problem.solve(pressure=5e-3)
+    assert solution.iterations <= 25
+    other = attrs.evolve(problem, solver="spectral-gradient").solve(pressure=5e-3)
+    np.testing.assert_allclose(solution.pressure, other.pressure, atol=1e-6 * other.pressure.max())
+
+
+@pytest.mark.parametrize("shape", [(101, 77), (251, 127), (2, 4096), (96, 100), (1, 300), (64, 33)])
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_any_shape_of_grid(shape, boundary):
+    heights = np.random.default_rng(0).standard_normal(shape)
+    surface = rc.HeightMap(heights, size=(float(shape[0]), 1.5 * shape[1]))
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary=boundary)
+    solution = problem.solve(pressure=0.05)
+    assert solution.status.success
+    assert solution.iterations <= 60
+
+
+def test_a_start_skips_the_coarse_grids():
+    problem = rough(128)
+    cold = problem.solve(pressure=5e-3)
+    warm = problem.solve(pressure=5.1e-3, start=cold.pressure)
+    assert len(cold.levels) == 3
+    assert len(warm.levels) == 1
+    assert problem.solve(pressure=5e-3, start=cold.pressure).iterations <= 2
+
+
+def test_levels_and_steps_tell_what_was_done():
+    steps = []
+    solution = rough(128).solve(pressure=5e-3, on_step=steps.append)
+    assert [level.shape for level in solution.levels] == [(32, 32), (64, 64), (128, 128)]
+    assert solution.levels[-1].iterations == solution.iterations == len(solution.history) - 1
+    assert solution.levels[-1].single >= solution.iterations
+    assert {step.shape for step in steps} == {level.shape for level in solution.levels}
+    assert steps[-1].error == solution.history[-1] <= 1e-8
+
+
+def test_the_cascade_starts_near_the_solution():
+    problem = rough(128)
+    task = rc.Task(undeformed=problem.undeformed / problem.plan.relief, mean_pressure=5e-3 / problem.plan.relief)
+    start = cascaded(problem.convolution, task)
+    assert start.pressure.min() >= 0
+    fine = problem.solve(pressure=5e-3).pressure / problem.plan.relief
+    assert np.abs(start.pressure - fine).sum() < 0.5 * fine.sum()
+
+
+def test_after_a_stall_another_method_goes_on(monkeypatch):
+    monkeypatch.setattr(Descent, "iterate", lambda self: False)
+    solution = rough(64).solve(pressure=5e-3)
+    assert solution.status is rc.Status.CONVERGED
+    assert solution.residuals.error <= 2e-8
+
+
+def test_threads_change_no_bit_of_a_solution():
+    one, two = (
+        attrs.evolve(rough(64), convolver=rc.CircularFFT(workers=n)).solve(pressure=5e-3).pressure for n in (1, 2)
+    )
+    np.testing.assert_array_equal(one, two)
+
+
+class TestSweep:
+    @pytest.mark.parametrize("boundary", ["free", "periodic"])
+    def test_is_monotone(self, boundary):
+        sweep = rough(96, boundary=boundary).sweep(pressure=np.geomspace(1e-4, 0.05, 8))
+        for column in (sweep.force, sweep.mean_pressure, sweep.approach, sweep.area, sweep.stiffness):
+            assert (np.diff(column) > 0).all()
+        assert str(sweep).count("\n") == 8
+
+    def test_warm_starts_save_convolutions(self):
+        problem = rough(96)
+        approaches = np.linspace(0.3, 0.6, 6) * problem.undeformed.mean()
+        cold = sum(problem.solve(approach=a).convolutions for a in approaches)
+        assert problem.sweep(approach=approaches).convolutions < 0.65 * cold
+
+    def test_stiffness_of_a_sphere(self):
+        """Hertz: dF/d(approach) = 2 E* a."""
+        body = rc.Body(rc.ParaboloidSurface(1e-2), rc.Elastic(1e11, 0.0))
+        problem = rc.ContactProblem(body, grid=rc.Grid((128, 128), 1e-3))
+        sweep = problem.sweep(force=np.linspace(9.0, 11.0, 5))
+        radius = (0.75 * 10.0 * 1e-2 / 1e11) ** (1 / 3)
+        assert sweep.stiffness[2] == pytest.approx(2e11 * radius, rel=0.01)
+
+    @pytest.mark.parametrize("fraction", [0.02, 0.1, 0.5, 0.9])
+    def test_a_target_area_is_found(self, fraction):
+        area = rough(96).solve_area(fraction).area()
+        # On a coarse grid the area jumps from cell to cell.
+        off = abs(area.fraction - fraction)
+        assert off <= 2e-3 * fraction or off * area.value / area.fraction <= area.uncertainty
+
+    @pytest.mark.parametrize(
+        ("call", "words"),
+        [
+            (lambda p: p.sweep(), "exactly one list"),
+            (lambda p: p.sweep(pressure=[]), "not empty"),
+            (lambda p: p.sweep(pressure=[1e-3], force=[1.0]), "exactly one list"),
+            (lambda p: p.sweep(pressure=[1e-3, -1.0]), "above 0"),
+            (lambda p: p.solve_area(0.0), "above 0"),
+            (lambda p: p.solve_area(1.0), "below 1"),
+            (lambda p: p.solve_area(1e-6, "cell-count"), "No load gives an area"),
+        ],
+    )
+    def test_bad_input_gets_a_sentence(self, call, words):
+        with pytest.raises(rc.InputError, match=words):
+            call(rough(64))
+
+
+def certified(solution, problem):
+    opened, penetration = violations(solution, problem)
+    floor = 1e-14 * np.ptp(solution.undeformed + np.abs(solution.displacement)) / solution.residuals.scale
+    assert opened <= 3e-8 + floor
+    assert penetration <= 3e-8 + floor
+    assert solution.pressure.min() >= 0
+    assert (solution.pressure <= solution.limit).all()
+
+
+@pytest.mark.slow
+@settings(max_examples=2000, suppress_health_check=list(HealthCheck))
+@given(problems())
+def test_two_thousand_random_loads(case):
+    problem, mean = case
+    solution = problem.solve(pressure=mean, throw=False)
+    assert solution.status.success
+    assert solution.residuals.load <= 1e-12
+    certified(solution, problem)
+
+
+@pytest.mark.slow
+@settings(max_examples=1000, suppress_health_check=list(HealthCheck))
+@given(height_maps(), moduli, st.sampled_from(["free", "periodic", "wrapped"]), st.floats(1e-3, 0.999))
+def test_a_thousand_random_approaches(surface, young, boundary, share):
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(young, 0.3)), boundary=boundary)
+    reach = problem.undeformed.mean() if boundary == "periodic" else problem.undeformed.max()
+    solution = problem.solve(approach=share * reach, throw=False)
+    assert solution.status.success
+    if solution.contact.any():
+        level = solution.gap / solution.residuals.scale
+        assert level.min() >= -3e-8 - 1e-12
+        assert np.sum(solution.pressure * np.abs(level)) <= 3e-8 * solution.pressure.sum() * 1.1
