@@ -42,14 +42,15 @@ def test_overview(monkeypatch, tmp_path):
 
 def test_comparison_judges_ours_by_its_own_function(monkeypatch):
     compare = study("compare_codes", monkeypatch)
-    heights = compare.surface(64)
-    _, pressure, _ = compare.ours(compare.rc.SpectralGradient(tolerance=1e-9), heights, 0.005)
-    gap, load = compare.violation(pressure, heights, 0.005)
-    assert gap < 1e-8
-    assert load < 1e-12
-    gap, load = compare.violation(2 * pressure, heights, 0.005)
-    assert gap > 1e-2
-    assert load == pytest.approx(1.0)
+    for boundary, hardness in (("periodic", None), ("free", None), ("periodic", 0.03)):
+        case = compare.Case("small", compare.rough(64), 0.005, boundary, hardness)
+        pressure = compare.ours(case, 1e-9)
+        gap, load = compare.violation(pressure, case)
+        assert gap < 3e-9
+        assert load < 1e-12
+        gap, load = compare.violation(2 * pressure, case)
+        assert gap > 1e-2
+        assert load == pytest.approx(1.0)
 
 
 def test_links_of_the_pages_lead_somewhere():
