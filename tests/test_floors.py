@@ -19,6 +19,7 @@ FLOORS = [
     {"solvers", "files"},
     {"plan"},
     {"loads", "sweep"},
+    {"certificate"},
     {"problem"},
     {"paper"},
     {"cli"},

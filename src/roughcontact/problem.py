@@ -11,20 +11,20 @@ import attrs
 import numpy as np
 
 from roughcontact.body import RIGID_FLAT, Body
+from roughcontact.certificate import certified
 from roughcontact.checks import Array, choice, frozen_array
 from roughcontact.convolvers import Convolver, PlannedConvolution
 from roughcontact.convolvers.base import require_boundary
 from roughcontact.errors import InputError, NotConverged
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel, InfluenceKernel
-from roughcontact.loads import LOAD_TOLERANCE, pressure_unit, task_of
+from roughcontact.loads import task_of
 from roughcontact.materials import Rigid, contact_modulus, pressure_limit
-from roughcontact.optimality import Conditions
 from roughcontact.plan import Plan
 from roughcontact.registry import convolvers, kernels, solvers
 from roughcontact.relief import rms_slope, seam_jump
-from roughcontact.solution import DEFAULT_AREA, ContactSolution, EstimatesArea, Residuals, Status
-from roughcontact.solvers import Outcome, Solver, Step, Task
+from roughcontact.solution import DEFAULT_AREA, ContactSolution, EstimatesArea
+from roughcontact.solvers import Solver, Step
 from roughcontact.surfaces import FlatSurface
 from roughcontact.surfaces.base import own_grid
 from roughcontact.sweep import Sweep, area_load, swept
@@ -122,9 +122,7 @@ class ContactProblem:
     def undeformed(self) -> Array:
         """Gap before deformation when the summits just touch, shape (nx, ny), m, at least zero."""
         grid = self._grid()
-        total = np.zeros(grid.shape)
-        for body in (self.body, self.counter):
-            total += _heights(body, grid)
+        total = _heights(self.body, grid) + _heights(self.counter, grid)
         return frozen_array(total.max() - total)
 
     def explain(self) -> str:
@@ -174,11 +172,9 @@ class ContactProblem:
         task = task_of(self.plan, self.undeformed, pressure=pressure, force=force, approach=approach, start=start)
         task = attrs.evolve(task, on_step=on_step)
         outcome = self.plan.solver.solve(self.convolution, task)
-        if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.undeformed.shape:
-            raise InputError(
-                f"The solver {self.plan.solver!r} must return an Outcome with a pressure of the grid's shape."
-            )
-        solution = self._certified(task, outcome, started)
+        solution = certified(
+            self.plan, self.convolution, self.undeformed, task, outcome, seconds=time.perf_counter() - started
+        )
         if throw and not solution.status.success:
             raise NotConverged(
                 f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals}). "
@@ -233,39 +229,6 @@ class ContactProblem:
         scale = self.plan.modulus * rms_slope(self.undeformed, self.plan.grid)
         largest = float(np.mean(self.plan.limit))
         return area_load(self.solve, fraction, estimator, min(scale, largest), largest)
-
-    def _certified(self, task: Task, outcome: Outcome, started: float) -> ContactSolution:
-        """Give the outcome its units, and residuals that depend on nothing but its pressure."""
-        plan, unit = self.plan, pressure_unit(self.plan)
-        displacement = self.convolution.apply(outcome.pressure)
-        state = Conditions(task.undeformed, task.limit, task.approach).measure(outcome.pressure, displacement)
-        carried = self.convolution.sum(outcome.pressure) / outcome.pressure.size
-        load = 0.0 if task.mean_pressure is None else abs(carried / task.mean_pressure - 1.0)
-        bound = 2.0 * max(plan.solver.tolerance, state.floor if state.resolved else 0.0)
-        confirmed = state.error <= bound and load <= LOAD_TOLERANCE
-        bounded = outcome.pressure.min() >= 0.0 and (outcome.pressure <= task.limit).all()
-        status = outcome.status
-        if status.success and not (confirmed and bounded):
-            status = Status.UNCONFIRMED
-        # Saturated cells carry the limit to the last bit.
-        pressure = np.where(outcome.pressure >= task.limit, plan.limit, outcome.pressure * unit)
-        return ContactSolution(
-            grid=plan.grid,
-            boundary=plan.boundary,
-            modulus=plan.modulus,
-            limit=plan.limit,
-            pressure=frozen_array(pressure),
-            displacement=frozen_array(displacement * plan.relief),
-            undeformed=self.undeformed,
-            approach=state.approach * plan.relief,
-            status=status,
-            iterations=outcome.iterations,
-            convolutions=outcome.convolutions + 1,
-            seconds=time.perf_counter() - started,
-            residuals=Residuals(state.complementarity, state.penetration, load, state.scale * plan.relief),
-            history=outcome.history,
-            levels=outcome.levels,
-        )
 
     def _grid(self) -> Grid:
         found = (own_grid(body.surface) for body in (self.body, self.counter))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import numpy as np
 
@@ -51,25 +52,31 @@ class Refinement:
         self._flat_limit = task.limit if isinstance(task.limit, float) else task.limit.ravel()
         load = None if task.mean_pressure is None else task.mean_pressure * task.undeformed.size
         self._control = ApproachControl() if load is None else LoadControl(load)
-        self._preconditioner = Preconditioner(inverse_of(convolution.scene), convolution, lifting=load is None)
-        self._descent = Descent(convolution, self._preconditioner, self._control, self._flat_limit)
         self.proofs = 0
+
+    @cached_property
+    def _preconditioner(self) -> Preconditioner:
+        # A start that needs no descent, such as full contact, needs no preconditioner either.
+        lifting = self._task.mean_pressure is None
+        return Preconditioner(inverse_of(self._convolution.scene), self._convolution, lifting=lifting)
+
+    @cached_property
+    def _descent(self) -> Descent:
+        return Descent(self._convolution, self._preconditioner, self._control, self._flat_limit)
 
     @property
     def products(self) -> int:
         """Convolutions and inverse convolutions so far, in either precision."""
-        return self.proofs + self._descent.products + self._preconditioner.products
+        level = self.level
+        return level.double + level.single + level.inverse
 
     @property
     def level(self) -> Level:
         """The work so far."""
-        return Level(
-            self._task.undeformed.shape,
-            len(self._monitor.history) - 1,
-            self.proofs,
-            self._descent.products,
-            self._preconditioner.products,
-        )
+        shape, iterations = self._task.undeformed.shape, len(self._monitor.history) - 1
+        if iterations == 0:
+            return Level(shape, 0, self.proofs)
+        return Level(shape, iterations, self.proofs, self._descent.products, self._preconditioner.products)
 
     def run(self, pressure: Array) -> tuple[Array, Optimality, Status]:
         """Solve from `pressure`, shape (nx, ny); return the pressure, its measure and how it ended."""

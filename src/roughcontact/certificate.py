@@ -1,0 +1,75 @@
+"""The certificate: a solver's pressure, judged by nothing but itself."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from roughcontact.checks import Array, frozen_array
+from roughcontact.convolvers import PlannedConvolution
+from roughcontact.errors import InputError
+from roughcontact.loads import LOAD_TOLERANCE, pressure_unit
+from roughcontact.optimality import Conditions
+from roughcontact.plan import Plan
+from roughcontact.solution import ContactSolution, Residuals, Status
+from roughcontact.solvers import Outcome, Task
+
+
+def certified(
+    plan: Plan,
+    convolution: PlannedConvolution,
+    undeformed: Array,
+    task: Task,
+    outcome: Outcome,
+    *,
+    seconds: float,
+) -> ContactSolution:
+    """Return the solution in SI units, with residuals recomputed in float64 from the pressure alone.
+
+    A solver's claim of success is passed on only if the residuals confirm it, the load is carried
+    to rounding and the bounds hold bit for bit.
+
+    Parameters
+    ----------
+    plan, convolution, task
+        What was to be solved.
+    undeformed
+        Undeformed gap, shape (nx, ny), m.
+    outcome
+        What the solver returned.
+    seconds
+        Wall time that it took.
+
+    Raises
+    ------
+    InputError
+        If the solver returned anything but an outcome with a pressure of the grid's shape.
+    """
+    if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.undeformed.shape:
+        raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
+    displacement = convolution.apply(outcome.pressure)
+    state = Conditions(task.undeformed, task.limit, task.approach).measure(outcome.pressure, displacement)
+    carried = convolution.sum(outcome.pressure) / outcome.pressure.size
+    load = 0.0 if task.mean_pressure is None else abs(carried / task.mean_pressure - 1.0)
+    bound = 2.0 * max(plan.solver.tolerance, state.floor if state.resolved else 0.0)
+    bounded = bool(outcome.pressure.min() >= 0.0 and (outcome.pressure <= task.limit).all())
+    confirmed = state.error <= bound and load <= LOAD_TOLERANCE and bounded
+    pressure = np.minimum(outcome.pressure * pressure_unit(plan), plan.limit)
+    # Saturated cells carry the limit to the last bit.
+    pressure = np.where(outcome.pressure >= task.limit, plan.limit, pressure)
+    return ContactSolution(
+        grid=plan.grid,
+        boundary=plan.boundary,
+        modulus=plan.modulus,
+        limit=plan.limit,
+        pressure=frozen_array(pressure),
+        displacement=frozen_array(displacement * plan.relief),
+        undeformed=undeformed,
+        approach=state.approach * plan.relief,
+        status=Status.UNCONFIRMED if outcome.status.success and not confirmed else outcome.status,
+        iterations=outcome.iterations,
+        convolutions=outcome.convolutions + 1,
+        seconds=seconds,
+        residuals=Residuals(state.complementarity, state.penetration, load, state.scale * plan.relief),
+        history=outcome.history,
+        levels=outcome.levels,
+    )
