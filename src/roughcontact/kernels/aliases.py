@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.polynomial import chebyshev
 
@@ -37,11 +39,11 @@ def alias_sum(theta_x: Array, theta_y: Array, aspect: float) -> Array:
     half_x, half_y = (np.sinc(theta / (2 * np.pi)) for theta in (theta_x, theta_y))
     with np.errstate(divide="ignore"):
         first = 1.0 / np.hypot((theta_x / aspect)[:, np.newaxis], theta_y[np.newaxis, :])
-    nodes = 0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES))
+    nodes = _nodes()
     theta_nodes = np.sqrt(nodes)
     # Without aliases along y the terms are smooth along x only; all others are smooth both ways.
     rest = _same_row(theta_nodes, theta_y, aspect)
-    rest += _through(nodes, _other_rows(theta_nodes, theta_nodes, aspect).T, theta_y).T
+    rest += _through(nodes, _other_rows_at_nodes(aspect).T, theta_y).T
     return first * half_x[:, np.newaxis] * half_y[np.newaxis, :] + _through(nodes, rest, theta_x)
 
 
@@ -63,6 +65,18 @@ def _same_row(theta_x: Array, theta_y: Array, aspect: float) -> Array:
     for k in range(orders.size):
         total += factors[:, k, np.newaxis] / np.hypot(x[:, k, np.newaxis] / aspect, theta_y[np.newaxis, :])
     return total * np.sinc(theta_y / (2 * np.pi))[np.newaxis, :]
+
+
+def _nodes() -> Array:
+    """Return Chebyshev's nodes in theta^2 on 0 .. pi^2."""
+    return np.asarray(0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)))
+
+
+@lru_cache(maxsize=16)
+def _other_rows_at_nodes(aspect: float) -> Array:
+    """Return `_other_rows` at the nodes: it depends on the cells alone, which many grids share."""
+    theta = np.sqrt(_nodes())
+    return _other_rows(theta, theta, aspect)
 
 
 def _other_rows(theta_x: Array, theta_y: Array, aspect: float) -> Array:
