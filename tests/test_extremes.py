@@ -155,3 +155,11 @@ def test_beyond_the_range_of_float64_is_refused(heights, size, load):
     surface = rc.HeightMap(heights * rough_map(8 * 2), size=size)
     with pytest.raises(rc.InputError, match=r"leaves? the range of float64"):
         rc.ContactProblem(rc.Body(surface, rc.Elastic(1e9, 0.3))).solve(**load)
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
+def test_the_limit_as_mean_pressure_on_three_cells(boundary):
+    """A uniform pressure bends nothing on a circular grid: the rounding of the bend must not be the scale."""
+    surface = rc.HeightMap(np.array([[0.126, -0.132, 0.640]]), size=(1.0, 3.0))
+    problem = rc.ContactProblem(rc.Body(surface, rc.ElasticPerfectlyPlastic(1e3, 0.3, 257.5)), boundary=boundary)
+    certify(problem.solve(pressure=257.5), 257.5)

@@ -55,7 +55,7 @@ class Optimality:
 
 
 class Conditions:
-    """The conditions of one contact, to be measured on any pressure, in float64.
+    """The conditions of one contact, to be measured on any pressure, in float64 and in the units of a `Task`.
 
     Parameters
     ----------
@@ -101,7 +101,10 @@ class Conditions:
         none = math.inf if self._approach is None else 0.0
         open_gap = float(np.einsum("ij,ij->", pressure, level)) / total if total > 0.0 else none
         low, high = float(displacement.min()), float(displacement.max())
-        scale = min(self._relief, high - low) or max(self._relief, high - low) or 1.0
+        # In cells and E* = 1 a pressure moves its own cell by about as much; far less is rounding, of a
+        # pressure that is uniform.
+        elastic = high - low if high - low > _ROUNDING * float(pressure.max()) else 0.0
+        scale = min(self._relief, elastic) or max(self._relief, elastic) or 1.0
         floor = _ROUNDING * (max(high, -low) + self._size) / scale
         return Optimality(approach, open_gap / scale, max(0.0, -deepest) / scale, scale, floor)
 

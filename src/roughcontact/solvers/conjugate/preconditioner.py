@@ -40,7 +40,6 @@ class Preconditioner:
         # Weights of all cells, flat; those that were passive have the mean.
         self.field: RealArray = np.ones(shape[0] * shape[1], dtype=np.float32)
         self._waves: LongWaves | None = None
-        self.renewals = 0
         self.products = 0
 
     def weights(self, active: Active) -> RealArray:
@@ -68,7 +67,6 @@ class Preconditioner:
         self._mask = mask
         self.field = np.full(mask.size, mean, dtype=np.float32)
         active.store(self.field, weights)
-        self.renewals += 1
         return weights
 
     def apply(self, active: Active, weights: RealArray, residual: RealArray) -> RealArray:
