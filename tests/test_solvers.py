@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import itertools
 
+import attrs
 import numpy as np
 import pytest
 import scipy.optimize
@@ -13,7 +14,7 @@ from roughcontact.kernels import BoundKernel
 from roughcontact.solvers.projection import onto_load
 from strategies import problems, seeds
 
-SOLVERS = [rc.PolonskyKeer(), rc.SpectralGradient()]
+SOLVERS = [rc.PolonskyKeer(), rc.SpectralGradient(), rc.ProjectedConjugateGradient()]
 
 
 def violations(solution, problem):
@@ -109,7 +110,7 @@ def test_the_history_ends_below_the_tolerance(solver):
     assert solution.history[-1] <= solver.tolerance < min(solution.history[:-1])
 
 
-@pytest.mark.parametrize("solver", [rc.PolonskyKeer(max_iterations=2), rc.SpectralGradient(max_iterations=2)])
+@pytest.mark.parametrize("solver", [attrs.evolve(solver, max_iterations=2) for solver in SOLVERS])
 def test_giving_up_is_said(solver):
     problem = rc.ContactProblem(
         rc.Body(rc.WavySurface(1e-6, 1e-4), rc.Elastic(1e11, 0.3)), grid=rc.Grid((32, 32), 1e-4), solver=solver

@@ -74,7 +74,7 @@ class Plan:
             ("kernel", repr(self.kernel)),
             ("convolver", f"{self.convolver!r} on {mx} x {my} cells"),
             ("solver", repr(self.solver)),
-            ("precision", "float64"),
+            ("precision", "fields and residuals in float64, whatever the solver uses inside"),
             ("memory", f"about {self.memory / 2**20:.0f} MiB at the widest"),
         ]
         rows += [("left out", text) for text in self.left_out]

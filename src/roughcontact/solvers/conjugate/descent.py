@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import attrs
 import numpy as np
 
@@ -155,6 +157,8 @@ class Descent:
             change = self._convolution.apply(field.reshape(self._shape)).ravel()
             self.products += 1
             curvature = _dot(step, active.take(change))
+            if not math.isfinite(curvature):
+                return False
             part = _dot(residual, step) / curvature if curvature > 0.0 else 0.0
             taken = self._taken(part, clipped, before, step, limit)
             if taken > 0.0:
