@@ -15,6 +15,8 @@ from roughcontact.checks import Array
 
 # A gap that is known to this share of the scale only is not known.
 _RESOLVED = 1e-5
+# A pressure that bends the surface by no more than this share of itself is uniform up to rounding.
+_UNIFORM = 1e-12
 _ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
 
 
@@ -101,9 +103,8 @@ class Conditions:
         none = math.inf if self._approach is None else 0.0
         open_gap = float(np.einsum("ij,ij->", pressure, level)) / total if total > 0.0 else none
         low, high = float(displacement.min()), float(displacement.max())
-        # In cells and E* = 1 a pressure moves its own cell by about as much; far less is rounding, of a
-        # pressure that is uniform.
-        elastic = high - low if high - low > _ROUNDING * float(pressure.max()) else 0.0
+        # In cells and E* = 1 a pressure moves its own cell by about as much.
+        elastic = high - low if high - low > _UNIFORM * float(pressure.max()) else 0.0
         scale = min(self._relief, elastic) or max(self._relief, elastic) or 1.0
         floor = _ROUNDING * (max(high, -low) + self._size) / scale
         return Optimality(approach, open_gap / scale, max(0.0, -deepest) / scale, scale, floor)
