@@ -2,21 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import attrs
 
-from roughcontact.errors import InputError
+from roughcontact.checks import instance_of
 from roughcontact.materials import Material, Rigid
 from roughcontact.surfaces import FlatSurface, Surface
-
-
-def _instance_of(base: type, what: str) -> Any:
-    def check(_: object, __: object, value: object) -> None:
-        if not isinstance(value, base):
-            raise InputError.about(what, value, f"an instance of {base.__name__}")
-
-    return check
 
 
 @attrs.frozen
@@ -31,8 +21,8 @@ class Body:
         What it is made of.
     """
 
-    surface: Surface = attrs.field(validator=_instance_of(Surface, "The surface of a body"))
-    material: Material = attrs.field(validator=_instance_of(Material, "The material of a body"))
+    surface: Surface = attrs.field(validator=instance_of(Surface, "The surface of a body", "a Surface"))
+    material: Material = attrs.field(validator=instance_of(Material, "The material of a body", "a Material"))
 
 
 RIGID_FLAT = Body(FlatSurface(), Rigid())

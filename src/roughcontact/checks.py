@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -97,6 +97,16 @@ def choice(value: object, what: str, allowed: Sequence[str]) -> str:
         words = ", ".join(repr(word) for word in allowed)
         raise InputError.about(what, value, f"one of {words}")
     return str(value)
+
+
+def instance_of(base: type, what: str, allowed: str) -> Callable[[Any, Any, Any], None]:
+    """Return an attrs validator that asks for an instance of `base`, in words."""
+
+    def check(_: Any, __: Any, value: Any) -> None:
+        if not isinstance(value, base):
+            raise InputError.about(what, value, allowed)
+
+    return check
 
 
 def frozen_array(values: Array) -> Array:

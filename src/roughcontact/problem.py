@@ -5,14 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
 
 import attrs
 import numpy as np
 
 from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.certificate import certified
-from roughcontact.checks import Array, choice, frozen_array
+from roughcontact.checks import Array, choice, frozen_array, instance_of
 from roughcontact.convolvers import Convolver, PlannedConvolution
 from roughcontact.convolvers.base import require_boundary
 from roughcontact.errors import InputError, NotConverged
@@ -44,14 +43,8 @@ def _boundary(value: str) -> Boundary:
     return Boundary(choice(value, "The boundary", [str(name) for name in Boundary]))
 
 
-def _is_body(_: Any, __: Any, value: Any) -> None:
-    if not isinstance(value, Body):
-        raise InputError.about("Each side of a contact", value, "a Body(surface, material)")
-
-
-def _is_grid(_: Any, __: Any, value: Any) -> None:
-    if value is not None and not isinstance(value, Grid):
-        raise InputError.about("The grid", value, "a Grid(shape, size)")
+_is_body = instance_of(Body, "Each side of a contact", "a Body(surface, material)")
+_is_grid = attrs.validators.optional(instance_of(Grid, "The grid", "a Grid(shape, size)"))
 
 
 @attrs.frozen(eq=False)

@@ -39,13 +39,11 @@ class Perimeter(AreaEstimator):
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the corrected area; see `AreaEstimator.estimate`."""
         contact, cell = solution.contact, solution.grid.cell_area
-        elastic = boundary_sides(contact, solution.boundary) - boundary_sides(
-            contact, solution.boundary, solution.saturated
-        )
+        rows = straight_rows(contact, solution.boundary)
+        elastic = int(rows.sum()) - boundary_sides(contact, solution.boundary, solution.saturated)
         count = int(np.count_nonzero(contact))
         needed = float(np.add.reduce(solution.pressure / solution.limit, axis=None))
         value = max(count - OVERSHOOT * elastic, needed) * cell
-        rows = straight_rows(contact, solution.boundary)
         wander = _SPREAD * math.sqrt(float(np.sum(rows.astype(np.float64) ** 2)))
         uncertainty = (_SHARE * OVERSHOOT * elastic + wander) * cell
         return Area(value, value / solution.grid.area, uncertainty, "perimeter")

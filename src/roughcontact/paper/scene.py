@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import attrs
 import numpy as np
 
@@ -40,7 +38,7 @@ class Case:
         Area by the perimeter estimator, % of nominal.
     contact_cells
         Number of cells in contact.
-    iterations, seconds
+    iterations
         What the solve took.
     summit
         Cells in contact around one summit.
@@ -53,7 +51,6 @@ class Case:
     perimeter_area: float
     contact_cells: int
     iterations: int
-    seconds: float
     summit: Mask
 
     @property
@@ -75,9 +72,8 @@ def problem(cells: int) -> ContactProblem:
 
 def run_case(cells: int, load: int) -> Case:
     """Solve the scene on `cells` x `cells` cells at `load` MPa."""
-    started = time.perf_counter()
     solution = problem(cells).solve(pressure=1e6 * load)
-    first, last = (int(np.rint((SUMMIT + side * WAVELENGTH / 4) / SIZE * (cells - 1))) for side in (-1, 1))
+    first, last = _around_summit(cells)
     return Case(
         cells=cells,
         load=load,
@@ -86,12 +82,17 @@ def run_case(cells: int, load: int) -> Case:
         perimeter_area=100 * solution.area("perimeter").fraction,
         contact_cells=int(np.count_nonzero(solution.contact)),
         iterations=solution.iterations,
-        seconds=time.perf_counter() - started,
         summit=solution.contact[first : last + 1, first : last + 1],
     )
 
 
 def summit_positions(case: Case) -> np.ndarray:
     """Return the distances from the summit of the heights that `Case.summit` covers, along either axis, m."""
-    first = int(np.rint((SUMMIT - WAVELENGTH / 4) / SIZE * (case.cells - 1)))
+    first, _ = _around_summit(case.cells)
     return (first + np.arange(case.summit.shape[0])) * case.spacing - SUMMIT
+
+
+def _around_summit(cells: int) -> tuple[int, int]:
+    """Return the first and the last height within a quarter of a wave from the summit, along either axis."""
+    first, last = (int(np.rint((SUMMIT + side * WAVELENGTH / 4) / SIZE * (cells - 1))) for side in (-1, 1))
+    return first, last

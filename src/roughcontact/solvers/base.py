@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 
 import attrs
+import numpy as np
 
 from roughcontact.checks import Array, integer, number
 from roughcontact.convolvers import PlannedConvolution
@@ -167,6 +168,14 @@ class Monitor:
             convolutions=convolutions,
             history=tuple(self.history),
         )
+
+
+def starting_pressure(task: Task) -> Array:
+    """Return the task's own start, or else its mean pressure everywhere, within the limit; none for an approach."""
+    if task.start is not None:
+        return task.start
+    mean = 0.0 if task.mean_pressure is None else task.mean_pressure
+    return np.asarray(np.minimum(np.full(task.undeformed.shape, mean), task.limit))
 
 
 def positive_tolerance(value: float) -> float:

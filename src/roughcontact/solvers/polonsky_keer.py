@@ -9,7 +9,15 @@ from roughcontact.checks import Array, Mask
 from roughcontact.convolvers import PlannedConvolution
 from roughcontact.errors import InputError
 from roughcontact.solution import Status
-from roughcontact.solvers.base import Monitor, Outcome, Solver, Task, iteration_limit, positive_tolerance
+from roughcontact.solvers.base import (
+    Monitor,
+    Outcome,
+    Solver,
+    Task,
+    iteration_limit,
+    positive_tolerance,
+    starting_pressure,
+)
 
 
 @attrs.frozen
@@ -52,10 +60,9 @@ class PolonskyKeer(Solver):
         if task.mean_pressure is None:
             raise InputError("The solver 'polonsky-keer' needs a load, not an approach: use solver='auto'.")
         monitor = Monitor(task, self.tolerance, self.max_iterations)
-        uniform = np.full(task.undeformed.shape, task.mean_pressure)
-        pressure = uniform if task.start is None else task.start
+        pressure = starting_pressure(task)
         search = _Search(np.zeros_like(pressure))
-        load = convolution.sum(uniform)
+        load = task.mean_pressure * pressure.size
         convolutions = 0
         while True:
             displacement = convolution.apply(pressure)

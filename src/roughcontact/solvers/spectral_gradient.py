@@ -11,7 +11,15 @@ import numpy as np
 from roughcontact.checks import Array
 from roughcontact.convolvers import PlannedConvolution
 from roughcontact.solution import Status
-from roughcontact.solvers.base import Monitor, Outcome, Solver, Task, iteration_limit, positive_tolerance
+from roughcontact.solvers.base import (
+    Monitor,
+    Outcome,
+    Solver,
+    Task,
+    iteration_limit,
+    positive_tolerance,
+    starting_pressure,
+)
 from roughcontact.solvers.projection import onto_load
 
 # A step may raise the energy, but not above the greatest of so many before it.
@@ -50,7 +58,7 @@ class SpectralGradient(Solver):
     def solve(self, convolution: PlannedConvolution, task: Task) -> Outcome:
         """Return the pressure that carries the load; see `Solver.solve`."""
         monitor = Monitor(task, self.tolerance, self.max_iterations)
-        pressure = _start(task)
+        pressure = starting_pressure(task)
         displacement, convolutions, exact = convolution.apply(pressure), 1, True
         energies: deque[float] = deque(maxlen=_MEMORY)
         length = math.nan
@@ -81,13 +89,6 @@ class SpectralGradient(Solver):
             length = convolution.dot(step, step) / curvature
             pressure = projected if part == 1.0 else np.clip(_moved(pressure, step, part), 0.0, task.limit)
             displacement, exact = _moved(displacement, change, part), False
-
-
-def _start(task: Task) -> Array:
-    if task.start is not None:
-        return task.start
-    mean = 0.0 if task.mean_pressure is None else task.mean_pressure
-    return np.asarray(np.minimum(np.full(task.undeformed.shape, mean), task.limit))
 
 
 def _projected(values: Array, task: Task) -> Array:

@@ -152,6 +152,16 @@ class Dense:
         return self.take(np.take(sums[partition.rows], partition.columns, axis=1).ravel())
 
 
+def total(vector: RealArray) -> float:
+    """Return the sum of a vector, in float64."""
+    return float(np.add.reduce(vector, dtype=np.float64))
+
+
+def dot(one: RealArray, other: RealArray) -> float:
+    """Return the product of two vectors, without the threads of a BLAS."""
+    return float(np.einsum("i,i->", one, other))
+
+
 def active_set(mask: Mask) -> Active:
     """Return the set of the marked cells, flat, in the form that is faster."""
     count = int(np.count_nonzero(mask))

@@ -10,7 +10,7 @@ from roughcontact.convolvers import PlannedConvolution
 from roughcontact.convolvers.inverse import inverse_of
 from roughcontact.grid import Boundary, Grid
 from roughcontact.solution import Level
-from roughcontact.solvers.base import Monitor, Task
+from roughcontact.solvers.base import Monitor, Task, starting_pressure
 from roughcontact.solvers.conjugate.refinement import Refinement
 
 # Axes are halved as long as they keep this many cells; less is not worth a level.
@@ -44,11 +44,12 @@ class Start:
 def cascaded(convolution: PlannedConvolution, task: Task) -> Start:
     """Return the pressure of ever finer grids, down to the one of `task`."""
     grid = convolution.scene.grid
-    halved = coarser(convolution, task)
+    halved = coarser(grid, task)
     if halved is None:
         return _first(convolution, task)
-    coarse, coarse_task = halved
-    fx, fy = (fine // half for fine, half in zip(grid.shape, coarse_task.undeformed.shape, strict=True))
+    coarse_grid, coarse_task = halved
+    coarse = convolution.on(coarse_grid)
+    fx, fy = _factors(grid, coarse_grid)
     start = cascaded(coarse, coarse_task)
     refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
     pressure, _, _ = refinement.run(start.pressure)
@@ -58,33 +59,30 @@ def cascaded(convolution: PlannedConvolution, task: Task) -> Start:
         full = full_contact(convolution, task)
         if full is not None:
             return Start(full, products + 1, levels)
-    return Start(np.minimum(_prolonged(pressure, fx, fy, grid), task.limit), products, levels)
+    return Start(np.minimum(_prolonged(pressure, fx, fy), task.limit), products, levels)
 
 
-def coarser(convolution: PlannedConvolution, task: Task) -> tuple[PlannedConvolution, Task] | None:
-    """Return the convolution and the task on the grid of half the cells; None if there is none."""
-    grid = convolution.scene.grid
-    half = _halved(grid)
-    if half is None:
+def coarser(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
+    """Return the grid with every even axis halved that stays long enough, and its task; None if there is none."""
+    shape = tuple(n // 2 if n % 2 == 0 and n // 2 >= _COARSEST else n for n in grid.shape)
+    if shape == grid.shape:
         return None
-    fx, fy = (fine // coarse for fine, coarse in zip(grid.shape, half.shape, strict=True))
-    limit = task.limit if isinstance(task.limit, float) else _averaged(task.limit, fx, fy)
-    return convolution.on(half), attrs.evolve(task, undeformed=_averaged(task.undeformed, fx, fy), limit=limit)
+    half = Grid(shape, grid.size)
+    factors = _factors(grid, half)
+    limit = task.limit if isinstance(task.limit, float) else _averaged(task.limit, *factors)
+    return half, attrs.evolve(task, undeformed=_averaged(task.undeformed, *factors), limit=limit)
 
 
 def estimated_approach(convolution: PlannedConvolution, task: Task) -> float | None:
     """Return the approach that a coarse grid gives for the load; None if there is no coarse grid."""
     if task.approach is not None:
         return task.approach
-    half = coarser(convolution, attrs.evolve(task, start=None))
+    half = coarser(convolution.scene.grid, attrs.evolve(task, start=None))
     if half is None:
         return None
-    while max(half[1].undeformed.shape) > _ESTIMATE:
-        further = coarser(*half)
-        if further is None:
-            break
+    while max(half[0].shape) > _ESTIMATE and (further := coarser(*half)) is not None:
         half = further
-    coarse, coarse_task = half
+    coarse, coarse_task = convolution.on(half[0]), half[1]
     refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
     _, state, _ = refinement.run(_first(coarse, coarse_task).pressure)
     return state.approach
@@ -101,17 +99,12 @@ def full_contact(convolution: PlannedConvolution, task: Task) -> Array | None:
 
 def _first(convolution: PlannedConvolution, task: Task) -> Start:
     full = full_contact(convolution, task)
-    if full is not None:
-        return Start(full, 1)
-    mean = 0.0 if task.mean_pressure is None else task.mean_pressure
-    pressure = np.minimum(np.full(task.undeformed.shape, mean), task.limit)
-    return Start(pressure, 1)
+    tried = 1 if convolution.scene.boundary is Boundary.PERIODIC else 0
+    return Start(starting_pressure(task) if full is None else full, tried)
 
 
-def _halved(grid: Grid) -> Grid | None:
-    """Return the grid with every even axis halved that stays long enough; None if there is none."""
-    shape = tuple(n // 2 if n % 2 == 0 and n // 2 >= _COARSEST else n for n in grid.shape)
-    return None if shape == grid.shape else Grid(shape, grid.size)
+def _factors(fine: Grid, coarse: Grid) -> tuple[int, int]:
+    return fine.shape[0] // coarse.shape[0], fine.shape[1] // coarse.shape[1]
 
 
 def _averaged(values: Array, fx: int, fy: int) -> Array:
@@ -119,7 +112,7 @@ def _averaged(values: Array, fx: int, fy: int) -> Array:
     return np.ascontiguousarray(values.reshape(nx // fx, fx, ny // fy, fy).mean(axis=(1, 3)))
 
 
-def _prolonged(values: Array, fx: int, fy: int, grid: Grid) -> Array:
+def _prolonged(values: Array, fx: int, fy: int) -> Array:
     """Interpolate linearly between cell centres along the axes that were halved."""
     for axis, factor in enumerate((fx, fy)):
         if factor == 2:

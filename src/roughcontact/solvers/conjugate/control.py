@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact.checks import Array, Mask, RealArray
+from roughcontact.solvers.conjugate.active import dot, total
 from roughcontact.solvers.projection import onto_weighted_load, restored
 
 _ROUNDS = 60
@@ -49,21 +50,21 @@ class LoadControl(Control):
 
     def level(self, gap: RealArray, weights: RealArray) -> float:
         """Return the weighted mean; see `Control.level`."""
-        total = _sum(weights)
-        return _dot(weights, gap) / total if total > 0.0 else 0.0
+        weight = total(weights)
+        return dot(weights, gap) / weight if weight > 0.0 else 0.0
 
     def admissible(self, direction: RealArray, weights: RealArray, low: Mask | None, high: Mask | None) -> RealArray:
         """Project onto sum zero and the half-lines of released cells, in the metric 1/w; see `Control`."""
-        total = _sum(weights)
-        shift = _sum(direction) / total
+        weight = total(weights)
+        shift = total(direction) / weight
         moved = direction - np.float32(shift) * weights
         if low is None and high is None:
             return moved
-        balanced = _BALANCED * _sum(np.abs(moved))
+        balanced = _BALANCED * total(np.abs(moved))
         for _ in range(_ROUNDS):
             held = _outward(moved, low, high)
             moved[held] = 0.0
-            excess, slope = _sum(moved), total - float(np.add.reduce(weights, where=held, dtype=np.float64))
+            excess, slope = total(moved), weight - float(np.add.reduce(weights, where=held, dtype=np.float64))
             if slope <= 0.0 or abs(excess) <= balanced:
                 break
             shift += excess / slope
@@ -107,11 +108,3 @@ def _outward(direction: RealArray, low: Mask | None, high: Mask | None) -> Mask:
     if high is not None:
         held |= high & (direction > 0.0)
     return held
-
-
-def _sum(values: RealArray) -> float:
-    return float(np.add.reduce(values, dtype=np.float64))
-
-
-def _dot(one: RealArray, other: RealArray) -> float:
-    return float(np.einsum("i,i->", one, other))

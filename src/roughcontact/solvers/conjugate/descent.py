@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact.checks import Array, Mask, RealArray
 from roughcontact.convolvers import PlannedConvolution
-from roughcontact.solvers.conjugate.active import Active, active_set
+from roughcontact.solvers.conjugate.active import Active, active_set, dot
 from roughcontact.solvers.conjugate.control import Control
 from roughcontact.solvers.conjugate.preconditioner import Preconditioner
 
@@ -102,7 +102,7 @@ class Descent:
         if self._capped:
             np.maximum(gap, 0.0, out=gap, where=pressure >= limit)
         load = float(np.add.reduce(pressure))
-        opened = float(np.einsum("i,i->", pressure, np.abs(gap))) / load if load > 0.0 else 0.0
+        opened = dot(pressure, np.abs(gap)) / load if load > 0.0 else 0.0
         outside = self.pressure < self._limit if self._capped else True
         deepest = float(np.minimum.reduce(self.gap, where=outside, initial=np.inf))
         return max(opened, level - deepest)
@@ -133,7 +133,7 @@ class Descent:
         image = self._preconditioner.apply(active, weights, residual)
         for candidate in (self._conjugate(image, active), image, weights * residual):
             direction = self._control.admissible(candidate, weights, released.low, released.high)
-            if _dot(residual, direction) > 0.0:
+            if dot(residual, direction) > 0.0:
                 return direction
             self._length = _CAREFUL
         return None
@@ -141,7 +141,7 @@ class Descent:
     def _conjugate(self, image: RealArray, active: Active) -> RealArray:
         if self._step is None:
             return image
-        share = -_dot(image, active.take(self._change)) / self._curvature
+        share = -dot(image, active.take(self._change)) / self._curvature
         return image + np.float32(share) * active.take(self._step) if share > 0.0 else image
 
     def _move(self, active: Active, weights: RealArray, residual: RealArray, direction: RealArray) -> bool:
@@ -156,10 +156,10 @@ class Descent:
             field = active.put(step)
             change = self._convolution.apply(field.reshape(self._shape)).ravel()
             self.products += 1
-            curvature = _dot(step, active.take(change))
+            curvature = dot(step, active.take(change))
             if not math.isfinite(curvature):
                 return False
-            part = _dot(residual, step) / curvature if curvature > 0.0 else 0.0
+            part = dot(residual, step) / curvature if curvature > 0.0 else 0.0
             taken = self._taken(part, clipped, before, step, limit)
             if taken > 0.0:
                 moved = trial if taken == 1.0 else np.clip(before + taken * step, 0.0, limit)
@@ -191,7 +191,3 @@ class Descent:
 
 def _some(mask: Mask, active: Active) -> Mask | None:
     return active.take(mask) if mask.any() else None
-
-
-def _dot(one: RealArray, other: RealArray) -> float:
-    return float(np.einsum("i,i->", one, other))

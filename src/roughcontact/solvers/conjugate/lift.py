@@ -6,7 +6,7 @@ import numpy as np
 
 from roughcontact.checks import RealArray
 from roughcontact.convolvers import PlannedConvolution
-from roughcontact.solvers.conjugate.active import Active
+from roughcontact.solvers.conjugate.active import Active, dot, total
 
 # Of two pressures that lift alike one is enough.
 _DISTINCT = 1e-6
@@ -29,14 +29,14 @@ class Lift:
         shape = convolution.scene.grid.shape
         vectors = _vectors(active, weights)
         responses = [active.take(convolution.apply(active.put(vector).reshape(shape)).ravel()) for vector in vectors]
-        products = [[float(np.einsum("i,i->", one, other)) for other in responses] for one in vectors]
+        products = [[dot(one, other) for other in responses] for one in vectors]
         self._inverse = np.linalg.pinv(np.array(products), rcond=_DISTINCT)
 
     def lifted(self, active: Active, image: RealArray, residual: RealArray, weights: RealArray) -> RealArray:
         """Return the preconditioned residual with its lift made exact."""
         vectors = _vectors(active, weights)
-        share = float(np.add.reduce(image, dtype=np.float64)) / float(np.add.reduce(weights, dtype=np.float64))
-        parts = self._inverse @ [float(np.einsum("i,i->", vector, residual)) for vector in vectors]
+        share = total(image) / total(weights)
+        parts = self._inverse @ [dot(vector, residual) for vector in vectors]
         return image + np.float32(parts[0] - share) * vectors[0] + np.float32(parts[1]) * vectors[1]
 
 

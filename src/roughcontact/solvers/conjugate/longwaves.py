@@ -10,7 +10,7 @@ import scipy.fft
 
 from roughcontact.checks import RealArray
 from roughcontact.convolvers.inverse import InverseConvolution
-from roughcontact.solvers.conjugate.active import Active, Partition
+from roughcontact.solvers.conjugate.active import Active, Partition, total
 
 # Waves are long up to this multiple of the wave whose stiffness is the mean weight of the domain.
 _CUT = 2.0
@@ -46,7 +46,7 @@ class LongWaves:
 
     def __init__(self, inverse: InverseConvolution, shape: tuple[int, int], active: Active, weights: RealArray) -> None:
         mx, my = inverse.padded
-        mean = float(np.add.reduce(weights, dtype=np.float64)) / (mx * my)
+        mean = total(weights) / (mx * my)
         bx, by = (_blocks(axis, count, mean) for axis, count in zip(_axes(inverse), (mx, my), strict=True))
         self._partition = _partition(shape, (mx, my), (bx, by))
         self._diagonal = self._gathered(active, weights)

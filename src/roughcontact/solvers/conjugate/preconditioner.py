@@ -7,7 +7,7 @@ import numpy as np
 from roughcontact.checks import Mask, RealArray
 from roughcontact.convolvers import PlannedConvolution
 from roughcontact.convolvers.inverse import InverseConvolution
-from roughcontact.solvers.conjugate.active import Active
+from roughcontact.solvers.conjugate.active import Active, dot, total
 from roughcontact.solvers.conjugate.lift import Lift
 from roughcontact.solvers.conjugate.longwaves import LongWaves
 
@@ -53,7 +53,7 @@ class Preconditioner:
             return active.take(self.field)
         ones = active.ones
         weights = self._masked(active, ones)
-        mean = float(np.add.reduce(weights, dtype=np.float64)) / active.count
+        mean = total(weights) / active.count
         self._waves = None
         if mean > 0.0:
             # Ringing of the inverse may leave cells without weight, or with a negative one.
@@ -74,7 +74,7 @@ class Preconditioner:
         image = self._masked(active, residual)
         if self._waves is not None:
             corrected = image - self._waves.correction(active, weights, residual)
-            if float(np.einsum("i,i->", residual, corrected)) > 0.0:
+            if dot(residual, corrected) > 0.0:
                 image = corrected
             else:
                 # Where weights ring the correction may lose its sign; it is then of no use for this set.

@@ -46,7 +46,7 @@ class ProjectedConjugateGradient(Solver):
         while approach is not None and (window := window_for(convolution, task, approach)) is not None:
             outcome, approach = self._solved(window.planned(convolution), window.task(task))
             pressure = window.pasted(outcome.pressure, task.undeformed.shape)
-            if window.holds(task.undeformed, approach):
+            if not outcome.status.success or window.holds(task.undeformed, approach):
                 return attrs.evolve(outcome, pressure=pressure)
             # The estimate was too low: the next window is larger, and knows where to start.
             task = attrs.evolve(task, start=pressure)

@@ -75,6 +75,8 @@ def window_for(convolution: PlannedConvolution, task: Task, approach: float) -> 
     if convolution.scene.boundary is not Boundary.FREE:
         return None
     touching = task.undeformed <= _MARGIN * approach
+    if not touching.any():
+        return None
     rows, columns = (_extent(np.flatnonzero(touching.any(axis=axis)), touching.shape[1 - axis]) for axis in (1, 0))
     if _length(rows) * _length(columns) > _WORTH * task.undeformed.size:
         return None
