@@ -41,10 +41,20 @@ class Active(Protocol):
     def store(self, field: RealArray, vector: RealArray) -> None:
         """Set the active cells of a flat field."""
 
-    def blocks(self, vector: RealArray, partition: Partition) -> RealArray:
-        """Return the sums over the blocks of a partition."""
+    def places(self, mask: Mask) -> Cells:
+        """Return the places in a vector of the marked cells, all of them active."""
 
-    def unblocked(self, sums: RealArray, partition: Partition) -> RealArray:
+    def blocks(self, partition: Partition) -> Blocks:
+        """Return the active cells, told apart by the blocks of a partition."""
+
+
+class Blocks(Protocol):
+    """The active cells of each block of a partition."""
+
+    def sums(self, vector: RealArray) -> RealArray:
+        """Return the sum over each block."""
+
+    def spread(self, sums: RealArray) -> RealArray:
         """Return the vector that is constant on blocks."""
 
 
@@ -85,7 +95,8 @@ class Sparse:
 
     def take(self, field: RealArray) -> RealArray:
         """See `Active.take`."""
-        return field[self.cells]
+        # The cells are within the field, and of all ways to say so this one is the fastest.
+        return field.take(self.cells, mode="wrap")
 
     def put(self, vector: RealArray) -> RealArray:
         """See `Active.put`."""
@@ -97,18 +108,14 @@ class Sparse:
         """See `Active.store`."""
         field[self.cells] = vector
 
-    def blocks(self, vector: RealArray, partition: Partition) -> RealArray:
+    def places(self, mask: Mask) -> Cells:
+        """See `Active.places`."""
+        return np.flatnonzero(self.take(mask))
+
+    def blocks(self, partition: Partition) -> Blocks:
         """See `Active.blocks`."""
-        bx, by = partition.blocks
-        return np.bincount(self._numbers(partition), weights=vector, minlength=bx * by).reshape(bx, by)
-
-    def unblocked(self, sums: RealArray, partition: Partition) -> RealArray:
-        """See `Active.unblocked`."""
-        return sums.ravel()[self._numbers(partition)]
-
-    def _numbers(self, partition: Partition) -> Cells:
         i, j = np.divmod(self.cells, partition.shape[1])
-        return np.asarray(partition.rows[i] * partition.blocks[1] + partition.columns[j])
+        return _Listed(partition.rows[i] * partition.blocks[1] + partition.columns[j], partition)
 
 
 @attrs.frozen(eq=False)
@@ -136,20 +143,54 @@ class Dense:
         """See `Active.store`."""
         np.copyto(field, vector, where=self.mask)
 
-    def blocks(self, vector: RealArray, partition: Partition) -> RealArray:
+    def places(self, mask: Mask) -> Cells:
+        """See `Active.places`."""
+        return np.flatnonzero(mask)
+
+    def blocks(self, partition: Partition) -> Blocks:
         """See `Active.blocks`."""
-        sums = np.zeros(partition.blocks, dtype=vector.dtype)
-        rows, columns = (np.flatnonzero(np.diff(part, prepend=-1)) for part in (partition.rows, partition.columns))
+        return _Masked(self, partition)
+
+
+@attrs.frozen(eq=False)
+class _Listed:
+    """The block of each of a list of cells."""
+
+    numbers: Cells
+    partition: Partition
+
+    def sums(self, vector: RealArray) -> RealArray:
+        """See `Blocks.sums`."""
+        bx, by = self.partition.blocks
+        return np.bincount(self.numbers, weights=vector, minlength=bx * by).reshape(bx, by)
+
+    def spread(self, sums: RealArray) -> RealArray:
+        """See `Blocks.spread`."""
+        return sums.ravel().take(self.numbers, mode="wrap")
+
+
+@attrs.frozen(eq=False)
+class _Masked:
+    """Blocks of whole fields."""
+
+    active: Dense
+    partition: Partition
+
+    def sums(self, vector: RealArray) -> RealArray:
+        """See `Blocks.sums`."""
+        parts = (self.partition.rows, self.partition.columns)
+        rows, columns = (np.flatnonzero(np.diff(part, prepend=-1)) for part in parts)
         # Sums along the first axis run over whole rows at a time; the second axis is turned into it.
-        strips = np.add.reduceat(vector.reshape(partition.shape), rows, axis=0)
+        strips = np.add.reduceat(vector.reshape(self.partition.shape), rows, axis=0)
         found = np.add.reduceat(np.ascontiguousarray(strips.T), columns, axis=0).T
         # A padded domain has blocks beyond the last cell, which stay empty.
+        sums = np.zeros(self.partition.blocks, dtype=vector.dtype)
         sums[: rows.size, : columns.size] = found
         return sums
 
-    def unblocked(self, sums: RealArray, partition: Partition) -> RealArray:
-        """See `Active.unblocked`."""
-        return self.take(np.take(sums[partition.rows], partition.columns, axis=1).ravel())
+    def spread(self, sums: RealArray) -> RealArray:
+        """See `Blocks.spread`."""
+        return self.active.take(np.take(sums[self.partition.rows], self.partition.columns, axis=1).ravel())
 
 
 def total(vector: RealArray) -> float:

@@ -7,12 +7,11 @@ import abc
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array, Mask, RealArray
-from roughcontact.solvers.conjugate.active import dot, total
+from roughcontact.checks import Array, RealArray
+from roughcontact.solvers.conjugate.active import Cells, dot, total
 from roughcontact.solvers.projection import onto_weighted_load, restored
 
 _ROUNDS = 60
-_BALANCED = 1e-7
 # Share of a step that may miss the load: every proof restores it.
 _MISSED = 1e-5
 
@@ -25,10 +24,10 @@ class Control(abc.ABC):
         """Return the level that the gap of some cells is to have, shape (n,) both."""
 
     @abc.abstractmethod
-    def admissible(self, direction: RealArray, weights: RealArray, low: Mask | None, high: Mask | None) -> RealArray:
+    def admissible(self, direction: RealArray, weights: RealArray, low: Cells, high: Cells) -> RealArray:
         """Return the nearest direction that keeps the constraint and leaves no bound outward.
 
-        `low` and `high` mark the cells, of shape (n,), that just leave zero and the limit.
+        `low` and `high` are the places of the cells that just leave zero and the limit.
         """
 
     @abc.abstractmethod
@@ -53,23 +52,26 @@ class LoadControl(Control):
         weight = total(weights)
         return dot(weights, gap) / weight if weight > 0.0 else 0.0
 
-    def admissible(self, direction: RealArray, weights: RealArray, low: Mask | None, high: Mask | None) -> RealArray:
+    def admissible(self, direction: RealArray, weights: RealArray, low: Cells, high: Cells) -> RealArray:
         """Project onto sum zero and the half-lines of released cells, in the metric 1/w; see `Control`."""
-        weight = total(weights)
-        shift = total(direction) / weight
-        moved = direction - np.float32(shift) * weights
-        if low is None and high is None:
-            return moved
-        balanced = _BALANCED * total(np.abs(moved))
+        moved = direction - np.float32(self._shift(direction, weights, low, high)) * weights
+        return _inward(moved, low, high)
+
+    def _shift(self, direction: RealArray, weights: RealArray, low: Cells, high: Cells) -> float:
+        """Return the multiple of the weights to be taken from a direction, by Newton's method."""
+        change, weight = total(direction), total(weights)
+        shift = change / weight
+        released = np.concatenate((low, high))
+        values, slopes = direction[released].astype(np.float64), weights[released].astype(np.float64)
+        inward = np.repeat((1.0, -1.0), (low.size, high.size))
+        held = np.zeros(released.size, dtype=bool)
         for _ in range(_ROUNDS):
-            held = _outward(moved, low, high)
-            moved[held] = 0.0
-            excess, slope = total(moved), weight - float(np.add.reduce(weights, where=held, dtype=np.float64))
-            if slope <= 0.0 or abs(excess) <= balanced:
+            before, held = held, inward * (values - shift * slopes) < 0.0
+            slope = weight - float(np.add.reduce(slopes[held]))
+            if slope <= 0.0 or np.array_equal(before, held):
                 break
-            shift += excess / slope
-            moved = direction - np.float32(shift) * weights
-        return moved
+            shift = (change - float(np.add.reduce(values[held]))) / slope
+        return shift
 
     def feasible(self, trial: Array, before: Array, weights: RealArray, limit: float | Array) -> Array:
         """Clip, and spread what is missing by the weights; see `Control.feasible`."""
@@ -85,11 +87,9 @@ class ApproachControl(Control):
         """Return zero; see `Control.level`."""
         return 0.0
 
-    def admissible(self, direction: RealArray, weights: RealArray, low: Mask | None, high: Mask | None) -> RealArray:
+    def admissible(self, direction: RealArray, weights: RealArray, low: Cells, high: Cells) -> RealArray:
         """Hold released cells that would go back out; see `Control.admissible`."""
-        if low is None and high is None:
-            return direction
-        return np.where(_outward(direction, low, high), np.float32(0.0), direction)
+        return _inward(direction.copy(), low, high)
 
     def feasible(self, trial: Array, before: Array, weights: RealArray, limit: float | Array) -> Array:
         """Clip; see `Control.feasible`."""
@@ -101,10 +101,8 @@ def exactly(pressure: Array, control: Control, limit: float | Array) -> Array:
     return restored(pressure, control.load, limit) if isinstance(control, LoadControl) else pressure
 
 
-def _outward(direction: RealArray, low: Mask | None, high: Mask | None) -> Mask:
-    held = np.zeros(direction.shape, dtype=bool)
-    if low is not None:
-        held |= low & (direction < 0.0)
-    if high is not None:
-        held |= high & (direction > 0.0)
-    return held
+def _inward(direction: RealArray, low: Cells, high: Cells) -> RealArray:
+    """Hold the released cells that would go back out, in place."""
+    direction[low] = np.maximum(direction[low], 0.0)
+    direction[high] = np.minimum(direction[high], 0.0)
+    return direction

@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact.checks import Array, Mask, RealArray
 from roughcontact.convolvers import PlannedConvolution
-from roughcontact.solvers.conjugate.active import Active, active_set, dot
+from roughcontact.solvers.conjugate.active import Active, Cells, active_set, dot
 from roughcontact.solvers.conjugate.control import Control
 from roughcontact.solvers.conjugate.preconditioner import Preconditioner
 
@@ -18,11 +18,12 @@ _FIRST, _GREATEST, _CAREFUL = 0.8, 1.5, 0.3
 _BACKTRACKS = 40
 # A clipped step is kept whole if the energy still falls most of the way, shortened if it falls at all.
 _WHOLE, _SHORTENED = 0.85, 0.1
+_NONE: Cells = np.zeros(0, dtype=np.intp)
 
 
 @attrs.frozen(eq=False)
 class Released:
-    """Marks of the active cells that just leave a bound, as vectors; None if none does.
+    """The active cells that just leave a bound, by their places in a vector.
 
     Attributes
     ----------
@@ -30,8 +31,26 @@ class Released:
         Those that leave zero and those that leave the limit.
     """
 
-    low: Mask | None
-    high: Mask | None
+    low: Cells
+    high: Cells
+
+
+@attrs.frozen(eq=False)
+class Touching:
+    """A set of active cells and what is known on them, as vectors.
+
+    Attributes
+    ----------
+    active
+        The set.
+    pressure, gap, weights
+        Pressure, gap from any datum and flat-punch weights.
+    """
+
+    active: Active
+    pressure: Array
+    gap: RealArray
+    weights: RealArray
 
 
 class Descent:
@@ -72,11 +91,13 @@ class Descent:
         self.products = 0
         self.pressure: Array = np.zeros(0)
         self.gap: RealArray = np.zeros(0, dtype=np.float32)
-        self.active: Active = active_set(np.zeros(0, dtype=bool))
 
     def start(self, pressure: Array, gap: RealArray) -> None:
         """Go on from a pressure with its gap, both flat; the gap is float32 and is kept up to date."""
         self.pressure, self.gap = pressure, gap
+        active = active_set(self._free(pressure, self._limit))
+        weights = active.take(self._preconditioner.field)
+        self._touching = Touching(active, active.take(pressure), active.take(gap), weights)
 
     def iterate(self) -> bool:
         """Make one step; return whether the energy fell."""
@@ -84,55 +105,60 @@ class Descent:
         if active.count == 0:
             return False
         weights = self._preconditioner.weights(active)
-        gap = active.take(self.gap)
-        residual = np.float32(self._control.level(gap, weights)) * active.ones - gap
-        direction = self._direction(active, released, weights, residual)
-        if direction is None:
-            return False
-        self.active = active
-        return self._move(active, weights, residual, direction)
+        at = Touching(active, active.take(self.pressure), active.take(self.gap), weights)
+        residual = np.float32(self._control.level(at.gap, weights)) * active.ones - at.gap
+        direction = self._direction(at, released, residual)
+        return direction is not None and self._move(at, residual, direction)
 
     def error(self) -> float:
         """Return the violation of the descent's own gap, as `Conditions` would measure it, not scaled."""
-        pressure, gap = self.active.take(self.pressure), self.active.take(self.gap)
-        limit = self._limits(self.active)
-        bearing = np.where(pressure < limit, pressure, 0.0) if self._capped else pressure
-        level = self._control.level(gap, bearing)
-        gap = gap - np.float32(level)
+        at = self._touching
+        limit = self._limits(at.active)
+        bearing = np.where(at.pressure < limit, at.pressure, 0.0) if self._capped else at.pressure
+        level = self._control.level(at.gap, bearing)
+        gap = at.gap - np.float32(level)
         if self._capped:
-            np.maximum(gap, 0.0, out=gap, where=pressure >= limit)
-        load = float(np.add.reduce(pressure))
-        opened = dot(pressure, np.abs(gap)) / load if load > 0.0 else 0.0
+            np.maximum(gap, 0.0, out=gap, where=at.pressure >= limit)
+        load = float(np.add.reduce(at.pressure))
+        opened = dot(at.pressure, np.abs(gap, out=gap)) / load if load > 0.0 else 0.0
+        # Saturated cells may overlap.
         outside = self.pressure < self._limit if self._capped else True
         deepest = float(np.minimum.reduce(self.gap, where=outside, initial=np.inf))
         return max(opened, level - deepest)
 
     def _active(self) -> tuple[Active, Released]:
         """Return the cells inside the bounds and those at one that the gap draws inside."""
+        at = self._touching
+        inside = self._free(at.pressure, self._limits(at.active))
+        level = np.float32(self._control.level(at.gap, at.weights * inside))
         bearing = self.pressure > 0.0
-        free = bearing & (self.pressure < self._limit) if self._capped else bearing
-        inside = active_set(free)
-        level = np.float32(self._control.level(inside.take(self.gap), inside.take(self._preconditioner.field)))
         low = self.gap < level
-        low &= ~bearing
-        mask = free | low
-        high = None
+        np.greater(low, bearing, out=low)
+        if not self._capped:
+            active = active_set(bearing | low)
+            return active, Released(active.places(low), _NONE)
+        free = self._free(self.pressure, self._limit)
+        high = self.gap > level
+        high &= bearing
+        np.greater(high, free, out=high)
+        active = active_set(free | low | high)
+        return active, Released(active.places(low), active.places(high))
+
+    def _free(self, pressure: Array, limit: float | Array) -> Mask:
+        """Mark what lies strictly inside the bounds."""
+        free = pressure > 0.0
         if self._capped:
-            high = (self.gap > level) & bearing & ~free
-            mask |= high
-        active = active_set(mask)
-        return active, Released(_some(low, active), None if high is None else _some(high, active))
+            free &= pressure < limit
+        return free
 
     def _limits(self, active: Active) -> float | Array:
         return self._limit if isinstance(self._limit, float) else active.take(self._limit)
 
-    def _direction(
-        self, active: Active, released: Released, weights: RealArray, residual: RealArray
-    ) -> RealArray | None:
+    def _direction(self, at: Touching, released: Released, residual: RealArray) -> RealArray | None:
         """Return the first admissible descent of: conjugate, preconditioned, plain gradient."""
-        image = self._preconditioner.apply(active, weights, residual)
-        for candidate in (self._conjugate(image, active), image, weights * residual):
-            direction = self._control.admissible(candidate, weights, released.low, released.high)
+        image = self._preconditioner.apply(at.active, at.weights, residual)
+        for candidate in (self._conjugate(image, at.active), image, at.weights * residual):
+            direction = self._control.admissible(candidate, at.weights, released.low, released.high)
             if dot(residual, direction) > 0.0:
                 return direction
             self._length = _CAREFUL
@@ -144,50 +170,54 @@ class Descent:
         share = -dot(image, active.take(self._change)) / self._curvature
         return image + np.float32(share) * active.take(self._step) if share > 0.0 else image
 
-    def _move(self, active: Active, weights: RealArray, residual: RealArray, direction: RealArray) -> bool:
-        before = active.take(self.pressure)
-        limit = self._limits(active)
+    def _move(self, at: Touching, residual: RealArray, direction: RealArray) -> bool:
+        limit = self._limits(at.active)
         for _ in range(_BACKTRACKS):
-            trial = before + self._length * direction
-            clipped = bool(trial.min() < 0.0 or (self._capped and (trial > limit).any()))
+            trial = at.pressure + np.float32(self._length) * direction
+            clipped = self._outside(trial, limit)
             if clipped:
-                trial = self._control.feasible(trial, before, weights, limit)
-            step = (trial - before).astype(np.float32)
-            field = active.put(step)
+                trial = self._control.feasible(trial, at.pressure, at.weights, limit)
+            step = (trial - at.pressure).astype(np.float32)
+            field = at.active.put(step)
             change = self._convolution.apply(field.reshape(self._shape)).ravel()
             self.products += 1
-            curvature = dot(step, active.take(change))
+            response = at.active.take(change)
+            curvature = dot(step, response)
             if not math.isfinite(curvature):
                 return False
             part = dot(residual, step) / curvature if curvature > 0.0 else 0.0
-            taken = self._taken(part, clipped, before, step, limit)
+            taken, moved = self._taken(part, at.pressure, trial, limit, clipped=clipped)
             if taken > 0.0:
-                moved = trial if taken == 1.0 else np.clip(before + taken * step, 0.0, limit)
-                active.store(self.pressure, moved)
-                self._step, self._change, self._curvature = field, change, curvature
-                self.gap += np.float32(taken) * change
+                at.active.store(self.pressure, moved)
+                change *= np.float32(taken)
+                self.gap += change
+                self._step, self._change, self._curvature = field, change, taken * curvature
+                self._touching = Touching(at.active, moved, at.active.take(self.gap), at.weights)
                 return True
             self._length *= _CAREFUL
         return False
 
-    def _taken(self, part: float, clipped: bool, before: Array, step: RealArray, limit: float | Array) -> float:
-        """Return the part of the step to be taken, zero for none, and set the length of the next.
+    def _taken(
+        self, part: float, before: Array, trial: Array, limit: float | Array, *, clipped: bool
+    ) -> tuple[float, Array]:
+        """Return the part of the step to be taken, zero for none, and where it leads; set the length of the next.
 
         `part` is where along the step the energy is least.
         """
         if not clipped:
             self._length = min(_GREATEST, self._length * min(max(part, 0.25), 4.0))
-            whole = before + part * step
-            feasible = whole.min() >= 0.0 and not (self._capped and (whole > limit).any())
-            return part if feasible else min(part, 1.0)
-        if part > _WHOLE:
+            whole = before + part * (trial - before)
+            if not self._outside(whole, limit):
+                return part, whole
+            part = min(part, 1.0)
+        elif part > _WHOLE:
             self._length = min(_GREATEST, self._length * min(max(part, 0.8), 1.5))
-            return 1.0
-        if part > _SHORTENED:
+            return 1.0, trial
+        elif part > _SHORTENED:
             self._length *= max(part, 0.5)
-            return part
-        return 0.0
+        else:
+            return 0.0, before
+        return part, np.clip(before + part * (trial - before), 0.0, limit)
 
-
-def _some(mask: Mask, active: Active) -> Mask | None:
-    return active.take(mask) if mask.any() else None
+    def _outside(self, pressure: Array, limit: float | Array) -> bool:
+        return bool(pressure.min() < 0.0 or (self._capped and (pressure > limit).any()))

@@ -49,7 +49,7 @@ class LongWaves:
         mean = total(weights) / (mx * my)
         bx, by = (_blocks(axis, count, mean) for axis, count in zip(_axes(inverse), (mx, my), strict=True))
         self._partition = _partition(shape, (mx, my), (bx, by))
-        self._diagonal = self._gathered(active, weights)
+        self._diagonal = active.blocks(self._partition).sums(weights).astype(np.float32)
         half = np.fft.fftfreq(bx, 1 / bx).astype(int)
         stiffness = inverse.short_stiffness[half][:, : by // 2 + 1]
         size = mx * my / (bx * by)
@@ -59,11 +59,9 @@ class LongWaves:
 
     def correction(self, active: Active, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector that is to be taken from z0."""
-        solution = self._solved(self._gathered(active, weights * residual))
-        return weights * active.unblocked(solution, self._partition)
-
-    def _gathered(self, active: Active, values: RealArray) -> RealArray:
-        return active.blocks(values, self._partition).astype(np.float32)
+        blocks = active.blocks(self._partition)
+        solution = self._solved(blocks.sums(weights * residual).astype(np.float32))
+        return weights * blocks.spread(solution)
 
     def _solved(self, right: RealArray) -> RealArray:
         """Solve the system on the blocks to a few per cent."""
