@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import attrs
 import numpy as np
@@ -11,14 +12,18 @@ from roughcontact.checks import Array
 from roughcontact.convolvers import Convolver
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import InfluenceKernel
+from roughcontact.relief import rms_slope, seam_jump
 from roughcontact.solvers import Solver
 from roughcontact.units import si
 
 # Real arrays of the grid's size that a solve keeps alive at its widest, beyond the transforms.
 _FIELDS = 9
+# Notes are made above this rms slope, and above this multiple of the steps between neighbours.
+_STEEP = 0.5
+_JUMP = 3.0
 
 
-@attrs.frozen(kw_only=True)
+@attrs.frozen(eq=False, kw_only=True)
 class Plan:
     """What will run, and what is left out and why; `str` of it is the text of ``explain()``.
 
@@ -28,14 +33,14 @@ class Plan:
         The parts that will run.
     modulus
         Contact modulus E*, Pa.
+    undeformed
+        Undeformed gap, shape (nx, ny), m.
     relief
         Greatest undeformed gap, m.
     limit
         Greatest pressure, Pa, a number or an array of shape (nx, ny).
     left_out
         What does not run, with the reason.
-    notes
-        What the user should know about the input.
     """
 
     grid: Grid
@@ -44,10 +49,23 @@ class Plan:
     convolver: Convolver
     solver: Solver
     modulus: float
+    undeformed: Array
     relief: float
     limit: float | Array
     left_out: tuple[str, ...]
-    notes: tuple[str, ...]
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What looks unlike what was meant."""
+        notes = []
+        slope = rms_slope(self.undeformed, self.grid)
+        if slope > _STEEP:
+            notes.append(
+                f"the rms slope of the heights is {slope:.2g}, too steep for a half-space: are they in metres?"
+            )
+        if self.boundary is not Boundary.FREE and seam_jump(self.undeformed) > _JUMP:
+            notes.append("the heights jump across the border, where the domain is taken to go on with its own copy")
+        return tuple(notes)
 
     @property
     def transform_shape(self) -> tuple[int, int]:

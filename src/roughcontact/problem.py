@@ -21,7 +21,7 @@ from roughcontact.loads import task_of
 from roughcontact.materials import Rigid, contact_modulus, pressure_limit
 from roughcontact.plan import Plan
 from roughcontact.registry import convolvers, kernels, solvers
-from roughcontact.relief import rms_slope, seam_jump
+from roughcontact.relief import rms_slope
 from roughcontact.solution import DEFAULT_AREA, ContactSolution, EstimatesArea
 from roughcontact.solvers import Solver, Step
 from roughcontact.surfaces import FlatSurface
@@ -33,9 +33,6 @@ _AUTO_CONVOLVER = {
     Boundary.PERIODIC: "circular-fft",
     Boundary.WRAPPED: "circular-fft",
 }
-# Notes are made above this rms slope, and above this multiple of the steps between neighbours.
-_STEEP = 0.5
-_JUMP = 3.0
 _AUTO_SOLVER = "projected-cg"
 
 
@@ -97,10 +94,10 @@ class ContactProblem:
             convolver=convolver,
             solver=solvers.resolve(_AUTO_SOLVER if self.solver == "auto" else self.solver, Solver),
             modulus=contact_modulus(one, other),
+            undeformed=self.undeformed,
             relief=self._relief(),
             limit=self._limit(),
             left_out=tuple(self._left_out()),
-            notes=tuple(self._notes()),
         )
 
     @cached_property
@@ -265,18 +262,6 @@ class ContactProblem:
             if isinstance(body.surface, FlatSurface):
                 texts.append("heights of one body: it is flat")
         return texts
-
-    def _notes(self) -> list[str]:
-        """Say what looks unlike what was meant."""
-        notes = []
-        slope = rms_slope(self.undeformed, self._grid())
-        if slope > _STEEP:
-            notes.append(
-                f"the rms slope of the heights is {slope:.2g}, too steep for a half-space: are they in metres?"
-            )
-        if self.boundary is not Boundary.FREE and seam_jump(self.undeformed) > _JUMP:
-            notes.append("the heights jump across the border, where the domain is taken to go on with its own copy")
-        return notes
 
 
 def _heights(body: Body, grid: Grid) -> Array:

@@ -34,11 +34,14 @@ class Start:
         Convolutions it took, in convolutions of the grid it is for.
     levels
         The work on each coarser grid.
+    closed
+        Whether it closes every gap, and is the solution.
     """
 
     pressure: Array
     products: float
     levels: tuple[Level, ...] = ()
+    closed: bool = False
 
 
 def cascaded(convolution: PlannedConvolution, task: Task) -> Start:
@@ -51,14 +54,18 @@ def cascaded(convolution: PlannedConvolution, task: Task) -> Start:
     coarse = convolution.on(coarse_grid)
     fx, fy = _factors(grid, coarse_grid)
     start = cascaded(coarse, coarse_task)
-    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
-    pressure, _, _ = refinement.run(start.pressure)
-    products = (start.products + refinement.products) / (fx * fy)
-    levels = (*start.levels, refinement.level)
+    pressure, products, levels = start.pressure, start.products, start.levels
+    if not start.closed:
+        refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
+        pressure, _, _ = refinement.run(start.pressure)
+        products += refinement.products
+        levels = (*levels, refinement.level)
+    products /= fx * fy
     if pressure.min() > 0.0:
         full = full_contact(convolution, task)
+        products += 1
         if full is not None:
-            return Start(full, products + 1, levels)
+            return Start(full, products, levels, closed=True)
     return Start(np.minimum(_prolonged(pressure, fx, fy), task.limit), products, levels)
 
 
@@ -100,7 +107,7 @@ def full_contact(convolution: PlannedConvolution, task: Task) -> Array | None:
 def _first(convolution: PlannedConvolution, task: Task) -> Start:
     full = full_contact(convolution, task)
     tried = 1 if convolution.scene.boundary is Boundary.PERIODIC else 0
-    return Start(starting_pressure(task) if full is None else full, tried)
+    return Start(starting_pressure(task) if full is None else full, tried, closed=full is not None)
 
 
 def _factors(fine: Grid, coarse: Grid) -> tuple[int, int]:
@@ -108,18 +115,27 @@ def _factors(fine: Grid, coarse: Grid) -> tuple[int, int]:
 
 
 def _averaged(values: Array, fx: int, fy: int) -> Array:
-    nx, ny = values.shape
-    return np.ascontiguousarray(values.reshape(nx // fx, fx, ny // fy, fy).mean(axis=(1, 3)))
+    """Take the means of cells along the axes that are halved."""
+    if fx == 2:
+        values = values[0::2] + values[1::2]
+    if fy == 2:
+        values = values[:, 0::2] + values[:, 1::2]
+    return np.ascontiguousarray(values) / (fx * fy)
 
 
 def _prolonged(values: Array, fx: int, fy: int) -> Array:
     """Interpolate linearly between cell centres along the axes that were halved."""
-    for axis, factor in enumerate((fx, fy)):
+    # The second axis first, while there are fewer rows: its steps are not contiguous.
+    for axis, factor in ((1, fy), (0, fx)):
         if factor == 2:
             moved = np.moveaxis(values, axis, 0)
-            before, after = np.roll(moved, 1, axis=0), np.roll(moved, -1, axis=0)
-            fine = np.empty((2 * moved.shape[0], *moved.shape[1:]))
-            fine[0::2] = 0.75 * moved + 0.25 * before
-            fine[1::2] = 0.75 * moved + 0.25 * after
+            fine = np.moveaxis(np.empty([n * (1 + (k == axis)) for k, n in enumerate(values.shape)]), axis, 0)
+            quarter = 0.25 * moved
+            np.multiply(moved, 0.75, out=fine[0::2])
+            fine[1::2] = fine[0::2]
+            fine[2::2] += quarter[:-1]
+            fine[0] += quarter[-1]
+            fine[1:-1:2] += quarter[1:]
+            fine[-1] += quarter[0]
             values = np.moveaxis(fine, 0, axis)
-    return np.ascontiguousarray(values)
+    return values

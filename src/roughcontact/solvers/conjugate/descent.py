@@ -17,7 +17,7 @@ from roughcontact.solvers.conjugate.preconditioner import Preconditioner
 _FIRST, _GREATEST, _CAREFUL = 0.8, 1.5, 0.3
 _BACKTRACKS = 40
 # A clipped step is kept whole if the energy still falls most of the way, shortened if it falls at all.
-_WHOLE, _SHORTENED = 0.85, 0.1
+_WHOLE, _SHORTENED = 0.8, 0.1
 _NONE: Cells = np.zeros(0, dtype=np.intp)
 
 
@@ -211,7 +211,7 @@ class Descent:
                 return part, whole
             part = min(part, 1.0)
         elif part > _WHOLE:
-            self._length = min(_GREATEST, self._length * min(max(part, 0.8), 1.5))
+            self._length = min(_GREATEST, self._length * min(max(part, 0.8), 4.0))
             return 1.0, trial
         elif part > _SHORTENED:
             self._length *= max(part, 0.5)

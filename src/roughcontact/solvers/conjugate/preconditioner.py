@@ -74,11 +74,9 @@ class Preconditioner:
         image = self._masked(active, residual)
         if self._waves is not None:
             corrected = image - self._waves.correction(active, weights, residual)
+            # Where weights ring the correction may lose its sign, and is of no use for this residual.
             if dot(residual, corrected) > 0.0:
                 image = corrected
-            else:
-                # Where weights ring the correction may lose its sign; it is then of no use for this set.
-                self._waves = None
         return image if self._lift is None else self._lift.lifted(active, image, residual, weights)
 
     def _masked(self, active: Active, vector: RealArray) -> RealArray:
