@@ -182,8 +182,23 @@ def test_the_cascade_starts_near_the_solution():
 def test_after_a_stall_another_method_goes_on(monkeypatch):
     monkeypatch.setattr(Descent, "iterate", lambda self: False)
     solution = rough(64).solve(pressure=5e-3)
-    assert solution.status is rc.Status.CONVERGED
+    assert solution.status is rc.Status.RESCUED
     assert solution.residuals.error <= 2e-8
+
+
+@pytest.mark.parametrize("levels", [1, 2, 50])
+@pytest.mark.parametrize("left", [1e-3, 2e-6, 1e-7])
+def test_an_approach_next_to_full_contact_is_found_through_loads(left, levels):
+    """The load hardly changes the approach there; terraces and noise are the worst."""
+    heights = np.round(levels * np.random.default_rng(levels).standard_normal((50, 12)))
+    surface = rc.HeightMap(heights, size=(50.0, 10.0), periodic=True)
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary="periodic")
+    approach = (1.0 - left) * problem.undeformed.mean()
+    solution = problem.solve(approach=approach)
+    assert solution.status is rc.Status.RESCUED or left > 1e-7
+    assert solution.approach == approach
+    by_load = problem.solve(pressure=solution.mean_pressure)
+    assert by_load.approach == pytest.approx(approach, rel=1e-7)
 
 
 def test_threads_change_no_bit_of_a_solution():
@@ -205,7 +220,7 @@ class TestSweep:
         problem = rough(96)
         approaches = np.linspace(0.3, 0.6, 6) * problem.undeformed.mean()
         cold = sum(problem.solve(approach=a).convolutions for a in approaches)
-        assert problem.sweep(approach=approaches).convolutions < 0.65 * cold
+        assert problem.sweep(approach=approaches).convolutions < 0.7 * cold
 
     def test_stiffness_of_a_sphere(self):
         """Hertz: dF/d(approach) = 2 E* a."""

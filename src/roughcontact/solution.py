@@ -23,6 +23,9 @@ class Status(Enum):
 
     CONVERGED = "converged: the conditions of contact hold within the tolerance"
     CONVERGED_TO_ROUNDING = "converged to rounding: the conditions of contact hold as well as float64 can tell"
+    RESCUED = (
+        "converged: the conditions of contact hold within the tolerance, by a second method, for the first stalled"
+    )
     UNRESOLVED = "not converged: the displacement dwarfs the relief so much that float64 cannot resolve the gap"
     MAXIMUM_ITERATIONS = "not converged: the maximum number of iterations was reached"
     STALLED = "not converged: no step lowers the error any more"
@@ -32,7 +35,7 @@ class Status(Enum):
     @property
     def success(self) -> bool:
         """Whether the solution is certified."""
-        return self in (Status.CONVERGED, Status.CONVERGED_TO_ROUNDING)
+        return self in (Status.CONVERGED, Status.CONVERGED_TO_ROUNDING, Status.RESCUED)
 
     def __str__(self) -> str:
         return self.value

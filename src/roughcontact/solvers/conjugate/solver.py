@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import attrs
 
 from roughcontact.convolvers import PlannedConvolution
 from roughcontact.grid import Boundary
 from roughcontact.solution import Status
 from roughcontact.solvers.base import Monitor, Outcome, Solver, Task, iteration_limit, positive_tolerance
+from roughcontact.solvers.conjugate import search
 from roughcontact.solvers.conjugate.cascade import Start, cascaded, estimated_approach
 from roughcontact.solvers.conjugate.refinement import Refinement
 from roughcontact.solvers.conjugate.window import window_for
 from roughcontact.solvers.spectral_gradient import SpectralGradient
+
+# Iterations for a given approach after which it is searched for through loads, where that can be.
+_PATIENT = 80
 
 
 @attrs.frozen
@@ -19,8 +25,9 @@ class ProjectedConjugateGradient(Solver):
     """Projected conjugate gradients, preconditioned by the inverse kernel on the active cells.
 
     Load or approach control, with or without a pressure limit, on any boundary. The number of
-    iterations hardly grows with the grid. The descent runs in float32, every claim in float64;
-    should it stall, `SpectralGradient` goes on from there.
+    iterations hardly grows with the grid. The descent runs in float32, every claim in float64.
+    Should it stall, `SpectralGradient` goes on from there, or, for an approach near the full contact
+    of a periodic surface, a search through loads; the status tells.
 
     Parameters
     ----------
@@ -55,20 +62,30 @@ class ProjectedConjugateGradient(Solver):
     def _solved(self, convolution: PlannedConvolution, task: Task) -> tuple[Outcome, float]:
         """Solve on all cells of the convolution; return the approach as well."""
         start = cascaded(convolution, task) if task.start is None else Start(task.start, 0.0)
-        monitor = Monitor(task, self.tolerance, self.max_iterations)
+        searchable = search.searchable(convolution, task)
+        monitor = Monitor(
+            task, self.tolerance, min(self.max_iterations, _PATIENT) if searchable else self.max_iterations
+        )
         refinement = Refinement(convolution, task, monitor)
         pressure, state, status = refinement.run(start.pressure)
         outcome = monitor.outcome(pressure, status, round(start.products + refinement.products))
         outcome = attrs.evolve(outcome, levels=(*start.levels, refinement.level))
-        if status is Status.STALLED:
-            outcome = self._rescued(convolution, attrs.evolve(task, start=pressure), outcome)
+        if status is Status.STALLED or (searchable and status is Status.MAXIMUM_ITERATIONS):
+            outcome = self._rescued(convolution, task, outcome)
         return outcome, state.approach
 
     def _rescued(self, convolution: PlannedConvolution, task: Task, stalled: Outcome) -> Outcome:
-        """Go on with a method that converges from anywhere, though slowly."""
-        rescue = SpectralGradient(self.tolerance, self.max_iterations).solve(convolution, task)
+        """Go on with a method that is slower, but does not stall where this one has."""
+        if search.searchable(convolution, task):
+            monitor = Monitor(task, self.tolerance, self.max_iterations)
+            solve = partial(self._solved, convolution)
+            rescue = search.by_load(solve, convolution, task, monitor, stalled.pressure)
+        else:
+            task = attrs.evolve(task, start=stalled.pressure)
+            rescue = SpectralGradient(self.tolerance, self.max_iterations).solve(convolution, task)
         return attrs.evolve(
             rescue,
+            status=Status.RESCUED if rescue.status is Status.CONVERGED else rescue.status,
             iterations=stalled.iterations + rescue.iterations,
             convolutions=stalled.convolutions + rescue.convolutions,
             history=stalled.history + rescue.history,
