@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import attrs
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import roughcontact as rc
+from roughcontact.loads import task_of
 from roughcontact.solvers.conjugate.cascade import cascaded
 from roughcontact.solvers.conjugate.descent import Descent
 from strategies import height_maps, moduli, problems
@@ -196,9 +199,24 @@ def test_an_approach_next_to_full_contact_is_found_through_loads(left, levels):
     approach = (1.0 - left) * problem.undeformed.mean()
     solution = problem.solve(approach=approach)
     assert solution.status is rc.Status.RESCUED or left > 1e-7
-    assert solution.approach == approach
+    assert solution.approach == pytest.approx(approach, rel=1e-15)
     by_load = problem.solve(pressure=solution.mean_pressure)
     assert by_load.approach == pytest.approx(approach, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("pressure", "boundary", "fields"), [(5e-3, "periodic", 13.5), (0.1, "periodic", 28), (5e-3, "free", 20)]
+)
+def test_memory(pressure, boundary, fields):
+    """Peak beyond the input, in float32 arrays of the grid's size; the result itself counts two."""
+    problem = rough(256, boundary=boundary)
+    task = task_of(problem.plan, problem.undeformed, pressure=pressure)
+    problem.plan.solver.solve(problem.convolution, task)
+    tracemalloc.start()
+    problem.plan.solver.solve(problem.convolution, task)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak <= fields * 4 * problem.plan.grid.cells
 
 
 def test_threads_change_no_bit_of_a_solution():

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from functools import cached_property
 
 import attrs
 import numpy as np
+import numpy.typing as npt
 import scipy.fft
 
 from roughcontact.checks import RealArray
@@ -39,24 +39,19 @@ class InverseConvolution:
     stiffness: RealArray
     padded: tuple[int, int]
 
-    @cached_property
-    def short_stiffness(self) -> RealArray:
-        """The stiffness in float32."""
-        return self.stiffness.astype(np.float32)
-
     def apply(self, displacement: RealArray) -> RealArray:
         """Return the pressure, shape and precision of `displacement` (float32 or float64)."""
         (mx, my), (nx, ny) = self.padded, displacement.shape
         waves = scipy.fft.rfft(displacement, n=my, axis=1)
         waves = scipy.fft.fft(waves, n=mx, axis=0, overwrite_x=True)
-        waves *= self.short_stiffness if displacement.dtype == np.float32 else self.stiffness
+        waves *= self.stiffness
         waves = scipy.fft.ifft(waves, axis=0, overwrite_x=True)[:nx]
         pressure = scipy.fft.irfft(waves, n=my, axis=1, overwrite_x=True)
         return np.asarray(pressure[:, :ny])
 
 
-def inverse_of(scene: Scene) -> InverseConvolution:
-    """Return the approximate inverse of what was planned."""
+def inverse_of(scene: Scene, dtype: npt.DTypeLike = np.float64) -> InverseConvolution:
+    """Return the approximate inverse of what was planned, its stiffness stored in the precision that is asked for."""
     if scene.boundary is Boundary.FREE:
         mx, my = (
             scipy.fft.next_fast_len(max(math.ceil(_MARGIN * n), n + _AT_LEAST), real=True) for n in scene.grid.shape
@@ -71,4 +66,4 @@ def inverse_of(scene: Scene) -> InverseConvolution:
     stiffness = np.zeros_like(response)
     np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
     stiffness[0, 0] = 0.0
-    return InverseConvolution(stiffness, (mx, my))
+    return InverseConvolution(stiffness.astype(dtype, copy=False), (mx, my))

@@ -75,7 +75,7 @@ def onto_weighted_load(values: Array, weights: RealArray, load: float, limit: fl
 
 
 def restored(pressure: Array, load: float, limit: float | Array) -> Array:
-    """Return the pressure with its unsaturated part scaled so that the sum is `load`, to rounding.
+    """Return the pressure with its unsaturated part scaled, in place, so that the sum is `load`, to rounding.
 
     Where that cannot be, for nothing is unsaturated, the pressure is shifted instead.
     """
@@ -83,7 +83,7 @@ def restored(pressure: Array, load: float, limit: float | Array) -> Array:
     bearing = float(np.add.reduce(pressure, axis=None, where=free))
     saturated = float(np.add.reduce(pressure, axis=None, where=~free))
     if bearing > 0.0:
-        pressure = np.multiply(pressure, max(load - saturated, 0.0) / bearing, out=pressure.copy(), where=free)
+        np.multiply(pressure, max(load - saturated, 0.0) / bearing, out=pressure, where=free)
         np.minimum(pressure, limit, out=pressure)
     if abs(float(np.add.reduce(pressure, axis=None)) - load) > _LOST * load:
         flat, bound = pressure.ravel(), limit if isinstance(limit, float) else limit.ravel()

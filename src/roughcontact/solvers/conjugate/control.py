@@ -97,7 +97,7 @@ class ApproachControl(Control):
 
 
 def exactly(pressure: Array, control: Control, limit: float | Array) -> Array:
-    """Return the pressure with the rounding of its load taken away."""
+    """Return the pressure with the rounding of its load taken away, in place."""
     return restored(pressure, control.load, limit) if isinstance(control, LoadControl) else pressure
 
 

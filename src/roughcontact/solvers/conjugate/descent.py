@@ -19,6 +19,7 @@ _BACKTRACKS = 40
 # A clipped step is kept whole if the energy still falls most of the way, shortened if it falls at all.
 _WHOLE, _SHORTENED = 0.8, 0.1
 _NONE: Cells = np.zeros(0, dtype=np.intp)
+_NOTHING: RealArray = np.zeros(0, dtype=np.float32)
 
 
 @attrs.frozen(eq=False)
@@ -86,11 +87,11 @@ class Descent:
         self._shape = convolution.scene.grid.shape
         self._length = _FIRST
         self._step: RealArray | None = None
-        self._change: RealArray = np.zeros(0, dtype=np.float32)
+        self._change: RealArray | None = None
         self._curvature = 1.0
         self.products = 0
         self.pressure: Array = np.zeros(0)
-        self.gap: RealArray = np.zeros(0, dtype=np.float32)
+        self.stop()
 
     def start(self, pressure: Array, gap: RealArray) -> None:
         """Go on from a pressure with its gap, both flat; the gap is float32 and is kept up to date."""
@@ -98,6 +99,11 @@ class Descent:
         active = active_set(self._free(pressure, self._limit))
         weights = active.take(self._preconditioner.field)
         self._touching = Touching(active, active.take(pressure), active.take(gap), weights)
+
+    def stop(self) -> None:
+        """Let go of what the next start will bring anew."""
+        self.gap = _NOTHING
+        self._touching = Touching(active_set(np.zeros(0, dtype=bool)), np.zeros(0), _NOTHING, _NOTHING)
 
     def iterate(self) -> bool:
         """Make one step; return whether the energy fell."""
@@ -165,13 +171,15 @@ class Descent:
         return None
 
     def _conjugate(self, image: RealArray, active: Active) -> RealArray:
-        if self._step is None:
+        if self._step is None or self._change is None:
             return image
         share = -dot(image, active.take(self._change)) / self._curvature
         return image + np.float32(share) * active.take(self._step) if share > 0.0 else image
 
     def _move(self, at: Touching, residual: RealArray, direction: RealArray) -> bool:
         limit = self._limits(at.active)
+        # The last step is no longer needed, and memory is widest here.
+        self._step = self._change = None
         for _ in range(_BACKTRACKS):
             trial = at.pressure + np.float32(self._length) * direction
             clipped = self._outside(trial, limit)
@@ -206,7 +214,7 @@ class Descent:
         """
         if not clipped:
             self._length = min(_GREATEST, self._length * min(max(part, 0.25), 4.0))
-            whole = before + part * (trial - before)
+            whole = _between(before, trial, part)
             if not self._outside(whole, limit):
                 return part, whole
             part = min(part, 1.0)
@@ -217,7 +225,16 @@ class Descent:
             self._length *= max(part, 0.5)
         else:
             return 0.0, before
-        return part, np.clip(before + part * (trial - before), 0.0, limit)
+        shortened = _between(before, trial, part)
+        return part, np.clip(shortened, 0.0, limit, out=shortened)
 
     def _outside(self, pressure: Array, limit: float | Array) -> bool:
         return bool(pressure.min() < 0.0 or (self._capped and (pressure > limit).any()))
+
+
+def _between(before: Array, trial: Array, part: float) -> Array:
+    """Return before + part * (trial - before), with one array alive."""
+    point = trial - before
+    point *= part
+    point += before
+    return point

@@ -51,7 +51,7 @@ class LongWaves:
         self._partition = _partition(shape, (mx, my), (bx, by))
         self._diagonal = active.blocks(self._partition).sums(weights).astype(np.float32)
         half = np.fft.fftfreq(bx, 1 / bx).astype(int)
-        stiffness = inverse.short_stiffness[half][:, : by // 2 + 1]
+        stiffness = inverse.stiffness[half][:, : by // 2 + 1]
         size = mx * my / (bx * by)
         growth = np.minimum((stiffness / (_CUT * mean)) ** 2, _EXPONENT)
         self._far = stiffness * np.exp(growth) * np.float32(size)
@@ -97,7 +97,7 @@ class LongWaves:
 
 def _axes(inverse: InverseConvolution) -> tuple[RealArray, RealArray]:
     """Return the stiffness of the waves along x and along y."""
-    return inverse.short_stiffness[: inverse.padded[0] // 2 + 1, 0], inverse.short_stiffness[0]
+    return inverse.stiffness[: inverse.padded[0] // 2 + 1, 0], inverse.stiffness[0]
 
 
 def _blocks(stiffness: RealArray, count: int, mean: float) -> int:

@@ -58,7 +58,7 @@ class Refinement:
     def _preconditioner(self) -> Preconditioner:
         # A start that needs no descent, such as full contact, needs no preconditioner either.
         lifting = self._task.mean_pressure is None
-        return Preconditioner(inverse_of(self._convolution.scene), self._convolution, lifting=lifting)
+        return Preconditioner(inverse_of(self._convolution.scene, np.float32), self._convolution, lifting=lifting)
 
     @cached_property
     def _descent(self) -> Descent:
@@ -79,26 +79,27 @@ class Refinement:
         return Level(shape, iterations, self.proofs, self._descent.products, self._preconditioner.products)
 
     def run(self, pressure: Array) -> tuple[Array, Optimality, Status]:
-        """Solve from `pressure`, shape (nx, ny); return the pressure, its measure and how it ended."""
-        flat = pressure.ravel().copy()
+        """Solve from `pressure`, shape (nx, ny), in place; return the pressure, its measure and how it ended."""
+        shape, flat = pressure.shape, pressure.reshape(-1)
         best, idle = math.inf, 0
         while True:
             flat = exactly(flat, self._control, self._flat_limit)
-            displacement = self._convolution.apply(flat.reshape(pressure.shape))
+            displacement = self._convolution.apply(flat.reshape(shape))
             self.proofs += 1
-            state, status = self._monitor.prove(flat.reshape(pressure.shape), displacement)
+            state, status = self._monitor.prove(flat.reshape(shape), displacement)
             if status is None:
                 idle = 0 if state.error < 0.5 * best else idle + 1
                 best = min(best, state.error)
                 if idle > _STALLED:
                     status = Status.STALLED
             if status is not None:
-                return flat.reshape(pressure.shape), state, status
+                return flat.reshape(shape), state, status
             displacement += self._task.undeformed
             displacement -= state.approach
             self._descent.start(flat, displacement.ravel().astype(np.float32))
             del displacement
             self._pass(state)
+            self._descent.stop()
 
     def _pass(self, state: Optimality) -> None:
         """Descend until the estimate of the error says that a proof is worth its convolution."""

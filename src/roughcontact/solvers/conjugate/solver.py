@@ -61,7 +61,7 @@ class ProjectedConjugateGradient(Solver):
 
     def _solved(self, convolution: PlannedConvolution, task: Task) -> tuple[Outcome, float]:
         """Solve on all cells of the convolution; return the approach as well."""
-        start = cascaded(convolution, task) if task.start is None else Start(task.start, 0.0)
+        start = cascaded(convolution, task) if task.start is None else Start(task.start.copy(), 0.0)
         searchable = search.searchable(convolution, task)
         monitor = Monitor(
             task, self.tolerance, min(self.max_iterations, _PATIENT) if searchable else self.max_iterations
