@@ -14,6 +14,7 @@ FLOORS = [
     {"errors", "units"},
     {"checks", "registry"},
     {"grid", "reference", "extrapolation", "optimality"},
+    {"clusters"},
     {"surfaces", "materials", "kernels", "solution"},
     {"body", "convolvers", "areas", "relief"},
     {"solvers", "files"},

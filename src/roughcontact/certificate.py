@@ -72,4 +72,5 @@ def certified(
         residuals=Residuals(state.complementarity, state.penetration, load, state.scale * plan.relief),
         history=outcome.history,
         levels=outcome.levels,
+        edge_shift=plan.kernel.edge_shift,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import Enum
 from functools import cached_property
 from typing import Protocol, runtime_checkable
@@ -10,12 +11,13 @@ import attrs
 import numpy as np
 
 from roughcontact.checks import Array, Mask
+from roughcontact.clusters import Clusters, clusters_of
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.registry import areas
 from roughcontact.units import si
 
-DEFAULT_AREA = "perimeter"
+DEFAULT_AREA = "blend"
 
 
 class Status(Enum):
@@ -108,12 +110,21 @@ class Area:
         Standard deviation, as the estimator knows it, m2: the true area should lie within two of them.
     estimator
         The estimator that made it.
+    perimeter
+        Length of the edge of the contact, m; nan where the estimator does not tell.
+    doubts
+        Why the value must not be trusted, in sentences; empty if nothing speaks against it.
+    clusters
+        Area of each of the solution's clusters, shape (count,), m2; None where the estimator does not tell.
     """
 
     value: float
     fraction: float
     uncertainty: float
     estimator: str
+    perimeter: float = attrs.field(default=math.nan, kw_only=True)
+    doubts: tuple[str, ...] = attrs.field(default=(), kw_only=True)
+    clusters: Array | None = attrs.field(default=None, kw_only=True, eq=False, repr=False)
 
     def __str__(self) -> str:
         relative = self.uncertainty / self.value if self.value > 0.0 else 0.0
@@ -159,6 +170,8 @@ class ContactSolution:
         The solver's error before each iteration.
     levels
         The work on each grid, from coarse to fine, where the solver tells.
+    edge_shift
+        How far inside the true edge the kernel's discrete solutions put it, in cells.
     """
 
     grid: Grid
@@ -176,6 +189,12 @@ class ContactSolution:
     residuals: Residuals
     history: tuple[float, ...]
     levels: tuple[Level, ...] = ()
+    edge_shift: float = 0.0
+
+    @cached_property
+    def clusters(self) -> Clusters:
+        """The contact, told apart into cells that hang together."""
+        return clusters_of(self.contact, self.pressure, self.grid, self.boundary)
 
     @cached_property
     def gap(self) -> Array:
@@ -185,7 +204,7 @@ class ContactSolution:
         gap.flags.writeable = False
         return gap
 
-    @property
+    @cached_property
     def contact(self) -> Mask:
         """Cells in contact, p > 0, shape `grid.shape`."""
         return self.pressure > 0.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import attrs
 import numpy as np
 
@@ -19,6 +21,8 @@ class FourierHalfSpace(InfluenceKernel):
     ----------
     Stanley, Kato, J. Tribol. 119 (1997) 481-485, https://doi.org/10.1115/1.2833523
     """
+
+    edge_shift: ClassVar[float] = 0.0
 
     def spectrum(self, qx: Array, qy: Array, spacing: Pair, compliance: float) -> Array:
         """Return 2 / (E* |q|), shape (m, n), m/Pa; see `OffersSpectrum`."""

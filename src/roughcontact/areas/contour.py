@@ -1,0 +1,266 @@
+r"""The edge of the contact between cell centres.
+
+Near a smooth edge, at the distance d, the pressure is :math:`K\sqrt{d}` inside and the gap
+:math:`\tfrac{4K}{3E^*}d^{3/2}` outside, with one K for both. So with the one unknown y = (K/E*)^(-2/3)
+
+.. math:: \varphi = (p/E^*)^2 y^3 \text{ inside}, \quad \varphi = -(3g/4)^{2/3} y \text{ outside}
+
+is the signed distance from the edge on both sides, and y follows from a distance having the
+gradient one. Between the centres of four neighbouring cells (a dual cell) the edge is then drawn
+where the interpolated distance vanishes.
+
+References
+----------
+Johnson, Contact Mechanics (1985), section 5.1, https://doi.org/10.1017/CBO9781139171731, for the edge.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal, TypeAlias
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact.checks import Array, IntArray, Mask
+from roughcontact.grid import Boundary
+from roughcontact.solution import ContactSolution
+
+Corners: TypeAlias = npt.NDArray[np.float64]
+
+# Differences of the distance across a dual cell are below this many cells, or the edge is not smooth.
+_STEEPEST = 16.0
+# Where no y gives the gradient one, as in saddles, the corners are this many cells apart in distance.
+_SADDLE = 0.7
+_ROUNDS = 6
+_BRACKETED = 16
+
+
+@attrs.frozen(eq=False)
+class Contour:
+    """The edge of each cluster, by number; the first entry stands for no cluster and is zero.
+
+    Attributes
+    ----------
+    area
+        Area inside the edge, shape (count + 1,), m2.
+    length
+        Length of the edge, m.
+    euler
+        Euler number: one for each piece, less one for each hole.
+    sharp
+        Share of the edge that is sharp.
+    """
+
+    area: Array
+    length: Array
+    euler: Array
+    sharp: Array
+
+
+@attrs.frozen(eq=False)
+class _DualCells:
+    """Dual cells of one stride, their lower left corners in order; fields are framed so that all corners exist.
+
+    Attributes
+    ----------
+    stride
+        Distance of the corners, in cells.
+    before
+        Width of the frame before the first cell; after the last it is `stride`.
+    mode
+        How fields go on in the frame.
+    weights
+        Share of each dual cell along each axis that lies in the domain.
+    """
+
+    stride: int
+    before: int
+    mode: Literal["edge", "wrap"]
+    weights: tuple[Array, Array]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of dual cells along each axis."""
+        return self.weights[0].size, self.weights[1].size
+
+    def framed(self, field: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return the field with its frame."""
+        return np.pad(field, (self.before, self.stride), mode=self.mode)
+
+    def corners(self, field: npt.NDArray[Any]) -> list[npt.NDArray[Any]]:
+        """Return views of a framed field at the four corners, in order around each dual cell."""
+        (m, n), s = self.shape, self.stride
+        return [field[dx : dx + m, dy : dy + n] for dx, dy in ((0, 0), (s, 0), (s, s), (0, s))]
+
+    def numbers(self, chosen: IntArray) -> IntArray:
+        """Return the flat indices, in a framed field, of the corners of some dual cells, shape (4, n)."""
+        width, s = self.shape[1] + self.stride, self.stride
+        i, j = np.divmod(chosen, self.shape[1])
+        first = i * width + j
+        return np.stack((first, first + s * width, first + s * width + s, first + s))
+
+
+def contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
+    """Return the edge of the contact, drawn between every cell or between cells `stride` apart.
+
+    With a stride all ways of choosing the cells are averaged.
+
+    Parameters
+    ----------
+    solution
+        The solved contact.
+    sharp
+        Cells at sharp edges, shape (nx, ny); there the cells are counted.
+    stride
+        Distance of the corners of a dual cell, in cells.
+    """
+    dual = _dual_cells(solution, stride)
+    count, cell = solution.clusters.count, solution.grid.cell_area
+    contact, labels, marked = (dual.framed(field) for field in (solution.contact, solution.clusters.labels, sharp))
+    inside = np.add.reduce([mask.view(np.uint8) for mask in dual.corners(contact)], axis=0)
+    weight = np.multiply.outer(*dual.weights)
+    whole = inside == 4
+    area = cell * np.bincount(dual.corners(labels)[0][whole], weights=weight[whole], minlength=count + 1)
+    chosen = np.flatnonzero((inside > 0) & ~whole)
+    weight, inside, k = weight.ravel()[chosen], inside.ravel()[chosen], dual.numbers(chosen)
+    touching, jagged = contact.ravel()[k], marked.ravel()[k].any(axis=0)
+    size = (stride * solution.grid.spacing[0], stride * solution.grid.spacing[1])
+    fields = dual.framed(solution.pressure).ravel()[k], dual.framed(solution.gap).ravel()[k]
+    distance = _distances(solution.modulus, *fields, touching, size)
+    parts, chords, euler = _polygons(distance, touching, inside, size)
+    parts = np.where(jagged, inside / 4.0 * (size[0] * size[1]), parts)
+    label = labels.ravel()[k].max(axis=0)
+    # Each way to choose the cells covers the whole contact.
+    weight = weight / stride**2
+    smooth = weight * ~jagged
+
+    def total(values: Array) -> Array:
+        return np.asarray(np.bincount(label, weights=values, minlength=count + 1), dtype=np.float64)
+
+    return Contour(
+        area=area + total(parts * weight),
+        length=total(chords * smooth),
+        euler=total(euler * smooth),
+        sharp=total(jagged * weight) / np.maximum(total(weight), cell),
+    )
+
+
+def _dual_cells(solution: ContactSolution, stride: int) -> _DualCells:
+    if solution.boundary is not Boundary.FREE:
+        nx, ny = solution.grid.shape
+        return _DualCells(stride, 0, "wrap", (np.ones(nx), np.ones(ny)))
+    weights = []
+    for n in solution.grid.shape:
+        # The outermost cells reach half a cell beyond their centres, and their fields with them.
+        first = np.arange(-stride, n)
+        inside = np.minimum(first + stride, n - 0.5) - np.maximum(first, -0.5)
+        weights.append(np.clip(inside, 0.0, stride) / stride)
+    return _DualCells(stride, stride, "edge", (weights[0], weights[1]))
+
+
+def _distances(modulus: float, pressure: Corners, gap: Corners, contact: Mask, size: tuple[float, float]) -> Corners:
+    """Return the signed distance from the edge at the corners of dual cells, all of shape (4, n), m."""
+    inside = np.square(pressure / modulus)
+    outside = np.zeros_like(inside)
+    outside[~contact] = np.cbrt(np.square(0.75 * np.maximum(gap[~contact], 0.0)))
+    ax, ay = _gradient(inside, size)
+    bx, by = _gradient(outside, size)
+    # |grad phi|^2 is a cubic in w = y^2.
+    cubic, square, linear = ax * ax + ay * ay, -2.0 * (ax * bx + ay * by), bx * bx + by * by
+    step = np.sqrt(size[0] * size[1])
+    steepest = _STEEPEST * step
+    with np.errstate(divide="ignore"):
+        highest = np.minimum(np.cbrt(steepest / inside.max(axis=0)) ** 2, (steepest / outside.max(axis=0)) ** 2)
+    highest = np.where(np.isfinite(highest), highest, 1.0)
+    w = _root(cubic, square, linear, highest)
+    lost = ((cubic * highest + square) * highest + linear) * highest < 1.0
+    if lost.any():
+        top = inside[:, lost].max(axis=0), outside[:, lost].max(axis=0)
+        # A root of P y^3 + G y = 0.7 cells, by the same means: its square is a cubic in w.
+        w[lost] = _root(top[0] ** 2, 2 * top[0] * top[1], top[1] ** 2, highest[lost], (_SADDLE * step) ** 2)
+    y = np.sqrt(w)
+    return np.asarray(inside * (w * y) - outside * y)
+
+
+def _gradient(values: Corners, size: tuple[float, float]) -> tuple[Array, Array]:
+    low_left, high_left, high_right, low_right = values
+    along_x = (high_left + high_right - low_left - low_right) / (2.0 * size[0])
+    along_y = (high_right + low_right - low_left - high_left) / (2.0 * size[1])
+    return along_x, along_y
+
+
+def _root(cubic: Array, square: Array, linear: Array, highest: Array, value: float = 1.0) -> Array:
+    """Return w in [0, highest] where the polynomial reaches a value."""
+    with np.errstate(divide="ignore"):
+        # Where all terms rise, each alone gives an upper bound, from which Newton's method descends.
+        w = np.minimum(np.minimum(np.cbrt(value / cubic), value / linear), highest)
+    for _ in range(_ROUNDS):
+        w = w - (((cubic * w + square) * w + linear) * w - value) / ((3.0 * cubic * w + 2.0 * square) * w + linear)
+    wild = (square < 0.0) | ~(w >= 0.0)
+    if wild.any():
+        w[wild] = _bracketed(cubic[wild], square[wild], linear[wild], highest[wild], value)
+    return w
+
+
+def _bracketed(cubic: Array, square: Array, linear: Array, highest: Array, value: float) -> Array:
+    """Return the same by Newton's method inside a bracket."""
+    low, high = np.zeros_like(highest), highest.copy()
+    w = 0.5 * highest
+    for _ in range(_BRACKETED):
+        excess = ((cubic * w + square) * w + linear) * w - value
+        above = excess > 0.0
+        np.copyto(high, w, where=above)
+        np.copyto(low, w, where=~above)
+        slope = (3.0 * cubic * w + 2.0 * square) * w + linear
+        with np.errstate(divide="ignore", invalid="ignore"):
+            trial = w - excess / slope
+        w = np.where((trial > low) & (trial < high), trial, 0.5 * (low + high))
+    return w
+
+
+def _polygons(
+    distance: Corners, contact: Mask, inside: npt.NDArray[np.uint8], size: tuple[float, float]
+) -> tuple[Array, Array, Array]:
+    """Return area inside, length and Euler number of the edge in dual cells, straight from side to side."""
+    following = np.roll(distance, -1, axis=0)
+    with np.errstate(invalid="ignore"):
+        # Where the edge crosses each side, from the corner of the same number on.
+        share = np.abs(distance) / (np.abs(distance) + np.abs(following))
+    np.copyto(share, 0.5, where=np.isnan(share))
+    diagonal = (contact[0] == contact[2]) & (contact[1] == contact[3])
+    # Each dual cell is turned so that its odd corner, or the first of two inside, comes first.
+    odd = np.where(inside == 3, ~contact, contact)
+    first = np.where(odd[0] & odd[3] & (inside == 2), 3, np.argmax(odd, axis=0))
+    columns = np.arange(first.size)
+    before, here, after = (share[(first + step) % 4, columns] for step in (-1, 0, 1))
+    along = np.where(first % 2 == 0, size[0], size[1])
+    across = size[0] * size[1] / along
+    triangle = 0.5 * (1.0 - before) * here
+    area = np.select([inside == 1, inside == 3], [triangle, 1.0 - triangle], 0.5 * (1.0 - before + after))
+    pair = inside == 2
+    chord = np.hypot(
+        np.where(pair, along, here * along), np.where(pair, (after + before - 1.0) * across, (1.0 - before) * across)
+    )
+    area *= size[0] * size[1]
+    euler = np.select([inside == 1, inside == 3, diagonal], [0.25, -0.25, -0.5], 0.0)
+    if diagonal.any():
+        area[diagonal], chord[diagonal] = _saddles(
+            distance[:, diagonal], contact[:, diagonal], share[:, diagonal], size
+        )
+    return area, chord, euler
+
+
+def _saddles(distance: Corners, contact: Mask, share: Corners, size: tuple[float, float]) -> tuple[Array, Array]:
+    """Return area and length where the corners inside face each other: joined if the sum of distances is positive."""
+    joined = distance.sum(axis=0) > 0.0
+    area, chord = np.zeros(distance.shape[1]), np.zeros(distance.shape[1])
+    for corner in range(4):
+        # A corner inside keeps its own triangle; joined, each corner outside loses its own.
+        one, other = 1.0 - share[corner - 1], share[corner]
+        triangle = contact[corner] != joined
+        area += np.where(triangle, 0.5 * one * other, 0.0)
+        before, after = (size[1], size[0]) if corner % 2 == 0 else (size[0], size[1])
+        chord += np.where(triangle, np.hypot(one * before, other * after), 0.0)
+    area = np.where(joined, 1.0 - area, area) * (size[0] * size[1])
+    return area, chord

@@ -1,0 +1,27 @@
+"""What speaks against an area."""
+
+from __future__ import annotations
+
+import math
+
+from roughcontact.solution import ContactSolution
+
+# Above this share of the area in clusters of less than four cells the grid does not see the contact.
+_SMALL = 0.2
+# Waves of fewer cells than this carry curvature that the grid does not resolve.
+_CELLS = 6.0
+
+
+def doubts(solution: ContactSolution, roughness: float) -> tuple[str, ...]:
+    """Say why an area from this solution must not be trusted; nothing if nothing speaks against it."""
+    found = []
+    waves = 2.0 * math.pi / math.sqrt(roughness) if roughness > 0.0 else math.inf
+    if waves < _CELLS:
+        found.append(f"the curvature of the heights goes with waves of about {waves:.2g} cells: refine the grid")
+    if solution.clusters.small_share > _SMALL:
+        found.append(
+            f"{100 * solution.clusters.small_share:.2g} % of the counted area lies in clusters of less than four cells"
+        )
+    if not solution.status.success:
+        found.append("the solution is not converged")
+    return tuple(found)
