@@ -22,6 +22,7 @@ FLOORS = [
     {"loads", "sweep"},
     {"certificate"},
     {"problem"},
+    {"refinement"},
     {"paper"},
     {"cli"},
     {"__main__"},

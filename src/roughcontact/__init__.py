@@ -3,8 +3,9 @@
 Surfaces and materials in; contact pressure, gap, approach and real contact area out.
 """
 
-from roughcontact.areas import AreaEstimator, CellCount, Perimeter
+from roughcontact.areas import AreaEstimator, Blend, CellCount, Hertz, LevelSet, LevelSetRichardson, Perimeter
 from roughcontact.body import RIGID_FLAT, Body
+from roughcontact.clusters import Clusters
 from roughcontact.convolvers import DCFFT, CircularFFT, Convolver, Direct, PlannedConvolution
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError
 from roughcontact.files import RawMap, SurfaceReader, read_surface, write_solution
@@ -13,6 +14,7 @@ from roughcontact.kernels import FourierHalfSpace, InfluenceKernel, Love
 from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid
 from roughcontact.plan import Plan
 from roughcontact.problem import ContactProblem
+from roughcontact.refinement import Ladder, Refined, extrapolate, refine
 from roughcontact.registry import areas, convolvers, kernels, readers, solvers
 from roughcontact.solution import Area, ContactSolution, Level, Residuals, Status
 from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
@@ -34,10 +36,12 @@ __all__ = [
     "RIGID_FLAT",
     "Area",
     "AreaEstimator",
+    "Blend",
     "Body",
     "Boundary",
     "CellCount",
     "CircularFFT",
+    "Clusters",
     "ContactProblem",
     "ContactSolution",
     "Convolver",
@@ -48,9 +52,13 @@ __all__ = [
     "FourierHalfSpace",
     "Grid",
     "HeightMap",
+    "Hertz",
     "InfluenceKernel",
     "InputError",
+    "Ladder",
     "Level",
+    "LevelSet",
+    "LevelSetRichardson",
     "Love",
     "Material",
     "MissingPackage",
@@ -63,6 +71,7 @@ __all__ = [
     "PolonskyKeer",
     "ProjectedConjugateGradient",
     "RawMap",
+    "Refined",
     "Residuals",
     "Rigid",
     "RoughContactError",
@@ -79,9 +88,11 @@ __all__ = [
     "WavySurface",
     "areas",
     "convolvers",
+    "extrapolate",
     "kernels",
     "read_surface",
     "readers",
+    "refine",
     "solvers",
     "write_solution",
 ]

@@ -42,6 +42,8 @@ _FLUCTUATION = 0.3
 # roughness (q h)^2 before extrapolation and by its square after, measured on self-affine surfaces.
 _UNRESOLVED = 0.03
 _UNRESOLVED_REFINED = 0.009
+# No more of an area than this is taken to be excess.
+_AT_MOST = 0.3
 
 
 @attrs.frozen(eq=False)
@@ -60,6 +62,8 @@ class Drawn:
         Share of the edge that is sharp.
     wander
         Standard deviation of either area, m2.
+    strip
+        Area of a strip along the edge, one cell wide, m2.
     roughness
         How little the grid resolves the heights: see `roughcontact.areas.curvature.roughness`.
     excess, excess_refined
@@ -77,6 +81,7 @@ class Drawn:
     length: Array
     sharp: Array
     wander: Array
+    strip: Array
     roughness: float
     excess: Array
     excess_refined: Array
@@ -100,9 +105,10 @@ def drawn(solution: ContactSolution) -> Drawn:
         length=one.length,
         sharp=one.sharp,
         wander=wander,
+        strip=strip,
         roughness=rough,
-        excess=_UNRESOLVED * rough * strip,
-        excess_refined=_UNRESOLVED_REFINED * rough**2 * strip,
+        excess=np.minimum(_UNRESOLVED * rough * strip, _AT_MOST * fine),
+        excess_refined=np.minimum(_UNRESOLVED_REFINED * rough**2 * strip, _AT_MOST * fine),
         blunt=_BLUNT * _saturated_share(solution) * strip,
         straight=_straight(solution) * cell,
         unknown=abs(float(np.sum((one.euler - two.euler)[1:], where=solution.clusters.cells >= _SHAPED))) * cell,
@@ -141,8 +147,7 @@ def edge_error(edges: Drawn, excess: Array, share: float | Array = 1.0) -> float
     known, and where the edges between all and between every second cell differ in their pieces and
     holes, a cell for each.
     """
-    strip = edges.excess / (_UNRESOLVED * edges.roughness) if edges.roughness > 0.0 else 0.0 * edges.excess
-    return float(np.sum(share * (0.5 * excess + _SHIFT_ERROR * strip + edges.blunt))) + edges.unknown
+    return float(np.sum(share * (0.5 * excess + _SHIFT_ERROR * edges.strip + edges.blunt))) + edges.unknown
 
 
 @attrs.frozen

@@ -9,7 +9,7 @@ from roughcontact.solution import ContactSolution
 # Above this share of the area in clusters of less than four cells the grid does not see the contact.
 _SMALL = 0.2
 # Waves of fewer cells than this carry curvature that the grid does not resolve.
-_CELLS = 6.0
+_CELLS = 5.5
 
 
 def doubts(solution: ContactSolution, roughness: float) -> tuple[str, ...]:
