@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "README.md", ROOT / "docs" / "plugins.md"]
+PAGES = [ROOT / "README.md", ROOT / "docs" / "plugins.md", ROOT / "docs" / "area.md"]
 BLOCKS = [
     pytest.param(block, id=f"{page.stem}-{number}")
     for page in PAGES
@@ -36,8 +36,15 @@ def test_error_against_run_time(monkeypatch, tmp_path, capsys):
 
 
 def test_overview(monkeypatch, tmp_path):
-    study("overview", monkeypatch).main(128, tmp_path)
+    study("overview", monkeypatch).main(128, 128, tmp_path)
     assert (tmp_path / "overview.png").stat().st_size > 10_000
+
+
+def test_which_estimator(monkeypatch, tmp_path, capsys):
+    study("which_estimator", monkeypatch).main((64, 128), (64, 128), 256, 1, tmp_path)
+    assert capsys.readouterr().out.count("| 128 |") == 2
+    for name in ("one_summit.png", "estimator_errors.png"):
+        assert (tmp_path / name).stat().st_size > 10_000
 
 
 def test_comparison_judges_ours_by_its_own_function(monkeypatch):

@@ -16,17 +16,16 @@ Johnson, Contact Mechanics (1985), section 5.1, https://doi.org/10.1017/CBO97811
 
 from __future__ import annotations
 
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
+from roughcontact.areas.polygons import Corners, crossings, polygons, segments
 from roughcontact.checks import Array, IntArray, Mask
 from roughcontact.grid import Boundary
 from roughcontact.solution import ContactSolution
-
-Corners: TypeAlias = npt.NDArray[np.float64]
 
 # Differences of the distance across a dual cell are below this many cells, or the edge is not smooth.
 _STEEPEST = 16.0
@@ -128,7 +127,7 @@ def contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
     size = (stride * solution.grid.spacing[0], stride * solution.grid.spacing[1])
     fields = dual.framed(solution.pressure).ravel()[k], dual.framed(solution.gap).ravel()[k]
     distance = _distances(solution.modulus, *fields, touching, size)
-    parts, chords, euler = _polygons(distance, touching, inside, size)
+    parts, chords, euler = polygons(distance, touching, inside, size)
     parts = np.where(jagged, inside / 4.0 * (size[0] * size[1]), parts)
     label = labels.ravel()[k].max(axis=0)
     # Each way to choose the cells covers the whole contact.
@@ -144,6 +143,28 @@ def contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
         euler=total(euler * smooth),
         sharp=total(jagged * weight) / np.maximum(total(weight), cell),
     )
+
+
+def outline(solution: ContactSolution) -> Array:
+    """Return the edge of the contact as straight pieces, for a picture.
+
+    Returns
+    -------
+    Array
+        Both ends (x, y) of each piece, shape (n, 2, 2), m.
+    """
+    dual = _dual_cells(solution, 1)
+    contact = dual.framed(solution.contact)
+    inside = np.add.reduce([mask.view(np.uint8) for mask in dual.corners(contact)], axis=0)
+    chosen = np.flatnonzero((inside > 0) & (inside < 4))
+    k, size = dual.numbers(chosen), solution.grid.spacing
+    fields = dual.framed(solution.pressure).ravel()[k], dual.framed(solution.gap).ravel()[k]
+    touching = contact.ravel()[k]
+    share = crossings(_distances(solution.modulus, *fields, touching, size))
+    first = np.stack(np.divmod(chosen, dual.shape[1]), axis=-1) - dual.before
+    which, ends = segments(share, touching)
+    origin = np.array((solution.grid.x[0, 0], solution.grid.y[0, 0]))
+    return np.asarray(origin + (first[which][:, np.newaxis] + ends) * size)
 
 
 def _dual_cells(solution: ContactSolution, stride: int) -> _DualCells:
@@ -217,50 +238,3 @@ def _bracketed(cubic: Array, square: Array, linear: Array, highest: Array, value
             trial = w - excess / slope
         w = np.where((trial > low) & (trial < high), trial, 0.5 * (low + high))
     return w
-
-
-def _polygons(
-    distance: Corners, contact: Mask, inside: npt.NDArray[np.uint8], size: tuple[float, float]
-) -> tuple[Array, Array, Array]:
-    """Return area inside, length and Euler number of the edge in dual cells, straight from side to side."""
-    following = np.roll(distance, -1, axis=0)
-    with np.errstate(invalid="ignore"):
-        # Where the edge crosses each side, from the corner of the same number on.
-        share = np.abs(distance) / (np.abs(distance) + np.abs(following))
-    np.copyto(share, 0.5, where=np.isnan(share))
-    diagonal = (contact[0] == contact[2]) & (contact[1] == contact[3])
-    # Each dual cell is turned so that its odd corner, or the first of two inside, comes first.
-    odd = np.where(inside == 3, ~contact, contact)
-    first = np.where(odd[0] & odd[3] & (inside == 2), 3, np.argmax(odd, axis=0))
-    columns = np.arange(first.size)
-    before, here, after = (share[(first + step) % 4, columns] for step in (-1, 0, 1))
-    along = np.where(first % 2 == 0, size[0], size[1])
-    across = size[0] * size[1] / along
-    triangle = 0.5 * (1.0 - before) * here
-    area = np.select([inside == 1, inside == 3], [triangle, 1.0 - triangle], 0.5 * (1.0 - before + after))
-    pair = inside == 2
-    chord = np.hypot(
-        np.where(pair, along, here * along), np.where(pair, (after + before - 1.0) * across, (1.0 - before) * across)
-    )
-    area *= size[0] * size[1]
-    euler = np.select([inside == 1, inside == 3, diagonal], [0.25, -0.25, -0.5], 0.0)
-    if diagonal.any():
-        area[diagonal], chord[diagonal] = _saddles(
-            distance[:, diagonal], contact[:, diagonal], share[:, diagonal], size
-        )
-    return area, chord, euler
-
-
-def _saddles(distance: Corners, contact: Mask, share: Corners, size: tuple[float, float]) -> tuple[Array, Array]:
-    """Return area and length where the corners inside face each other: joined if the sum of distances is positive."""
-    joined = distance.sum(axis=0) > 0.0
-    area, chord = np.zeros(distance.shape[1]), np.zeros(distance.shape[1])
-    for corner in range(4):
-        # A corner inside keeps its own triangle; joined, each corner outside loses its own.
-        one, other = 1.0 - share[corner - 1], share[corner]
-        triangle = contact[corner] != joined
-        area += np.where(triangle, 0.5 * one * other, 0.0)
-        before, after = (size[1], size[0]) if corner % 2 == 0 else (size[0], size[1])
-        chord += np.where(triangle, np.hypot(one * before, other * after), 0.0)
-    area = np.where(joined, 1.0 - area, area) * (size[0] * size[1])
-    return area, chord

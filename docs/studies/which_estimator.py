@@ -1,0 +1,147 @@
+"""Pictures and figures of the page "Which area estimator?".
+
+Writes docs/figures/one_summit.png (the edge of one contact at four resolutions, by each estimator) and
+docs/figures/estimator_errors.png (their errors against the cost), and prints the page's tables.
+
+    python docs/studies/which_estimator.py
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from pathlib import Path
+
+import attrs
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+import roughcontact as rc
+from roughcontact.areas.contour import outline
+from roughcontact.paper import printed
+
+FIGURES = Path(__file__).parent.parent / "figures"
+NAMES = ("cell-count", "perimeter", "level-set", "level-set-richardson", "hertz", "blend")
+GRIDS = (64, 128, 256, 512, 1024)
+LOAD = 100  # MPa
+WAVE = 12.5e-6
+
+
+def wavy(cells: int, waves: int = 20) -> rc.ContactProblem:
+    """Return the paper's wave, its summits anywhere in a cell."""
+    surface = rc.WavySurface(amplitude=0.5e-6, wavelength=WAVE, phase=(1.0, 2.0))
+    body = rc.Body(surface, rc.Elastic(young=200e9, poisson=0.3))
+    return rc.ContactProblem(body, grid=rc.Grid((cells, cells), waves * WAVE), boundary="periodic")
+
+
+def rough(cells: int) -> rc.ContactProblem:
+    """32 shortest waves a side, Hurst 0.8, rms slope 0.1, known between its points."""
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=1.0, longest=16.0, rolloff=8.0, seed=51)
+    whole = rc.HeightMap(surface.heights(rc.Grid((128, 128), 32.0)), size=32.0, periodic=True)
+    body = rc.Body(whole.resample((cells, cells), "fourier"), rc.Elastic(1.0, 0.0))
+    return rc.ContactProblem(body, boundary="periodic")
+
+
+def one_summit(axes: Axes, cells: int) -> None:
+    """Draw one contact of the paper's wave by each estimator."""
+    solution = wavy(cells, waves=1).solve(pressure=1e6 * LOAD)
+    dx, _ = solution.grid.spacing
+    x, y = 1e6 * solution.grid.x.ravel(), 1e6 * solution.grid.y.ravel()
+    peak = -np.array((1.0, 2.0)) / (2 * np.pi) * WAVE * 1e6
+    shown = np.where(solution.contact, solution.pressure, np.nan).T / 1e9
+    axes.pcolormesh(x - peak[0], y - peak[1], shown, cmap="Greys", vmin=0, vmax=25)
+    true = np.sqrt(printed.TRUE_AREA[LOAD] / 100 / np.pi) * WAVE * 1e6
+    angle = np.linspace(0, 2 * np.pi, 200)
+    axes.plot(true * np.cos(angle), true * np.sin(angle), "k-", lw=2.5, label="true")
+    pieces = 1e6 * outline(solution) - peak
+    axes.add_collection(LineCollection(list(pieces), colors="tab:orange", lw=1.5, label="level-set"))
+    # Circles of the same area, for these two know no boundary.
+    for name, style in (("cell-count", "b-."), ("blend", "r:")):
+        radius = np.sqrt(solution.area(name).value / np.pi) * 1e6
+        axes.plot(radius * np.cos(angle), radius * np.sin(angle), style, lw=1.6, label=name)
+    axes.set(xlim=(-1.3, 1.3), ylim=(-1.3, 1.3), aspect="equal", xlabel="x, µm")
+    axes.set_title(f"{WAVE / dx:.3g} cells a wave ({np.count_nonzero(solution.contact)} in contact)")
+
+
+def errors(problems: dict[int, rc.ContactProblem], load: float, true: float, repeats: int) -> dict[int, dict]:
+    """Errors and bars in percent, and CPU times in seconds, on each grid."""
+    rows = {}
+    for cells, problem in problems.items():
+        solves, row = [], {}
+        for _ in range(repeats):
+            started = time.process_time()
+            solution = attrs.evolve(problem).solve(pressure=load)
+            solves.append(time.process_time() - started)
+        for name in NAMES:
+            times = []
+            for _ in range(repeats):
+                fresh = attrs.evolve(solution)
+                started = time.process_time()
+                area = fresh.area(name)
+                times.append(time.process_time() - started)
+            row[name] = (
+                100 * (area.fraction / true - 1),
+                100 * area.uncertainty / area.value,
+                statistics.median(times),
+            )
+        rows[cells] = {"solve": statistics.median(solves), **row}
+    return rows
+
+
+def table(rows: dict[int, dict]) -> str:
+    lines = ["| N | solve, s | blend, s | " + " | ".join(f"{name}, %" for name in NAMES) + " |"]
+    lines.append("|---" * (len(NAMES) + 3) + "|")
+    for cells, row in rows.items():
+        found = [f"{row[name][0]:+.2f} (± {row[name][1]:.2f})" for name in NAMES]
+        lines.append(f"| {cells} | {row['solve']:.3f} | {row['blend'][2]:.3f} | " + " | ".join(found) + " |")
+    return "\n".join(lines)
+
+
+def against_time(axes: Axes, rows: dict[int, dict], title: str) -> None:
+    """Draw errors against CPU time; the bars reach two standard deviations up."""
+    for name, marker in zip(NAMES, "os^v<D", strict=True):
+        times = [row["solve"] + row[name][2] for row in rows.values()]
+        found = np.abs([row[name][0] for row in rows.values()])
+        axes.loglog(times, np.maximum(found, 1e-3), f"{marker}-", label=name)
+    axes.set(title=title, xlabel="CPU time of solve and area, s", ylabel="error of the area, %")
+    low, high = axes.get_xlim()
+    ticks = [t for t in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0) if low <= t <= high]
+    axes.set_xticks(ticks, [f"{t:g}" for t in ticks])
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.grid(alpha=0.3, which="both")
+
+
+def main(
+    grids: tuple[int, ...] = GRIDS,
+    rough_grids: tuple[int, ...] = (64, 128, 256, 512),
+    finest: int = 1024,
+    repeats: int = 3,
+    folder: Path = FIGURES,
+) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    figure = Figure(figsize=(13, 3.9), layout="constrained")
+    panels = figure.subplots(1, 4, sharey=True)
+    for axes, cells in zip(panels, (8, 16, 32, 64), strict=True):
+        one_summit(axes, cells)
+    panels[0].set_ylabel("y, µm")
+    panels[-1].legend(loc="upper right", fontsize=7)
+    figure.savefig(folder / "one_summit.png", dpi=120)
+
+    rows = errors({n: wavy(n) for n in grids}, 1e6 * LOAD, printed.TRUE_AREA[LOAD] / 100, repeats)
+    print(table(rows))
+    true = rough(finest).solve(pressure=2.5e-3).area().fraction
+    rough_rows = errors({n: rough(n) for n in rough_grids}, 2.5e-3, true, repeats)
+    print(table(rough_rows))
+    figure = Figure(figsize=(11, 4.2), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    against_time(left, rows, f"the paper's wave, {LOAD} MPa, {min(grids)} to {max(grids)} cells a side")
+    against_time(right, rough_rows, "self-affine, 6 % contact, 2 to 16 cells a shortest wave")
+    left.legend(fontsize=8)
+    figure.savefig(folder / "estimator_errors.png", dpi=120)
+
+
+if __name__ == "__main__":
+    main()
