@@ -103,6 +103,19 @@ def test_an_estimator_that_fails_is_named():
 
 def test_an_area_reads_well():
     assert str(rc.Area(2e-9, 0.012, 1e-10, "count")) == "2e-09 m2 (1.2 % of nominal) +- 5 % [count]"
+    assert str(rc.Area(2e-9, 0.012, 1e-10, "count", doubts=("it is late",))).endswith("[count]; doubtful: it is late")
+
+
+def test_the_length_of_the_edge():
+    """A strip of known length; the sides of cells count the long way round a sphere, by 4 / pi."""
+    body = rc.Body(rc.WavySurface((1e-6, 0.0), 1e-4), rc.Elastic(1e11, 0.0))
+    problem = rc.ContactProblem(body, grid=rc.Grid((64, 32), (1e-4, 5e-5)), boundary="periodic")
+    solution = problem.solve(pressure=5e8)
+    sphere, exact = hertz(16.0, (0.2, 0.1))
+    for name in ("cell-count", "perimeter", "level-set", "blend"):
+        assert solution.area(name).perimeter == pytest.approx(1e-4, rel=1e-9)
+        around = 2 * np.sqrt(np.pi * exact) * (4 / np.pi if name in ("cell-count", "perimeter") else 1.0)
+        assert sphere.area(name).perimeter == pytest.approx(around, rel=0.02)
 
 
 @pytest.mark.parametrize("share", [0.01, 0.3, 0.9])

@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 
 import attrs
 import numpy as np
-from scipy import optimize
 
 from roughcontact.checks import Array, number
 from roughcontact.errors import InputError
@@ -182,6 +181,8 @@ def _best_scale(candidates: Array, basis: Callable[[float], Array], values: Arra
     def misfit(log_scale: float) -> float:
         return _linear(basis(math.exp(log_scale)), values)[2]
 
+    from scipy import optimize
+
     logs = np.log(candidates)
     best = int(np.argmin([misfit(value) for value in logs]))
     low, high = logs[max(best - 1, 0)], logs[min(best + 1, logs.size - 1)]
@@ -212,6 +213,8 @@ def _monotone(y: Array) -> tuple[str, ...]:
 
 def _observed_order(x: Array, y: Array) -> float:
     """Return q such that the three finest values lie on A0 + c x^-q; nan if none does."""
+    from scipy import optimize
+
     far, near = y[-3] - y[-2], y[-2] - y[-1]
     if near == 0.0 or far / near <= 0.0:
         return math.nan

@@ -128,8 +128,10 @@ class Area:
 
     def __str__(self) -> str:
         relative = self.uncertainty / self.value if self.value > 0.0 else 0.0
+        doubtful = "".join(f"; doubtful: {doubt}" for doubt in self.doubts)
         return (
-            f"{self.value:.5g} m2 ({100 * self.fraction:.4g} % of nominal) +- {100 * relative:.2g} % [{self.estimator}]"
+            f"{self.value:.5g} m2 ({100 * self.fraction:.4g} % of nominal) +- {100 * relative:.2g} % "
+            f"[{self.estimator}]{doubtful}"
         )
 
 

@@ -41,6 +41,13 @@ def boundary_sides(contact: Mask, boundary: Boundary, of: Mask | None = None) ->
     return sum(int(np.count_nonzero(sides)) for sides in _sides(contact, boundary, of))
 
 
+def sides_length(solution: ContactSolution) -> float:
+    """Return the length of the cell sides between contact and open cells, m; the edge itself is shorter."""
+    across, along = _sides(solution.contact, solution.boundary, None)
+    dx, dy = solution.grid.spacing
+    return float(np.count_nonzero(across) * dy + np.count_nonzero(along) * dx)
+
+
 def straight_rows(contact: Mask, boundary: Boundary) -> IntArray:
     """Return the lengths, in sides, of the straight rows that make up the edge of the contact."""
     lengths = []

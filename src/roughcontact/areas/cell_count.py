@@ -5,7 +5,9 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact.areas.base import OVERSHOOT, AreaEstimator, boundary_sides
+from roughcontact.areas.base import OVERSHOOT, AreaEstimator, boundary_sides, sides_length
+from roughcontact.areas.curvature import roughness
+from roughcontact.areas.trust import doubts
 from roughcontact.solution import Area, ContactSolution
 
 
@@ -21,4 +23,11 @@ class CellCount(AreaEstimator):
         contact = solution.contact
         count = int(np.count_nonzero(contact))
         excess = OVERSHOOT * boundary_sides(contact, solution.boundary) * solution.grid.cell_area
-        return Area(count * solution.grid.cell_area, count / contact.size, excess, "cell-count")
+        return Area(
+            count * solution.grid.cell_area,
+            count / contact.size,
+            excess,
+            "cell-count",
+            perimeter=sides_length(solution),
+            doubts=doubts(solution, roughness(solution)),
+        )

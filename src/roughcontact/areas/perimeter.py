@@ -7,7 +7,9 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact.areas.base import OVERSHOOT, AreaEstimator, boundary_sides, straight_rows
+from roughcontact.areas.base import OVERSHOOT, AreaEstimator, boundary_sides, sides_length, straight_rows
+from roughcontact.areas.curvature import roughness
+from roughcontact.areas.trust import doubts
 from roughcontact.solution import Area, ContactSolution
 
 # Two bars hold everything from no correction at all (sharp edges) to twice the correction.
@@ -46,4 +48,11 @@ class Perimeter(AreaEstimator):
         value = max(count - OVERSHOOT * elastic, needed) * cell
         wander = _SPREAD * math.sqrt(float(np.sum(rows.astype(np.float64) ** 2)))
         uncertainty = (_SHARE * OVERSHOOT * elastic + wander) * cell
-        return Area(value, value / solution.grid.area, uncertainty, "perimeter")
+        return Area(
+            value,
+            value / solution.grid.area,
+            uncertainty,
+            "perimeter",
+            perimeter=sides_length(solution),
+            doubts=doubts(solution, roughness(solution)),
+        )
