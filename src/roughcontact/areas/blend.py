@@ -6,8 +6,9 @@ import attrs
 import numpy as np
 
 from roughcontact.areas.base import AreaEstimator
+from roughcontact.areas.edges import drawn, edge_error, few_cells
 from roughcontact.areas.hertz import common_error, hertz_areas
-from roughcontact.areas.levelset import drawn, edge_error, few_cells, summed
+from roughcontact.areas.total import summed
 from roughcontact.checks import Array
 from roughcontact.solution import Area, ContactSolution
 

@@ -10,7 +10,8 @@ from scipy import special
 
 from roughcontact.areas.base import AreaEstimator
 from roughcontact.areas.curvature import Curvature, curvature
-from roughcontact.areas.levelset import drawn, few_cells, summed
+from roughcontact.areas.edges import drawn, few_cells
+from roughcontact.areas.total import summed
 from roughcontact.checks import Array
 from roughcontact.solution import Area, ContactSolution
 
