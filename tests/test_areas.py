@@ -151,3 +151,6 @@ def test_straight_rows():
     mask = np.zeros((6, 6), dtype=bool)
     mask[1:3, 1:5] = True
     assert sorted(straight_rows(mask, rc.Boundary.FREE)) == [2, 2, 4, 4]
+    for shift in range(6):
+        moved = np.roll(mask, (shift, -shift), (0, 1))
+        assert sorted(straight_rows(moved, rc.Boundary.PERIODIC)) == [2, 2, 4, 4]

@@ -201,3 +201,19 @@ def test_input_errors_are_value_errors():
     assert issubclass(rc.InputError, ValueError)
     assert issubclass(rc.InputError, rc.RoughContactError)
     assert issubclass(rc.NotConverged, rc.RoughContactError)
+
+
+@pytest.mark.parametrize(
+    "start", [5, "x", [[1, 2]], [[1], [1, 2]], np.full((16, 16), np.nan), np.ones((16, 16)) * 1j, np.ones((4, 4))]
+)
+def test_a_start_that_is_no_pressure(start):
+    problem = rc.ContactProblem(rc.Body(rc.WavySurface(1e-3, 8.0), rc.Elastic(1.0, 0.0)), grid=rc.Grid((16, 16), 16.0))
+    with pytest.raises(rc.InputError, match="pressure to start from"):
+        problem.solve(pressure=1e-4, start=start)
+
+
+@pytest.mark.parametrize("loads", [5, [1.0, "x"], [1.0, None], [1.0, [2]], [1.0, float("inf")], []])
+def test_loads_of_a_sweep_that_are_none(loads):
+    problem = rc.ContactProblem(rc.Body(rc.WavySurface(1e-3, 8.0), rc.Elastic(1.0, 0.0)), grid=rc.Grid((16, 16), 16.0))
+    with pytest.raises(rc.InputError, match="load"):
+        problem.sweep(pressure=loads)

@@ -259,7 +259,7 @@ class TestSweep:
         ("call", "words"),
         [
             (lambda p: p.sweep(), "exactly one list"),
-            (lambda p: p.sweep(pressure=[]), "not empty"),
+            (lambda p: p.sweep(pressure=[]), "is empty"),
             (lambda p: p.sweep(pressure=[1e-3], force=[1.0]), "exactly one list"),
             (lambda p: p.sweep(pressure=[1e-3, -1.0]), "above 0"),
             (lambda p: p.solve_area(0.0), "above 0"),

@@ -64,6 +64,24 @@ def test_a_map_that_is_not_known_between_its_points_is_refused_until_it_is_said(
         rc.extrapolate(capped, pressure=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda p: rc.refine(3, pressure=1.0), "must be a ContactProblem"),
+        (lambda p: rc.refine(p, pressure=1.0, factor=1.5), "factor"),
+        (lambda p: rc.refine(p, pressure=1.0, factor=10**9), "more than memory bears"),
+        (lambda p: rc.refine(p, pressure=1.0, between="nonsense"), "'bilinear'"),
+        (lambda p: rc.extrapolate(p, pressure=1.0, levels=100), "more than memory bears"),
+        (lambda p: rc.extrapolate(p, pressure=1.0, levels=1), "at least 2"),
+        (lambda p: rc.extrapolate(p, pressure=1.0, estimator="blen"), "Did you mean 'blend'"),
+    ],
+)
+def test_bad_input_gets_a_sentence(call, words):
+    problem = rc.ContactProblem(rc.Body(rc.WavySurface(1e-3, 8.0), STEEL), grid=rc.Grid((16, 16), 16.0))
+    with pytest.raises(rc.InputError, match=words):
+        call(problem)
+
+
 def test_sums_of_surfaces_are_refined_part_by_part():
     values = 1e-3 * np.random.default_rng(0).standard_normal((32, 32))
     surface = rc.HeightMap(values, size=32.0, periodic=True) + rc.WavySurface(0.1, 32.0)

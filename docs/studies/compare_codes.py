@@ -150,14 +150,14 @@ def aspher(case: Case) -> np.ndarray | None:
     from aspher import solve_nested
 
     n, free = case.heights.shape[0], case.boundary == "free"
-    # With its tolerance of 1e-6 it misses the gate by a factor of four; on a free boundary floats do not pay.
+    # It misses the gate by a factor of four to ten with coarser tolerances; on a free boundary floats do not pay.
     result = solve_nested(
         grid_size=n,
         gap=np.ascontiguousarray(-case.heights),
         p_nominal=case.mean,
         domain_size=float(n),
         E_star=1.0,
-        tol=0.1 * GATE,
+        tol=0.1 * GATE if free else 0.01 * GATE,
         precision="" if free else "float_then_double",
         backend="fft" if free else "periodic",
     )

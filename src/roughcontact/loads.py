@@ -81,8 +81,22 @@ def task_of(
         mean_pressure=None if mean is None else mean / unit,
         approach=None if approach is None else _reachable(approach, undeformed, plan) / plan.relief,
         limit=plan.limit / unit,
-        start=None if start is None else start / unit,
+        start=None if start is None else _start(start, plan) / unit,
     )
+
+
+def _start(start: Array, plan: Plan) -> Array:
+    """Return a pressure to start from, within the bounds."""
+    try:
+        values = np.asarray(start)
+    except ValueError:
+        values = np.empty(0, dtype=object)
+    if values.dtype.kind not in "fiu" or values.shape != plan.grid.shape or not np.isfinite(values).all():
+        raise InputError(
+            f"The pressure to start from must be an array of {plan.grid.shape} finite numbers in Pa, "
+            f"but got {type(start).__name__} of shape {values.shape} and type {values.dtype}."
+        )
+    return np.clip(np.asarray(values, dtype=np.float64), 0.0, plan.limit)
 
 
 def _bearable(mean: float, plan: Plan) -> float:

@@ -128,11 +128,9 @@ class Area:
 
     def __str__(self) -> str:
         relative = self.uncertainty / self.value if self.value > 0.0 else 0.0
+        bar = f"{100 * relative:.2g} %" if self.value > 0.0 else f"{self.uncertainty:.2g} m2"
         doubtful = "".join(f"; doubtful: {doubt}" for doubt in self.doubts)
-        return (
-            f"{self.value:.5g} m2 ({100 * self.fraction:.4g} % of nominal) +- {100 * relative:.2g} % "
-            f"[{self.estimator}]{doubtful}"
-        )
+        return f"{self.value:.5g} m2 ({100 * self.fraction:.4g} % of nominal) +- {bar} [{self.estimator}]{doubtful}"
 
 
 @runtime_checkable

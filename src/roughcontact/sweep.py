@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import attrs
 import numpy as np
@@ -76,10 +76,13 @@ class Sweep:
 
 def swept(solve: Callable[..., ContactSolution], **lists: Sequence[float] | None) -> Sweep:
     """Solve for each load of the one list that is given; see `ContactProblem.sweep`."""
-    given = {name: list(values) for name, values in lists.items() if values is not None}
-    if len(given) != 1 or not next(iter(given.values())):
-        raise InputError("Give exactly one list of loads that is not empty: pressure=, force= or approach=.")
-    name, loads = next(iter(given.items()))
+    given = {name: values for name, values in lists.items() if values is not None}
+    if len(given) != 1 or not isinstance(next(iter(given.values())), Iterable):
+        raise InputError("Give exactly one list of loads: pressure=, force= or approach=.")
+    name, values = next(iter(given.items()))
+    loads = [number(value, f"A load of the sweep, {name},", above=0.0) for value in values]
+    if not loads:
+        raise InputError(f"The list of loads is empty: {name}=[...] needs at least one.")
     solutions: list[ContactSolution] = []
     for load in loads:
         solutions.append(solve(**{name: load}, start=_predicted(solutions, name, load)))

@@ -52,7 +52,13 @@ def straight_rows(contact: Mask, boundary: Boundary) -> IntArray:
     """Return the lengths, in sides, of the straight rows that make up the edge of the contact."""
     lengths = []
     for axis, sides in enumerate(_sides(contact, boundary, None)):
-        along = sides if axis == 0 else sides.T
+        along = sides if axis == 0 else np.ascontiguousarray(sides.T)
+        if boundary is not Boundary.FREE:
+            # A row that goes on across the border is one: its line is turned to begin at a gap.
+            seam = np.flatnonzero(along[:, 0] & along[:, -1] & ~along.all(axis=1))
+            first = np.argmin(along[seam], axis=1)[:, np.newaxis]
+            turned = (np.arange(along.shape[1]) + first) % along.shape[1]
+            along[seam] = np.take_along_axis(along[seam], turned, axis=1)
         framed = np.zeros((along.shape[0], along.shape[1] + 2), dtype=np.int8)
         framed[:, 1:-1] = along
         changes = np.diff(framed, axis=1)

@@ -42,15 +42,18 @@ class Blend(AreaEstimator):
         share = np.where(smooth, share * share * (3.0 - 2.0 * share), 0.0)
         fine, refined = edges.area - edges.excess, edges.refined - edges.excess_refined
         lines = np.maximum(share * refined + (1.0 - share) * np.where(smooth, fine, edges.area), _needed(solution))
-        size = np.maximum(lines, 0.1 * solution.grid.cell_area)
-        spread = np.hypot(few_cells(solution, edges), 0.5 * edges.excess + edges.blunt) / size
+        spread = np.hypot(few_cells(solution, edges), 0.5 * edges.excess + edges.blunt)
         found = hertz_areas(solution, _LARGEST)
-        error = np.where(smooth, found.error, np.inf)
-        weight = spread**2 / (spread**2 + error**2)
-        hertzian = np.where(weight > 0.0, weight * found.area, 0.0)
+        known = smooth & np.isfinite(found.error)
+        # A contact much smaller than a cell is known by its load alone; else the greater area is the safer scale.
+        below = found.area < solution.grid.cell_area
+        error = np.where(known, found.error, 1.0) * np.where(below, found.area, np.maximum(found.area, lines))
+        with np.errstate(invalid="ignore"):
+            weight = np.where(known, spread**2 / (spread**2 + error**2), 0.0)
+        weight = np.where(np.isfinite(weight), weight, 1.0)
+        hertzian = weight * found.area
         values = hertzian + (1.0 - weight) * lines
-        with np.errstate(divide="ignore"):
-            bars = values / np.sqrt(spread**-2 + error**-2)
+        bars = np.where(known, np.sqrt(weight) * error, spread)
         excess = np.where(smooth, share * edges.excess_refined + (1.0 - share) * edges.excess, 0.0)
         common = edge_error(edges, excess, 1.0 - weight) + common_error(found, hertzian)
         return summed(solution, values, bars, common, edges, "blend")

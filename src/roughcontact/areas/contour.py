@@ -120,7 +120,7 @@ def contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
     inside = np.add.reduce([mask.view(np.uint8) for mask in dual.corners(contact)], axis=0)
     weight = np.multiply.outer(*dual.weights)
     whole = inside == 4
-    area = cell * np.bincount(dual.corners(labels)[0][whole], weights=weight[whole], minlength=count + 1)
+    area = cell * _shared(dual.corners(labels), whole, weight, count)
     chosen = np.flatnonzero((inside > 0) & ~whole)
     weight, inside, k = weight.ravel()[chosen], inside.ravel()[chosen], dual.numbers(chosen)
     touching, jagged = contact.ravel()[k], marked.ravel()[k].any(axis=0)
@@ -129,13 +129,17 @@ def contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
     distance = _distances(solution.modulus, *fields, touching, size)
     parts, chords, euler = polygons(distance, touching, inside, size)
     parts = np.where(jagged, inside / 4.0 * (size[0] * size[1]), parts)
-    label = labels.ravel()[k].max(axis=0)
+    label = labels.ravel()[k]
     # Each way to choose the cells covers the whole contact.
     weight = weight / stride**2
     smooth = weight * ~jagged
 
     def total(values: Array) -> Array:
-        return np.asarray(np.bincount(label, weights=values, minlength=count + 1), dtype=np.float64)
+        # Corners two cells apart may lie in different clusters: each has its share.
+        shares = np.where(touching, values / inside, 0.0)
+        found = np.bincount(label.ravel(), weights=shares.ravel(), minlength=count + 1)
+        found[0] = 0.0
+        return found.astype(np.float64)
 
     return Contour(
         area=area + total(parts * weight),
@@ -143,6 +147,16 @@ def contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
         euler=total(euler * smooth),
         sharp=total(jagged * weight) / np.maximum(total(weight), cell),
     )
+
+
+def _shared(labels: list[IntArray], whole: Mask, weight: Array, count: int) -> Array:
+    """Return the weights of the whole dual cells of each cluster; where corners differ each has a quarter."""
+    one = (labels[0] == labels[2]) & (labels[1] == labels[3]) & (labels[0] == labels[1])
+    alike, mixed = whole & one, whole & ~one
+    sums = np.bincount(labels[0][alike], weights=weight[alike], minlength=count + 1)
+    for corner in labels if mixed.any() else ():
+        sums = sums + np.bincount(corner[mixed], weights=0.25 * weight[mixed], minlength=count + 1)
+    return sums.astype(np.float64)
 
 
 def outline(solution: ContactSolution) -> Array:
@@ -217,7 +231,8 @@ def _root(cubic: Array, square: Array, linear: Array, highest: Array, value: flo
         # Where all terms rise, each alone gives an upper bound, from which Newton's method descends.
         w = np.minimum(np.minimum(np.cbrt(value / cubic), value / linear), highest)
     for _ in range(_ROUNDS):
-        w = w - (((cubic * w + square) * w + linear) * w - value) / ((3.0 * cubic * w + 2.0 * square) * w + linear)
+        excess, slope = ((cubic * w + square) * w + linear) * w - value, (3.0 * cubic * w + 2.0 * square) * w + linear
+        w = w - np.divide(excess, slope, out=np.full_like(w, np.nan), where=slope != 0.0)
     wild = (square < 0.0) | ~(w >= 0.0)
     if wild.any():
         w[wild] = _bracketed(cubic[wild], square[wild], linear[wild], highest[wild], value)

@@ -15,7 +15,7 @@ from roughcontact.solution import ContactSolution
 _SECOND = (-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0)
 _REACH = len(_SECOND) - 1
 # The roughness is taken from about so many cells.
-_SAMPLE = 20_000
+_SAMPLE = 100_000
 
 
 # Clusters of fewer cells do not show how the curvature varies beneath them: their neighbours are asked.
@@ -72,9 +72,9 @@ def roughness(solution: ContactSolution) -> float:
     chosen = chosen[:: max(1, chosen.size // _SAMPLE)]
     if chosen.size == 0:
         return 0.0
-    lines = _lines(solution, chosen)
-    fourth = sum(float(np.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2)) for here, pairs in lines[:2])
-    second = sum(float(np.mean((pairs[0] - 2.0 * here) ** 2)) for here, pairs in lines[:2])
+    lines = _lines(solution, chosen, 2)[:2]
+    fourth = sum(float(np.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2)) for here, pairs in lines)
+    second = sum(float(np.mean((pairs[0] - 2.0 * here) ** 2)) for here, pairs in lines)
     return math.sqrt(fourth / second) if second > 0.0 else 0.0
 
 
@@ -113,19 +113,19 @@ def _hessian(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array,
     return along_x / dx**2, along_y / dy**2, (rising - falling) / (4.0 * dx * dy)
 
 
-def _lines(solution: ContactSolution, chosen: IntArray) -> list[tuple[Array, list[Array]]]:
+def _lines(solution: ContactSolution, chosen: IntArray, reach: int = _REACH) -> list[tuple[Array, list[Array]]]:
     """Return the gap at cells, with the sums of both neighbours at each distance, along x, y and both diagonals."""
     nx, ny = solution.grid.shape
     i, j = np.divmod(chosen, ny)
     free = solution.boundary is Boundary.FREE
     if free:
         # At a free border the stencil is moved inside.
-        i, j = (np.clip(k, min(_REACH, n // 2), max(n - 1 - _REACH, n // 2)) for k, n in ((i, nx), (j, ny)))
-    framed = np.pad(solution.undeformed, _REACH, mode="edge" if free else "wrap")
-    width = ny + 2 * _REACH
-    at = (i + _REACH) * width + (j + _REACH)
+        i, j = (np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k for k, n in ((i, nx), (j, ny)))
+    framed = np.pad(solution.undeformed, reach, mode="edge" if free else "wrap")
+    width = ny + 2 * reach
+    at = (i + reach) * width + (j + reach)
     here = framed.take(at)
     return [
-        (here, [framed.take(at + k * step) + framed.take(at - k * step) for k in range(1, _REACH + 1)])
+        (here, [framed.take(at + k * step) + framed.take(at - k * step) for k in range(1, reach + 1)])
         for step in (width, 1, width + 1, width - 1)
     ]

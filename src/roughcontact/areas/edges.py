@@ -12,6 +12,7 @@ from roughcontact.areas.contour import Contour, contour
 from roughcontact.areas.curvature import roughness
 from roughcontact.areas.sharp import sharp_edges
 from roughcontact.checks import Array
+from roughcontact.grid import Boundary
 from roughcontact.solution import ContactSolution
 
 # The chords of a dual cell cut off kappa l^3 / 12 each. With the mean chords of the unit square,
@@ -22,9 +23,11 @@ _BENT = 0.16
 # The solution itself wanders by this much, in cells per root of the edge's length in cells.
 _WANDER = 0.065
 _COUNTED_SIDES = 4.0 / np.pi
-# An edge along the grid is misplaced by this, in cells, as a whole.
-_ALIGNED = 0.08
+# An edge along the grid is misplaced by this, in cells, as a whole, and the more the thinner the contact.
+_ALIGNED = 0.1
 _CURVED = 5.0
+# Beside a cell of a free border that is in contact so much of a cell is not known.
+_CUT = 0.1
 # Clusters of as many cells are drawn alike by both strides, or their shape is not resolved.
 _SHAPED = 12
 # Edges drawn around no more than so many cells err more than edges wander.
@@ -66,7 +69,7 @@ class Drawn:
     blunt
         Error where the pressure reaches its limit near the edge, m2: the distance is not told there.
     straight
-        Standard deviation of the area beside edges that run along the grid, m2.
+        Standard deviation of the area beside edges that run along the grid, and at a free border, m2.
     unknown
         A cell for each piece or hole of the larger clusters that is not the same in both drawings, m2.
     """
@@ -91,7 +94,9 @@ def drawn(solution: ContactSolution) -> Drawn:
     one, two = (contour(solution, marked, stride) for stride in (1, 2))
     fine, coarse = _closed(solution, one, 1), _closed(solution, two, 2)
     cell = solution.grid.cell_area
-    wander = _WANDER * np.sqrt(_COUNTED_SIDES * one.length / np.sqrt(cell)) * cell
+    # However little of a cell is drawn, its edge wanders as that of a disc of half the size.
+    disc = np.sqrt(np.pi * cell * np.concatenate(([0], solution.clusters.cells)))
+    wander = _WANDER * np.sqrt(_COUNTED_SIDES * np.maximum(one.length, disc) / np.sqrt(cell)) * cell
     rough = roughness(solution)
     strip = np.sqrt(cell) * one.length
     return Drawn(
@@ -105,8 +110,19 @@ def drawn(solution: ContactSolution) -> Drawn:
         excess=np.minimum(_UNRESOLVED * rough * strip, _AT_MOST * fine),
         excess_refined=np.minimum(_UNRESOLVED_REFINED * rough**2 * strip, _AT_MOST * fine),
         blunt=_BLUNT * _saturated_share(solution) * strip,
-        straight=_straight(solution) * cell,
+        straight=_border(solution) * cell
+        + _straight(solution) * cell * (1.0 + float(np.sum(strip)) / max(2.0 * float(np.sum(fine)), cell)),
         unknown=abs(float(np.sum((one.euler - two.euler)[1:], where=solution.clusters.cells >= _SHAPED))) * cell,
+    )
+
+
+def _border(solution: ContactSolution) -> float:
+    """Return the error where a free border cuts the contact, in cells."""
+    contact = solution.contact
+    if solution.boundary is not Boundary.FREE or contact.all():
+        return 0.0
+    return _CUT * float(
+        sum(np.count_nonzero(edge) for edge in (contact[0], contact[-1], contact[:, 0], contact[:, -1]))
     )
 
 

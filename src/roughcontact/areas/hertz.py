@@ -12,7 +12,8 @@ from roughcontact.areas.base import AreaEstimator
 from roughcontact.areas.curvature import Curvature, curvature
 from roughcontact.areas.edges import drawn, few_cells
 from roughcontact.areas.total import summed
-from roughcontact.checks import Array
+from roughcontact.checks import Array, Mask
+from roughcontact.grid import Boundary
 from roughcontact.solution import Area, ContactSolution
 
 # Flatter summits than this, by the smaller over the greater curvature, are no ellipses.
@@ -59,7 +60,7 @@ def hertz_areas(solution: ContactSolution, largest: float = np.inf) -> HertzArea
         Clusters of more cells are passed over.
     """
     clusters = solution.clusters
-    small = np.concatenate(([False], clusters.cells <= largest))
+    small = np.concatenate(([False], clusters.cells <= largest)) & ~_cut(solution)
     chosen = np.flatnonzero(small[clusters.labels])
     found = curvature(solution, chosen)
     force = np.concatenate(([0.0], clusters.forces))
@@ -72,6 +73,15 @@ def hertz_areas(solution: ContactSolution, largest: float = np.inf) -> HertzArea
     area = area * _growth(solution, force, area)
     error = _ERROR[0] + _ERROR[1] * found.spread**2 + _ERROR[2] * found.spread**4
     return HertzAreas(np.where(valid, area, 0.0), np.where(valid, error, np.inf), found)
+
+
+def _cut(solution: ContactSolution) -> Mask:
+    """Mark the clusters that a free border cuts, shape (count + 1,): they are parts of an ellipse at best."""
+    labels, found = solution.clusters.labels, np.zeros(solution.clusters.count + 1, dtype=bool)
+    if solution.boundary is Boundary.FREE:
+        for edge in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
+            found[edge] = True
+    return found
 
 
 def common_error(found: HertzAreas, areas: Array) -> float:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import Literal
 
 import numpy as np
 
 from roughcontact.areas.edges import Drawn
 from roughcontact.areas.trust import doubts
 from roughcontact.checks import Array
+from roughcontact.grid import Boundary
 from roughcontact.solution import Area, ContactSolution
 
 # Relative error by the square of the roughness, of the share in clusters of less than four cells, for
@@ -18,7 +20,7 @@ _FLUCTUATION = 0.3
 
 
 def summed(solution: ContactSolution, values: Array, bars: Array, common: float, edges: Drawn, name: str) -> Area:
-    """Return the area of all clusters, with exactly nothing and exactly the whole where that is.
+    """Return the area of all clusters, with exactly nothing and the whole where that is.
 
     Parameters
     ----------
@@ -32,8 +34,11 @@ def summed(solution: ContactSolution, values: Array, bars: Array, common: float,
     if cells in (0, solution.contact.size):
         whole = float(cells > 0)
         parts = np.full(int(whole), grid.area)
-        return Area(whole * grid.area, whole, 0.0, name, perimeter=0.0, clusters=parts)
-    value = min(float(values.sum()), grid.area)
+        hidden = _hidden(solution) * grid.cell_area
+        return Area(whole * grid.area, whole, hidden, name, perimeter=0.0, clusters=parts)
+    total = float(values.sum())
+    value = min(total, grid.area)
+    values = values * (value / total if total > 0.0 else 1.0)
     # Summits that the grid does not show have clusters of a few cells beside them.
     unseen = _UNSEEN * clusters.small_share * edges.roughness**2 * value
     few = np.concatenate(([1.0], clusters.cells))
@@ -47,3 +52,13 @@ def summed(solution: ContactSolution, values: Array, bars: Array, common: float,
         clusters=values[1:],
         doubts=doubts(solution, edges.roughness),
     )
+
+
+def _hidden(solution: ContactSolution) -> float:
+    """Return the cells in full contact beside which the pressure would be gone before the next centre."""
+    pressure = solution.pressure
+    mode: Literal["edge", "wrap"] = "edge" if solution.boundary is Boundary.FREE else "wrap"
+    framed = np.pad(pressure, 1, mode=mode)
+    around = (framed[:-2, 1:-1], framed[2:, 1:-1], framed[1:-1, :-2], framed[1:-1, 2:])
+    steepest = np.max([np.abs(neighbour - pressure) for neighbour in around], axis=0)
+    return float(np.count_nonzero((pressure > 0.0) & (2.0 * pressure < steepest)))

@@ -10,6 +10,8 @@ from roughcontact.solution import ContactSolution
 _SMALL = 0.2
 # Waves of fewer cells than this carry curvature that the grid does not resolve.
 _CELLS = 5.5
+# Below this roughness load and curvature tell the area of the smallest clusters.
+_ROUGH = 0.4
 
 
 def doubts(solution: ContactSolution, roughness: float) -> tuple[str, ...]:
@@ -18,7 +20,7 @@ def doubts(solution: ContactSolution, roughness: float) -> tuple[str, ...]:
     waves = 2.0 * math.pi / math.sqrt(roughness) if roughness > 0.0 else math.inf
     if waves < _CELLS:
         found.append(f"the curvature of the heights goes with waves of about {waves:.2g} cells: refine the grid")
-    if solution.clusters.small_share > _SMALL:
+    if solution.clusters.small_share > _SMALL and roughness > _ROUGH:
         found.append(
             f"{100 * solution.clusters.small_share:.2g} % of the counted area lies in clusters of less than four cells"
         )

@@ -5,12 +5,15 @@ from __future__ import annotations
 import attrs
 
 from roughcontact.body import Body
+from roughcontact.checks import choice
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 from roughcontact.problem import ContactProblem
 from roughcontact.surfaces import HeightMap, Surface
 from roughcontact.surfaces.base import own_grid
 from roughcontact.surfaces.sum import SurfaceSum
+
+_MOST_CELLS = 2**28
 
 
 def on_grid(problem: ContactProblem, shape: tuple[int, int], between: str | None = None) -> ContactProblem:
@@ -32,12 +35,29 @@ def on_grid(problem: ContactProblem, shape: tuple[int, int], between: str | None
         If a surface is not known between the points of its grid, or the pressure limit is an array.
     """
     grid = Grid(shape, problem.plan.grid.size)
+    if between is not None:
+        choice(between, "The way a map goes on between its points", ("bilinear", "fourier", "mean"))
     if not isinstance(problem.plan.limit, float):
         raise InputError("The pressure limit is an array, which is not known between its cells.")
     body, counter = (
         Body(_known(side.surface, grid, between), side.material) for side in (problem.body, problem.counter)
     )
     return attrs.evolve(problem, body=body, counter=counter, grid=grid)
+
+
+def require_problem(problem: ContactProblem) -> ContactProblem:
+    """Raise `InputError` if it is no problem."""
+    if not isinstance(problem, ContactProblem):
+        raise InputError.about("What is to be refined", problem, "a ContactProblem")
+    return problem
+
+
+def require_bearable(nx: int, ny: int, factor: int) -> None:
+    """Raise `InputError` if a grid finer by a factor has more cells than any machine bears."""
+    if nx * ny * factor**2 > _MOST_CELLS:
+        raise InputError(
+            f"A grid of {nx * factor} x {ny * factor} cells is more than memory bears: at most 2^28 cells in all."
+        )
 
 
 def _known(surface: Surface, grid: Grid, between: str | None) -> Surface:

@@ -11,7 +11,8 @@ from roughcontact.checks import Array, integer
 from roughcontact.errors import InputError
 from roughcontact.extrapolation import Extrapolation, exponential, richardson
 from roughcontact.problem import ContactProblem
-from roughcontact.refinement.finer import on_grid
+from roughcontact.refinement.finer import on_grid, require_bearable, require_problem
+from roughcontact.registry import areas
 from roughcontact.solution import DEFAULT_AREA, Area, ContactSolution, EstimatesArea
 
 # Corrected areas gain this order or more when a grid is refined; the least keeps the error honest.
@@ -57,14 +58,15 @@ class Ladder:
     def area(self) -> Area:
         """The extrapolated area.
 
-        Its uncertainty is the greater of the step that the extrapolation makes beyond the finest grid
-        and a third of what the finest two grids differ by, and no less than half of the finest grid's.
+        Where the finest two grids agree within the finest one's uncertainty there is nothing to
+        extrapolate, and the finest stands. The uncertainty is the step beyond it, and no less than its own.
         """
         coarse, fine = self.areas[-2:]
         nominal = self.solutions[-1].grid.area
+        if abs(fine.value - coarse.value) <= fine.uncertainty:
+            return attrs.evolve(fine, estimator=f"{fine.estimator}, finest of {len(self.solutions)}")
         value = min(max(self.richardson.value, 0.0), nominal)
-        step = max(abs(value - fine.value), abs(fine.value - coarse.value) / 3.0)
-        bar = max(step, 0.5 * fine.uncertainty)
+        bar = max(abs(value - fine.value), fine.uncertainty)
         doubts = tuple(dict.fromkeys((*fine.doubts, *self.richardson.warnings)))
         return Area(value, value / nominal, bar, f"{fine.estimator}, extrapolated", doubts=doubts)
 
@@ -123,7 +125,9 @@ def extrapolate(
         If a solution is not certified.
     """
     levels = integer(levels, "The number of grids", at_least=2)
-    nx, ny = problem.plan.grid.shape
+    areas.resolve(estimator, EstimatesArea)
+    nx, ny = require_problem(problem).plan.grid.shape
+    require_bearable(nx, ny, 2 ** min(levels - 1, 60))
     solutions: list[ContactSolution] = []
     for level in range(levels):
         finer = on_grid(problem, (nx << level, ny << level), between) if level else problem
