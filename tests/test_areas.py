@@ -133,6 +133,16 @@ def test_the_bar_of_the_perimeter_holds_a_round_punch():
     assert abs(area.value - np.pi * 9e-8) <= 2 * area.uncertainty
 
 
+def test_the_bar_of_the_perimeter_holds_strips_whose_edges_err_alike():
+    strip = reference.Westergaard(1e-6, 1e-4, 1e11)
+    mean = 0.3 * strip.full_contact_pressure
+    for shape in ((256, 1), (256, 4)):
+        body = rc.Body(rc.WavySurface((1e-6, 0.0), 1e-4), rc.Elastic(1e11, 0.0))
+        problem = rc.ContactProblem(body, grid=rc.Grid(shape, 1e-4), boundary="periodic")
+        area = problem.solve(pressure=mean).area("perimeter")
+        assert abs(area.fraction * 1e-4 - 2 * strip.half_width(mean)) <= 2e-4 * area.uncertainty / 1e-8
+
+
 @pytest.mark.parametrize("rows", [1, 4])
 @pytest.mark.parametrize("name", ["perimeter", "level-set", "level-set-richardson", "blend"])
 def test_the_bars_hold_strips_along_the_grid(name, rows):

@@ -151,7 +151,7 @@ def test_any_shape_of_grid(shape, boundary):
     problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary=boundary)
     solution = problem.solve(pressure=0.05)
     assert solution.status.success
-    assert solution.iterations <= 80
+    assert solution.iterations <= 60
 
 
 def test_a_start_skips_the_coarse_grids():
@@ -259,7 +259,7 @@ class TestSweep:
         ("call", "words"),
         [
             (lambda p: p.sweep(), "exactly one list"),
-            (lambda p: p.sweep(pressure=[]), "is empty"),
+            (lambda p: p.sweep(pressure=[]), "not empty"),
             (lambda p: p.sweep(pressure=[1e-3], force=[1.0]), "exactly one list"),
             (lambda p: p.sweep(pressure=[1e-3, -1.0]), "above 0"),
             (lambda p: p.solve_area(0.0), "above 0"),

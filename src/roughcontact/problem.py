@@ -108,12 +108,22 @@ class ContactProblem:
         bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit)
         return plan.convolver.plan(bound, plan.grid, plan.boundary)
 
-    @cached_property
+    @property
     def undeformed(self) -> Array:
         """Gap before deformation when the summits just touch, shape (nx, ny), m, at least zero."""
+        return self._gap[0]
+
+    @property
+    def summit(self) -> float:
+        """Greatest sum of both heights, m, where the bodies touch first."""
+        return self._gap[1]
+
+    @cached_property
+    def _gap(self) -> tuple[Array, float]:
         grid = self._grid()
         total = _heights(self.body, grid) + _heights(self.counter, grid)
-        return frozen_array(total.max() - total)
+        summit = float(total.max())
+        return frozen_array(summit - total), summit
 
     def explain(self) -> str:
         """Return in words what a solve will do, and what is left out and why."""

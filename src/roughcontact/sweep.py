@@ -82,7 +82,7 @@ def swept(solve: Callable[..., ContactSolution], **lists: Sequence[float] | None
     name, values = next(iter(given.items()))
     loads = [number(value, f"A load of the sweep, {name},", above=0.0) for value in values]
     if not loads:
-        raise InputError(f"The list of loads is empty: {name}=[...] needs at least one.")
+        raise InputError("Give exactly one list of loads that is not empty: pressure=, force= or approach=.")
     solutions: list[ContactSolution] = []
     for load in loads:
         solutions.append(solve(**{name: load}, start=_predicted(solutions, name, load)))

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import abc
 import math
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from roughcontact.checks import IntArray, Mask
 from roughcontact.grid import Boundary
@@ -21,6 +23,11 @@ class AreaEstimator(abc.ABC):
     @abc.abstractmethod
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the real contact area with its error bar."""
+
+
+def framed(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArray[Any]:
+    """Return a field with a frame: on a closed domain the field goes on there, else its outermost cells do."""
+    return np.pad(field, width, mode="edge" if boundary is Boundary.FREE else "wrap")
 
 
 def boundary_sides(contact: Mask, boundary: Boundary, of: Mask | None = None) -> int:

@@ -59,7 +59,7 @@ class Contour:
 
 @attrs.frozen(eq=False)
 class _DualCells:
-    """Dual cells of one stride, their lower left corners in order; fields are framed so that all corners exist.
+    """Dual cells of one stride, their lower left corners in order; a frame gives all of them four corners.
 
     Attributes
     ----------
@@ -83,21 +83,25 @@ class _DualCells:
         """Number of dual cells along each axis."""
         return self.weights[0].size, self.weights[1].size
 
-    def framed(self, field: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Return the field with its frame."""
-        return np.pad(field, (self.before, self.stride), mode=self.mode)
-
     def corners(self, field: npt.NDArray[Any]) -> list[npt.NDArray[Any]]:
-        """Return views of a framed field at the four corners, in order around each dual cell."""
+        """Return the field at the four corners, in order around each dual cell."""
         (m, n), s = self.shape, self.stride
-        return [field[dx : dx + m, dy : dy + n] for dx, dy in ((0, 0), (s, 0), (s, s), (0, s))]
+        framed = np.pad(field, (self.before, s), mode=self.mode)
+        return [framed[dx : dx + m, dy : dy + n] for dx, dy in ((0, 0), (s, 0), (s, s), (0, s))]
 
-    def numbers(self, chosen: IntArray) -> IntArray:
-        """Return the flat indices, in a framed field, of the corners of some dual cells, shape (4, n)."""
-        width, s = self.shape[1] + self.stride, self.stride
-        i, j = np.divmod(chosen, self.shape[1])
-        first = i * width + j
-        return np.stack((first, first + s * width, first + s * width + s, first + s))
+    def inside(self, contact: Mask) -> npt.NDArray[np.uint8]:
+        """Return the number of corners in contact."""
+        return np.asarray(np.add.reduce([mask.view(np.uint8) for mask in self.corners(contact)], axis=0))
+
+    def cells(self, chosen: IntArray) -> IntArray:
+        """Return the flat indices of the cells at the corners of some dual cells, shape (4, n)."""
+        ends = []
+        for first, count in zip(np.divmod(chosen, self.shape[1]), self.shape, strict=True):
+            n, corners = count - self.before, (first - self.before, first - self.before + self.stride)
+            ends.append([k % n if self.mode == "wrap" else np.clip(k, 0, n - 1) for k in corners])
+        (low, high), (left, right) = ends
+        ny = self.shape[1] - self.before
+        return np.stack((low * ny + left, high * ny + left, high * ny + right, low * ny + right))
 
 
 def contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
@@ -116,20 +120,18 @@ def contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
     """
     dual = _dual_cells(solution, stride)
     count, cell = solution.clusters.count, solution.grid.cell_area
-    contact, labels, marked = (dual.framed(field) for field in (solution.contact, solution.clusters.labels, sharp))
-    inside = np.add.reduce([mask.view(np.uint8) for mask in dual.corners(contact)], axis=0)
+    inside = dual.inside(solution.contact)
     weight = np.multiply.outer(*dual.weights)
     whole = inside == 4
-    area = cell * _shared(dual.corners(labels), whole, weight, count)
+    area = cell * _shared(dual.corners(solution.clusters.labels), whole, weight, count)
     chosen = np.flatnonzero((inside > 0) & ~whole)
-    weight, inside, k = weight.ravel()[chosen], inside.ravel()[chosen], dual.numbers(chosen)
-    touching, jagged = contact.ravel()[k], marked.ravel()[k].any(axis=0)
+    weight, inside, k = weight.ravel()[chosen], inside.ravel()[chosen], dual.cells(chosen)
+    touching, jagged = solution.contact.ravel()[k], sharp.ravel()[k].any(axis=0)
     size = (stride * solution.grid.spacing[0], stride * solution.grid.spacing[1])
-    fields = dual.framed(solution.pressure).ravel()[k], dual.framed(solution.gap).ravel()[k]
-    distance = _distances(solution.modulus, *fields, touching, size)
+    distance = _distances(solution, k, touching, size)
     parts, chords, euler = polygons(distance, touching, inside, size)
     parts = np.where(jagged, inside / 4.0 * (size[0] * size[1]), parts)
-    label = labels.ravel()[k]
+    label = solution.clusters.labels.ravel()[k]
     # Each way to choose the cells covers the whole contact.
     weight = weight / stride**2
     smooth = weight * ~jagged
@@ -168,13 +170,11 @@ def outline(solution: ContactSolution) -> Array:
         Both ends (x, y) of each piece, shape (n, 2, 2), m.
     """
     dual = _dual_cells(solution, 1)
-    contact = dual.framed(solution.contact)
-    inside = np.add.reduce([mask.view(np.uint8) for mask in dual.corners(contact)], axis=0)
+    inside = dual.inside(solution.contact)
     chosen = np.flatnonzero((inside > 0) & (inside < 4))
-    k, size = dual.numbers(chosen), solution.grid.spacing
-    fields = dual.framed(solution.pressure).ravel()[k], dual.framed(solution.gap).ravel()[k]
-    touching = contact.ravel()[k]
-    share = crossings(_distances(solution.modulus, *fields, touching, size))
+    k, size = dual.cells(chosen), solution.grid.spacing
+    touching = solution.contact.ravel()[k]
+    share = crossings(_distances(solution, k, touching, size))
     first = np.stack(np.divmod(chosen, dual.shape[1]), axis=-1) - dual.before
     which, ends = segments(share, touching)
     origin = np.array((solution.grid.x[0, 0], solution.grid.y[0, 0]))
@@ -194,11 +194,11 @@ def _dual_cells(solution: ContactSolution, stride: int) -> _DualCells:
     return _DualCells(stride, stride, "edge", (weights[0], weights[1]))
 
 
-def _distances(modulus: float, pressure: Corners, gap: Corners, contact: Mask, size: tuple[float, float]) -> Corners:
-    """Return the signed distance from the edge at the corners of dual cells, all of shape (4, n), m."""
-    inside = np.square(pressure / modulus)
+def _distances(solution: ContactSolution, k: IntArray, contact: Mask, size: tuple[float, float]) -> Corners:
+    """Return the signed distance from the edge at the corners `k` of dual cells, shape (4, n), m."""
+    inside = np.square(solution.pressure.ravel()[k] / solution.modulus)
     outside = np.zeros_like(inside)
-    outside[~contact] = np.cbrt(np.square(0.75 * np.maximum(gap[~contact], 0.0)))
+    outside[~contact] = np.cbrt(np.square(0.75 * np.maximum(solution.gap.ravel()[k[~contact]], 0.0)))
     ax, ay = _gradient(inside, size)
     bx, by = _gradient(outside, size)
     # |grad phi|^2 is a cubic in w = y^2.

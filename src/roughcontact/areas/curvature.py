@@ -7,6 +7,7 @@ import math
 import attrs
 import numpy as np
 
+from roughcontact.areas.base import framed
 from roughcontact.checks import Array, IntArray
 from roughcontact.grid import Boundary
 from roughcontact.solution import ContactSolution
@@ -49,11 +50,12 @@ def curvature(solution: ContactSolution, chosen: IntArray) -> Curvature:
     """Return the curvature under the clusters, from the cells of flat index `chosen` alone."""
     clusters = solution.clusters
     label, weights = clusters.labels.ravel()[chosen], solution.pressure.ravel()[chosen]
-    mean, deviation = _moments(_hessian(solution, chosen), label, weights, clusters.count)
     cells = np.concatenate(([0], clusters.cells))
     tiny = chosen[cells[label] < _TINY]
     around, owner = _neighbourhood(solution, tiny)
-    _, beyond = _moments(_hessian(solution, around), owner, np.ones(around.size), clusters.count)
+    both = _hessian(solution, np.concatenate((chosen, around)))
+    mean, deviation = _moments([part[: chosen.size] for part in both], label, weights, clusters.count)
+    _, beyond = _moments([part[chosen.size :] for part in both], owner, np.ones(around.size), clusters.count)
     reach = _BENEATH * cells / np.pi / (_AROUND + cells / (4.0 * np.pi))
     deviation = np.maximum(deviation, np.where(cells < _TINY, beyond * reach, 0.0))
     middle = 0.5 * (mean[0] + mean[1])
@@ -78,7 +80,7 @@ def roughness(solution: ContactSolution) -> float:
     return math.sqrt(fourth / second) if second > 0.0 else 0.0
 
 
-def _moments(hessian: tuple[Array, Array, Array], label: IntArray, weights: Array, count: int) -> tuple[Array, Array]:
+def _moments(hessian: list[Array], label: IntArray, weights: Array, count: int) -> tuple[Array, Array]:
     """Return the mean of each component by cluster, shape (3, count + 1), and the variance of all together."""
     total = np.bincount(label, weights=weights, minlength=count + 1)
     total[total == 0.0] = 1.0
@@ -117,15 +119,14 @@ def _lines(solution: ContactSolution, chosen: IntArray, reach: int = _REACH) -> 
     """Return the gap at cells, with the sums of both neighbours at each distance, along x, y and both diagonals."""
     nx, ny = solution.grid.shape
     i, j = np.divmod(chosen, ny)
-    free = solution.boundary is Boundary.FREE
-    if free:
+    if solution.boundary is Boundary.FREE:
         # At a free border the stencil is moved inside.
         i, j = (np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k for k, n in ((i, nx), (j, ny)))
-    framed = np.pad(solution.undeformed, reach, mode="edge" if free else "wrap")
+    heights = framed(solution.undeformed, reach, solution.boundary)
     width = ny + 2 * reach
     at = (i + reach) * width + (j + reach)
-    here = framed.take(at)
+    here = heights.take(at)
     return [
-        (here, [framed.take(at + k * step) + framed.take(at - k * step) for k in range(1, reach + 1)])
+        (here, [heights.take(at + k * step) + heights.take(at - k * step) for k in range(1, reach + 1)])
         for step in (width, 1, width + 1, width - 1)
     ]

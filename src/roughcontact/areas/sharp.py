@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 
+from roughcontact.areas.base import framed
 from roughcontact.checks import Mask
-from roughcontact.grid import Boundary
 from roughcontact.solution import ContactSolution
 
 # A chain of cells at the edge of a smaller cluster may rise outward by chance.
@@ -25,20 +23,19 @@ def sharp_edges(solution: ContactSolution) -> Mask:
     never sharp: their pressure tells nothing.
     """
     contact, clusters = solution.contact, solution.clusters
-    mode: Literal["edge", "wrap"] = "edge" if solution.boundary is Boundary.FREE else "wrap"
-    framed = np.pad(contact, _REACH, mode=mode)
-    pressure = np.pad(solution.pressure, _REACH, mode=mode).ravel()
-    width, (nx, ny) = framed.shape[1], contact.shape
+    beyond = framed(contact, _REACH, solution.boundary)
+    pressure = framed(solution.pressure, _REACH, solution.boundary).ravel()
+    width, (nx, ny) = beyond.shape[1], contact.shape
     closed = np.ones_like(contact)
     for dx in (1, 2, 3):
         for dy in (1, 2, 3):
-            closed &= framed[dx : dx + nx, dy : dy + ny]
+            closed &= beyond[dx : dx + nx, dy : dy + ny]
     found = np.zeros(contact.size, dtype=bool)
     edge = np.flatnonzero(contact & ~closed)
     large = np.concatenate(([False], clusters.cells >= _FEWEST))[clusters.labels.ravel()[edge]]
     edge = edge[large & ~solution.saturated.ravel()[edge]]
     at = (edge // ny + _REACH) * width + edge % ny + _REACH
-    touching = framed.ravel()
+    touching = beyond.ravel()
     for dx, dy in _DIRECTIONS:
         step, side = dx * width + dy, dy * width + dx
         if dx == 0 or dy == 0:

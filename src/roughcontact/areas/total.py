@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 import numpy as np
 
+from roughcontact.areas.base import framed
 from roughcontact.areas.edges import Drawn
 from roughcontact.areas.trust import doubts
 from roughcontact.checks import Array
-from roughcontact.grid import Boundary
 from roughcontact.solution import Area, ContactSolution
 
 # Relative error by the square of the roughness, of the share in clusters of less than four cells, for
@@ -57,8 +56,7 @@ def summed(solution: ContactSolution, values: Array, bars: Array, common: float,
 def _hidden(solution: ContactSolution) -> float:
     """Return the cells in full contact beside which the pressure would be gone before the next centre."""
     pressure = solution.pressure
-    mode: Literal["edge", "wrap"] = "edge" if solution.boundary is Boundary.FREE else "wrap"
-    framed = np.pad(pressure, 1, mode=mode)
-    around = (framed[:-2, 1:-1], framed[2:, 1:-1], framed[1:-1, :-2], framed[1:-1, 2:])
+    beyond = framed(pressure, 1, solution.boundary)
+    around = (beyond[:-2, 1:-1], beyond[2:, 1:-1], beyond[1:-1, :-2], beyond[1:-1, 2:])
     steepest = np.max([np.abs(neighbour - pressure) for neighbour in around], axis=0)
     return float(np.count_nonzero((pressure > 0.0) & (2.0 * pressure < steepest)))

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 
 import attrs
-import numpy as np
 
-from roughcontact.checks import Array, integer
-from roughcontact.errors import InputError
+from roughcontact.checks import integer
 from roughcontact.extrapolation import Extrapolation, exponential, richardson
+from roughcontact.grid import Boundary
 from roughcontact.problem import ContactProblem
 from roughcontact.refinement.finer import on_grid, require_bearable, require_problem
 from roughcontact.registry import areas
 from roughcontact.solution import DEFAULT_AREA, Area, ContactSolution, EstimatesArea
+from roughcontact.surfaces.resampling import bilinear
 
 # Corrected areas gain this order or more when a grid is refined; the least keeps the error honest.
 _ORDER = 2.0
@@ -128,16 +128,12 @@ def extrapolate(
     areas.resolve(estimator, EstimatesArea)
     nx, ny = require_problem(problem).plan.grid.shape
     require_bearable(nx, ny, 2 ** min(levels - 1, 60))
+    rungs = [problem, *(on_grid(problem, (nx << level, ny << level), between) for level in range(1, levels))]
     solutions: list[ContactSolution] = []
-    for level in range(levels):
-        finer = on_grid(problem, (nx << level, ny << level), between) if level else problem
-        start = _spread(solutions[-1]) if solutions else None
-        solutions.append(finer.solve(pressure=pressure, force=force, approach=approach, start=start))
+    for rung in rungs:
+        start = None
+        if solutions:
+            closed = rung.boundary is not Boundary.FREE
+            start = bilinear(solutions[-1].pressure, rung.plan.grid.shape, periodic=closed)
+        solutions.append(rung.solve(pressure=pressure, force=force, approach=approach, start=start))
     return Ladder(tuple(solutions), estimator)
-
-
-def _spread(coarse: ContactSolution) -> Array:
-    """Return the pressure on four cells for each."""
-    if not isinstance(coarse.limit, float):
-        raise InputError("The pressure limit is an array, which is not known between its cells.")
-    return np.repeat(np.repeat(coarse.pressure, 2, axis=0), 2, axis=1)

@@ -137,7 +137,8 @@ def _by_patches(
     history: list[tuple[float, float]] = []
     before: Array = field.pressure
     for passes in range(1, _PASSES + 1):
-        solutions = [found for patch in patches if (found := patch.solved(reached)) is not None]
+        displacement = field.displacement
+        solutions = [found for patch in patches if (found := patch.solved(reached, displacement)) is not None]
         if not all(solution.status.success for solution in solutions):
             return None
         field.pressure = field.gathered(patches)

@@ -64,7 +64,7 @@ class Field:
         self._unit = plan.grid.spacing[0] / plan.modulus
         # Each grid has a summit of its own; approaches count from the fine one's first touch.
         self.undeformed = finer.undeformed
-        self.approach = coarse.approach + _summit(finer) - _summit(problem)
+        self.approach = coarse.approach + finer.summit - problem.summit
         self.pressure: Array = np.array(coarse.pressure)
 
     @property
@@ -133,9 +133,9 @@ class Patch:
         (nx, ny), factor = self.box.shape, self._field.factor
         return np.asarray(self._pressure.reshape(nx, factor, ny, factor).mean(axis=(1, 3)))
 
-    def solved(self, approach: float) -> ContactSolution | None:
+    def solved(self, approach: float, displacement: Array) -> ContactSolution | None:
         """Solve it beside the others' pressure at a approach of u + h in the contact; None if it does not touch."""
-        undeformed = self._heights + self._outside()
+        undeformed = self._heights + self._outside(displacement)
         lowest = float(undeformed.min())
         if approach <= lowest:
             self._pressure = np.zeros(self._heights.shape)
@@ -149,15 +149,14 @@ class Patch:
         self._pressure = np.array(solution.pressure)
         return solution
 
-    def _outside(self) -> Array:
+    def _outside(self, displacement: Array) -> Array:
         """Return the displacement that all other pressure causes on the fine cells, m."""
         own = np.zeros(self._own.scene.grid.shape)
         own[_BEYOND:-_BEYOND, _BEYOND:-_BEYOND] = self.box.cut(self._field.pressure)
         (first, last), (left, right) = self.box.rows, self.box.columns
         rows, columns = np.arange(first - _BEYOND, last + _BEYOND), np.arange(left - _BEYOND, right + _BEYOND)
-        field = self._field.displacement
-        nx, ny = field.shape
-        whole = field[np.ix_(rows % nx, columns % ny)]
+        nx, ny = displacement.shape
+        whole = displacement[np.ix_(rows % nx, columns % ny)]
         outside = whole - self._own.apply(own) * self._unit
         fine = interpolated(outside, self._field.factor, Boundary.FREE)
         cut = self._field.factor * _BEYOND
@@ -198,9 +197,3 @@ def boxes_around(touching: Mask, boundary: Boundary) -> list[Box] | None:
         for box in boxes
     )
     return boxes if inside else None
-
-
-def _summit(problem: ContactProblem) -> float:
-    """Return the greatest sum of both heights, m."""
-    grid = problem.plan.grid
-    return float((problem.body.surface.heights(grid) + problem.counter.surface.heights(grid)).max())
