@@ -15,17 +15,23 @@ from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material, R
 from roughcontact.plan import Plan
 from roughcontact.problem import ContactProblem
 from roughcontact.refinement import Ladder, Refined, extrapolate, refine
-from roughcontact.registry import areas, convolvers, kernels, readers, solvers
+from roughcontact.registry import areas, convolvers, kernels, readers, sets, solvers
+from roughcontact.running_in import Cycle, RunIn, run_in
+from roughcontact.sets import Overlap, PermanentSet, UniformRise
 from roughcontact.solution import Area, ContactSolution, Level, Residuals, Status
 from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
 from roughcontact.surfaces import (
     FlatSurface,
     HeightMap,
+    MatchedPair,
     ParaboloidSurface,
+    PlacedMap,
     SelfAffineSurface,
+    Separated,
     SphereSurface,
     Surface,
     WavySurface,
+    match,
 )
 from roughcontact.sweep import Sweep
 
@@ -45,6 +51,7 @@ __all__ = [
     "ContactProblem",
     "ContactSolution",
     "Convolver",
+    "Cycle",
     "Direct",
     "Elastic",
     "ElasticPerfectlyPlastic",
@@ -60,12 +67,16 @@ __all__ = [
     "LevelSet",
     "LevelSetRichardson",
     "Love",
+    "MatchedPair",
     "Material",
     "MissingPackage",
     "NotConverged",
     "Outcome",
+    "Overlap",
     "ParaboloidSurface",
     "Perimeter",
+    "PermanentSet",
+    "PlacedMap",
     "Plan",
     "PlannedConvolution",
     "PolonskyKeer",
@@ -75,7 +86,9 @@ __all__ = [
     "Residuals",
     "Rigid",
     "RoughContactError",
+    "RunIn",
     "SelfAffineSurface",
+    "Separated",
     "Solver",
     "SpectralGradient",
     "SphereSurface",
@@ -85,14 +98,18 @@ __all__ = [
     "SurfaceReader",
     "Sweep",
     "Task",
+    "UniformRise",
     "WavySurface",
     "areas",
     "convolvers",
     "extrapolate",
     "kernels",
+    "match",
     "read_surface",
     "readers",
     "refine",
+    "run_in",
+    "sets",
     "solvers",
     "write_solution",
 ]

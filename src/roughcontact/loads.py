@@ -63,26 +63,37 @@ def task_of(
     InputError
         If not exactly one load is given, or it cannot be carried.
     """
+    mean, level = require_load(plan, undeformed, pressure=pressure, force=force, approach=approach)
+    unit = pressure_unit(plan)
+    return Task(
+        undeformed=undeformed / plan.relief,
+        mean_pressure=None if mean is None else mean / unit,
+        approach=None if level is None else level / plan.relief,
+        limit=plan.limit / unit,
+        start=None if start is None else _start(start, plan) / unit,
+    )
+
+
+def require_load(
+    plan: Plan,
+    undeformed: Array,
+    *,
+    pressure: float | None = None,
+    force: float | None = None,
+    approach: float | None = None,
+) -> tuple[float | None, float | None]:
+    """Return the mean pressure, Pa, or the approach, m, that the one load given asks for; see `task_of`."""
     given = {"pressure": pressure, "force": force, "approach": approach}
     named = [name for name, value in given.items() if value is not None]
     if len(named) != 1:
         got = " and ".join(f"{name}=" for name in named) or "none of them"
         raise InputError(f"Give exactly one of pressure= (Pa), force= (N) and approach= (m), but got {got}.")
-    unit = pressure_unit(plan)
-    area = plan.grid.area
+    if approach is not None:
+        return None, _reachable(approach, undeformed, plan)
     if pressure is not None:
-        mean = _bearable(number(pressure, "The mean pressure", "Pa", above=0.0), plan)
-    elif force is not None:
-        mean = _bearable(number(force, "The force", "N", above=0.0) / area if area > 0.0 else math.inf, plan)
-    else:
-        mean = None
-    return Task(
-        undeformed=undeformed / plan.relief,
-        mean_pressure=None if mean is None else mean / unit,
-        approach=None if approach is None else _reachable(approach, undeformed, plan) / plan.relief,
-        limit=plan.limit / unit,
-        start=None if start is None else _start(start, plan) / unit,
-    )
+        return _bearable(number(pressure, "The mean pressure", "Pa", above=0.0), plan), None
+    area = plan.grid.area
+    return _bearable(number(force, "The force", "N", above=0.0) / area if area > 0.0 else math.inf, plan), None
 
 
 def _start(start: Array, plan: Plan) -> Array:

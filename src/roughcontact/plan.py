@@ -41,6 +41,8 @@ class Plan:
         Greatest pressure, Pa, a number or an array of shape (nx, ny).
     left_out
         What does not run, with the reason.
+    histories
+        What was done to the heights of the body and of the other body, in words.
     """
 
     grid: Grid
@@ -53,6 +55,7 @@ class Plan:
     relief: float
     limit: float | Array
     left_out: tuple[str, ...]
+    histories: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
 
     @cached_property
     def notes(self) -> tuple[str, ...]:
@@ -88,6 +91,11 @@ class Plan:
             (
                 "bodies",
                 f"contact modulus {si(self.modulus, 'Pa')}, relief {si(self.relief, 'm')}, pressure limit {cap}",
+            ),
+            *(
+                (f"heights {number}", "; ".join(history))
+                for number, history in enumerate(self.histories, start=1)
+                if history
             ),
             ("kernel", repr(self.kernel)),
             ("convolver", f"{self.convolver!r} on {mx} x {my} cells"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 
 import attrs
 import numpy as np
@@ -17,7 +17,7 @@ from roughcontact.convolvers.base import require_boundary
 from roughcontact.errors import InputError, NotConverged
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel, InfluenceKernel
-from roughcontact.loads import task_of
+from roughcontact.loads import require_load, task_of
 from roughcontact.materials import Rigid, contact_modulus, pressure_limit
 from roughcontact.plan import Plan
 from roughcontact.registry import convolvers, kernels, solvers
@@ -25,7 +25,7 @@ from roughcontact.relief import rms_slope
 from roughcontact.solution import DEFAULT_AREA, ContactSolution, EstimatesArea
 from roughcontact.solvers import Solver, Step
 from roughcontact.surfaces import FlatSurface
-from roughcontact.surfaces.base import own_grid
+from roughcontact.surfaces.base import history_of, own_grid
 from roughcontact.sweep import Sweep, area_load, swept
 
 _AUTO_CONVOLVER = {
@@ -98,6 +98,7 @@ class ContactProblem:
             relief=self._relief(),
             limit=self._limit(),
             left_out=tuple(self._left_out()),
+            histories=(history_of(self.body.surface), history_of(self.counter.surface)),
         )
 
     @cached_property
@@ -205,11 +206,13 @@ class ContactProblem:
         Raises
         ------
         InputError
-            If not exactly one list is given, or it is empty, or a load cannot be carried.
+            If not exactly one list is given, or it is empty, or a load cannot be carried; nothing is
+            solved then.
         NotConverged
             If a solution is not certified.
         """
-        return swept(self.solve, pressure=pressure, force=force, approach=approach)
+        check = partial(require_load, self.plan, self.undeformed)
+        return swept(self.solve, check, pressure=pressure, force=force, approach=approach)
 
     def solve_area(self, fraction: float, estimator: str | EstimatesArea = DEFAULT_AREA) -> ContactSolution:
         """Find the load at which the real contact area is a given share of the nominal area.

@@ -19,12 +19,14 @@ def rms_slope(heights: Array, grid: Grid) -> float:
     return greatest * math.sqrt(sum(float(np.mean((step / greatest) ** 2)) for step in steps))
 
 
-def seam_jump(heights: Array) -> float:
-    """Return the rms step across the border over that between neighbours, for the worse axis."""
-    worst = 0.0
-    for axis in (0, 1):
-        if heights.shape[axis] > 2:
-            inside = float(np.sqrt(np.mean(np.diff(heights, axis=axis) ** 2)))
-            across = float(np.sqrt(np.mean((heights.take(0, axis) - heights.take(-1, axis)) ** 2)))
-            worst = max(worst, across / inside if inside > 0.0 else (math.inf if across > 0.0 else 0.0))
-    return worst
+def seam_jump(heights: Array, axis: int | None = None) -> float:
+    """Return the rms step across the border over that between neighbours, for one axis or the worse of both."""
+    if axis is None:
+        return max(seam_jump(heights, 0), seam_jump(heights, 1))
+    if heights.shape[axis] <= 2:
+        return 0.0
+    inside = float(np.sqrt(np.mean(np.diff(heights, axis=axis) ** 2)))
+    across = float(np.sqrt(np.mean((heights.take(0, axis) - heights.take(-1, axis)) ** 2)))
+    if across == 0.0:
+        return 0.0
+    return across / inside if inside > 0.0 else math.inf

@@ -243,7 +243,40 @@ class ContactSolution:
             raise InputError(f"The area estimator {chosen!r} returned {area!r}, which is no Area of finite numbers.")
         return area
 
+    def saturated_area(self, estimator: str | EstimatesArea = "level-set") -> Area:
+        """Return the part of the contact area where the pressure has reached the limit; zero without a limit.
+
+        Where the pressure is below the limit, limit - p and -gap satisfy the conditions of a contact:
+        what carries there is exactly what is not saturated. So the estimators of the contact's edge
+        find the edge of the saturated area as well.
+
+        Parameters
+        ----------
+        estimator
+            Registered name or instance of an area estimator.
+
+        Raises
+        ------
+        InputError
+            If there is no such estimator.
+        """
+        if not self.saturated.any():
+            return Area(0.0, 0.0, 0.0, str(estimator), perimeter=0.0)
+        complement = attrs.evolve(
+            self,
+            pressure=self.limit - self.pressure,
+            displacement=-self.displacement,
+            undeformed=-self.undeformed,
+            approach=-self.approach,
+            # What is not saturated goes on beyond the border: that is no edge.
+            boundary=Boundary.PERIODIC if self.boundary is Boundary.FREE else self.boundary,
+        )
+        rest = complement.area(estimator)
+        value = self.grid.area - rest.value
+        return attrs.evolve(rest, value=value, fraction=value / self.grid.area, clusters=None)
+
     def __str__(self) -> str:
+        saturated = f"\n  saturated      {self.saturated_area()}" if np.isfinite(self.limit).any() else ""
         return (
             f"{self.status}\n"
             f"  after {self.iterations} iterations, {self.convolutions} convolutions, {self.seconds:.2g} s\n"
@@ -252,5 +285,5 @@ class ContactSolution:
             f"  mean pressure  {si(self.mean_pressure, 'Pa', 6)}\n"
             f"  max pressure   {si(float(self.pressure.max()), 'Pa', 6)}\n"
             f"  approach       {si(self.approach, 'm', 6)}\n"
-            f"  contact area   {self.area()}"
+            f"  contact area   {self.area()}{saturated}"
         )

@@ -74,8 +74,10 @@ class Sweep:
         return "\n".join(lines)
 
 
-def swept(solve: Callable[..., ContactSolution], **lists: Sequence[float] | None) -> Sweep:
-    """Solve for each load of the one list that is given; see `ContactProblem.sweep`."""
+def swept(
+    solve: Callable[..., ContactSolution], check: Callable[..., object], **lists: Sequence[float] | None
+) -> Sweep:
+    """Solve for each load of the one list that is given, once `check` has let all of them pass."""
     given = {name: values for name, values in lists.items() if values is not None}
     if len(given) != 1 or not isinstance(next(iter(given.values())), Iterable):
         raise InputError("Give exactly one list of loads: pressure=, force= or approach=.")
@@ -83,6 +85,8 @@ def swept(solve: Callable[..., ContactSolution], **lists: Sequence[float] | None
     loads = [number(value, f"A load of the sweep, {name},", above=0.0) for value in values]
     if not loads:
         raise InputError("Give exactly one list of loads that is not empty: pressure=, force= or approach=.")
+    for load in loads:
+        check(**{name: load})
     solutions: list[ContactSolution] = []
     for load in loads:
         solutions.append(solve(**{name: load}, start=_predicted(solutions, name, load)))

@@ -22,11 +22,14 @@ class RawMap:
         Sides of the domain (x, y), m; None if the file does not tell.
     periodic
         Whether the map repeats.
+    metric
+        Whether the file itself tells that its heights are in metres, or the reader converted them.
     """
 
     heights: Array
     size: Pair | None = None
     periodic: bool = False
+    metric: bool = False
 
 
 class SurfaceReader(abc.ABC):

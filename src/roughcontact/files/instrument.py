@@ -50,4 +50,4 @@ class InstrumentReader(SurfaceReader):
         topography = topography.to_unit("m")
         heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
         lx, ly = (float(side) for side in topography.physical_sizes)
-        return RawMap(heights, (lx, ly), bool(topography.is_periodic))
+        return RawMap(heights, (lx, ly), bool(topography.is_periodic), metric=True)

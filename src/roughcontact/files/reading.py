@@ -7,9 +7,10 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+import attrs
 import numpy as np
 
-from roughcontact.checks import choice
+from roughcontact.checks import Array, Mask, choice, number
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.files.base import RawMap, SurfaceReader
 from roughcontact.files.missing import filled
@@ -17,6 +18,7 @@ from roughcontact.registry import readers
 from roughcontact.surfaces import HeightMap
 from roughcontact.units import si
 
+_TREATED = {"fill": "filled from their neighbours", "holes": "taken as holes"}
 _FALLBACK = "instrument"
 
 
@@ -25,6 +27,7 @@ def read_surface(
     *,
     size: float | Sequence[float] | None = None,
     missing: str = "refuse",
+    unit: float | None = None,
     reader: str | SurfaceReader = "auto",
 ) -> HeightMap:
     """Read a height map from a file.
@@ -38,8 +41,11 @@ def read_surface(
         Sides of the domain (x, y) or of both, m; needed where the file does not tell, and checked
         where it does.
     missing
-        What to do with missing points: ``"refuse"`` them, or ``"fill"`` them with the harmonic
-        surface through their neighbours, which makes no new summit.
+        What to do with missing points: ``"refuse"`` them, ``"fill"`` them with the harmonic surface
+        through their neighbours, which makes no new summit, or take them as ``"holes"``, which do not
+        touch and do not count when form is fitted.
+    unit
+        What a height of one in the file means, m, where the file does not tell: 1e-6 for micrometres.
     reader
         Registered name or instance; ``"auto"`` goes by the ending of the file name.
 
@@ -56,7 +62,7 @@ def read_surface(
     MissingPackage
         If the package that reads such files is not installed.
     """
-    choice(missing, "The treatment of missing points", ("refuse", "fill"))
+    choice(missing, "The treatment of missing points", ("refuse", *_TREATED))
     file = Path(path)
     if not file.is_file():
         raise InputError(f"There is no file {str(file)!r}{' (it is a folder)' if file.is_dir() else ''}.")
@@ -64,7 +70,10 @@ def read_surface(
     raw = _read(chosen, file)
     if raw.size is None and size is None:
         raise InputError(f"The file {file.name} does not tell the size of its domain: give size=(x, y), m.")
-    surface = HeightMap(_complete(raw.heights, file, missing), _size(raw, size), periodic=raw.periodic)
+    heights, holes, done = _complete(raw, file, missing)
+    surface = HeightMap(heights, _size(raw, size), periodic=raw.periodic, holes=holes)
+    metres = surface.values * _unit(raw, unit, file)
+    surface = attrs.evolve(surface, heights=metres, history=(f"{done}: {surface.grid}",))
     if raw.size is not None and not np.allclose(surface.size, raw.size, rtol=1e-6, atol=0.0):
         raise InputError(
             f"The file {file.name} tells its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
@@ -107,17 +116,30 @@ def _read(reader: SurfaceReader, file: Path) -> RawMap:
     return raw
 
 
-def _complete(heights: np.ndarray, file: Path, missing: str) -> np.ndarray:
+def _unit(raw: RawMap, given: float | None, file: Path) -> float:
+    if given is None:
+        return 1.0
+    if raw.metric:
+        raise InputError(f"The file {file.name} tells its own unit of height: leave unit= out.")
+    return number(given, "The unit of the heights", "m", above=0.0)
+
+
+def _complete(raw: RawMap, file: Path, missing: str) -> tuple[Array, Mask | None, str]:
+    """Return heights without gaps, the holes if they are to be kept, and what was done."""
+    heights, read = raw.heights, f"read from {file.name}"
     if heights.dtype.kind != "f" or heights.ndim != 2:
-        return heights
-    holes = int(heights.size - np.count_nonzero(np.isfinite(heights)))
-    if holes == 0:
-        return heights
-    if holes == heights.size:
+        return heights, None, read
+    absent = ~np.isfinite(heights)
+    count = int(np.count_nonzero(absent))
+    if count == 0:
+        return heights, None, read
+    share = f"{count} of {heights.size} points"
+    if count == heights.size:
         raise InputError(f"The file {file.name} holds no valid point at all.")
     if missing == "refuse":
         raise InputError(
-            f"The file {file.name} misses {holes} of {heights.size} points: "
-            "fill them from their neighbours with missing='fill' (on the command line --missing fill)."
+            f"The file {file.name} misses {share}: fill them from their neighbours with missing='fill', "
+            "or take them as holes with missing='holes' (on the command line --missing)."
         )
-    return filled(heights)
+    done = f"{read}, {share} missing and {_TREATED[missing]}"
+    return filled(heights), absent if missing == "holes" else None, done

@@ -33,7 +33,7 @@ def write_solution(path: str | os.PathLike[str], solution: ContactSolution) -> N
     if not target.parent.is_dir():
         raise InputError(f"There is no folder {str(target.parent)!r} to write {target.name} into.")
     partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
-    area = solution.area()
+    area, saturated = solution.area(), solution.saturated_area()
     try:
         with partial.open("wb") as file:
             np.savez_compressed(
@@ -50,6 +50,8 @@ def write_solution(path: str | os.PathLike[str], solution: ContactSolution) -> N
                 approach=solution.approach,
                 area=area.value,
                 area_uncertainty=area.uncertainty,
+                saturated_area=saturated.value,
+                saturated_area_uncertainty=saturated.uncertainty,
                 status=solution.status.name,
                 iterations=solution.iterations,
                 convolutions=solution.convolutions,

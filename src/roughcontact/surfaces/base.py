@@ -44,6 +44,20 @@ class Gridded(Protocol):
         """The grid on which the heights are known; None for any grid."""
 
 
+@runtime_checkable
+class Told(Protocol):
+    """A surface that tells what was done to it."""
+
+    @property
+    def history(self) -> tuple[str, ...]:
+        """What was done, in words, first things first."""
+
+
+def history_of(surface: Surface) -> tuple[str, ...]:
+    """Return what was done to a surface, in words; empty if it does not tell."""
+    return surface.history if isinstance(surface, Told) else ()
+
+
 def own_grid(surface: Surface) -> Grid | None:
     """Return the grid that a surface carries, if it does."""
     return surface.grid if isinstance(surface, Gridded) else None

@@ -19,6 +19,47 @@ def bilinear(values: Array, shape: tuple[int, int], *, periodic: bool) -> Array:
     return np.ascontiguousarray(_interpolated(rows.T, shape[1], periodic=periodic).T)
 
 
+def between(values: Array, i: Array, j: Array, method: str, *, periodic: bool) -> Array:
+    """Interpolate at fractional indices (i, j), which broadcast to the shape of the result.
+
+    Parameters
+    ----------
+    values
+        Heights, shape (nx, ny).
+    i, j
+        Positions in cells; a whole number is a cell centre. Beyond the outermost centres as in `bilinear`.
+    method
+        ``"bilinear"``, ``"cubic"`` (splines) or ``"fourier"`` (the trigonometric polynomial through the
+        values; then i has shape (mx, 1) and j (1, my)).
+    periodic
+        Whether the map goes on with its own copy.
+    """
+    if method == "fourier":
+        return _trigonometric(values, i.ravel(), j.ravel())
+    from scipy.ndimage import map_coordinates
+
+    found = map_coordinates(
+        values,
+        np.stack(np.broadcast_arrays(i, j)),
+        order=3 if method == "cubic" else 1,
+        mode="grid-wrap" if periodic else "nearest",
+    )
+    return np.asarray(found, dtype=np.float64)
+
+
+def _trigonometric(values: Array, i: Array, j: Array) -> Array:
+    spectrum = scipy.fft.fft2(values, norm="forward")
+    for axis, position in enumerate((i, j)):
+        count = values.shape[axis]
+        waves = np.outer(position, 2.0 * np.pi * scipy.fft.fftfreq(count))
+        phases = np.exp(1j * waves)
+        if count % 2 == 0:
+            # The Nyquist wave is a standing wave.
+            phases[:, count // 2] = np.cos(np.pi * position)
+        spectrum = phases @ spectrum if axis == 0 else spectrum @ phases.T
+    return np.ascontiguousarray(spectrum.real)
+
+
 def block_mean(values: Array, shape: tuple[int, int]) -> Array:
     """Average over whole blocks of cells; `shape` must divide the shape of `values`."""
     (nx, ny), (mx, my) = values.shape, shape

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import attrs
 import numpy as np
 import numpy.typing as npt
@@ -28,28 +30,43 @@ def _rms(value: float | None) -> float | None:
     return None if value is None else number(value, "The rms height or slope", above=0.0)
 
 
+def _peklenik(value: float) -> float:
+    return number(value, "Peklenik's number", at_least=1.0)
+
+
+def _lay(value: float) -> float:
+    return number(value, "The direction of the lay", "rad")
+
+
 def _seed(value: int) -> int:
     return integer(value, "The seed", at_least=0)
 
 
 @attrs.frozen(kw_only=True)
 class SelfAffineSurface(Surface):
-    """Periodic Gaussian roughness with a self-affine power spectrum.
+    r"""Periodic Gaussian roughness with a self-affine power spectrum, isotropic or with a lay.
 
     The power spectral density is constant from the longest wave to the roll-off, falls as
     q^(-2 - 2 Hurst) to the shortest wave and is zero outside. The waves are drawn in an order that
     does not depend on the grid: the same seed gives the same surface at every resolution.
+
+    With a lay, as grinding leaves it, all lengths along the lay are Peklenik's number times those
+    across it: the spectrum depends on :math:`q = \sqrt{q_\perp^2 + \gamma^2 q_\parallel^2}`.
 
     Parameters
     ----------
     hurst
         Hurst exponent, 0 to 1.
     shortest, longest
-        Shortest and longest wavelength, m.
+        Shortest and longest wavelength, across the lay if there is one, m.
     rms_height, rms_slope
         Exactly one: root mean square of the height, m, or of the gradient's magnitude.
     rolloff
-        Wavelength of the roll-off, m; the longest wavelength if left out.
+        Wavelength of the roll-off, across the lay, m; the longest wavelength if left out.
+    peklenik
+        Ratio of the lengths along the lay to those across it, at least 1 (isotropic).
+    lay
+        Direction of the lay, counter-clockwise from the x axis, rad.
     seed
         Seed of the random numbers.
 
@@ -57,6 +74,8 @@ class SelfAffineSurface(Surface):
     ----------
     Jacobs, Junge, Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001,
     https://doi.org/10.1088/2051-672X/aa51f8
+
+    Peklenik, Proc. Inst. Mech. Eng. 182(3K) (1967) 108 (the number gamma)
     """
 
     hurst: float = attrs.field(converter=_hurst)
@@ -65,6 +84,8 @@ class SelfAffineSurface(Surface):
     rms_height: float | None = attrs.field(converter=_rms, default=None)
     rms_slope: float | None = attrs.field(converter=_rms, default=None)
     rolloff: float = attrs.field(converter=_wavelength, default=attrs.Factory(lambda self: self.longest, True))
+    peklenik: float = attrs.field(converter=_peklenik, default=1.0)
+    lay: float = attrs.field(converter=_lay, default=0.0)
     seed: int = attrs.field(converter=_seed, default=0)
 
     def __attrs_post_init__(self) -> None:
@@ -107,7 +128,8 @@ class SelfAffineSurface(Surface):
 
     def _modes(self, qx: Array, qy: Array) -> npt.NDArray[np.complex128]:
         """Return the Fourier coefficients of a real surface with the exact rms asked for."""
-        q = np.hypot(qx, qy)
+        cos, sin = math.cos(self.lay), math.sin(self.lay)
+        q = np.hypot(self.peklenik * (cos * qx + sin * qy), cos * qy - sin * qx)
         inside = (q * self.longest >= 2 * np.pi * (1 - _TOUCH)) & (q * self.shortest <= 2 * np.pi * (1 + _TOUCH))
         if not inside.any():
             raise InputError("No wave between shortest and longest fits into the domain: enlarge it.")
@@ -118,5 +140,5 @@ class SelfAffineSurface(Surface):
         modes = modes + np.conj(modes[::-1, ::-1])
         if self.rms_height is not None:
             return np.asarray(modes * (self.rms_height / np.sqrt(np.sum(np.abs(modes) ** 2))))
-        slope = np.sqrt(np.sum((q * np.abs(modes)) ** 2))
+        slope = np.sqrt(np.sum((np.hypot(qx, qy) * np.abs(modes)) ** 2))
         return np.asarray(modes * (self.rms_slope / slope))

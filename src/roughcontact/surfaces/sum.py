@@ -7,7 +7,7 @@ import numpy as np
 
 from roughcontact.checks import Array
 from roughcontact.grid import Grid
-from roughcontact.surfaces.base import Surface, own_grid
+from roughcontact.surfaces.base import Surface, history_of, own_grid
 
 
 @attrs.frozen
@@ -26,6 +26,11 @@ class SurfaceSum(Surface):
     def grid(self) -> Grid | None:
         """The grid of the first part that carries one."""
         return next((grid for grid in map(own_grid, self.parts) if grid is not None), None)
+
+    @property
+    def history(self) -> tuple[str, ...]:
+        """What was done to the parts."""
+        return tuple(text for part in self.parts for text in history_of(part))
 
     def heights(self, grid: Grid) -> Array:
         """Return the summed heights, shape `grid.shape`, m."""
