@@ -118,7 +118,9 @@ def test_a_window_that_was_too_small_is_enlarged(monkeypatch):
     from roughcontact.solvers.conjugate import solver
 
     real = solver.estimated_approach
-    monkeypatch.setattr(solver, "estimated_approach", lambda convolution, task: 0.05 * real(convolution, task))
+    monkeypatch.setattr(
+        solver, "estimated_approach", lambda convolution, task: (0.05 * real(convolution, task)[0], False)
+    )
     ball = rc.ParaboloidSurface(1e-2)
     problem = rc.ContactProblem(rc.Body(ball, rc.Elastic(1e11, 0.3)), grid=rc.Grid((256, 256), 1e-3))
     solution = problem.solve(pressure=1e8)

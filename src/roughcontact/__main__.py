@@ -41,16 +41,17 @@ def _fail(sentence: str, status: int) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     try:
-        from roughcontact.cli import options, paper, solve
+        from roughcontact.cli import options, pairs, paper, solve
     except ImportError as error:
         raise MissingPackage(f"The command line needs {error.name}: pip install '{_EXTRA}'.") from error
     parser = argparse.ArgumentParser(prog="roughcontact", description="Contact of rough surfaces.")
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    one = commands.add_parser("paper", help="recompute Tables 1 to 3 and Figures 4 to 6 of the paper")
+    one = commands.add_parser("paper", help="recompute the tables and figures of the paper")
     one.add_argument("--full", action="store_true", help="with the grid of 2048 x 2048 cells")
     options.add_output(one, "paper-results")
-    one.set_defaults(command=paper.run)
+    one.add_argument("--pairs", action="store_true", help="Table 5 and Figures 8 to 13 instead, on a stand-in pair")
+    one.set_defaults(command=lambda chosen: (pairs if chosen.pairs else paper).run(chosen))
     other = commands.add_parser("solve", help="solve the contact of measured height maps")
     for declare in (options.add_surfaces, options.add_load, options.add_materials, options.add_parts):
         declare(other)

@@ -272,7 +272,9 @@ class ContactSolution:
             boundary=Boundary.PERIODIC if self.boundary is Boundary.FREE else self.boundary,
         )
         rest = complement.area(estimator)
-        value = self.grid.area - rest.value
+        # A larger one would carry more than the load.
+        bearable = float(np.sum(self.pressure / self.limit)) * self.grid.cell_area
+        value = min(self.grid.area - rest.value, bearable)
         return attrs.evolve(rest, value=value, fraction=value / self.grid.area, clusters=None)
 
     def __str__(self) -> str:

@@ -6,7 +6,7 @@ import argparse
 
 from roughcontact.cli.units import quantity
 
-_METRE, _PASCAL, _NEWTON, _RATIO = (quantity(unit) for unit in ("m", "Pa", "N", "dimensionless"))
+_METRE, _PASCAL, _NEWTON, _ANGLE, _RATIO = (quantity(unit) for unit in ("m", "Pa", "N", "rad", "dimensionless"))
 
 
 def add_output(parser: argparse.ArgumentParser, folder: str) -> None:
@@ -40,9 +40,40 @@ def add_surfaces(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("counter", nargs="?", help="height map of the other body; a flat if left out")
     maps = parser.add_argument_group("height maps")
     maps.add_argument("--size", type=_METRE, nargs="+", metavar="L", help="sides x [y], where the file does not tell")
-    maps.add_argument("--missing", choices=("refuse", "fill"), default="refuse", help="missing points (refuse)")
-    maps.add_argument("--detrend", type=int, metavar="DEGREE", help="take away a polynomial: 1 tilt, 2 curvature too")
+    maps.add_argument("--unit", type=_METRE, metavar="U", help="unit of the heights, where the file does not tell: 1um")
+    maps.add_argument(
+        "--missing", choices=("refuse", "fill", "holes"), default="refuse", help="missing points (refuse)"
+    )
+    maps.add_argument(
+        "--detrend",
+        type=_form,
+        metavar="FORM",
+        help="take a form away: plane, sphere, or the degree of a polynomial (2 has curvature and twist)",
+    )
     maps.add_argument("--resample", type=int, nargs=2, metavar=("NX", "NY"), help="bilinear, to so many cells")
+    for name, what in (("size", _METRE), ("unit", _METRE), ("detrend", _form)):
+        maps.add_argument(
+            f"--counter-{name}",
+            type=what,
+            nargs="+" if name == "size" else None,
+            metavar=name.upper(),
+            help="the same for the other map, where it differs",
+        )
+    maps.add_argument("--ball", type=_METRE, metavar="R", help="add a sphere of this radius to the first map")
+    pair = parser.add_argument_group("two maps of different grids, brought together where both lie")
+    pair.add_argument(
+        "--match",
+        choices=("bilinear", "cubic", "fourier"),
+        help="interpolate both on a common grid, as fine as the finer one or as --resample says",
+    )
+    pair.add_argument("--offset", type=_METRE, nargs=2, metavar=("X", "Y"), help="centre of the other map")
+    pair.add_argument("--rotation", type=_ANGLE, metavar="A", help="of the other map, such as 30deg")
+    pair.add_argument("--mirror", action="store_true", help="turn the other map over, x to -x")
+    pair.add_argument("--domain", type=_METRE, nargs="+", metavar="L", help="sides x [y], if not the whole overlap")
+
+
+def _form(text: str) -> str | int:
+    return int(text) if text.isdecimal() else text
 
 
 def add_parts(parser: argparse.ArgumentParser) -> None:

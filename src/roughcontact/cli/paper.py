@@ -1,18 +1,15 @@
-"""``roughcontact paper``: recompute the paper."""
+"""``roughcontact paper``: recompute section 3.1 of the paper."""
 
 from __future__ import annotations
 
 import argparse
-import csv
-from itertools import zip_longest
 from pathlib import Path
 
-from rich import box
 from rich.console import Console
 from rich.progress import Progress
-from rich.table import Table as RichTable
 
-from roughcontact.paper import Case, Table, all_tables, printed, remarks, run_case
+from roughcontact.cli.tables import show, write
+from roughcontact.paper import Case, all_tables, printed, remarks, run_case
 from roughcontact.paper.figures import draw_all
 
 
@@ -24,8 +21,8 @@ def run(options: argparse.Namespace) -> None:
     grids = printed.GRIDS if options.full else printed.GRIDS[:-1]
     cases = _solve(grids, console)
     for table in all_tables(cases):
-        _show(table, console)
-        _write(table, folder)
+        show(table, console)
+        write(table, folder)
     console.print("\n[bold]Where the print is wrong[/bold]")
     for remark in remarks():
         console.print(f" - {remark}", highlight=False)
@@ -47,22 +44,3 @@ def _solve(grids: tuple[int, ...], console: Console) -> list[Case]:
             cases.append(run_case(cells, load))
             progress.advance(bar, cells**2)
     return cases
-
-
-def _show(table: Table, console: Console) -> None:
-    view = RichTable(title=table.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
-    for column in table.columns:
-        view.add_column(column, justify="right")
-    several = len(table.rows) > len(printed.LOADS)
-    for row, following in zip_longest(table.rows, table.rows[1:]):
-        # A line between loads that have several rows.
-        view.add_row(*row, end_section=several and following is not None and following[0] != row[0])
-    console.print()
-    console.print(view)
-    for note in table.notes:
-        console.print(f"   {note}", highlight=False)
-
-
-def _write(table: Table, folder: Path) -> None:
-    with (folder / f"{table.name}.csv").open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([table.columns, *table.rows])

@@ -9,11 +9,13 @@ from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.cli.picture import draw_solution
 from roughcontact.errors import InputError, NotConverged
 from roughcontact.files import read_surface, write_solution
+from roughcontact.grid import Grid
 from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact.problem import ContactProblem
 from roughcontact.registry import areas
 from roughcontact.solution import EstimatesArea
-from roughcontact.surfaces import FlatSurface, HeightMap, Surface
+from roughcontact.surfaces import FlatSurface, HeightMap, SphereSurface, Surface, match
+from roughcontact.surfaces.base import own_grid
 
 
 def run(options: argparse.Namespace) -> None:
@@ -21,9 +23,16 @@ def run(options: argparse.Namespace) -> None:
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
     estimator = None if options.area is None else areas.resolve(options.area, EstimatesArea)
-    body = Body(_surface(options.surface, options), _material(options.young, options.poisson, options.hardness))
+    surface, counter, grid = _surfaces(options)
+    if options.ball is not None:
+        surface, grid = SphereSurface(options.ball) + surface, grid or own_grid(surface)
     problem = ContactProblem(
-        body, _counter(options), boundary=options.boundary, kernel=options.kernel, solver=options.solver
+        Body(surface, _material(options.young, options.poisson, options.hardness)),
+        Body(counter, _counter_material(options)),
+        grid=grid,
+        boundary=options.boundary,
+        kernel=options.kernel,
+        solver=options.solver,
     )
     print(problem.explain())
     solution = problem.solve(pressure=options.pressure, force=options.force, approach=options.approach, throw=False)
@@ -37,27 +46,71 @@ def run(options: argparse.Namespace) -> None:
         raise NotConverged(f"The contact is {solution.status}; what was reached is in {folder}.", solution)
 
 
-def _surface(path: str, options: argparse.Namespace) -> HeightMap:
-    size = options.size
-    if size is not None and len(size) > 2:
-        raise InputError.about("The size of the domain", size, "one length or two, x and y")
-    surface = read_surface(path, size=size[0] if size and len(size) == 1 else size, missing=options.missing)
+def _surfaces(options: argparse.Namespace) -> tuple[Surface, Surface, Grid | None]:
+    """Return both surfaces and the grid, if they do not carry it."""
+    form, size, unit = options.detrend, options.size, options.unit
+    body = _read(options.surface, options, size, unit, form)
+    if options.counter is None:
+        _refuse_without_match(options)
+        return _scaled(body, options), FlatSurface(), None
+    counter = _read(
+        options.counter,
+        options,
+        size if options.counter_size is None else options.counter_size,
+        unit if options.counter_unit is None else options.counter_unit,
+        form if options.counter_detrend is None else options.counter_detrend,
+    )
+    if options.match is None:
+        _refuse_without_match(options)
+        return _scaled(body, options), _scaled(counter, options), None
+    pair = match(
+        body,
+        counter,
+        offset=options.offset or (0.0, 0.0),
+        rotation=options.rotation or 0.0,
+        mirrored=options.mirror,
+        method=options.match,
+        shape=options.resample,
+        size=_sides(options.domain),
+    )
+    return pair.body, pair.counter, pair.grid
+
+
+def _refuse_without_match(options: argparse.Namespace) -> None:
+    given = {"--offset": options.offset, "--rotation": options.rotation, "--domain": options.domain}
+    given["--mirror"] = options.mirror or None
+    for name, value in given.items():
+        if value is not None:
+            raise InputError(f"{name} is for two maps that are interpolated: give both, and --match bilinear.")
+
+
+def _read(
+    path: str, options: argparse.Namespace, size: list[float] | None, unit: float | None, form: str | int | None
+) -> HeightMap:
+    surface = read_surface(path, size=_sides(size), unit=unit, missing=options.missing)
     # The trend goes first: its fit should see every measured point.
-    if options.detrend is not None:
-        surface = surface.detrend(options.detrend)
+    return surface if form is None else surface.detrend(form)
+
+
+def _scaled(surface: HeightMap, options: argparse.Namespace) -> HeightMap:
     return surface if options.resample is None else surface.resample(options.resample)
 
 
-def _counter(options: argparse.Namespace) -> Body:
-    surface: Surface = FlatSurface() if options.counter is None else _surface(options.counter, options)
+def _sides(lengths: list[float] | None) -> float | list[float] | None:
+    if lengths is not None and len(lengths) > 2:
+        raise InputError.about("The size of the domain", lengths, "one length or two, x and y")
+    return lengths[0] if lengths and len(lengths) == 1 else lengths
+
+
+def _counter_material(options: argparse.Namespace) -> Material:
     if options.counter_young is None:
         if options.counter_hardness is not None or options.counter_poisson is not None:
             raise InputError(
                 "The other body is rigid: give --counter-young with --counter-poisson or --counter-hardness."
             )
-        return Body(surface, RIGID_FLAT.material)
+        return RIGID_FLAT.material
     poisson = options.poisson if options.counter_poisson is None else options.counter_poisson
-    return Body(surface, _material(options.counter_young, poisson, options.counter_hardness))
+    return _material(options.counter_young, poisson, options.counter_hardness)
 
 
 def _material(young: float, poisson: float, hardness: float | None) -> Material:

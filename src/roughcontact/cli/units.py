@@ -21,7 +21,7 @@ def quantity(unit: str) -> Callable[[str], float]:
 
     A number alone is taken only where the quantity has no dimension: 210 may be Pa or GPa.
     """
-    example = {"Pa": "100MPa", "m": "250um", "N": "2.5N"}.get(unit, "0.3")
+    example = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg"}.get(unit, "0.3")
 
     def convert(text: str) -> float:
         if not re.match(r"\s*[-+.]?\d", text):

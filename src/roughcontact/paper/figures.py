@@ -16,7 +16,7 @@ from roughcontact.paper import printed
 from roughcontact.paper.scene import WAVELENGTH, Case, summit_positions
 from roughcontact.paper.tables import fits
 
-_DPI = 150
+DPI = 150
 
 
 def draw_all(cases: Sequence[Case], folder: Path) -> tuple[Path, ...]:
@@ -25,7 +25,7 @@ def draw_all(cases: Sequence[Case], folder: Path) -> tuple[Path, ...]:
     paths = []
     for name, figure in figures.items():
         path = folder / f"{name}.png"
-        figure.savefig(path, dpi=_DPI)
+        figure.savefig(path, dpi=DPI)
         paths.append(path)
     return tuple(paths)
 
@@ -34,7 +34,8 @@ def _of_load(cases: Sequence[Case], load: int) -> list[Case]:
     return [case for case in cases if case.load == load]
 
 
-def _grid_axis(axes: Axes) -> None:
+def grid_axis(axes: Axes) -> None:
+    """Make the x axis that of the cells along a side."""
     axes.set_xscale("log", base=2)
     axes.xaxis.set_major_locator(FixedLocator(printed.GRIDS))
     axes.xaxis.set_minor_locator(NullLocator())
@@ -61,7 +62,7 @@ def _errors(cases: Sequence[Case]) -> Figure:
         ):
             axes.plot(printed.GRIDS, 100 * np.abs(np.array(print_[load]) / analytic[load] - 1), style, label=label)
         axes.set_yscale("log")
-        _grid_axis(axes)
+        grid_axis(axes)
         axes.set_title(f"{load} MPa")
         axes.grid(alpha=0.3)
     figure.axes[0].set_ylabel("error, % (ours: against converged;\nprinted: against eq. 26, 27)")
@@ -113,7 +114,7 @@ def _extrapolations(cases: Sequence[Case]) -> Figure:
             linestyle=":",
             label=f"converged: {printed.TRUE_AREA[load]:.3f} %",
         )
-    _grid_axis(axes)
+    grid_axis(axes)
     axes.set(ylabel="real contact area, % of nominal", ylim=(0, None))
     axes.legend(fontsize=8, ncols=3, loc="upper right")
     axes.grid(alpha=0.3)

@@ -15,8 +15,10 @@ from roughcontact.surfaces.heightmap import HeightMap
 from roughcontact.surfaces.placed import PlacedMap
 from roughcontact.units import si
 
-# A domain is shrunk by this share, so that rounding does not push it over the border of a map.
-_INSIDE = 1e-9
+# A domain found by iteration is shrunk by this share, so that it does not reach over the border of a map.
+_INSIDE = 1e-6
+# A cell that would be cut by no more than this share of itself is not added.
+_CUT = 1e-3
 _ALIGNED = 1e-12
 _ANYWHERE = [(None, None), (None, None), (0.0, None)]
 _is_map = instance_of(HeightMap, "Each side of a pair", "a HeightMap")
@@ -102,9 +104,7 @@ def _finest(body: HeightMap, placed: PlacedMap, size: Pair) -> tuple[int, int]:
     # The pitch of the rotated map along an axis, by the cells that a line along it crosses.
     turned = 1.0 / math.hypot(cos / dx, sin / dy), 1.0 / math.hypot(sin / dx, cos / dy)
     pitches = (min(one, other) for one, other in zip(body.grid.spacing, turned, strict=True))
-    nx, ny = (
-        max(2, math.ceil(side / pitch * (1 - _INSIDE) - _INSIDE)) for side, pitch in zip(size, pitches, strict=True)
-    )
+    nx, ny = (max(2, math.ceil(side / pitch - _CUT)) for side, pitch in zip(size, pitches, strict=True))
     return nx, ny
 
 
@@ -157,7 +157,7 @@ def _largest_rectangle(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
         return np.asarray(found.x, dtype=np.float64)
 
     skew = float(minimize_scalar(lambda s: -best(s)[2], bounds=(-5.0, 5.0), options={"xatol": 1e-9}).x)
-    x, y, half = best(skew) * unit
+    x, y, half = np.where(np.abs(found := best(skew)) < _INSIDE, 0.0, found) * unit
     width, height = (2.0 * half * (1 - _INSIDE) * math.exp(sign * skew) for sign in (1, -1))
     return (float(x), float(y)), (float(width), float(height))
 

@@ -30,7 +30,7 @@ class SurfaceSum(Surface):
     @property
     def history(self) -> tuple[str, ...]:
         """What was done to the parts."""
-        return tuple(text for part in self.parts for text in history_of(part))
+        return tuple(text for part in self.parts for text in history_of(part) or (_named(part),))
 
     def heights(self, grid: Grid) -> Array:
         """Return the summed heights, shape `grid.shape`, m."""
@@ -38,3 +38,7 @@ class SurfaceSum(Surface):
         for part in self.parts:
             total += part.heights(grid)
         return total
+
+
+def _named(part: Surface) -> str:
+    return "a height map" if own_grid(part) is not None else f"plus {part!r}"

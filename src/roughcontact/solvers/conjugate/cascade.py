@@ -36,12 +36,15 @@ class Start:
         The work on each coarser grid.
     closed
         Whether it closes every gap, and is the solution.
+    met_limit
+        Whether a step on any coarser grid was cut short by the limit of the pressure.
     """
 
     pressure: Array
     products: float
     levels: tuple[Level, ...] = ()
     closed: bool = False
+    met_limit: bool = False
 
 
 def cascaded(convolution: PlannedConvolution, task: Task) -> Start:
@@ -54,19 +57,21 @@ def cascaded(convolution: PlannedConvolution, task: Task) -> Start:
     coarse = convolution.on(coarse_grid)
     fx, fy = _factors(grid, coarse_grid)
     start = cascaded(coarse, coarse_task)
-    pressure, products, levels = start.pressure, start.products, start.levels
+    pressure, products, levels, met_limit = start.pressure, start.products, start.levels, start.met_limit
     if not start.closed:
         refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
         pressure, _, _ = refinement.run(start.pressure)
         products += refinement.products
         levels = (*levels, refinement.level)
+        met_limit |= refinement.met_limit
     products /= fx * fy
     if pressure.min() > 0.0:
         full = full_contact(convolution, task)
         products += 1
         if full is not None:
             return Start(full, products, levels, closed=True)
-    return Start(np.minimum(_prolonged(pressure, fx, fy), task.limit), products, levels)
+    prolonged = np.minimum(_prolonged(pressure, fx, fy), task.limit)
+    return Start(prolonged, products, levels, met_limit=met_limit)
 
 
 def coarser(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
@@ -80,19 +85,22 @@ def coarser(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
     return half, attrs.evolve(task, undeformed=_averaged(task.undeformed, *factors), limit=limit)
 
 
-def estimated_approach(convolution: PlannedConvolution, task: Task) -> float | None:
-    """Return the approach that a coarse grid gives for the load; None if there is no coarse grid."""
+def estimated_approach(convolution: PlannedConvolution, task: Task) -> tuple[float | None, bool]:
+    """Return the approach that a coarse grid gives for the load, and whether the limit cut its steps short.
+
+    The approach is None if there is no coarse grid.
+    """
     if task.approach is not None:
-        return task.approach
+        return task.approach, False
     half = coarser(convolution.scene.grid, attrs.evolve(task, start=None))
     if half is None:
-        return None
+        return None, False
     while max(half[0].shape) > _ESTIMATE and (further := coarser(*half)) is not None:
         half = further
     coarse, coarse_task = convolution.on(half[0]), half[1]
     refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
     _, state, _ = refinement.run(_first(coarse, coarse_task).pressure)
-    return state.approach
+    return state.approach, refinement.met_limit
 
 
 def full_contact(convolution: PlannedConvolution, task: Task) -> Array | None:

@@ -90,6 +90,7 @@ class Descent:
         self._change: RealArray | None = None
         self._curvature = 1.0
         self.products = 0
+        self.met_limit = False
         self.pressure: Array = np.zeros(0)
         self.stop()
 
@@ -229,7 +230,9 @@ class Descent:
         return part, np.clip(shortened, 0.0, limit, out=shortened)
 
     def _outside(self, pressure: Array, limit: float | Array) -> bool:
-        return bool(pressure.min() < 0.0 or (self._capped and (pressure > limit).any()))
+        above = self._capped and bool((pressure > limit).any())
+        self.met_limit |= above
+        return above or bool(pressure.min() < 0.0)
 
 
 def _between(before: Array, trial: Array, part: float) -> Array:

@@ -65,6 +65,11 @@ class Refinement:
         return Descent(self._convolution, self._preconditioner, self._control, self._flat_limit)
 
     @property
+    def met_limit(self) -> bool:
+        """Whether any step so far was cut short by the limit of the pressure."""
+        return len(self._monitor.history) > 1 and self._descent.met_limit
+
+    @property
     def products(self) -> int:
         """Convolutions and inverse convolutions so far, in either precision."""
         level = self.level

@@ -26,6 +26,15 @@ _POWER = 2.0
 _NEAREST = 1e-9
 
 
+@attrs.frozen(eq=False)
+class Found:
+    """An outcome, its approach, and whether the limit of the pressure cut any step short on the way to it."""
+
+    outcome: Outcome
+    approach: float
+    met_limit: bool
+
+
 def searchable(convolution: PlannedConvolution, task: Task) -> bool:
     """Tell whether the task is one of an approach that loads can be searched for."""
     periodic = convolution.scene.boundary is Boundary.PERIODIC
@@ -33,7 +42,7 @@ def searchable(convolution: PlannedConvolution, task: Task) -> bool:
 
 
 def by_load(
-    solve: Callable[[Task], tuple[Outcome, float]],
+    solve: Callable[[Task], Found],
     convolution: PlannedConvolution,
     task: Task,
     monitor: Monitor,
@@ -62,7 +71,8 @@ def by_load(
     for _ in range(_TRIES):
         mean = closing - math.exp(missing)
         start = pressure * (mean / float(pressure.mean()))
-        outcome, approach = solve(attrs.evolve(task, approach=None, mean_pressure=mean, start=start))
+        found = solve(attrs.evolve(task, approach=None, mean_pressure=mean, start=start))
+        outcome, approach = found.outcome, found.approach
         pressure = outcome.pressure
         work.append(outcome)
         _, status = monitor.judge(pressure, convolution.apply(pressure))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 
 import attrs
@@ -13,6 +14,7 @@ from roughcontact.solvers.base import Monitor, Outcome, Solver, Task, iteration_
 from roughcontact.solvers.conjugate import search
 from roughcontact.solvers.conjugate.cascade import Start, cascaded, estimated_approach
 from roughcontact.solvers.conjugate.refinement import Refinement
+from roughcontact.solvers.conjugate.search import Found
 from roughcontact.solvers.conjugate.window import window_for
 from roughcontact.solvers.spectral_gradient import SpectralGradient
 
@@ -46,21 +48,38 @@ class ProjectedConjugateGradient(Solver):
     max_iterations: int = attrs.field(converter=iteration_limit, default=1000)
 
     def solve(self, convolution: PlannedConvolution, task: Task) -> Outcome:
-        """Return the pressure; see `Solver.solve`."""
+        """Return the pressure; see `Solver.solve`.
+
+        A limit that cut steps short, but is nowhere reached in the end, leaves no trace: the contact
+        is solved again without it.
+        """
+        found = self._windowed(convolution, task)
+        limited = found.outcome
+        if not found.met_limit or not limited.status.success or (limited.pressure >= task.limit).any():
+            return limited
+        free = self._windowed(convolution, attrs.evolve(task, limit=math.inf)).outcome
+        if not free.status.success or (free.pressure > task.limit).any():
+            return limited
+        return attrs.evolve(free, convolutions=limited.convolutions + free.convolutions)
+
+    def _windowed(self, convolution: PlannedConvolution, task: Task) -> Found:
+        """Solve on the part of a free domain that can touch, or on all of it."""
         if convolution.scene.boundary is not Boundary.FREE:
-            return self._solved(convolution, task)[0]
-        approach = estimated_approach(convolution, task)
+            return self._solved(convolution, task)
+        approach, met_limit = estimated_approach(convolution, task)
         while approach is not None and (window := window_for(convolution, task, approach)) is not None:
-            outcome, approach = self._solved(window.planned(convolution), window.task(task))
-            pressure = window.pasted(outcome.pressure, task.undeformed.shape)
-            if not outcome.status.success or window.holds(task.undeformed, approach):
-                return attrs.evolve(outcome, pressure=pressure)
+            found = self._solved(window.planned(convolution), window.task(task))
+            approach, met_limit = found.approach, met_limit or found.met_limit
+            pressure = window.pasted(found.outcome.pressure, task.undeformed.shape)
+            if not found.outcome.status.success or window.holds(task.undeformed, approach):
+                return Found(attrs.evolve(found.outcome, pressure=pressure), approach, met_limit)
             # The estimate was too low: the next window is larger, and knows where to start.
             task = attrs.evolve(task, start=pressure)
-        return self._solved(convolution, task)[0]
+        found = self._solved(convolution, task)
+        return attrs.evolve(found, met_limit=met_limit or found.met_limit)
 
-    def _solved(self, convolution: PlannedConvolution, task: Task) -> tuple[Outcome, float]:
-        """Solve on all cells of the convolution; return the approach as well."""
+    def _solved(self, convolution: PlannedConvolution, task: Task) -> Found:
+        """Solve on all cells of the convolution."""
         start = cascaded(convolution, task) if task.start is None else Start(task.start.copy(), 0.0)
         searchable = search.searchable(convolution, task)
         monitor = Monitor(
@@ -72,7 +91,7 @@ class ProjectedConjugateGradient(Solver):
         outcome = attrs.evolve(outcome, levels=(*start.levels, refinement.level))
         if status is Status.STALLED or (searchable and status is Status.MAXIMUM_ITERATIONS):
             outcome = self._rescued(convolution, task, outcome)
-        return outcome, state.approach
+        return Found(outcome, state.approach, start.met_limit or refinement.met_limit)
 
     def _rescued(self, convolution: PlannedConvolution, task: Task, stalled: Outcome) -> Outcome:
         """Go on with a method that is slower, but does not stall where this one has."""

@@ -1,0 +1,176 @@
+"""Elastic-perfectly-plastic contact, from the first saturated point to a bearing area."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.special import ellipe, ellipk
+
+import roughcontact as rc
+from strategies import height_maps, seeds
+
+MODULUS = 210e9 / (2 * (1 - 0.3**2))
+RADIUS = 5e-3
+HARDNESS = 6e9
+STEEL = rc.ElasticPerfectlyPlastic(210e9, 0.3, HARDNESS)
+YIELD = np.pi**3 * RADIUS**2 * HARDNESS**3 / (6 * MODULUS**2)
+
+
+def side(force):
+    """Three times the greater of the radii of Hertz and of full plasticity."""
+    return 3 * max((3 * force * RADIUS / (4 * MODULUS)) ** (1 / 3), (force / (np.pi * HARDNESS)) ** 0.5)
+
+
+def ball(cells, force, centre=(0.0, 0.0)):
+    size = side(force)
+    body = rc.Body(rc.ParaboloidSurface(RADIUS, center=np.array(centre) * size / cells), STEEL)
+    flat = rc.Body(rc.FlatSurface(), STEEL)
+    return rc.ContactProblem(body, flat, grid=rc.Grid((cells, cells), size)).solve(force=force)
+
+
+def rings(force, count=500):
+    """The capped paraboloid on rings of uniform pressure: an independent, axisymmetric solution.
+
+    Johnson, Contact Mechanics (1985), sec. 3.4: displacement of a half-space under a uniform disc.
+    """
+    reach = 1.6 * (3 * force * RADIUS / (4 * MODULUS)) ** (1 / 3)
+    edges = np.linspace(0.0, reach, count + 1)
+    r = 0.5 * (edges[1:] + edges[:-1])[:, None]
+    s = edges[None, 1:]
+    inside = s * ellipe(np.minimum(r / s, 1.0) ** 2)
+    m = np.minimum(s / r, 1.0) ** 2
+    outside = r * (ellipe(m) - (1 - m) * ellipk(np.minimum(m, 1 - 1e-15)))
+    discs = 4 / (np.pi * MODULUS) * np.where(r <= s, inside, outside)
+    kernel = np.diff(discs, axis=1, prepend=0.0)
+    ring_areas = np.pi * np.diff(edges**2)
+    gap = r[:, 0] ** 2 / (2 * RADIUS)
+    state = np.where(r[:, 0] < 0.6 * reach, 1, 0)  # 0 open, 1 free, 2 saturated
+    for _ in range(1000):
+        free, full = state == 1, state == 2
+        p = np.where(full, HARDNESS, 0.0)
+        n = int(free.sum())
+        matrix = np.zeros((n + 1, n + 1))
+        matrix[:n, :n], matrix[:n, n], matrix[n, :n] = kernel[np.ix_(free, free)], -1.0, ring_areas[free]
+        right = np.append(-(gap + kernel @ p)[free], force - p @ ring_areas)
+        solved = np.linalg.solve(matrix, right)
+        p[free], approach = solved[:n], solved[n]
+        opening = gap + kernel @ p - approach
+        new = np.where(free, np.where(p < 0, 0, np.where(p > HARDNESS, 2, 1)), state)
+        new = np.where((state == 0) & (opening < 0), 1, new)
+        new = np.where(full & (opening > 0), 1, new)
+        if np.array_equal(new, state):
+            break
+        state = new
+    # The pressure falls to zero like the root of the distance; so does its distance from the limit.
+    contact, saturated = state > 0, state == 2
+    return p, approach, np.sum(ring_areas[contact]), np.sum(ring_areas[saturated])
+
+
+def test_the_first_point_saturates_at_the_load_of_first_yield():
+    """F = pi^3 R^2 H^3 / (6 E*^2): the load at which Hertz's maximum pressure is the limit."""
+    assert not ball(255, 0.99 * YIELD).saturated.any()
+    above = ball(255, 1.01 * YIELD)
+    assert above.saturated.any()
+    assert above.saturated_area().value < 0.05 * above.area().value
+
+
+@pytest.mark.parametrize("times", [1.5, 3.0, 10.0])
+def test_a_capped_ball_agrees_with_rings(times):
+    force = times * YIELD
+    solution = ball(256, force, (0.3, -0.2))
+    _, approach, area, saturated = rings(force)
+    assert solution.force == pytest.approx(force, rel=1e-12)
+    assert solution.approach == pytest.approx(approach, rel=2e-3)
+    # A ring more or less is 0.5 to 1 % of the areas.
+    assert solution.area().value == pytest.approx(area, rel=8e-3)
+    assert solution.saturated_area().value == pytest.approx(saturated, rel=2.5e-2)
+
+
+def test_a_very_soft_ball_is_fully_plastic():
+    """Far above first yield A = F/H, and the approach grows to that of the bearing area, A = 2 pi R d, Johnson 6.3."""
+    solution = ball(256, 3000 * YIELD)
+    area = solution.area().value
+    assert area == pytest.approx(solution.force / HARDNESS, rel=5e-3)
+    elastic = 4 * HARDNESS * np.sqrt(area / np.pi) / (np.pi * MODULUS)
+    assert solution.approach - elastic == pytest.approx(area / (2 * np.pi * RADIUS), rel=0.03)
+
+
+@settings(max_examples=25, deadline=None)
+@given(height_maps(16), st.floats(0.05, 0.95), st.sampled_from(["free", "periodic"]))
+def test_vanishing_hardness_is_the_bearing_area(surface, share, boundary):
+    """The elastic deflection is nothing beside the relief: the highest cells carry the hardness, the others none."""
+    ties = np.unique(surface.values).size < surface.values.size
+    slope = np.ptp(surface.values) / max(surface.size)
+    soft = rc.ElasticPerfectlyPlastic(1.0, 0.3, 1e-9 * slope)
+    problem = rc.ContactProblem(rc.Body(surface, soft), boundary=boundary)
+    count = max(1, round(share * surface.values.size))
+    mean = soft.hardness * count / surface.values.size
+    solution = problem.solve(pressure=mean, throw=False)
+    carried = np.sort(solution.pressure.ravel())[::-1]
+    assert solution.area("cell-count").value >= count * surface.grid.cell_area * (1 - 1e-9)
+    if not ties and solution.status.success:
+        heights = surface.values.ravel()
+        highest = np.argsort(heights)[::-1]
+        gaps = -np.diff(heights[highest])
+        # A deflection of 1e-9 of the relief moves neighbours in rank that are closer than that.
+        if gaps[count - 1 : count].min(initial=np.inf) > 1e-6 * np.ptp(heights):
+            assert set(np.flatnonzero(solution.pressure.ravel() > 0)) == set(highest[:count])
+            np.testing.assert_allclose(carried[:count], soft.hardness, rtol=1e-9)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seeds, st.floats(1e-6, 3.0), st.sampled_from(["free", "periodic"]), st.sampled_from(["force", "approach"]))
+def test_a_limit_above_the_elastic_maximum_changes_no_bit(seed, above, boundary, control):
+    grid = rc.Grid((64, 48), (1e-4, 0.75e-4))
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_height=5e-8, longest=1e-4, shortest=6e-6, seed=seed)
+    load = {"force": 2.0} if control == "force" else {"approach": 8e-8}
+
+    def solved(material):
+        return rc.ContactProblem(rc.Body(rough, material), grid=grid, boundary=boundary).solve(**load)
+
+    elastic = solved(rc.Elastic(210e9, 0.3))
+    capped = solved(rc.ElasticPerfectlyPlastic(210e9, 0.3, elastic.pressure.max() * (1 + above)))
+    np.testing.assert_array_equal(capped.pressure, elastic.pressure)
+    assert capped.approach == elastic.approach
+    assert capped.saturated_area().value == 0.0
+
+
+def rough_pair(cells, force):
+    size = 264.2e-6
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_height=0.2e-6, longest=size, rolloff=40e-6, shortest=size / 32, seed=3)
+    bodies = rc.Body(rc.SphereSurface(RADIUS), STEEL), rc.Body(rough, STEEL)
+    return rc.ContactProblem(*bodies, grid=rc.Grid((cells, cells), size)).solve(force=force)
+
+
+def test_saturated_area_of_a_rough_pair_converges_within_its_bar():
+    fine = rough_pair(1024, 20.0).saturated_area()
+    for cells in (256, 512):
+        coarse = rough_pair(cells, 20.0).saturated_area()
+        assert abs(coarse.value - fine.value) < 2 * coarse.uncertainty
+        assert coarse.value == pytest.approx(fine.value, rel=0.04 if cells == 256 else 0.02)
+
+
+def test_contact_and_saturated_area_meet_when_everything_flows():
+    solution = ball(128, 3000 * YIELD)
+    assert solution.saturated_area().value <= solution.area().value
+    assert solution.saturated_area().value == pytest.approx(solution.area().value, rel=0.05)
+
+
+def test_the_summary_tells_the_saturated_area():
+    assert "saturated" in str(ball(64, 2 * YIELD))
+    elastic = rc.ContactProblem(
+        rc.Body(rc.ParaboloidSurface(RADIUS), rc.Elastic(210e9, 0.3)), grid=rc.Grid((8, 8), 1e-4)
+    )
+    assert "saturated" not in str(elastic.solve(force=1.0))
+
+
+def test_a_load_of_a_sweep_that_cannot_be_carried_is_refused_before_anything_is_solved(monkeypatch):
+    grid = rc.Grid((16, 16), 1e-4)
+    problem = rc.ContactProblem(rc.Body(rc.ParaboloidSurface(RADIUS), STEEL), grid=grid)
+    solved = []
+    monkeypatch.setattr(rc.ProjectedConjugateGradient, "solve", lambda *_: solved.append(1))
+    with pytest.raises(rc.InputError, match=r"at most 6 GPa, that is 60 N"):
+        problem.sweep(force=[1.0, 2.0, 61.0])
+    assert not solved
