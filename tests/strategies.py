@@ -69,3 +69,18 @@ def problems(draw, *, limited=None, solver="auto"):
         material = rc.Elastic(young, 0.3)
     boundary = draw(st.sampled_from(["free", "periodic", "wrapped"]))
     return rc.ContactProblem(rc.Body(surface, material), boundary=boundary, solver=solver), mean
+
+
+@st.composite
+def measured_pairs(draw):
+    """Two height maps of different cells and sides, and how the second lies on the first."""
+    maps = []
+    for _ in range(2):
+        shape = draw(st.tuples(st.integers(8, 24), st.integers(8, 24)))
+        size = (draw(st.floats(0.5, 2.0)) * 1e-4, draw(st.floats(0.5, 2.0)) * 1e-4)
+        rng = np.random.default_rng(draw(seeds))
+        maps.append(rc.HeightMap(1e-8 * rng.standard_normal(shape), size))
+    near = 0.3 * min(min(one.size) for one in maps)
+    offset = draw(st.floats(-1, 1)) * near, draw(st.floats(-1, 1)) * near
+    placing = {"offset": offset, "rotation": draw(st.floats(-7, 7)), "mirrored": draw(st.booleans())}
+    return maps[0], maps[1], placing

@@ -14,9 +14,9 @@ from roughcontact.solution import ContactSolution
 class UniformRise(PermanentSet):
     """The volume of the overlap comes back as a uniform rise of all cells that are not in contact.
 
-    Conserved is the volume, and so the mean height. The raised surface carries a little more of the
-    load, and shakedown takes several cycles. In full contact, where nothing is open, the rise is that
-    of the whole surface. It was observed on confined specimens:
+    Conserved is the volume, and so the mean height. Loaded again in the same place, the raised surface
+    takes over some of the load. In full contact, where nothing is open, the rise is that of the whole
+    surface. It was observed on confined specimens:
 
     Pullen, Williamson, Proc. R. Soc. Lond. A 327 (1972) 159, https://doi.org/10.1098/rspa.1972.0038
     """

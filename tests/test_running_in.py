@@ -1,0 +1,210 @@
+"""Permanent set and running in."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import roughcontact as rc
+from strategies import seeds
+
+HARDNESS = 3e9
+SOFT, HARD = (rc.ElasticPerfectlyPlastic(210e9, 0.3, h) for h in (HARDNESS, 2 * HARDNESS))
+SIZE = 64e-6
+
+
+def pair(one=SOFT, other=SOFT, seed=1, boundary="periodic", **parts):
+    grid = rc.Grid((64, 64), SIZE)
+    rough = [
+        rc.SelfAffineSurface(hurst=0.8, rms_height=5e-8, longest=SIZE, shortest=5e-6, seed=seed + k) for k in (0, 1)
+    ]
+    return rc.ContactProblem(rc.Body(rough[0], one), rc.Body(rough[1], other), grid=grid, boundary=boundary, **parts)
+
+
+def heights(problem):
+    return [body.surface.heights(problem.plan.grid) for body in (problem.body, problem.counter)]
+
+
+class TestOverlap:
+    """The overlap stays."""
+
+    @settings(max_examples=10, deadline=None)
+    @given(seeds, st.floats(1e7, 1e9), st.sampled_from(["free", "periodic"]))
+    def test_loaded_again_in_the_same_place_the_contact_is_the_same_and_elastic(self, seed, load, boundary):
+        fresh = pair(seed=seed, boundary=boundary)
+        first = fresh.solve(pressure=load)
+        worn = rc.run_in(fresh, pressure=load, rounds=1).problem
+        elastic = attrs.evolve(
+            worn,
+            body=attrs.evolve(worn.body, material=rc.Elastic(210e9, 0.3)),
+            counter=attrs.evolve(worn.counter, material=rc.Elastic(210e9, 0.3)),
+        )
+        again = elastic.solve(pressure=load)
+        assert again.pressure.max() <= HARDNESS * (1 + 1e-3)
+        np.testing.assert_allclose(again.pressure, first.pressure, atol=2e-4 * HARDNESS)
+        # First touch is deeper now by what the highest summit lost.
+        lost = fresh.summit - worn.summit
+        assert again.approach + lost == pytest.approx(first.approach, rel=1e-5)
+
+    def test_one_cycle_is_shakedown(self):
+        result = rc.run_in(pair(), pressure=2e8)
+        assert result.shakedown
+        assert len(result.cycles) == 2
+        assert result.cycles[0].volume > 0
+        assert result.cycles[1].volume < 1e-6 * result.cycles[0].volume
+        assert "shakedown after 2 cycles" in str(result)
+
+    def test_the_volume_is_that_of_the_overlap(self):
+        problem = pair()
+        solution = problem.solve(pressure=2e8)
+        expected = -solution.gap[solution.saturated & (solution.gap < 0)].sum() * problem.plan.grid.cell_area
+        result = rc.run_in(problem, pressure=2e8, rounds=1)
+        assert result.volume == pytest.approx(expected)
+        lost = sum((a - b).sum() for a, b in zip(heights(problem), heights(result.problem), strict=True))
+        assert lost * problem.plan.grid.cell_area == pytest.approx(expected, rel=1e-9)
+
+    def test_a_larger_load_flattens_more_and_a_smaller_one_after_it_nothing(self):
+        light = rc.run_in(pair(), pressure=1e8, rounds=1)
+        heavy = rc.run_in(pair(), pressure=3e8, rounds=1)
+        assert heavy.volume > light.volume
+        after = rc.run_in(heavy.problem, pressure=1e8, rounds=1)
+        assert after.volume < 1e-3 * heavy.volume
+
+
+class TestUniformRise:
+    """The volume rises elsewhere."""
+
+    def test_the_volume_of_each_body_is_kept_through_all_cycles(self):
+        fresh = pair()
+        result = rc.run_in(fresh, pressure=2e8, model="uniform-rise")
+        for before, after in zip(heights(fresh), heights(result.problem), strict=True):
+            assert abs((before - after).mean()) < 1e-12 * np.abs(before - after).max()
+            assert not np.array_equal(before, after)
+
+    @pytest.mark.parametrize("load", [2e8, 1.5e9])
+    def test_the_raised_surface_takes_over_some_of_the_load(self, load):
+        first, second = rc.run_in(pair(), pressure=load, model="uniform-rise").cycles
+        assert second.area.value > first.area.value
+        assert second.saturated.value <= first.saturated.value
+        assert second.volume < 1e-6 * first.volume
+
+    def test_where_all_touches_only_shape_is_lost(self):
+        problem = pair(boundary="periodic")
+        solution = problem.solve(pressure=0.99 * HARDNESS)
+        lowering = rc.UniformRise().lowering(solution)
+        assert abs(lowering.mean()) < 1e-9 * np.abs(lowering).max()
+
+
+class TestShare:
+    """Who is flattened."""
+
+    def test_the_softer_body_is(self):
+        for one, other, lost in ((SOFT, HARD, 0), (HARD, SOFT, 1)):
+            result = rc.run_in(pair(one, other), pressure=2e8, rounds=1)
+            assert result.lowered[lost].max() > 0
+            assert not result.lowered[1 - lost].any()
+
+    def test_equals_share(self):
+        one, other = rc.run_in(pair(), pressure=2e8, rounds=1).lowered
+        np.testing.assert_allclose(one, other, atol=1e-20)
+
+    def test_hardness_may_differ_from_place_to_place(self):
+        hardness = np.full((64, 64), HARDNESS)
+        hardness[:32] *= 0.5
+        patchy = rc.ElasticPerfectlyPlastic(210e9, 0.3, hardness)
+        flattened = rc.run_in(pair(patchy, SOFT), pressure=2e8, rounds=1).lowered
+        assert flattened[0][:32].max() > 0
+        assert not flattened[1][:32].any()
+        np.testing.assert_allclose(flattened[0][32:], flattened[1][32:], atol=1e-20)
+
+    def test_without_a_limit_nothing_sets(self):
+        with pytest.raises(rc.InputError, match="nothing sets"):
+            rc.run_in(pair(rc.Elastic(1e9, 0.3), rc.Rigid()), pressure=1e6)
+
+
+class TestMoving:
+    """The other body moves on between cycles."""
+
+    def test_each_cycle_is_the_contact_of_the_moved_body(self):
+        fresh = pair()
+        shift = (5, -3)
+        result = rc.run_in(fresh, pressure=2e8, shifts=[shift], rounds=1)
+        one, other = heights(fresh)
+        moved = rc.HeightMap(np.roll(other, shift, axis=(0, 1)), SIZE, periodic=True)
+        by_hand = attrs.evolve(fresh, counter=rc.Body(moved, SOFT)).solve(pressure=2e8)
+        np.testing.assert_array_equal(by_hand.pressure, result.solution.pressure)
+        np.testing.assert_allclose(np.roll(result.lowered[1], shift, axis=(0, 1)), result.lowered[0], atol=1e-20)
+        np.testing.assert_allclose(heights(result.problem)[0], one - result.lowered[0], atol=1e-20)
+
+    def test_rounds_flatten_less_and_less(self):
+        result = rc.run_in(pair(), pressure=1e8, shifts=[(0, 0), (16, 0), (32, 8)], tolerance=1e-2)
+        assert result.shakedown
+        assert len(result.cycles) % 3 == 0
+        rounds = np.array([cycle.volume for cycle in result.cycles]).reshape(-1, 3).sum(axis=1)
+        assert (np.diff(rounds) < 0).all()
+
+    def test_a_body_that_does_not_repeat_cannot_go_round(self):
+        grid = rc.Grid((32, 32), SIZE)
+        tilted = rc.HeightMap(1e-3 * (grid.x + 0.0 * grid.y), SIZE)
+        problem = rc.ContactProblem(rc.Body(rc.ParaboloidSurface(1e-3), SOFT), rc.Body(tilted, SOFT))
+        with pytest.raises(rc.InputError, match="do not repeat along x"):
+            rc.run_in(problem, force=1.0, shifts=[(1, 0)])
+        assert rc.run_in(problem, force=1.0, shifts=[(0, 4)], rounds=1).cycles[0].shift == (0, 4)
+
+
+class TestInterface:
+    """Options, plug-ins and stopping."""
+
+    @pytest.mark.parametrize(
+        ("options", "words"),
+        [
+            ({"shifts": []}, "shifts of the other body"),
+            ({"shifts": [(1, 2, 3)]}, "shifts of the other body"),
+            ({"shifts": [(0.5, 1)]}, "shifts of the other body"),
+            ({"shifts": "ab"}, "shifts of the other body"),
+            ({"rounds": 0}, "number of rounds"),
+            ({"tolerance": -1.0}, "tolerance of shakedown"),
+            ({"model": "overlab"}, "Did you mean 'overlap'"),
+            ({"force": 1.0}, "exactly one"),
+        ],
+    )
+    def test_bad_input_is_told_before_anything_is_solved(self, options, words, monkeypatch):
+        monkeypatch.setattr(rc.ContactProblem, "solve", lambda *_, **__: pytest.fail("solved"))
+        with pytest.raises(rc.InputError, match=words):
+            rc.run_in(pair(), **{"pressure": 1e8, **options})
+
+    def test_it_takes_a_problem(self):
+        with pytest.raises(rc.InputError, match="must be a ContactProblem"):
+            rc.run_in(rc.RIGID_FLAT, force=1.0)
+
+    def test_a_load_that_cannot_be_carried_is_refused(self):
+        with pytest.raises(rc.InputError, match="more than the bodies bear"):
+            rc.run_in(pair(), pressure=1.01 * HARDNESS)
+
+    def test_a_model_of_somebody_else(self):
+        class Half(rc.PermanentSet):
+            """Half of the overlap springs back."""
+
+            def lowering(self, solution):
+                return 0.5 * rc.Overlap().lowering(solution)
+
+        whole = rc.run_in(pair(), pressure=2e8, rounds=1)
+        half = rc.run_in(pair(), pressure=2e8, rounds=1, model=Half())
+        assert half.volume == pytest.approx(0.5 * whole.volume)
+        assert len(rc.run_in(pair(), pressure=2e8, model=Half()).cycles) > 2
+
+    def test_a_study_goes_on_where_it_stopped(self):
+        shifts = [(0, 0), (16, 0), (32, 0)]
+        states = []
+        whole = rc.run_in(pair(), pressure=2e8, shifts=shifts, rounds=2, tolerance=0.0, on_cycle=states.append)
+        assert [len(state.cycles) for state in states] == [1, 2, 3, 4, 5, 6]
+        rest = rc.run_in(states[2].problem, pressure=2e8, shifts=shifts, rounds=1, tolerance=0.0)
+        for one, other in zip(heights(whole.problem), heights(rest.problem), strict=True):
+            np.testing.assert_array_equal(one, other)
+
+    def test_the_plan_of_the_result_tells_of_it(self):
+        result = rc.run_in(pair(), pressure=2e8, rounds=1)
+        assert result.problem.explain().count("run in by 1 cycles") == 2
