@@ -7,9 +7,11 @@ import sys
 import numpy as np
 import pytest
 
+import roughcontact as rc
 from roughcontact.__main__ import main
 from roughcontact.cli import paper
 from roughcontact.cli.units import quantity
+from roughcontact.paper import printed, stand_in
 
 PNG = b"\x89PNG"
 
@@ -37,6 +39,31 @@ def test_paper_writes_tables_and_figures(tmp_path, capsys, monkeypatch, case_of)
         rows = list(csv.reader(file))
     assert rows[0][:3] == ["load MPa", "N", "cells"]
     assert rows[1][:3] == ["50", "64", "112"]
+
+
+@pytest.fixture
+def small_pairs(monkeypatch):
+    """The second half of the paper on grids that take seconds."""
+    monkeypatch.setattr(printed, "GRIDS", (256, 512, 1024))
+    monkeypatch.setattr(stand_in, "PLACES", 1)
+
+
+def test_paper_pairs_writes_tables_figures_and_maps(small_pairs, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["paper", "--pairs", "-o", str(out)]) == 0
+    first = capsys.readouterr().out
+    assert "running in, cycle 1:" in first
+    assert "Table 5: areas on 512 x 512 cells" in first
+    figures = {f"figure{number}.png" for number in range(8, 14)}
+    assert {path.name for path in out.iterdir()} == {"pairs.csv", "table5.csv", "run-in-512.npz", *figures}
+    for name in figures:
+        assert (out / name).read_bytes()[:4] == PNG
+    with (out / "table5.csv").open(newline="") as file:
+        rows = list(csv.reader(file))
+    assert [row[:2] for row in rows[1:3]] == [["before 2.5", "540/510"], ["before 5", "1126/1063"]]
+    # What was run in is not run in again, and gives the same.
+    assert main(["paper", "--pairs", "-o", str(out)]) == 0
+    assert capsys.readouterr().out == "".join(line for line in first.splitlines(True) if "cycle" not in line)
 
 
 def test_solve_writes_summary_fields_and_picture(height_map, tmp_path, capsys):
@@ -154,3 +181,60 @@ def test_without_the_extra_the_sentence_says_what_to_install(monkeypatch, capsys
     monkeypatch.setitem(sys.modules, "rich", None)
     assert main(["paper"]) == 2
     assert "pip install 'roughcontact[cli]'" in capsys.readouterr().err
+
+
+@pytest.fixture
+def two_maps(tmp_path):
+    """A ball of 200 um in micrometres of height, and a map of another grid."""
+    rng = np.random.default_rng(1)
+    grid = rc.Grid((40, 40), 40e-6)
+    ball = rc.SphereSurface(2e-4).heights(grid)
+    np.savetxt(tmp_path / "ball.txt", 1e6 * ball)
+    np.savez(tmp_path / "ring.npz", heights=1e-8 * rng.standard_normal((30, 50)), size=(45e-6, 50e-6))
+    return [str(tmp_path / name) for name in ("ball.txt", "ring.npz")]
+
+
+LOAD = "--force 0.05N --young 210GPa --hardness 6GPa --counter-young 210GPa".split()
+
+
+def test_two_maps_are_matched(two_maps, tmp_path, capsys):
+    options = "--size 40um --counter-size 45um 50um --unit 1um --counter-unit 1m --match cubic --rotation 10deg".split()
+    more = "--offset 1um,-2um --mirror --counter-detrend plane --domain 25um 20um --resample 50 40".split()
+    assert main(["solve", *two_maps, *LOAD, *options, *more, "-o", str(tmp_path / "out")]) == 0
+    text = capsys.readouterr().out
+    for words in (
+        "grid       50 x 40 cells on 25 µm x 20 µm",
+        "heights 1  read from ball.txt: 40 x 40",
+        "best plane taken away; turned over, x to -x; rotated by 10 degrees; its centre at (",
+        "converged",
+        "saturated  ",
+    ):
+        assert words in text
+
+
+def test_a_ball_gets_its_radius_back(two_maps, tmp_path, capsys):
+    """Form taken away, and the nominal ball put in its place: the same as the ball itself."""
+    common = [*LOAD, "--size", "40um", "--unit", "1um"]
+    forces = []
+    for more in ([], ["--detrend", "sphere", "--ball", "200um"]):
+        assert main(["solve", two_maps[0], *common, *more, "-o", str(tmp_path)]) == 0
+        with np.load(tmp_path / "solution.npz") as data:
+            forces.append(data["pressure"])
+    np.testing.assert_allclose(forces[1], forces[0], atol=1e-6 * forces[0].max())
+    assert "of radius 200 µm; a sphere of radius 200 µm" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--size", "40um"], "which is not the size given"),
+        (["--size", "40um", "--counter-size", "45um", "50um"], "was asked for on"),
+        (["--size", "40um", "--counter-size", "45um", "50um", "--offset", "1um,1um"], "--match bilinear"),
+        (["--size", "40um", "--counter-size", "45um", "50um", "--mirror"], "--match bilinear"),
+        (["--size", "40um", "--counter-size", "45um", "50um", "--match", "fourier"], "needs a periodic map"),
+        (["--size", "40um", "--detrend", "cone"], "The form must be"),
+    ],
+)
+def test_pairs_that_do_not_fit_get_a_sentence(two_maps, tmp_path, capsys, options, words):
+    assert main(["solve", *two_maps, *LOAD, *options, "-o", str(tmp_path)]) == 2
+    assert words in capsys.readouterr().err

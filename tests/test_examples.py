@@ -47,6 +47,19 @@ def test_which_estimator(monkeypatch, tmp_path, capsys):
         assert (tmp_path / name).stat().st_size > 10_000
 
 
+def test_lost_heights(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr("roughcontact.paper.stand_in.PLACES", 1)
+    study("lost_heights", monkeypatch).main(512, 256, tmp_path, tmp_path)
+    assert capsys.readouterr().out.count("| 512 |") == 4
+    assert (tmp_path / "lost_heights.png").stat().st_size > 10_000
+
+
+def test_capped_ball(monkeypatch, tmp_path, capsys):
+    study("capped_ball", monkeypatch).main(64, 100, tmp_path)
+    assert "| 12 |" in capsys.readouterr().out
+    assert (tmp_path / "capped_ball.png").stat().st_size > 10_000
+
+
 def test_comparison_judges_ours_by_its_own_function(monkeypatch):
     compare = study("compare_codes", monkeypatch)
     for boundary, hardness in (("periodic", None), ("free", None), ("periodic", 0.03)):

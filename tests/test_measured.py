@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
+
+ROOT = Path(__file__).parent.parent
 
 
 @pytest.fixture(autouse=True)
@@ -52,3 +59,35 @@ def test_a_broken_instrument_file_is_named(tmp_path):
     (tmp_path / "map.sur").write_bytes(b"DIGITAL SURF" + bytes(100))
     with pytest.raises(rc.InputError, match=r"map\.sur cannot be read"):
         rc.read_surface(tmp_path / "map.sur")
+
+
+def test_two_instruments_maps_make_a_pair(measured_maps, tmp_path, capsys):
+    maps = [str(measured_maps / name) for name in ("x3p-2.x3p", "opd-1.opd")]
+    options = "--match bilinear --mirror --rotation 20deg --detrend 2 --missing holes --resample 256 256".split()
+    load = "--force 0.05N --young 210GPa --hardness 6GPa --counter-young 210GPa".split()
+    assert main(["solve", *maps, *options, *load, "-o", str(tmp_path)]) == 0
+    text = capsys.readouterr().out
+    assert "116 of 307200 points missing and taken as holes" in text
+    assert "converged" in text
+
+
+def test_the_walk_through_of_the_pages(measured_maps, monkeypatch, tmp_path, capsys):
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "studies"))
+    __import__("measured_pair").main(measured_maps, (162, 90), tmp_path)
+    assert "shakedown after 2 cycles" in capsys.readouterr().out
+    assert (tmp_path / "measured_pair.png").stat().st_size > 10_000
+
+
+def test_the_script_of_the_pages(measured_maps):
+    page = (ROOT / "docs" / "pairs.md").read_text(encoding="utf-8")
+    (script,) = re.findall(r"```python maps\n(.*?)```", page, re.S)
+    assert len(script.strip().splitlines()) <= 20
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, cwd=measured_maps, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "saturated" in done.stdout
+
+
+def test_the_unit_of_an_instrument_is_not_overruled(measured_maps):
+    with pytest.raises(rc.InputError, match="tells its own unit"):
+        rc.read_surface(measured_maps / "plu-1.plu", unit=1e-6)

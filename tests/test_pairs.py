@@ -296,7 +296,7 @@ def test_the_plan_tells_what_was_done_to_which_map(tmp_path):
         rc.Body(rc.SphereSurface(5e-3) + pair.body, STEEL), rc.Body(pair.counter, STEEL), grid=pair.grid
     )
     first, second = (line for line in problem.explain().splitlines() if line.startswith("heights "))
-    for words in ("plus SphereSurface(radius=0.005", "read from ball.npz: 32 x 32", "best sphere", "cubic"):
+    for words in ("a sphere of radius 5 mm", "read from ball.npz: 32 x 32", "best sphere", "cubic"):
         assert words in first
     for words in ("best plane", "turned over", "rotated by 5.72958 degrees", "its centre at (1 µm", "1.5 µm x 1.5 µm"):
         assert words in second

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from roughcontact.paper import all_tables, printed, remarks
+from roughcontact.paper import all_tables, printed, remarks, stand_in
 from roughcontact.paper.scene import MATERIAL, problem, summit_positions
 
 # Cells in contact as the printed percentages tell them; on the larger grids the print is too coarse.
@@ -68,3 +68,42 @@ def test_tables_show_print_and_truth_beside_ours(case_of):
     assert area.rows[0][:4] == ("50", "64", "112", "2.734")
     assert any("not to be trusted" in note for note in extrapolated.notes)
     assert "0.807, 1.255, 1.982" in " ".join(remarks())
+
+
+class TestStandIn:
+    """The pair that stands in for the paper's unpublished maps."""
+
+    def test_it_has_the_papers_steel_domain_and_ball(self):
+        pair = stand_in.fresh(512)
+        assert pair.plan.grid.size == (264.2e-6, 264.2e-6)
+        assert pair.plan.limit == 6e9
+        assert pair.plan.modulus == pytest.approx(210e9 / (2 * (1 - 0.3**2)))
+        assert pair.body.surface.separate("sphere").radius == pytest.approx(5e-3, rel=0.02)
+
+    def test_the_ring_has_its_lay_along_y(self):
+        heights = stand_in.fresh(512).counter.surface.values
+        across, along = (np.abs(np.diff(heights, axis=axis)).mean() for axis in (0, 1))
+        assert across > 5 * along
+        assert heights.std() == pytest.approx(0.2e-6, rel=1e-6)
+
+    def test_coarse_maps_are_scaled_bilinearly(self):
+        """Half as many cells: each the mean of two by two."""
+        pair = stand_in.fresh(512)
+        fine, coarse = pair.counter.surface.values, stand_in.scaled(pair, 256).counter.surface.values
+        np.testing.assert_allclose(coarse, fine.reshape(256, 2, 256, 2).mean(axis=(1, 3)), atol=1e-20)
+
+    def test_run_in_maps_are_kept_and_made_again_where_they_do_not_fit(self, tmp_path):
+        pair, path, made = stand_in.fresh(512), tmp_path / "maps.npz", []
+
+        def make():
+            made.append(1)
+            return stand_in.scaled(pair, 512)
+
+        path.write_bytes(b"PK\x03\x04 cut short")
+        first = stand_in.kept(path, pair, make)
+        second = stand_in.kept(path, pair, make)
+        assert len(made) == 1
+        np.testing.assert_array_equal(first.body.surface.values, second.body.surface.values)
+        other = stand_in.scaled(pair, 256)
+        stand_in.kept(path, other, make)
+        assert len(made) == 2

@@ -66,10 +66,19 @@ def add_surfaces(parser: argparse.ArgumentParser) -> None:
         choices=("bilinear", "cubic", "fourier"),
         help="interpolate both on a common grid, as fine as the finer one or as --resample says",
     )
-    pair.add_argument("--offset", type=_METRE, nargs=2, metavar=("X", "Y"), help="centre of the other map")
+    pair.add_argument(
+        "--offset", type=_place, metavar="X,Y", help="centre of the other map; if X is negative, --offset=-5um,2um"
+    )
     pair.add_argument("--rotation", type=_ANGLE, metavar="A", help="of the other map, such as 30deg")
     pair.add_argument("--mirror", action="store_true", help="turn the other map over, x to -x")
     pair.add_argument("--domain", type=_METRE, nargs="+", metavar="L", help="sides x [y], if not the whole overlap")
+
+
+def _place(text: str) -> tuple[float, float]:
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise argparse.ArgumentTypeError(f"{text!r} is no place; write it like 5um,-2um")
+    return _METRE(parts[0]), _METRE(parts[1])
 
 
 def _form(text: str) -> str | int:

@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> None:
     estimator = None if options.area is None else areas.resolve(options.area, EstimatesArea)
     surface, counter, grid = _surfaces(options)
     if options.ball is not None:
-        surface, grid = SphereSurface(options.ball) + surface, grid or own_grid(surface)
+        surface, grid = surface + SphereSurface(options.ball), grid or own_grid(surface)
     problem = ContactProblem(
         Body(surface, _material(options.young, options.poisson, options.hardness)),
         Body(counter, _counter_material(options)),

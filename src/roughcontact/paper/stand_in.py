@@ -74,7 +74,7 @@ def kept(path: Path, pair: ContactProblem, make: Callable[[], ContactProblem]) -
     """
     fresh_heights = np.stack([one.values for one in _maps(pair)])
     try:
-        with np.load(path, allow_pickle=False) as data:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
             if np.array_equal(data["fresh"], fresh_heights):
                 return _with_maps([HeightMap(values, SIZE) for values in data["run_in"]])
     except (OSError, KeyError, ValueError, zipfile.BadZipFile):

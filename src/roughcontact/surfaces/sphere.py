@@ -9,6 +9,7 @@ from roughcontact.checks import Array, Pair, number
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 from roughcontact.surfaces.base import Surface, centre_point
+from roughcontact.units import si
 
 
 def _radius(value: float) -> float:
@@ -29,6 +30,11 @@ class SphereSurface(Surface):
 
     radius: float = attrs.field(converter=_radius)
     center: Pair = attrs.field(converter=centre_point, default=(0.0, 0.0))
+
+    @property
+    def history(self) -> tuple[str, ...]:
+        """What ``explain()`` tells of it."""
+        return (f"a sphere of radius {si(self.radius, 'm')}",)
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, zero at the summit.

@@ -1,0 +1,116 @@
+"""A ball on a flat with capped pressure: beside an independent axisymmetric solution and beside what is published.
+
+python docs/studies/capped_ball.py
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.special import ellipe, ellipk
+
+import roughcontact as rc
+
+FIGURES = Path(__file__).parent.parent / "figures"
+RADIUS, HARDNESS = 5e-3, 6e9
+MODULUS = 210e9 / (2 * (1 - 0.3**2))
+STEEL = rc.ElasticPerfectlyPlastic(210e9, 0.3, HARDNESS)
+# Hertz's maximum pressure is the hardness at this load, contact radius and approach.
+YIELD_RADIUS = np.pi * HARDNESS * RADIUS / (2 * MODULUS)
+YIELD = 2 / 3 * np.pi * YIELD_RADIUS**2 * HARDNESS
+YIELD_APPROACH = YIELD_RADIUS**2 / RADIUS
+
+
+def ball(cells: int, force: float, centre: tuple[float, float] = (0.0, 0.0)) -> rc.ContactSolution:
+    """Return the contact on a domain of three times the greater of the radii of Hertz and of full plasticity."""
+    size = 3 * max((3 * force * RADIUS / (4 * MODULUS)) ** (1 / 3), (force / (np.pi * HARDNESS)) ** 0.5)
+    body = rc.Body(rc.ParaboloidSurface(RADIUS, center=np.array(centre) * size / cells), STEEL)
+    flat = rc.Body(rc.FlatSurface(), STEEL)
+    return rc.ContactProblem(body, flat, grid=rc.Grid((cells, cells), size)).solve(force=force)
+
+
+def rings(force: float, count: int = 500) -> tuple[float, float, float]:
+    """Return approach, contact area and saturated area of the capped paraboloid on rings of uniform pressure.
+
+    An independent path: axisymmetric, dense, by trial of which rings are open, free and saturated.
+    Displacement of a half-space under a uniform disc: Johnson, Contact Mechanics (1985), sec. 3.4.
+    """
+    edges = np.linspace(0.0, 1.6 * (3 * force * RADIUS / (4 * MODULUS)) ** (1 / 3), count + 1)
+    r, s = 0.5 * (edges[1:] + edges[:-1])[:, None], edges[None, 1:]
+    inside = s * ellipe(np.minimum(r / s, 1.0) ** 2)
+    m = np.minimum(s / r, 1.0) ** 2
+    outside = r * (ellipe(m) - (1 - m) * ellipk(np.minimum(m, 1 - 1e-15)))
+    kernel = np.diff(4 / (np.pi * MODULUS) * np.where(r <= s, inside, outside), axis=1, prepend=0.0)
+    areas = np.pi * np.diff(edges**2)
+    gap = r[:, 0] ** 2 / (2 * RADIUS)
+    full, free = np.zeros(count, dtype=bool), r[:, 0] < 0.6 * edges[-1]
+    for _ in range(1000):
+        p = np.where(full, HARDNESS, 0.0)
+        n = int(free.sum())
+        matrix = np.zeros((n + 1, n + 1))
+        matrix[:n, :n], matrix[:n, n], matrix[n, :n] = kernel[np.ix_(free, free)], -1.0, areas[free]
+        solved = np.linalg.solve(matrix, np.append(-(gap + kernel @ p)[free], force - p @ areas))
+        p[free], approach = solved[:n], solved[n]
+        opening = gap + kernel @ p - approach
+        now_full = np.where(free, p > HARDNESS, full & (opening <= 0))
+        now_free = np.where(free, (p >= 0) & (p <= HARDNESS), np.where(full, opening > 0, opening < 0))
+        if np.array_equal(now_full, full) and np.array_equal(now_free, free):
+            break
+        full, free = now_full, now_free
+    return approach, float(areas[full | free].sum()), float(areas[full].sum())
+
+
+def thornton(force: float) -> tuple[float, float]:
+    """Return approach and contact area by the truncated Hertz pressure, which keeps a^2 = R approach."""
+    approach = YIELD_APPROACH + (force - YIELD) / (np.pi * RADIUS * HARDNESS)
+    return approach, np.pi * RADIUS * approach
+
+
+def main(cells: int = 512, count: int = 800, folder: Path = FIGURES) -> None:
+    print("| F / F_y | approach, off the rings | area | saturated area | area / (F / H) | Thornton: approach | area |")
+    print("|---" * 7 + "|")
+    times = np.array([1.1, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0])
+    ours = []
+    for factor in times:
+        force = factor * YIELD
+        solution, (approach, area, saturated) = ball(cells, force, (0.3, -0.2)), rings(force, count)
+        found, limit = solution.area().value, solution.saturated_area().value
+        ours.append((solution.approach, found, limit))
+        close, truncated = solution.approach / approach - 1, thornton(force)
+        print(
+            f"| {factor:g} | {close:+.1e} | {100 * (found / area - 1):+.2f} % | {100 * (limit / saturated - 1):+.2f} % "
+            f"| {found * HARDNESS / force:.4f} | {100 * (truncated[0] / approach - 1):+.1f} % "
+            f"| {100 * (truncated[1] / area - 1):+.1f} % |"
+        )
+    draw(times, np.array(ours), folder)
+
+
+def draw(times: np.ndarray, ours: np.ndarray, folder: Path) -> None:
+    figure = Figure(figsize=(11, 4.6), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    fine = np.linspace(0.05, times[-1], 300)
+    unit = np.pi * YIELD_RADIUS**2
+    truncated = np.array([thornton(factor * YIELD) for factor in fine[fine >= 1]])
+    left.plot(fine, fine ** (2 / 3), ":", color="0.4", label="Hertz, no limit")
+    left.plot(
+        fine[fine >= 1], truncated[:, 0] / YIELD_APPROACH, "--", color="#3c8d53", label="truncated Hertz (Thornton)"
+    )
+    left.plot(times, ours[:, 0] / YIELD_APPROACH, "o", color="#1b6ca8", label="pressure capped, half-space")
+    left.set(ylabel="approach / approach at first yield")
+    right.plot(fine, fine ** (2 / 3), ":", color="0.4", label="Hertz, no limit")
+    right.plot(fine[fine >= 1], truncated[:, 1] / unit, "--", color="#3c8d53", label="truncated Hertz (Thornton)")
+    right.plot(fine, fine * YIELD / HARDNESS / unit, "-", color="0.7", label="load / hardness")
+    right.plot(times, ours[:, 1] / unit, "o", color="#1b6ca8", label="contact area")
+    right.plot(times, ours[:, 2] / unit, "s", color="#d1495b", label="of it saturated")
+    right.set(ylabel="area / area at first yield")
+    for axes in (left, right):
+        axes.set(xlabel="load / load of first yield", xlim=(0, None), ylim=(0, None))
+        axes.grid(alpha=0.3)
+        axes.legend()
+    figure.savefig(folder / "capped_ball.png", dpi=110)
+
+
+if __name__ == "__main__":
+    main()
