@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "README.md", ROOT / "docs" / "plugins.md", ROOT / "docs" / "area.md"]
+PAGES = [ROOT / "README.md", ROOT / "docs" / "plugins.md", ROOT / "docs" / "area.md", ROOT / "docs" / "pairs.md"]
 BLOCKS = [
     pytest.param(block, id=f"{page.stem}-{number}")
     for page in PAGES

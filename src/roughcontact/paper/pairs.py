@@ -117,7 +117,8 @@ def _pair(state: str, force: float) -> str:
 
 
 def _bar(area: Area, digits: int) -> str:
-    return f"{_UM2 * area.value:.{digits}f} ±{100 * area.uncertainty / area.value:.2g}%"
+    share = 100 * area.uncertainty / area.value
+    return f"{_UM2 * area.value:.{digits}f} ±{share:.{0 if share >= 10 else 1}f}%"
 
 
 def _grids_table(cases: Sequence[PairCase]) -> Table:
