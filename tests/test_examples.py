@@ -55,7 +55,7 @@ def test_lost_heights(monkeypatch, tmp_path, capsys):
 
 
 def test_capped_ball(monkeypatch, tmp_path, capsys):
-    study("capped_ball", monkeypatch).main(64, 100, tmp_path)
+    study("capped_ball", monkeypatch).main(64, 300, tmp_path)
     assert "| 12 |" in capsys.readouterr().out
     assert (tmp_path / "capped_ball.png").stat().st_size > 10_000
 

@@ -16,7 +16,7 @@ FLOORS = [
     {"grid", "reference", "extrapolation", "optimality"},
     {"clusters"},
     {"surfaces", "materials", "kernels", "solution"},
-    {"body", "convolvers", "areas", "relief", "sets"},
+    {"body", "convolvers", "areas", "relief", "flattening"},
     {"solvers", "files"},
     {"plan"},
     {"loads", "sweep"},

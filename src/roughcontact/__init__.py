@@ -9,6 +9,7 @@ from roughcontact.clusters import Clusters
 from roughcontact.convolvers import DCFFT, CircularFFT, Convolver, Direct, PlannedConvolution
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError
 from roughcontact.files import RawMap, SurfaceReader, read_surface, write_solution
+from roughcontact.flattening import Overlap, PermanentSet, UniformRise
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import FourierHalfSpace, InfluenceKernel, Love
 from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid
@@ -17,7 +18,6 @@ from roughcontact.problem import ContactProblem
 from roughcontact.refinement import Ladder, Refined, extrapolate, refine
 from roughcontact.registry import areas, convolvers, kernels, readers, sets, solvers
 from roughcontact.running_in import Cycle, RunIn, run_in
-from roughcontact.sets import Overlap, PermanentSet, UniformRise
 from roughcontact.solution import Area, ContactSolution, Level, Residuals, Status
 from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
 from roughcontact.surfaces import (

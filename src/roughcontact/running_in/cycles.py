@@ -10,13 +10,13 @@ import numpy as np
 from roughcontact.body import Body
 from roughcontact.checks import Array, instance_of, integer, number
 from roughcontact.errors import InputError
+from roughcontact.flattening import PermanentSet
 from roughcontact.grid import Boundary
 from roughcontact.loads import require_load
 from roughcontact.problem import ContactProblem
 from roughcontact.registry import sets
 from roughcontact.relief import seam_jump
 from roughcontact.running_in.record import Cycle, RunIn
-from roughcontact.sets import PermanentSet
 from roughcontact.solution import ContactSolution
 from roughcontact.surfaces import HeightMap
 from roughcontact.surfaces.base import history_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 
 from roughcontact.checks import Array
-from roughcontact.sets.base import PermanentSet, overlap
+from roughcontact.flattening.base import PermanentSet, overlap
 from roughcontact.solution import ContactSolution
 
 

@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 
 from roughcontact.checks import Array
-from roughcontact.sets.base import PermanentSet, overlap
+from roughcontact.flattening.base import PermanentSet, overlap
 from roughcontact.solution import ContactSolution
 
 
