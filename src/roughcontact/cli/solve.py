@@ -23,17 +23,7 @@ def run(options: argparse.Namespace) -> None:
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
     estimator = None if options.area is None else areas.resolve(options.area, EstimatesArea)
-    surface, counter, grid = _surfaces(options)
-    if options.ball is not None:
-        surface, grid = surface + SphereSurface(options.ball), grid or own_grid(surface)
-    problem = ContactProblem(
-        Body(surface, _material(options.young, options.poisson, options.hardness)),
-        Body(counter, _counter_material(options)),
-        grid=grid,
-        boundary=options.boundary,
-        kernel=options.kernel,
-        solver=options.solver,
-    )
+    problem = problem_of(options)
     print(problem.explain())
     solution = problem.solve(pressure=options.pressure, force=options.force, approach=options.approach, throw=False)
     print(f"\n{solution}")
@@ -44,6 +34,21 @@ def run(options: argparse.Namespace) -> None:
     print(f"\nWritten to {folder}: solution.npz, solution.png")
     if not solution.status.success:
         raise NotConverged(f"The contact is {solution.status}; what was reached is in {folder}.", solution)
+
+
+def problem_of(options: argparse.Namespace) -> ContactProblem:
+    """Return the problem that the options describe."""
+    surface, counter, grid = _surfaces(options)
+    if options.ball is not None:
+        surface, grid = surface + SphereSurface(options.ball), grid or own_grid(surface)
+    return ContactProblem(
+        Body(surface, _material(options.young, options.poisson, options.hardness)),
+        Body(counter, _counter_material(options)),
+        grid=grid,
+        boundary=options.boundary,
+        kernel=options.kernel,
+        solver=options.solver,
+    )
 
 
 def _surfaces(options: argparse.Namespace) -> tuple[Surface, Surface, Grid | None]:
