@@ -8,7 +8,7 @@ from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.clusters import Clusters
 from roughcontact.convolvers import DCFFT, CircularFFT, Convolver, Direct, PlannedConvolution
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError
-from roughcontact.files import RawMap, SurfaceReader, read_surface, write_solution
+from roughcontact.files import RawMap, SurfaceReader, read_surface
 from roughcontact.flattening import Overlap, PermanentSet, UniformRise
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import FourierHalfSpace, InfluenceKernel, Love
@@ -18,7 +18,7 @@ from roughcontact.problem import ContactProblem
 from roughcontact.refinement import Ladder, Refined, extrapolate, refine
 from roughcontact.registry import areas, convolvers, kernels, readers, sets, solvers
 from roughcontact.running_in import Cycle, RunIn, run_in
-from roughcontact.solution import Area, ContactSolution, Level, Residuals, Status
+from roughcontact.solution import Area, ContactSolution, Level, Origin, Residuals, Status
 from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
 from roughcontact.surfaces import (
     FlatSurface,
@@ -71,6 +71,7 @@ __all__ = [
     "Material",
     "MissingPackage",
     "NotConverged",
+    "Origin",
     "Outcome",
     "Overlap",
     "ParaboloidSurface",
@@ -111,5 +112,4 @@ __all__ = [
     "run_in",
     "sets",
     "solvers",
-    "write_solution",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial
+from typing import Any
 
 import attrs
 import numpy as np
@@ -22,7 +23,7 @@ from roughcontact.materials import Rigid, contact_modulus, pressure_limit
 from roughcontact.plan import Plan
 from roughcontact.registry import convolvers, kernels, solvers
 from roughcontact.relief import rms_slope
-from roughcontact.solution import DEFAULT_AREA, ContactSolution, EstimatesArea
+from roughcontact.solution import DEFAULT_AREA, ContactSolution, EstimatesArea, Origin
 from roughcontact.solvers import Solver, Step
 from roughcontact.surfaces import FlatSurface
 from roughcontact.surfaces.base import history_of, own_grid
@@ -126,6 +127,11 @@ class ContactProblem:
         summit = float(total.max())
         return frozen_array(summit - total), summit
 
+    @property
+    def parts(self) -> dict[str, Any]:
+        """What the problem was made from, by the names of its arguments."""
+        return {field.name: getattr(self, field.name) for field in attrs.fields(type(self))}
+
     def explain(self) -> str:
         """Return in words what a solve will do, and what is left out and why."""
         return str(self.plan)
@@ -176,6 +182,9 @@ class ContactProblem:
         solution = certified(
             self.plan, self.convolution, self.undeformed, task, outcome, seconds=time.perf_counter() - started
         )
+        given = {"pressure": pressure, "force": force, "approach": approach}
+        load = {name: float(value) for name, value in given.items() if value is not None}
+        solution = attrs.evolve(solution, origin=Origin(self.parts, load))
         if throw and not solution.status.success:
             raise NotConverged(
                 f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals}). "
