@@ -22,7 +22,7 @@ FLOORS = [
     {"loads", "sweep"},
     {"certificate"},
     {"problem"},
-    {"refinement", "running_in"},
+    {"refinement", "running_in", "studies"},
     {"paper"},
     {"cli"},
     {"__main__"},

@@ -7,7 +7,7 @@ from roughcontact.areas import AreaEstimator, Blend, CellCount, Hertz, LevelSet,
 from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.clusters import Clusters
 from roughcontact.convolvers import DCFFT, CircularFFT, Convolver, Direct, PlannedConvolution
-from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError
+from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, StudyStopped
 from roughcontact.files import RawMap, SurfaceReader, read_surface
 from roughcontact.flattening import Overlap, PermanentSet, UniformRise
 from roughcontact.grid import Boundary, Grid
@@ -20,6 +20,7 @@ from roughcontact.registry import areas, convolvers, kernels, readers, sets, sol
 from roughcontact.running_in import Cycle, RunIn, run_in
 from roughcontact.solution import Area, ContactSolution, Level, Origin, Residuals, Status
 from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
+from roughcontact.studies import Record, Study, StudyResult
 from roughcontact.surfaces import (
     FlatSurface,
     HeightMap,
@@ -83,6 +84,7 @@ __all__ = [
     "PolonskyKeer",
     "ProjectedConjugateGradient",
     "RawMap",
+    "Record",
     "Refined",
     "Residuals",
     "Rigid",
@@ -95,6 +97,9 @@ __all__ = [
     "SphereSurface",
     "Status",
     "Step",
+    "Study",
+    "StudyResult",
+    "StudyStopped",
     "Surface",
     "SurfaceReader",
     "Sweep",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import threading
+import uuid
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping
@@ -41,8 +41,8 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = Path(path)
     if not target.parent.is_dir():
         raise InputError(f"There is no folder {str(target.parent)!r} to write {target.name} into.")
-    # Several processes, and several threads of each, may write the same file.
-    partial = target.with_name(f".{target.name}.{os.getpid()}.{threading.get_ident()}.partial")
+    # Several processes, of several machines, may write the same file.
+    partial = target.with_name(f".{target.name}.{uuid.uuid4().hex[:12]}.partial")
     try:
         yield partial
         partial.replace(target)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import attrs
@@ -123,7 +123,7 @@ class ContactProblem:
     @cached_property
     def _gap(self) -> tuple[Array, float]:
         grid = self._grid()
-        total = _heights(self.body, grid) + _heights(self.counter, grid)
+        total = self.body.heights(grid) + self.counter.heights(grid)
         summit = float(total.max())
         return frozen_array(summit - total), summit
 
@@ -193,6 +193,12 @@ class ContactProblem:
             )
         return solution
 
+    def require_load(
+        self, *, pressure: float | None = None, force: float | None = None, approach: float | None = None
+    ) -> None:
+        """Raise `InputError` if a load cannot be carried; nothing is solved."""
+        require_load(self.plan, self.undeformed, pressure=pressure, force=force, approach=approach)
+
     def sweep(
         self,
         *,
@@ -220,8 +226,7 @@ class ContactProblem:
         NotConverged
             If a solution is not certified.
         """
-        check = partial(require_load, self.plan, self.undeformed)
-        return swept(self.solve, check, pressure=pressure, force=force, approach=approach)
+        return swept(self.solve, self.require_load, pressure=pressure, force=force, approach=approach)
 
     def solve_area(self, fraction: float, estimator: str | EstimatesArea = DEFAULT_AREA) -> ContactSolution:
         """Find the load at which the real contact area is a given share of the nominal area.
@@ -284,16 +289,3 @@ class ContactProblem:
             if isinstance(body.surface, FlatSurface):
                 texts.append("heights of one body: it is flat")
         return texts
-
-
-def _heights(body: Body, grid: Grid) -> Array:
-    heights = np.asarray(body.surface.heights(grid))
-    name = type(body.surface).__name__
-    if heights.shape != grid.shape or heights.dtype.kind != "f":
-        raise InputError(
-            f"The surface {name} must give real heights of shape {grid.shape}, "
-            f"but gave an array of shape {heights.shape} and type {heights.dtype}."
-        )
-    if not np.isfinite(heights).all():
-        raise InputError(f"The surface {name} gave heights that are not finite.")
-    return heights
