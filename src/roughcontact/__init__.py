@@ -16,7 +16,7 @@ from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material, R
 from roughcontact.plan import Plan
 from roughcontact.problem import ContactProblem
 from roughcontact.refinement import Ladder, Refined, extrapolate, refine
-from roughcontact.registry import areas, convolvers, kernels, readers, sets, solvers
+from roughcontact.registry import areas, convolvers, kernels, materials, readers, sets, solvers, surfaces
 from roughcontact.running_in import Cycle, RunIn, run_in
 from roughcontact.solution import Area, ContactSolution, Level, Origin, Residuals, Status
 from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
@@ -111,10 +111,12 @@ __all__ = [
     "extrapolate",
     "kernels",
     "match",
+    "materials",
     "read_surface",
     "readers",
     "refine",
     "run_in",
     "sets",
     "solvers",
+    "surfaces",
 ]
