@@ -12,6 +12,8 @@ from roughcontact.checks import Array, Pair, integer, pair
 from roughcontact.errors import InputError
 from roughcontact.units import si
 
+_MOST_CELLS = 2**28
+
 
 class Boundary(StrEnum):
     """What lies beyond the border of the grid."""
@@ -27,6 +29,8 @@ def _shape(value: Sequence[int]) -> tuple[int, int]:
     nx, ny = (integer(n, "A cell count of the grid", at_least=1) for n in value)
     if nx * ny < 2:
         raise InputError.about("The grid", (nx, ny), "of at least two cells", "One cell has no shape to press on.")
+    if nx * ny > _MOST_CELLS:
+        raise InputError.about("The grid", (nx, ny), "of at most 2^28 cells, more than memory bears")
     return nx, ny
 
 
