@@ -6,13 +6,17 @@ built, so that it reads the same without a network.
 
 from __future__ import annotations
 
+import importlib
+import pkgutil
 import re
 from typing import Any
 
+import attrs
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
+from sphinx.util import inspect as sphinx_inspect
 
 import roughcontact
 
@@ -39,10 +43,10 @@ myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 
 autosummary_generate = False
-autodoc_default_options = {"members": True, "show-inheritance": True}
+autodoc_default_options = {"members": True}
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
-autodoc_type_aliases = {name: name for name in ("Array", "IntArray", "Mask", "Pair", "Heights")}
+autodoc_type_aliases = {name: name for name in ("Array", "IntArray", "Mask", "Pair", "RealArray")}
 python_maximum_signature_line_length = 88
 python_use_unqualified_type_names = True
 numpydoc_show_class_members = False
@@ -53,10 +57,9 @@ default_role = "py:obj"
 # What other packages, the standard library and our private modules call their types.
 nitpick_ignore_regex = [
     (r"py:class", r"(abc|attrs?|collections|enum|numpy|os|pathlib|typing)\..*"),
-    (r"py:class", r"(Array|ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence)"),
+    (r"py:class", r"(Array|ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray)"),
+    (r"py:class", r"roughcontact\.registry\.T"),
 ]
-# The section "Studies" of index.md takes pages by pattern, and may be empty.
-suppress_warnings = ["toc.empty_glob"]
 
 
 def mathml(tex: str, *, block: bool) -> str:
@@ -82,10 +85,42 @@ def plain_name(app: Sphinx, env: BuildEnvironment, node: Any, content: nodes.Nod
     return content if node.get("refdomain") == "py" and node.get("reftype") == "obj" else None
 
 
+def name_aliases() -> None:
+    """Let `Array | None` be written so: Sphinx shows an alias within a union by its repr."""
+    alias = getattr(sphinx_inspect, "TypeAliasForwardRef", None)
+    if alias is not None:
+        alias.__repr__ = lambda self: self.name
+
+
+def show_cached_properties() -> None:
+    """Put the cached properties of attrs classes where autodoc sees them: slots hide their docstrings."""
+    for module in pkgutil.walk_packages(roughcontact.__path__, "roughcontact."):
+        for cls in vars(importlib.import_module(module.name)).values():
+            if isinstance(cls, type) and cls.__module__ == module.name and attrs.has(cls):
+                hidden = getattr(vars(cls).get("__getattr__"), "__globals__", {}).get("cached_properties", {})
+                for name, function in hidden.items():
+                    setattr(cls, name, property(function))
+                if hidden:
+                    cls.__slots__ = tuple(name for name in cls.__slots__ if name not in hidden)
+
+
+def on_the_site(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Turn links to the files beside this folder, which GitHub shows, to the pages that include them."""
+    for link, page in (
+        ("](../README.md#", "](standing.md#"),
+        ("](../README.md)", "](index.md)"),
+        ("](../CHANGELOG.md)", "](changes.md)"),
+    ):
+        source[0] = source[0].replace(link, page)
+
+
 def setup(app: Sphinx) -> None:
     """Enter the above."""
+    name_aliases()
+    show_cached_properties()
     app.add_html_math_renderer("mathml", (visit_math, None), (visit_math_block, None))
     app.connect("missing-reference", plain_name)
+    app.connect("source-read", on_the_site)
 
 
 html_math_renderer = "mathml"
