@@ -6,9 +6,9 @@ built, so that it reads the same without a network.
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
+import doctest
 import re
+import sys
 from typing import Any
 
 import attrs
@@ -49,6 +49,7 @@ autodoc_typehints_format = "short"
 autodoc_type_aliases = {name: name for name in ("Array", "IntArray", "Mask", "Pair", "RealArray")}
 python_maximum_signature_line_length = 88
 python_use_unqualified_type_names = True
+doctest_default_flags = doctest.ELLIPSIS
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 
@@ -94,9 +95,9 @@ def name_aliases() -> None:
 
 def show_cached_properties() -> None:
     """Put the cached properties of attrs classes where autodoc sees them: slots hide their docstrings."""
-    for module in pkgutil.walk_packages(roughcontact.__path__, "roughcontact."):
-        for cls in vars(importlib.import_module(module.name)).values():
-            if isinstance(cls, type) and cls.__module__ == module.name and attrs.has(cls):
+    for module in [name for name in sys.modules if name.startswith("roughcontact.")]:
+        for cls in list(vars(sys.modules[module]).values()):
+            if isinstance(cls, type) and cls.__module__ == module and attrs.has(cls):
                 hidden = getattr(vars(cls).get("__getattr__"), "__globals__", {}).get("cached_properties", {})
                 for name, function in hidden.items():
                     setattr(cls, name, property(function))
