@@ -38,8 +38,11 @@ source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 html_theme = "furo"
 html_title = f"roughcontact {release}"
 html_copy_source = False
+html_static_path = ["_static"]
+html_css_files = ["math.css"]
 
-myst_enable_extensions = ["dollarmath"]
+myst_enable_extensions = ["dollarmath", "linkify"]
+myst_linkify_fuzzy_links = False
 myst_heading_anchors = 3
 
 autosummary_generate = False

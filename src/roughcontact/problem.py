@@ -64,21 +64,6 @@ class ContactProblem:
     ------
     InputError
         If the parts do not fit together.
-
-    Examples
-    --------
-    A ball on a flat, beside Hertz:
-
-    >>> import roughcontact as rc
-    >>> from roughcontact.reference import hertz_sphere
-    >>> ball = rc.Body(rc.SphereSurface(radius=5e-3), rc.Elastic(young=210e9, poisson=0.3))
-    >>> problem = rc.ContactProblem(ball, rc.RIGID_FLAT, grid=rc.Grid((64, 64), 200e-6))
-    >>> solution = problem.solve(force=10.0)
-    >>> print(solution.status)
-    converged: the conditions of contact hold within the tolerance
-    >>> hertz = hertz_sphere(10.0, 5e-3, solution.modulus)
-    >>> abs(solution.area().value / hertz.area - 1) < 0.01
-    True
     """
 
     body: Body = attrs.field(validator=_is_body)
