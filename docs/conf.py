@@ -60,9 +60,9 @@ numpydoc_xref_param_type = False
 default_role = "py:obj"
 # What other packages, the standard library and our private modules call their types.
 nitpick_ignore_regex = [
-    (r"py:class", r"(abc|attrs?|collections|enum|numpy|os|pathlib|typing)\..*"),
+    (r"py:class", r"(abc|attrs?|collections|concurrent|enum|numpy|os|pathlib|typing)\..*"),
     (r"py:class", r"(Array|ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray)"),
-    (r"py:class", r"roughcontact\.registry\.T"),
+    (r"py:class", r"roughcontact\.(registry\.T|studies\.chain\.Chain)"),
 ]
 
 
