@@ -53,6 +53,17 @@ class Grid:
     ------
     InputError
         If there are fewer than two cells or a side is not a positive finite length.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> grid = rc.Grid(shape=(4, 2), size=(8e-6, 6e-6))
+    >>> print(grid)
+    4 x 2 cells on 8 µm x 6 µm
+    >>> [f"{1e6 * x:g}" for x in grid.x.ravel()]
+    ['-3', '-1', '1', '3']
+    >>> rc.Grid((64, 64), 1e-3).size
+    (0.001, 0.001)
     """
 
     shape: tuple[int, int] = attrs.field(converter=_shape)
