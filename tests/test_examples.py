@@ -60,6 +60,15 @@ def test_capped_ball(monkeypatch, tmp_path, capsys):
     assert (tmp_path / "capped_ball.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
+def test_the_plan_states_the_memory_of_a_solve(monkeypatch):
+    """Peak resident memory of a process of its own, to a tenth."""
+    memory = study("memory", monkeypatch)
+    for case in (("periodic", 0.0, 0.05), ("periodic", 0.0, 0.5), ("free", 0.0, 0.05), ("free", 0.0, 0.5)):
+        _, measured, stated = memory.in_process(2048, *case)
+        assert stated == pytest.approx(measured, rel=0.1), case
+
+
 def test_comparison_judges_ours_by_its_own_function(monkeypatch):
     compare = study("compare_codes", monkeypatch)
     for boundary, hardness in (("periodic", None), ("free", None), ("periodic", 0.03)):
