@@ -23,7 +23,7 @@ FLOORS = [
     {"certificate"},
     {"problem"},
     {"refinement", "running_in"},
-    {"paper"},
+    {"paper", "report"},
     {"cli"},
     {"__main__"},
 ]
