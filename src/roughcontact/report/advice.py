@@ -38,7 +38,13 @@ def setup_words(row: ReportRow, parts: Sequence[str]) -> str:
 
 def percent(share: float) -> str:
     """Return a share in per cent, in two digits."""
-    return f"{100 * share:.2g} %"
+    return f"{signed(share).removeprefix('+')} %"
+
+
+def signed(share: float) -> str:
+    """Return the number of per cents with its sign, in two digits or as a whole number."""
+    value = 100 * share
+    return f"{value:+.2g}" if abs(value) < 99.5 else f"{value:+.0f}"
 
 
 def advised(rows: Sequence[ReportRow], truth: Truth, area: float) -> str:

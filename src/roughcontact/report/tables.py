@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from roughcontact.report.advice import percent, varying
+from roughcontact.report.advice import percent, signed, varying
 from roughcontact.report.row import ReportRow, Timing
 from roughcontact.report.truth import QUANTITIES
 from roughcontact.units import si
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from roughcontact.report.result import ErrorReport
 
 _TRUE = {"area": ("area", "m2"), "p_max": ("greatest pressure", "Pa"), "approach": ("approach", "m")}
+# Share of the comparison's own error below which a number says nothing but that it is small.
+_NOTHING = 0.01
 
 
 def text(report: ErrorReport) -> str:
@@ -99,7 +101,10 @@ def _cells(report: ErrorReport) -> tuple[list[str], list[list[str]], list[str]]:
         if row.failure:
             line += [f"failed [{failures.index(row.failure) + 1}]", *["-"] * (len(headings) - len(line) - 1)]
         else:
-            line += [f"{100 * row.area / report.nominal:.4g}", *(_error(row, name, id(row) in front) for name in known)]
+            line += [
+                f"{100 * row.area / report.nominal:.4g}",
+                *(_error(row, name, report.truth.blur(name), id(row) in front) for name in known),
+            ]
             line += [_span(row.cpu), f"{row.area_cpu.median:.2g}", _span(row.wall)]
             line += [str(row.iterations), str(row.convolutions), str(row.single), f"{row.peak / 2**20:.3g}"]
         body.append(line)
@@ -110,10 +115,12 @@ def _part(row: ReportRow, part: str) -> str:
     return f"{row.tolerance:.0e}" if part == "tolerance" else str(getattr(row, part))
 
 
-def _error(row: ReportRow, name: str, on_front: bool) -> str:
-    value = f"{100 * getattr(row, f'{name}_error'):+.2g}"
+def _error(row: ReportRow, name: str, blur: float, on_front: bool) -> str:
+    error = getattr(row, f"{name}_error")
     star = "* " if on_front and name == "area" else ""
-    return star + (f"({value})" if name in row.unresolved else value)
+    if name in row.unresolved:
+        return f"{star}({signed(error) if abs(error) > _NOTHING * blur else '0'})"
+    return star + signed(error)
 
 
 def _span(timing: Timing) -> str:
