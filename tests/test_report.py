@@ -186,8 +186,13 @@ def test_an_estimator_that_fails_fails_alone():
         def estimate(self, solution):
             raise rc.InputError("Not today.")
 
-    report = rc.error_vs_time(ball(32), force=1.0, truth=HERTZ, cells=(32,), areas=("blend", Sulky()), repeats=1)
-    assert [row.failure for row in report.rows] == ["", "Not today."]
+    class Broken(rc.AreaEstimator):
+        def estimate(self, solution):
+            return 1 / 0
+
+    areas = ("blend", Sulky(), Broken())
+    report = rc.error_vs_time(ball(32), force=1.0, truth=HERTZ, cells=(32,), areas=areas, repeats=1)
+    assert [row.failure for row in report.rows] == ["", "Not today.", "ZeroDivisionError: division by zero"]
 
 
 def test_parts_are_told_apart():
