@@ -52,11 +52,10 @@ def advised(rows: Sequence[ReportRow], truth: Truth, area: float) -> str:
     area = number(area, "The allowed error of the area", above=0.0, at_most=1.0)
     if truth.area is None:
         raise InputError("There is no advice on the area: the truth that was given does not tell it.")
-    if truth.blur("area") > area:
-        return (
-            f"The true area is known to {percent(truth.blur('area'))} only, which cannot tell what reaches "
-            f"{percent(area)}: give a better truth or finer grids."
-        )
+    blur = truth.blur("area")
+    if blur > area:
+        told = f"The true area is known to {percent(blur)} only, which cannot tell what reaches {percent(area)}."
+        return told if blur > 1.0 else f"{told} {advised(rows, truth, blur)}"
     series = series_of(rows)
     if not series:
         return "No case has an answer: there is nothing to advise."

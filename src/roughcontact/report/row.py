@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-import statistics
 from collections.abc import Sequence
 
 import attrs
+import numpy as np
 
 
 @attrs.frozen
@@ -26,7 +26,7 @@ class Timing:
     @classmethod
     def of(cls, samples: Sequence[float]) -> Timing:
         """Return the timing of some samples, s."""
-        return cls(statistics.median(samples), min(samples), max(samples))
+        return cls(float(np.median(samples)), min(samples), max(samples))
 
 
 @attrs.frozen(kw_only=True)

@@ -16,8 +16,10 @@ from roughcontact.problem import ContactProblem
 from roughcontact.refinement import Ladder, on_grid
 from roughcontact.report.load import Load
 from roughcontact.solution import DEFAULT_AREA, ContactSolution
+from roughcontact.surfaces import PlacedMap, Surface
 from roughcontact.surfaces.base import own_grid
 from roughcontact.surfaces.resampling import bilinear
+from roughcontact.surfaces.sum import SurfaceSum
 
 QUANTITIES = ("area", "p_max", "approach")
 _UNITS = {"area": "m2", "p_max": "Pa", "approach": "m"}
@@ -25,7 +27,8 @@ _ALLOWED = "a Truth, or an object or dict with at least one of area (m2), p_max 
 # The reference is finer than the finest case by this factor a side, as long as it has at most so many cells.
 _FINER = 2
 _MOST_CELLS = 2**24
-_LEVELS = 3
+# Three grids give a limit and an order; the fourth tells whether they are to be believed.
+_LEVELS = 4
 
 
 def _value(value: Any, field: Any) -> float | None:
@@ -111,12 +114,13 @@ def truth_of(given: object) -> Truth:
 
 
 def refined_truth(problem: ContactProblem, load: Load, finest: tuple[int, int], between: str | None) -> Truth:
-    """Return what a ladder of up to three grids tells.
+    """Return what a ladder of up to four grids tells.
 
     Surfaces that go on smoothly between the cells are solved on grids up to twice as fine as the finest
-    case, and what three grids bear is extrapolated. A map that does not is solved on its own grid. The
+    case, and what four grids bear is extrapolated. A map that does not is solved on its own grid. The
     own error is twice the standard deviation of the area; of pressure and approach it is the step to
-    the extrapolated value, else the last change between grids or half the one before.
+    the extrapolated value, else the last change between grids, half the one before, and so on, whatever
+    is greatest.
 
     Raises
     ------
@@ -165,7 +169,10 @@ def _rungs(problem: ContactProblem, finest: tuple[int, int], between: str | None
 
 def _smooth(problem: ContactProblem, between: str | None) -> bool:
     """Tell whether the surfaces go on smoothly between the cells: what is bilinear has a ridge at each of them."""
-    if all(own_grid(body.surface) is None for body in (problem.body, problem.counter)):
+    surfaces = [problem.body.surface, problem.counter.surface]
+    if any(_ridged(surface) for surface in surfaces):
+        return False
+    if all(own_grid(surface) is None for surface in surfaces):
         return isinstance(problem.plan.limit, float)
     nx, ny = problem.plan.grid.shape
     try:
@@ -175,11 +182,18 @@ def _smooth(problem: ContactProblem, between: str | None) -> bool:
     return between in (None, "fourier")
 
 
+def _ridged(surface: Surface) -> bool:
+    if isinstance(surface, SurfaceSum):
+        return any(_ridged(part) for part in surface.parts)
+    return isinstance(surface, PlacedMap) and surface.method == "bilinear"
+
+
 def _limit(cells: list[int], values: list[float], smooth: bool) -> tuple[float, float]:
     """Return the value at infinite resolution, and how far it may be off."""
     if smooth and len(values) == _LEVELS:
         limit = richardson(cells, values)
         if limit.trustworthy and limit.value > 0.0:
             return limit.value, abs(limit.value - values[-1])
+    # Each step halves the cell, and with it at least the error.
     steps = [abs(after - before) for before, after in itertools.pairwise(values)]
-    return values[-1], max(steps[-1], 0.5 * steps[0])
+    return values[-1], max(step / 2**back for back, step in enumerate(reversed(steps)))
