@@ -13,7 +13,7 @@ ROOT = Path(roughcontact.__file__).parent
 FLOORS = [
     {"errors", "units"},
     {"checks", "registry"},
-    {"grid", "reference", "extrapolation", "optimality"},
+    {"grid", "reference", "extrapolation", "optimality", "archive", "description"},
     {"clusters"},
     {"surfaces", "materials", "kernels", "solution"},
     {"body", "convolvers", "areas", "relief", "flattening"},
@@ -22,7 +22,7 @@ FLOORS = [
     {"loads", "sweep"},
     {"certificate"},
     {"problem"},
-    {"refinement", "running_in"},
+    {"refinement", "running_in", "studies"},
     {"paper", "report"},
     {"cli"},
     {"__main__"},

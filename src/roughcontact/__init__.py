@@ -7,8 +7,8 @@ from roughcontact.areas import AreaEstimator, Blend, CellCount, Hertz, LevelSet,
 from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.clusters import Clusters
 from roughcontact.convolvers import DCFFT, CircularFFT, Convolver, Direct, PlannedConvolution
-from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError
-from roughcontact.files import RawMap, SurfaceReader, read_surface, write_solution
+from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, StudyStopped
+from roughcontact.files import RawMap, SurfaceReader, read_surface
 from roughcontact.flattening import Overlap, PermanentSet, UniformRise
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import FourierHalfSpace, InfluenceKernel, Love
@@ -16,11 +16,12 @@ from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material, R
 from roughcontact.plan import Plan
 from roughcontact.problem import ContactProblem
 from roughcontact.refinement import Ladder, Refined, extrapolate, refine
-from roughcontact.registry import areas, convolvers, kernels, readers, sets, solvers
+from roughcontact.registry import areas, convolvers, kernels, materials, readers, sets, solvers, surfaces
 from roughcontact.report import ErrorReport, ReportRow, Timing, Truth, error_vs_time
 from roughcontact.running_in import Cycle, RunIn, run_in
-from roughcontact.solution import Area, ContactSolution, Level, Residuals, Status
+from roughcontact.solution import Area, ContactSolution, Level, Origin, Residuals, Status
 from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
+from roughcontact.studies import Record, Study, StudyResult
 from roughcontact.surfaces import (
     FlatSurface,
     HeightMap,
@@ -73,6 +74,7 @@ __all__ = [
     "Material",
     "MissingPackage",
     "NotConverged",
+    "Origin",
     "Outcome",
     "Overlap",
     "ParaboloidSurface",
@@ -84,6 +86,7 @@ __all__ = [
     "PolonskyKeer",
     "ProjectedConjugateGradient",
     "RawMap",
+    "Record",
     "Refined",
     "ReportRow",
     "Residuals",
@@ -97,6 +100,9 @@ __all__ = [
     "SphereSurface",
     "Status",
     "Step",
+    "Study",
+    "StudyResult",
+    "StudyStopped",
     "Surface",
     "SurfaceReader",
     "Sweep",
@@ -111,11 +117,12 @@ __all__ = [
     "extrapolate",
     "kernels",
     "match",
+    "materials",
     "read_surface",
     "readers",
     "refine",
     "run_in",
     "sets",
     "solvers",
-    "write_solution",
+    "surfaces",
 ]

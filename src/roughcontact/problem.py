@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
@@ -22,7 +23,7 @@ from roughcontact.materials import Rigid, contact_modulus, pressure_limit
 from roughcontact.plan import Plan
 from roughcontact.registry import convolvers, kernels, solvers
 from roughcontact.relief import rms_slope
-from roughcontact.solution import DEFAULT_AREA, ContactSolution, EstimatesArea
+from roughcontact.solution import DEFAULT_AREA, ContactSolution, EstimatesArea, Origin
 from roughcontact.solvers import Solver, Step
 from roughcontact.surfaces import FlatSurface
 from roughcontact.surfaces.base import history_of, own_grid
@@ -122,9 +123,14 @@ class ContactProblem:
     @cached_property
     def _gap(self) -> tuple[Array, float]:
         grid = self._grid()
-        total = _heights(self.body, grid) + _heights(self.counter, grid)
+        total = self.body.heights(grid) + self.counter.heights(grid)
         summit = float(total.max())
         return frozen_array(summit - total), summit
+
+    @property
+    def parts(self) -> dict[str, Any]:
+        """What the problem was made from, by the names of its arguments."""
+        return {field.name: getattr(self, field.name) for field in attrs.fields(type(self))}
 
     def explain(self) -> str:
         """Return in words what a solve will do, and what is left out and why."""
@@ -176,6 +182,9 @@ class ContactProblem:
         solution = certified(
             self.plan, self.convolution, self.undeformed, task, outcome, seconds=time.perf_counter() - started
         )
+        given = {"pressure": pressure, "force": force, "approach": approach}
+        load = {name: float(value) for name, value in given.items() if value is not None}
+        solution = attrs.evolve(solution, origin=Origin(self.parts, load))
         if throw and not solution.status.success:
             raise NotConverged(
                 f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals}). "
@@ -183,6 +192,12 @@ class ContactProblem:
                 solution,
             )
         return solution
+
+    def require_load(
+        self, *, pressure: float | None = None, force: float | None = None, approach: float | None = None
+    ) -> None:
+        """Raise `InputError` if a load cannot be carried; nothing is solved."""
+        require_load(self.plan, self.undeformed, pressure=pressure, force=force, approach=approach)
 
     def sweep(
         self,
@@ -211,8 +226,7 @@ class ContactProblem:
         NotConverged
             If a solution is not certified.
         """
-        check = partial(require_load, self.plan, self.undeformed)
-        return swept(self.solve, check, pressure=pressure, force=force, approach=approach)
+        return swept(self.solve, self.require_load, pressure=pressure, force=force, approach=approach)
 
     def solve_area(self, fraction: float, estimator: str | EstimatesArea = DEFAULT_AREA) -> ContactSolution:
         """Find the load at which the real contact area is a given share of the nominal area.
@@ -275,16 +289,3 @@ class ContactProblem:
             if isinstance(body.surface, FlatSurface):
                 texts.append("heights of one body: it is flat")
         return texts
-
-
-def _heights(body: Body, grid: Grid) -> Array:
-    heights = np.asarray(body.surface.heights(grid))
-    name = type(body.surface).__name__
-    if heights.shape != grid.shape or heights.dtype.kind != "f":
-        raise InputError(
-            f"The surface {name} must give real heights of shape {grid.shape}, "
-            f"but gave an array of shape {heights.shape} and type {heights.dtype}."
-        )
-    if not np.isfinite(heights).all():
-        raise InputError(f"The surface {name} gave heights that are not finite.")
-    return heights

@@ -8,9 +8,9 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress
 
+from roughcontact.archive import replacing
 from roughcontact.cli.solve import problem_of
 from roughcontact.report import ErrorReport, error_vs_time
-from roughcontact.report.writing import whole
 from roughcontact.solution import DEFAULT_AREA
 
 
@@ -22,7 +22,7 @@ def run(options: argparse.Namespace) -> None:
     advice = report.advice()
     print(f"{report}\n\n{advice}")
     report.to_csv(folder / "report.csv")
-    with whole(folder / "report.md") as partial:
+    with replacing(folder / "report.md") as partial:
         partial.write_text(f"{report.to_markdown()}\n{advice}\n", encoding="utf-8")
     report.draw(folder / "report.png")
     print(f"\nWritten to {folder}: report.csv, report.md, report.png")

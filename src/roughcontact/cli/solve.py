@@ -8,7 +8,7 @@ from pathlib import Path
 from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.cli.picture import draw_solution
 from roughcontact.errors import InputError, NotConverged
-from roughcontact.files import read_surface, write_solution
+from roughcontact.files import read_surface
 from roughcontact.grid import Grid
 from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact.problem import ContactProblem
@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> None:
     print(f"\n{solution}")
     if estimator is not None:
         print(f"{'':17}{solution.area(estimator)}")
-    write_solution(folder / "solution.npz", solution)
+    solution.save(folder / "solution.npz")
     draw_solution(solution, folder / "solution.png")
     print(f"\nWritten to {folder}: solution.npz, solution.png")
     if not solution.status.success:

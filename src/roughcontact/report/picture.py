@@ -30,16 +30,16 @@ _TINY = 1e-9
 _WIDE = 300.0
 
 
-def draw_report(report: ErrorReport, path: Path) -> None:
-    """Draw a panel for each quantity whose truth is known; see `ErrorReport.draw`."""
+def draw_report(report: ErrorReport, path: Path, ending: str) -> None:
+    """Draw a panel for each quantity whose truth is known, as a file of that ending; see `ErrorReport.draw`."""
     names = report.truth.quantities
     figure = Figure(figsize=(5.6 * len(names), 5.6), layout="constrained")
     for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
         draw_errors(axes, report, name)
     known = figure.canvas.get_supported_filetypes()
-    if path.suffix.lstrip(".") not in known:
-        raise InputError.about("The ending of a picture", path.suffix, f"one of {', '.join(sorted(known))}")
-    figure.savefig(path, dpi=150)
+    if ending.lstrip(".") not in known:
+        raise InputError.about("The ending of a picture", ending, f"one of {', '.join(sorted(known))}")
+    figure.savefig(path, dpi=150, format=ending.lstrip("."))
 
 
 def draw_errors(axes: Axes, report: ErrorReport, quantity: str) -> None:

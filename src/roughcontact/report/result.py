@@ -5,15 +5,16 @@ from __future__ import annotations
 import csv
 import math
 import os
+from pathlib import Path
 
 import attrs
 
+from roughcontact.archive import replacing
 from roughcontact.checks import choice
 from roughcontact.report import tables
 from roughcontact.report.advice import advised
 from roughcontact.report.row import ReportRow
 from roughcontact.report.truth import QUANTITIES, Truth
-from roughcontact.report.writing import whole
 
 # An error this many times another one is not yet nearer to the truth.
 _NEARER = 0.99
@@ -108,7 +109,7 @@ class ErrorReport:
         InputError
             If the folder does not exist.
         """
-        with whole(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+        with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows(tables.records(self))
 
     def draw(self, path: str | os.PathLike[str]) -> None:
@@ -131,5 +132,5 @@ class ErrorReport:
         # Imported here: a report is made and read without matplotlib.
         from roughcontact.report.picture import draw_report
 
-        with whole(path) as partial:
-            draw_report(self, partial)
+        with replacing(path) as partial:
+            draw_report(self, partial, Path(path).suffix)

@@ -12,7 +12,6 @@ from roughcontact.checks import Array, instance_of, integer, number
 from roughcontact.errors import InputError
 from roughcontact.flattening import PermanentSet
 from roughcontact.grid import Boundary
-from roughcontact.loads import require_load
 from roughcontact.problem import ContactProblem
 from roughcontact.registry import sets
 from roughcontact.relief import seam_jump
@@ -79,7 +78,7 @@ def run_in(
     moves = _moves(shifts, problem)
     rounds = integer(rounds, "The number of rounds", at_least=1)
     tolerance = number(tolerance, "The tolerance of shakedown", at_least=0.0)
-    require_load(problem.plan, problem.undeformed, pressure=pressure, force=force, approach=approach)
+    problem.require_load(pressure=pressure, force=force, approach=approach)
     state = _State(problem)
     cycles: list[Cycle] = []
     while True:
