@@ -156,7 +156,9 @@ def _toleranced(
         return named
     given = _sequence(tolerances, "The tolerances", "a list of numbers above 0, at least one")
     values = [positive_tolerance(value) for value in given]
-    return [(name, _at_tolerance(solver, value)) for name, solver in named for value in values]
+    adjusted = [(name, solver, _at_tolerance(solver, value)) for name, solver in named for value in values]
+    # The words of an object tell its tolerance.
+    return [(repr(new) if name == repr(old) else name, new) for name, old, new in adjusted]
 
 
 def _at_tolerance(solver: Solver, tolerance: float) -> Solver:
