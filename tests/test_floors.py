@@ -17,7 +17,7 @@ FLOORS = [
     {"clusters"},
     {"surfaces", "materials", "kernels", "solution"},
     {"body", "convolvers", "areas", "relief", "flattening"},
-    {"solvers", "files"},
+    {"solvers", "files", "gap"},
     {"plan"},
     {"loads", "sweep"},
     {"certificate"},

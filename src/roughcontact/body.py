@@ -5,11 +5,12 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array, instance_of
+from roughcontact.checks import Array, Mask, instance_of
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 from roughcontact.materials import Material, Rigid
 from roughcontact.surfaces import FlatSurface, Surface
+from roughcontact.surfaces.base import holes_of
 
 
 @attrs.frozen
@@ -45,6 +46,11 @@ class Body:
         if not np.isfinite(heights).all():
             raise InputError(f"The surface {name} gave heights that are not finite.")
         return heights
+
+    def holes(self, grid: Grid) -> Mask | None:
+        """Return which points of the surface were not measured, shape `grid.shape`; None if it knows of none."""
+        holes = holes_of(self.surface, grid)
+        return holes if holes is not None and holes.any() else None
 
 
 RIGID_FLAT = Body(FlatSurface(), Rigid())

@@ -12,10 +12,11 @@ import numpy as np
 
 from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.certificate import certified
-from roughcontact.checks import Array, choice, frozen_array, instance_of
+from roughcontact.checks import Array, choice, instance_of
 from roughcontact.convolvers import Convolver, PlannedConvolution
 from roughcontact.convolvers.base import require_boundary
 from roughcontact.errors import InputError, NotConverged
+from roughcontact.gap import Gap, gap_between
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel, InfluenceKernel
 from roughcontact.loads import require_load, task_of
@@ -99,6 +100,7 @@ class ContactProblem:
             relief=self._relief(),
             limit=self._limit(),
             left_out=tuple(self._left_out()),
+            holes=self._gap.holes,
             histories=(history_of(self.body.surface), history_of(self.counter.surface)),
         )
 
@@ -113,19 +115,16 @@ class ContactProblem:
     @property
     def undeformed(self) -> Array:
         """Gap before deformation when the summits just touch, shape (nx, ny), m, at least zero."""
-        return self._gap[0]
+        return self._gap.undeformed
 
     @property
     def summit(self) -> float:
         """Greatest sum of both heights, m, where the bodies touch first."""
-        return self._gap[1]
+        return self._gap.summit
 
     @cached_property
-    def _gap(self) -> tuple[Array, float]:
-        grid = self._grid()
-        total = self.body.heights(grid) + self.counter.heights(grid)
-        summit = float(total.max())
-        return frozen_array(summit - total), summit
+    def _gap(self) -> Gap:
+        return gap_between(self.body, self.counter, self._grid())
 
     @property
     def parts(self) -> dict[str, Any]:
@@ -176,12 +175,16 @@ class ContactProblem:
             If the solution is not certified and `throw` is true; the error carries it.
         """
         started = time.perf_counter()
-        task = task_of(self.plan, self.undeformed, pressure=pressure, force=force, approach=approach, start=start)
-        task = attrs.evolve(task, on_step=on_step)
-        outcome = self.plan.solver.solve(self.convolution, task)
-        solution = certified(
-            self.plan, self.convolution, self.undeformed, task, outcome, seconds=time.perf_counter() - started
-        )
+        gap = self._gap
+        while True:
+            task = task_of(self.plan, gap.undeformed, pressure=pressure, force=force, approach=approach, start=start)
+            outcome = self.plan.solver.solve(self.convolution, attrs.evolve(task, on_step=on_step))
+            seconds = time.perf_counter() - started
+            solution = certified(self.plan, self.convolution, gap.undeformed, task, outcome, seconds=seconds)
+            if gap.holes is None or not solution.contact[gap.holes].any():
+                break
+            # A hole is as deep as it takes: it does not touch.
+            gap = gap.deeper(4.0 * (float(gap.undeformed.max()) + abs(solution.approach)))
         given = {"pressure": pressure, "force": force, "approach": approach}
         load = {name: float(value) for name, value in given.items() if value is not None}
         solution = attrs.evolve(solution, origin=Origin(self.parts, load))

@@ -20,6 +20,11 @@ from roughcontact.solution.figures import DEFAULT_AREA, Area, EstimatesArea, Lev
 from roughcontact.solution.origin import Origin
 from roughcontact.units import si
 
+# Pressures and gaps that are this close to their bounds, relative to limit and scale, are at them.
+_CLOSE = 1e-4
+# Cells above this share of the limit may hide points at it.
+_NEAR = 0.95
+
 
 @attrs.frozen(eq=False, kw_only=True)
 class ContactSolution:
@@ -143,8 +148,12 @@ class ContactSolution:
         InputError
             If there is no such estimator.
         """
+        name = str(estimator) if isinstance(estimator, str) else type(estimator).__name__
+        areas.resolve(estimator, EstimatesArea)
         if not self.saturated.any():
-            return Area(0.0, 0.0, 0.0, str(estimator), perimeter=0.0)
+            # A cell whose mean pressure comes near the limit may hide a point that has reached it.
+            near = int(np.count_nonzero(self.pressure > _NEAR * self.limit)) * self.grid.cell_area
+            return Area(0.0, 0.0, near, name, perimeter=0.0)
         complement = attrs.evolve(
             self,
             pressure=self.limit - self.pressure,
@@ -158,7 +167,22 @@ class ContactSolution:
         # A larger one would carry more than the load.
         bearable = float(np.sum(self.pressure / self.limit)) * self.grid.cell_area
         value = min(self.grid.area - rest.value, bearable)
-        return attrs.evolve(rest, value=value, fraction=value / self.grid.area, clusters=None)
+        undecided = self._undecided()
+        doubts = rest.doubts
+        if undecided > 0.05 * value:
+            doubts = (
+                *doubts,
+                "cells at the limit barely overlap, as flattened ones do: how many flow is not determined",
+            )
+        bar = float(np.hypot(rest.uncertainty, undecided))
+        fraction = value / self.grid.area
+        return attrs.evolve(rest, value=value, fraction=fraction, uncertainty=bar, doubts=doubts, clusters=None)
+
+    def _undecided(self) -> float:
+        """Return the area of the cells at the limit whose gap is zero, up to the residual, m2: either may be meant."""
+        at_limit = self.pressure > (1.0 - _CLOSE) * self.limit
+        flat = np.abs(self.gap) <= _CLOSE * self.residuals.scale
+        return int(np.count_nonzero(at_limit & flat)) * self.grid.cell_area
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the solution to a file, which appears whole or not at all.
