@@ -23,7 +23,7 @@ FLOORS = [
     {"certificate"},
     {"problem"},
     {"refinement", "running_in", "studies"},
-    {"paper"},
+    {"paper", "report"},
     {"cli"},
     {"__main__"},
 ]
