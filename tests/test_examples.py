@@ -70,6 +70,11 @@ def test_the_plan_states_the_memory_of_a_solve(monkeypatch):
         assert stated == pytest.approx(measured, rel=0.1), case
 
 
+def test_left_out(monkeypatch, capsys):
+    study("left_out", monkeypatch).main(64, 1)
+    assert capsys.readouterr().out.count("|") > 25
+
+
 def test_comparison_judges_ours_by_its_own_function(monkeypatch):
     compare = study("compare_codes", monkeypatch)
     for boundary, hardness in (("periodic", None), ("free", None), ("periodic", 0.03)):
