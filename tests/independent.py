@@ -1,4 +1,7 @@
-"""The conditions of contact on small grids: dense matrices in extended precision, nothing from the package."""
+"""The conditions of contact on small grids by dense matrices in extended precision.
+
+Nothing is the package's own but the periodic spectrum of Love's kernel, which test_kernels judges.
+"""
 
 from __future__ import annotations
 

@@ -23,6 +23,7 @@ FLOORS = [
     {"certificate"},
     {"problem"},
     {"refinement", "running_in"},
+    {"stability"},
     {"paper"},
     {"cli"},
     {"__main__"},

@@ -20,6 +20,7 @@ from roughcontact.registry import areas, convolvers, kernels, readers, sets, sol
 from roughcontact.running_in import Cycle, RunIn, run_in
 from roughcontact.solution import Area, ContactSolution, Level, Residuals, Status
 from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
+from roughcontact.stability import Check, Gallery, GalleryRow, StabilityReport, Verdict, stability, stability_gallery
 from roughcontact.surfaces import (
     FlatSurface,
     HeightMap,
@@ -46,6 +47,7 @@ __all__ = [
     "Body",
     "Boundary",
     "CellCount",
+    "Check",
     "CircularFFT",
     "Clusters",
     "ContactProblem",
@@ -57,6 +59,8 @@ __all__ = [
     "ElasticPerfectlyPlastic",
     "FlatSurface",
     "FourierHalfSpace",
+    "Gallery",
+    "GalleryRow",
     "Grid",
     "HeightMap",
     "Hertz",
@@ -92,6 +96,7 @@ __all__ = [
     "Solver",
     "SpectralGradient",
     "SphereSurface",
+    "StabilityReport",
     "Status",
     "Step",
     "Surface",
@@ -99,6 +104,7 @@ __all__ = [
     "Sweep",
     "Task",
     "UniformRise",
+    "Verdict",
     "WavySurface",
     "areas",
     "convolvers",
@@ -111,5 +117,7 @@ __all__ = [
     "run_in",
     "sets",
     "solvers",
+    "stability",
+    "stability_gallery",
     "write_solution",
 ]

@@ -1,1 +1,1 @@
-"""The command line: ``roughcontact paper`` and ``roughcontact solve``."""
+"""The command line: ``roughcontact paper``, ``solve`` and ``stability``."""
