@@ -7,16 +7,19 @@ from collections.abc import Sequence
 from typing import Any
 
 from roughcontact.cli.solve import problem_of
+from roughcontact.registry import areas
+from roughcontact.solution import EstimatesArea
 from roughcontact.stability import Verdict, stability, stability_gallery
 
 
 def run(options: argparse.Namespace) -> int:
     """Print the report; return the exit status, 1 where a check fails."""
+    estimator = None if options.area is None else areas.resolve(options.area, EstimatesArea)
     problem = problem_of(options)
     report = stability(problem, pressure=options.pressure, force=options.force, approach=options.approach)
     print(report)
-    if options.area is not None:
-        print(f"area: {report.solution.area(options.area)}")
+    if estimator is not None:
+        print(f"area: {report.solution.area(estimator)}")
     return _status(report.verdict)
 
 

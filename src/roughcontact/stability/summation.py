@@ -32,14 +32,12 @@ def influence(problem: ContactProblem) -> Array:
 def displacement_at(problem: ContactProblem, pressure: Array, chosen: IntArray) -> Array:
     """Return the displacement at the cells of flat index `chosen`, m."""
     table = influence(problem)
-    shape = pressure.shape
-    rows = [np.abs(np.arange(n)[:, np.newaxis] - np.arange(n)) for n in shape]
-    if problem.boundary is Boundary.WRAPPED:
-        rows = [np.minimum(offsets, n - offsets) for offsets, n in zip(rows, shape, strict=True)]
-    sums = [
-        float(np.einsum("ij,ij->", table[np.ix_(rows[0][i], rows[1][j])], pressure))
-        for i, j in zip(*np.divmod(chosen, shape[1]), strict=True)
-    ]
+    sums = []
+    for cell in zip(*np.divmod(chosen, pressure.shape[1]), strict=True):
+        i, j = (np.abs(np.arange(n) - here) for n, here in zip(pressure.shape, cell, strict=True))
+        if problem.boundary is Boundary.WRAPPED:
+            i, j = (np.minimum(offsets, offsets.size - offsets) for offsets in (i, j))
+        sums.append(float(np.einsum("ij,ij->", table[np.ix_(i, j)], pressure)))
     return np.array(sums)
 
 
