@@ -65,8 +65,8 @@ class Gallery:
         ]
         for row in self.rows:
             work = f"{row.iterations} | {row.convolutions} | {row.gap:.1e} | {row.load:.1e}"
-            refused = math.isnan(row.gap)
-            short = textwrap.shorten(row.status, 100, placeholder=" ...") if refused else row.status.split(":")[0]
+            refused, converged = math.isnan(row.gap), row.status.startswith("converged")
+            short = row.status.split(":")[0] if converged else textwrap.shorten(row.status, 100, placeholder=" ...")
             lines.append(f"| {row.scene} | {short} | {'| | |' if refused else work} | {row.verdict} |")
         counts = [(verdict, sum(row.verdict is verdict for row in self.rows)) for verdict in Verdict]
         said = ", ".join(f"{count} {verdict}" for verdict, count in counts if count)
