@@ -115,7 +115,7 @@ def _loads() -> tuple[Scene, ...]:
         _scene("one cell touches, periodic", _rough(), share=1e-9, boundary="periodic"),
         *(_scene(f"full contact, {boundary}", 1e-2 * _rough(), share=1e2, boundary=boundary)
           for boundary in ("free", "periodic")),
-        *(_scene(f"{share:.0e} times full contact, periodic", 1e-2 * _rough(), share=share, boundary="periodic")
+        *(_scene(f"mean pressure {share:.0e} E relief, periodic", 1e-2 * _rough(), share=share, boundary="periodic")
           for share in (1e6, 1e9, 1e12)),
         *(_plastic(f"mean pressure {share:g} H, {boundary}", share, boundary)
           for share in (0.999, 1.0) for boundary in ("free", "periodic")),
