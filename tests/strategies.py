@@ -82,7 +82,7 @@ def measured_pairs(draw):
         maps.append(rc.HeightMap(1e-8 * rng.standard_normal(shape), size))
     near = 0.3 * min(min(one.size) for one in maps)
     offset = draw(st.floats(-1, 1)) * near, draw(st.floats(-1, 1)) * near
-    placing = {"offset": offset, "rotation": draw(st.floats(-7, 7)), "mirrored": draw(st.booleans())}
+    placing = {"offset": offset, "rotation": draw(st.floats(-6.28, 6.28)), "mirrored": draw(st.booleans())}
     return maps[0], maps[1], placing
 
 

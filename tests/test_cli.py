@@ -52,7 +52,7 @@ def test_paper_pairs_writes_tables_figures_and_maps(small_pairs, tmp_path, capsy
     out = tmp_path / "out"
     assert main(["paper", "--pairs", "-o", str(out)]) == 0
     first = capsys.readouterr().out
-    assert "running in, cycle 1:" in first
+    assert "running in, place 1:" in first
     assert "Table 5: areas on 512 x 512 cells" in first
     figures = {f"figure{number}.png" for number in range(8, 14)}
     assert {path.name for path in out.iterdir()} == {"pairs.csv", "table5.csv", "run-in-512.npz", *figures}
@@ -64,7 +64,9 @@ def test_paper_pairs_writes_tables_figures_and_maps(small_pairs, tmp_path, capsy
     # What was run in is not run in again, and gives the same.
     assert main(["paper", "--pairs", "-o", str(out)]) == 0
     again = [line for line in capsys.readouterr().out.splitlines() if "solves took" not in line]
-    assert again == [line for line in first.splitlines() if "cycle" not in line and "solves took" not in line]
+    assert again == [
+        line for line in first.splitlines() if "running in, place" not in line and "solves took" not in line
+    ]
 
 
 def test_solve_writes_summary_fields_and_picture(height_map, tmp_path, capsys):
@@ -199,7 +201,7 @@ LOAD = "--force 0.05N --young 210GPa --hardness 6GPa --counter-young 210GPa".spl
 
 
 def test_two_maps_are_matched(two_maps, tmp_path, capsys):
-    options = "--size 40um --counter-size 45um 50um --unit 1um --counter-unit 1m --match cubic --rotation 10deg".split()
+    options = "--size 40um --counter-size 45um 50um --unit 1um --match cubic --rotation 10deg".split()
     more = "--offset 1um,-2um --mirror --counter-detrend plane --domain 25um 20um --resample 50 40".split()
     assert main(["solve", *two_maps, *LOAD, *options, *more, "-o", str(tmp_path / "out")]) == 0
     text = capsys.readouterr().out
@@ -228,8 +230,10 @@ def test_a_ball_gets_its_radius_back(two_maps, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--size", "40um"], "which is not the size given"),
-        (["--size", "40um", "--counter-size", "45um", "50um"], "was asked for on"),
+        (["--size", "40um"], "bring maps of two domains together"),
+        (["--size", "40um", "--counter-size", "40um"], "which is not the size given"),
+        (["--size", "40um", "--counter-unit", "1um"], "tells its own unit"),
+        (["--size", "40um", "--match", "bilinear", "--domain", "1m"], "was asked for"),
         (["--size", "40um", "--counter-size", "45um", "50um", "--offset", "1um,1um"], "--match bilinear"),
         (["--size", "40um", "--counter-size", "45um", "50um", "--mirror"], "--match bilinear"),
         (["--size", "40um", "--counter-size", "45um", "50um", "--match", "fourier"], "needs a periodic map"),
@@ -239,3 +243,15 @@ def test_a_ball_gets_its_radius_back(two_maps, tmp_path, capsys):
 def test_pairs_that_do_not_fit_get_a_sentence(two_maps, tmp_path, capsys, options, words):
     assert main(["solve", *two_maps, *LOAD, *options, "-o", str(tmp_path)]) == 2
     assert words in capsys.readouterr().err
+
+
+def test_what_is_for_two_maps_is_refused_for_one(two_maps, tmp_path, capsys):
+    for option in (["--match", "cubic"], ["--counter-detrend", "1"], ["--counter-unit", "1um"]):
+        assert main(["solve", two_maps[0], *LOAD, "--size", "40um", *option, "-o", str(tmp_path)]) == 2
+        assert f"{option[0]} is for the second of two height maps" in capsys.readouterr().err
+
+
+def test_an_angle_needs_its_unit(two_maps, tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        main(["solve", *two_maps, *LOAD, "--match", "cubic", "--rotation", "20", "-o", str(tmp_path)])
+    assert "write it like 30deg" in capsys.readouterr().err

@@ -126,7 +126,7 @@ def test_a_reader_of_somebody_else(tmp_path):
 def test_a_solution_is_written_whole(tmp_path):
     surface = rc.HeightMap(HEIGHTS, size=1e-3)
     solution = rc.ContactProblem(rc.Body(surface, rc.Elastic(1e9, 0.3))).solve(pressure=1e4)
-    rc.write_solution(tmp_path / "solution.npz", solution)
+    solution.save(tmp_path / "solution.npz")
     assert [path.name for path in tmp_path.iterdir()] == ["solution.npz"]
     with np.load(tmp_path / "solution.npz") as data:
         np.testing.assert_array_equal(data["pressure"], solution.pressure)
@@ -147,7 +147,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
 
     monkeypatch.setattr(np, "savez_compressed", full_disk)
     with pytest.raises(OSError, match="No space"):
-        rc.write_solution(path, solution)
+        solution.save(path)
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
 
@@ -167,8 +167,8 @@ def test_a_given_size_that_agrees_is_accepted(tmp_path):
 def test_results_can_be_read_by_others(tmp_path):
     surface = rc.HeightMap(HEIGHTS, size=1e-3)
     solution = rc.ContactProblem(rc.Body(surface, rc.Elastic(1e9, 0.3))).solve(pressure=1e4)
-    rc.write_solution(tmp_path / "solution.npz", solution)
+    solution.save(tmp_path / "solution.npz")
     (tmp_path / "plain").write_text("")
     assert (tmp_path / "solution.npz").stat().st_mode == (tmp_path / "plain").stat().st_mode
     with pytest.raises(rc.InputError, match="There is no folder"):
-        rc.write_solution(tmp_path / "nowhere" / "solution.npz", solution)
+        solution.save(tmp_path / "nowhere" / "solution.npz")

@@ -85,6 +85,8 @@ class TestPlacedMap:
         surface = rough((24, 32), (3e-5, 4e-5))
         with pytest.raises(rc.InputError, match="does not cover"):
             rc.PlacedMap(surface, offset=(1e-6, 0)).heights(surface.grid)
+        with pytest.raises(rc.InputError, match="does not cover"):
+            rc.PlacedMap(surface).heights(rc.Grid((2, 2), (4e-5, 4e-5)))
         with pytest.raises(rc.InputError, match="Fourier interpolation needs a periodic map"):
             rc.PlacedMap(surface, method="fourier")
 
@@ -124,6 +126,24 @@ class TestMatch:
         for larger in ((1.01, 1.0), (1.0, 1.01)):
             with pytest.raises(rc.InputError, match="overlap on"):
                 rc.match(one, other, size=tuple(np.array(pair.grid.size) * larger), **placing)
+
+    def test_a_huge_map_under_a_small_one(self):
+        small = rc.HeightMap(np.eye(64), 10e-6)
+        for size in (1e-3, 1.0, 10.0):
+            pair = rc.match(small, rc.HeightMap(np.eye(64), size), rotation=0.3, shape=(64, 64))
+            assert 10e-6 * (1 - 3e-6) < pair.grid.size[0] <= 10e-6 * (1 + 1e-12)
+
+    def test_a_grid_that_no_memory_bears_is_refused(self):
+        one = rc.HeightMap(np.eye(16), 1.0)
+        with pytest.raises(rc.InputError, match=r"2\^28 cells"):
+            rc.match(one, rc.HeightMap(np.eye(16), 1e-6, periodic=True))
+        with pytest.raises(rc.InputError, match=r"2\^28 cells"):
+            one.resample((10**6, 10**6))
+
+    def test_degrees_are_not_radians(self):
+        one = rc.HeightMap(np.eye(16), 1.0)
+        with pytest.raises(rc.InputError, match=r"np\.deg2rad"):
+            rc.match(one, one, rotation=20)
 
     def test_maps_apart_are_refused(self):
         one = rc.HeightMap(np.eye(16), 1e-5)
@@ -207,6 +227,15 @@ class TestForm:
         assert found.radius == pytest.approx(radius, rel=1e-9)
         assert np.abs(found.roughness.values).max() < 1e-9 * np.ptp(sphere)
 
+    @pytest.mark.parametrize("share", [0.8, 0.95])
+    def test_steep_caps_are_spheres_too(self, share):
+        grid = rc.Grid((40, 40), 1e-4)
+        cap = rc.SphereSurface(0.5e-4 * math.sqrt(2) / share).heights(grid)
+        assert rc.HeightMap(cap, 1e-4).separate("sphere").radius == pytest.approx(0.5e-4 * math.sqrt(2) / share)
+
+    def test_what_is_flat_is_no_sphere(self):
+        assert rc.HeightMap(np.full((64, 64), 3.3e-6), 1e-4).separate("sphere").radius == math.inf
+
     def test_roughness_of_a_ball_is_what_was_put_on_it(self):
         bumps = rough((64, 64), (1e-4, 1e-4), 5).detrend(2)
         parts = rc.HeightMap(bumps.values + rc.SphereSurface(5e-3).heights(bumps.grid), 1e-4).separate("sphere")
@@ -238,6 +267,13 @@ class TestForm:
                 surface.separate(form)
         with pytest.raises(rc.InputError, match="three cells"):
             rc.HeightMap(np.eye(2), 1.0).separate("sphere")
+        with pytest.raises(rc.InputError, match="at most 30"):
+            rc.HeightMap(np.ones((64, 64)), 1.0).separate(31)
+        few = np.ones((64, 64), dtype=bool)
+        few[3, 3:6] = False
+        for form in ("sphere", 6):
+            with pytest.raises(rc.InputError, match="Too few points"):
+                rc.HeightMap(np.random.default_rng(0).random((64, 64)), 1.0, holes=few).separate(form)
         steep = rc.HeightMap(10.0 * np.abs(rc.Grid((9, 9), 1.0).x + np.zeros((1, 9))), 1.0)
         with pytest.raises(rc.InputError, match="No sphere fits"):
             steep.separate("sphere")
@@ -257,6 +293,33 @@ class TestHoles:
         assert not holed.contact[top].any()
         assert holed.force == pytest.approx(0.05)
 
+    @pytest.mark.parametrize("boundary", ["free", "periodic"])
+    @pytest.mark.parametrize("load", [{"force": 0.1}, {"force": 40.0}, {"approach": 1e-7}])
+    def test_holes_do_not_touch_whatever_is_pressed_on_them(self, boundary, load):
+        """A hole under the middle of a ball, in a map that is nearly flat."""
+        holes = np.zeros((64, 64), dtype=bool)
+        holes[24:40, 24:40] = True
+        flat = rc.HeightMap(rough((64, 64), (64e-6, 64e-6), rms=1e-9).values, 64e-6, holes=holes)
+        problem = rc.ContactProblem(rc.Body(flat + rc.SphereSurface(1e-3), rc.Elastic(1e11, 0.3)), boundary=boundary)
+        solution = problem.solve(**load)
+        assert solution.contact.any()
+        assert not solution.contact[holes].any()
+        assert (solution.gap[holes] > 0).all()
+
+    def test_holes_of_either_body_count(self):
+        holes = np.zeros((32, 32), dtype=bool)
+        holes[3, 4] = True
+        one = rough((32, 32), (32e-6, 32e-6), 1)
+        for first, second in ((holes, None), (None, holes), (holes, holes.T)):
+            bodies = [rc.Body(rc.HeightMap(one.values, 32e-6, holes=mask), STEEL) for mask in (first, second)]
+            plan = rc.ContactProblem(*bodies).plan
+            expected = np.logical_or.reduce([mask for mask in (first, second) if mask is not None])
+            np.testing.assert_array_equal(plan.holes, expected)
+        half = np.arange(32)[:, None] + np.zeros((1, 32)) < 16
+        halves = [rc.Body(rc.HeightMap(one.values, 32e-6, holes=mask), STEEL) for mask in (half, ~half)]
+        with pytest.raises(rc.InputError, match="nothing but holes"):
+            rc.ContactProblem(*halves)
+
     def test_holes_stay_where_they_are(self):
         holes = np.zeros((40, 40), dtype=bool)
         holes[8:16, 20:28] = True
@@ -264,8 +327,7 @@ class TestHoles:
         for method in ("bilinear", "cubic", "mean"):
             half = surface.resample((20, 20), method).holes
             np.testing.assert_array_equal(half, holes[::2, ::2])
-        placed = rc.PlacedMap(surface, mirrored=True).heights(surface.grid)
-        np.testing.assert_array_equal(placed < surface.values.min() - 1e-12, holes[::-1])
+        np.testing.assert_array_equal(rc.PlacedMap(surface, mirrored=True).holes_on(surface.grid), holes[::-1])
         np.testing.assert_array_equal(surface.detrend().holes, holes)
 
     def test_bad_holes_are_refused(self):

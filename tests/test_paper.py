@@ -92,18 +92,40 @@ class TestStandIn:
         fine, coarse = pair.counter.surface.values, stand_in.scaled(pair, 256).counter.surface.values
         np.testing.assert_allclose(coarse, fine.reshape(256, 2, 256, 2).mean(axis=(1, 3)), atol=1e-20)
 
-    def test_run_in_maps_are_kept_and_made_again_where_they_do_not_fit(self, tmp_path):
-        pair, path, made = stand_in.fresh(512), tmp_path / "maps.npz", []
+    def test_running_in_goes_on_where_it_stopped(self, tmp_path, monkeypatch):
+        monkeypatch.setattr(stand_in, "PLACES", 2)
+        pair, cycles = stand_in.fresh(512), []
+        whole = stand_in.worn(pair, tmp_path / "whole.npz", cycles.append)
 
-        def make():
-            made.append(1)
-            return stand_in.scaled(pair, 512)
+        class Stopped(Exception):
+            pass
 
-        path.write_bytes(b"PK\x03\x04 cut short")
-        first = stand_in.kept(path, pair, make)
-        second = stand_in.kept(path, pair, make)
-        assert len(made) == 1
-        np.testing.assert_array_equal(first.body.surface.values, second.body.surface.values)
-        other = stand_in.scaled(pair, 256)
-        stand_in.kept(path, other, make)
-        assert len(made) == 2
+        def stop(result):
+            cycles.append(result)
+            if len(cycles) == count + 3:
+                raise Stopped
+
+        count = len(cycles)
+        with pytest.raises(Stopped):
+            stand_in.worn(pair, tmp_path / "maps.npz", stop)
+        # The first round of two is kept, the third cycle is done again.
+        rest = []
+        again = stand_in.worn(pair, tmp_path / "maps.npz", rest.append)
+        assert len(rest) == count - 2
+        for one, other in ((whole.body, again.body), (whole.counter, again.counter)):
+            np.testing.assert_array_equal(one.surface.values, other.surface.values)
+        stand_in.worn(pair, tmp_path / "maps.npz", lambda _: pytest.fail("run in again"))
+
+    @pytest.mark.parametrize("content", [b"", b"PK\x03\x04 cut short", b"\x93NUMPY"])
+    def test_damaged_maps_are_made_again(self, tmp_path, monkeypatch, content):
+        monkeypatch.setattr(stand_in, "PLACES", 1)
+        monkeypatch.setattr(stand_in, "TOLERANCE", 1.0)
+        (tmp_path / "maps.npz").write_bytes(content)
+        cycles = []
+        stand_in.worn(stand_in.fresh(512), tmp_path / "maps.npz", cycles.append)
+        assert cycles
+        # Another pair, or another way of running in, is not what the file holds.
+        monkeypatch.setattr(stand_in, "RUN_IN_FORCE", 9.0)
+        count = len(cycles)
+        stand_in.worn(stand_in.fresh(512), tmp_path / "maps.npz", cycles.append)
+        assert len(cycles) > count

@@ -84,12 +84,17 @@ class TestUniformRise:
             assert abs((before - after).mean()) < 1e-12 * np.abs(before - after).max()
             assert not np.array_equal(before, after)
 
-    @pytest.mark.parametrize("load", [2e8, 1.5e9])
+    @pytest.mark.parametrize("load", [2e8, 6e8])
     def test_the_raised_surface_takes_over_some_of_the_load(self, load):
         first, second = rc.run_in(pair(), pressure=load, model="uniform-rise").cycles
         assert second.area.value > first.area.value
         assert second.saturated.value <= first.saturated.value
         assert second.volume < 1e-6 * first.volume
+
+    def test_what_does_not_fit_into_the_open_gap_is_refused(self):
+        ball = rc.ContactProblem(rc.Body(rc.SphereSurface(1e-3), SOFT), grid=rc.Grid((64, 64), 1e-4))
+        with pytest.raises(rc.InputError, match="cannot take the volume"):
+            rc.run_in(ball, pressure=0.9975 * HARDNESS, model="uniform-rise")
 
     def test_where_all_touches_only_shape_is_lost(self):
         problem = pair(boundary="periodic")
@@ -169,6 +174,8 @@ class TestInterface:
             ({"tolerance": -1.0}, "tolerance of shakedown"),
             ({"model": "overlab"}, "Did you mean 'overlap'"),
             ({"force": 1.0}, "exactly one"),
+            ({"on_cycle": 5}, "on_cycle"),
+            ({"tolerance": 2.0}, "at most 1"),
         ],
     )
     def test_bad_input_is_told_before_anything_is_solved(self, options, words, monkeypatch):
@@ -204,6 +211,38 @@ class TestInterface:
         rest = rc.run_in(states[2].problem, pressure=2e8, shifts=shifts, rounds=1, tolerance=0.0)
         for one, other in zip(heights(whole.problem), heights(rest.problem), strict=True):
             np.testing.assert_array_equal(one, other)
+
+    @pytest.mark.parametrize(
+        "lowering",
+        [None, 0.0, "a", np.zeros((3, 3)), np.zeros((1, 64)), np.full((64, 64), np.nan), np.ones((64, 64), int)],
+    )
+    def test_a_model_that_gives_no_lowering_is_named(self, lowering):
+        class Broken(rc.PermanentSet):
+            def lowering(self, solution):
+                return lowering
+
+        with pytest.raises(rc.InputError, match=r"Broken.* must give finite real heights of shape \(64, 64\)"):
+            rc.run_in(pair(), pressure=2e8, model=Broken())
+
+    def test_a_load_that_flattens_everything_is_said(self):
+        ball = rc.ContactProblem(
+            rc.Body(rc.SphereSurface(1e-3), SOFT), grid=rc.Grid((16, 16), 1e-4), boundary="periodic"
+        )
+        with pytest.raises(rc.InputError, match="flattened everything"):
+            rc.run_in(ball, pressure=HARDNESS)
+
+    def test_holes_stay_holes(self):
+        holes = np.zeros((64, 64), dtype=bool)
+        holes[10:20, 40:50] = True
+        fresh = pair()
+        _one, other = heights(fresh)
+        holed = rc.HeightMap(other, SIZE, periodic=True, holes=holes)
+        result = rc.run_in(attrs.evolve(fresh, counter=rc.Body(holed, SOFT)), pressure=2e8, shifts=[(0, 0), (7, 0)])
+        np.testing.assert_array_equal(result.problem.counter.surface.holes, holes)
+        assert not result.solution.contact[np.roll(holes, (7, 0), axis=(0, 1))].any()
+        assert not result.lowered[1][holes].any()
+        refined = rc.refine(result.problem, factor=2, pressure=2e8)
+        assert refined.force == pytest.approx(2e8 * SIZE**2)
 
     def test_the_plan_of_the_result_tells_of_it(self):
         result = rc.run_in(pair(), pressure=2e8, rounds=1)

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact.extrapolation import exponential
-from roughcontact.paper.stand_in import SIZE, fresh, kept, scaled, worn
+from roughcontact.paper.stand_in import SIZE, fresh, scaled, worn
 
 FIGURES = Path(__file__).parent.parent / "figures"
 RESULTS = Path("paper-results")
@@ -96,7 +96,7 @@ def main(finest: int = 2048, coarsest: int = 64, folder: Path = FIGURES, maps: P
     grids = tuple(2**k for k in range(coarsest.bit_length() - 1, finest.bit_length() - 1))
     before = fresh(finest)
     maps.mkdir(exist_ok=True)
-    after = kept(maps / f"run-in-{finest}.npz", before, lambda: worn(before).problem)
+    after = worn(before, maps / f"run-in-{finest}.npz")
     figure = Figure(figsize=(12, 8), layout="constrained")
     panels = figure.subplots(2, len(FORCES), sharex=True, sharey=True)
     print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|")

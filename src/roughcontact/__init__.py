@@ -7,8 +7,8 @@ from roughcontact.areas import AreaEstimator, Blend, CellCount, Hertz, LevelSet,
 from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.clusters import Clusters
 from roughcontact.convolvers import DCFFT, CircularFFT, Convolver, Direct, PlannedConvolution
-from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError
-from roughcontact.files import RawMap, SurfaceReader, read_surface, write_solution
+from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, StudyStopped
+from roughcontact.files import RawMap, SurfaceReader, read_surface
 from roughcontact.flattening import Overlap, PermanentSet, UniformRise
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import FourierHalfSpace, InfluenceKernel, Love
@@ -16,11 +16,12 @@ from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material, R
 from roughcontact.plan import Plan
 from roughcontact.problem import ContactProblem
 from roughcontact.refinement import Ladder, Refined, extrapolate, refine
-from roughcontact.registry import areas, convolvers, kernels, readers, sets, solvers
+from roughcontact.registry import areas, convolvers, kernels, materials, readers, sets, solvers, surfaces
 from roughcontact.running_in import Cycle, RunIn, run_in
-from roughcontact.solution import Area, ContactSolution, Level, Residuals, Status
+from roughcontact.solution import Area, ContactSolution, Level, Origin, Residuals, Status
 from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
 from roughcontact.stability import Check, Gallery, GalleryRow, StabilityReport, Verdict, stability, stability_gallery
+from roughcontact.studies import Record, Study, StudyResult
 from roughcontact.surfaces import (
     FlatSurface,
     HeightMap,
@@ -75,6 +76,7 @@ __all__ = [
     "Material",
     "MissingPackage",
     "NotConverged",
+    "Origin",
     "Outcome",
     "Overlap",
     "ParaboloidSurface",
@@ -86,6 +88,7 @@ __all__ = [
     "PolonskyKeer",
     "ProjectedConjugateGradient",
     "RawMap",
+    "Record",
     "Refined",
     "Residuals",
     "Rigid",
@@ -99,6 +102,9 @@ __all__ = [
     "StabilityReport",
     "Status",
     "Step",
+    "Study",
+    "StudyResult",
+    "StudyStopped",
     "Surface",
     "SurfaceReader",
     "Sweep",
@@ -111,6 +117,7 @@ __all__ = [
     "extrapolate",
     "kernels",
     "match",
+    "materials",
     "read_surface",
     "readers",
     "refine",
@@ -119,5 +126,5 @@ __all__ = [
     "solvers",
     "stability",
     "stability_gallery",
-    "write_solution",
+    "surfaces",
 ]

@@ -40,7 +40,7 @@ def _fail(sentence: str, status: int) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     try:
-        from roughcontact.cli import options, pairs, paper, solve, stability
+        from roughcontact.cli import options, pairs, paper, run, solve, stability
     except ImportError as error:
         raise MissingPackage(f"The command line needs {error.name}: pip install '{_EXTRA}'.") from error
     parser = argparse.ArgumentParser(prog="roughcontact", description="Contact of rough surfaces.")
@@ -61,6 +61,12 @@ def _parser() -> argparse.ArgumentParser:
         declare(third)
     third.add_argument("--gallery", action=stability.ShowGallery, help="run the built-in extreme scenes instead")
     third.set_defaults(command=stability.run)
+    study = commands.add_parser("run", help="run a study from its TOML file, or go on with it")
+    study.add_argument("study", metavar="STUDY.toml", help="problems, loads, seeds and estimators")
+    study.add_argument("--dry-run", action="store_true", help="print every plan, and solve nothing")
+    study.add_argument("--workers", type=int, default=1, metavar="N", help="processes (1)")
+    study.add_argument("-o", "--output", metavar="FOLDER", help="where the results go (named like the study)")
+    study.set_defaults(command=run.run)
     return parser
 
 

@@ -52,6 +52,10 @@ class NotConverged(RoughContactError, RuntimeError):
         return str(self.args[0])
 
 
+class StudyStopped(RoughContactError, RuntimeError):
+    """A study could not go on; what was solved is on disk, and run again it goes on where it stopped."""
+
+
 def _short(value: object, longest: int = 80) -> str:
     text = " ".join(repr(value).split())
     return text if len(text) <= longest else text[: longest - 3] + "..."

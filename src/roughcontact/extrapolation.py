@@ -122,6 +122,17 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
     ------
     InputError
         If there are fewer than two grids (three to observe the order), or the data are not finite.
+
+    Examples
+    --------
+    Data of the limit 2 and an error that falls as the cell size; then data that do not fall so:
+
+    >>> from roughcontact.extrapolation import richardson
+    >>> found = richardson([64, 128, 256], [2.4, 2.2, 2.1])
+    >>> print(f"{found.value:.6f}, order {found.parameters['q']:.6f}", found.trustworthy)
+    2.000000, order 1.000000 True
+    >>> richardson([64, 128, 256], [2.4, 2.2, 2.5]).warnings[0]
+    'the three finest values do not converge with a positive order; the finest is returned'
     """
     x, y = _data(cells, values)
     if order is None and x.size < 3:

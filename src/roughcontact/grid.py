@@ -12,6 +12,8 @@ from roughcontact.checks import Array, Pair, integer, pair
 from roughcontact.errors import InputError
 from roughcontact.units import si
 
+_MOST_CELLS = 2**28
+
 
 class Boundary(StrEnum):
     """What lies beyond the border of the grid."""
@@ -27,6 +29,8 @@ def _shape(value: Sequence[int]) -> tuple[int, int]:
     nx, ny = (integer(n, "A cell count of the grid", at_least=1) for n in value)
     if nx * ny < 2:
         raise InputError.about("The grid", (nx, ny), "of at least two cells", "One cell has no shape to press on.")
+    if nx * ny > _MOST_CELLS:
+        raise InputError.about("The grid", (nx, ny), "of at most 2^28 cells, more than memory bears")
     return nx, ny
 
 
@@ -49,6 +53,17 @@ class Grid:
     ------
     InputError
         If there are fewer than two cells or a side is not a positive finite length.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> grid = rc.Grid(shape=(4, 2), size=(8e-6, 6e-6))
+    >>> print(grid)
+    4 x 2 cells on 8 µm x 6 µm
+    >>> [f"{1e6 * x:g}" for x in grid.x.ravel()]
+    ['-3', '-1', '1', '3']
+    >>> rc.Grid((64, 64), 1e-3).size
+    (0.001, 0.001)
     """
 
     shape: tuple[int, int] = attrs.field(converter=_shape)

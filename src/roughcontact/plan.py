@@ -8,7 +8,7 @@ from functools import cached_property
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array
+from roughcontact.checks import Array, Mask
 from roughcontact.convolvers import Convolver
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import InfluenceKernel
@@ -41,6 +41,8 @@ class Plan:
         Greatest pressure, Pa, a number or an array of shape (nx, ny).
     left_out
         What does not run, with the reason.
+    holes
+        Points that were not measured, shape (nx, ny); None if there are none.
     histories
         What was done to the heights of the body and of the other body, in words.
     """
@@ -55,6 +57,7 @@ class Plan:
     relief: float
     limit: float | Array
     left_out: tuple[str, ...]
+    holes: Mask | None = None
     histories: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
 
     @cached_property

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
 
 from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.certificate import certified
-from roughcontact.checks import Array, choice, frozen_array, instance_of
+from roughcontact.checks import Array, choice, instance_of
 from roughcontact.convolvers import Convolver, PlannedConvolution
 from roughcontact.convolvers.base import require_boundary
 from roughcontact.errors import InputError, NotConverged
+from roughcontact.gap import Gap, gap_between
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel, InfluenceKernel
 from roughcontact.loads import require_load, task_of
@@ -22,7 +24,7 @@ from roughcontact.materials import Rigid, contact_modulus, pressure_limit
 from roughcontact.plan import Plan
 from roughcontact.registry import convolvers, kernels, solvers
 from roughcontact.relief import rms_slope
-from roughcontact.solution import DEFAULT_AREA, ContactSolution, EstimatesArea
+from roughcontact.solution import DEFAULT_AREA, ContactSolution, EstimatesArea, Origin
 from roughcontact.solvers import Solver, Step
 from roughcontact.surfaces import FlatSurface
 from roughcontact.surfaces.base import history_of, own_grid
@@ -98,6 +100,7 @@ class ContactProblem:
             relief=self._relief(),
             limit=self._limit(),
             left_out=tuple(self._left_out()),
+            holes=self._gap.holes,
             histories=(history_of(self.body.surface), history_of(self.counter.surface)),
         )
 
@@ -112,19 +115,21 @@ class ContactProblem:
     @property
     def undeformed(self) -> Array:
         """Gap before deformation when the summits just touch, shape (nx, ny), m, at least zero."""
-        return self._gap[0]
+        return self._gap.undeformed
 
     @property
     def summit(self) -> float:
         """Greatest sum of both heights, m, where the bodies touch first."""
-        return self._gap[1]
+        return self._gap.summit
 
     @cached_property
-    def _gap(self) -> tuple[Array, float]:
-        grid = self._grid()
-        total = _heights(self.body, grid) + _heights(self.counter, grid)
-        summit = float(total.max())
-        return frozen_array(summit - total), summit
+    def _gap(self) -> Gap:
+        return gap_between(self.body, self.counter, self._grid())
+
+    @property
+    def parts(self) -> dict[str, Any]:
+        """What the problem was made from, by the names of its arguments."""
+        return {field.name: getattr(self, field.name) for field in attrs.fields(type(self))}
 
     def explain(self) -> str:
         """Return in words what a solve will do, and what is left out and why."""
@@ -170,12 +175,19 @@ class ContactProblem:
             If the solution is not certified and `throw` is true; the error carries it.
         """
         started = time.perf_counter()
-        task = task_of(self.plan, self.undeformed, pressure=pressure, force=force, approach=approach, start=start)
-        task = attrs.evolve(task, on_step=on_step)
-        outcome = self.plan.solver.solve(self.convolution, task)
-        solution = certified(
-            self.plan, self.convolution, self.undeformed, task, outcome, seconds=time.perf_counter() - started
-        )
+        gap = self._gap
+        while True:
+            task = task_of(self.plan, gap.undeformed, pressure=pressure, force=force, approach=approach, start=start)
+            outcome = self.plan.solver.solve(self.convolution, attrs.evolve(task, on_step=on_step))
+            seconds = time.perf_counter() - started
+            solution = certified(self.plan, self.convolution, gap.undeformed, task, outcome, seconds=seconds)
+            if gap.holes is None or not solution.contact[gap.holes].any():
+                break
+            # A hole is as deep as it takes: it does not touch.
+            gap = gap.deeper(4.0 * (float(gap.undeformed.max()) + abs(solution.approach)))
+        given = {"pressure": pressure, "force": force, "approach": approach}
+        load = {name: float(value) for name, value in given.items() if value is not None}
+        solution = attrs.evolve(solution, origin=Origin(self.parts, load))
         if throw and not solution.status.success:
             raise NotConverged(
                 f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals}). "
@@ -183,6 +195,12 @@ class ContactProblem:
                 solution,
             )
         return solution
+
+    def require_load(
+        self, *, pressure: float | None = None, force: float | None = None, approach: float | None = None
+    ) -> None:
+        """Raise `InputError` if a load cannot be carried; nothing is solved."""
+        require_load(self.plan, self.undeformed, pressure=pressure, force=force, approach=approach)
 
     def sweep(
         self,
@@ -211,8 +229,7 @@ class ContactProblem:
         NotConverged
             If a solution is not certified.
         """
-        check = partial(require_load, self.plan, self.undeformed)
-        return swept(self.solve, check, pressure=pressure, force=force, approach=approach)
+        return swept(self.solve, self.require_load, pressure=pressure, force=force, approach=approach)
 
     def solve_area(self, fraction: float, estimator: str | EstimatesArea = DEFAULT_AREA) -> ContactSolution:
         """Find the load at which the real contact area is a given share of the nominal area.
@@ -275,16 +292,3 @@ class ContactProblem:
             if isinstance(body.surface, FlatSurface):
                 texts.append("heights of one body: it is flat")
         return texts
-
-
-def _heights(body: Body, grid: Grid) -> Array:
-    heights = np.asarray(body.surface.heights(grid))
-    name = type(body.surface).__name__
-    if heights.shape != grid.shape or heights.dtype.kind != "f":
-        raise InputError(
-            f"The surface {name} must give real heights of shape {grid.shape}, "
-            f"but gave an array of shape {heights.shape} and type {heights.dtype}."
-        )
-    if not np.isfinite(heights).all():
-        raise InputError(f"The surface {name} gave heights that are not finite.")
-    return heights

@@ -77,6 +77,15 @@ def hertz_sphere(force: float, radius: float, modulus: float) -> Hertz:
     References
     ----------
     Johnson, Contact Mechanics (1985), sec. 4.2, https://doi.org/10.1017/CBO9781139171731
+
+    Examples
+    --------
+    A steel ball of 5 mm on a steel flat, at 10 N:
+
+    >>> from roughcontact.reference import hertz_sphere
+    >>> found = hertz_sphere(force=10.0, radius=5e-3, modulus=115.4e9)
+    >>> print(f"{1e6 * found.semi_axes[0]:.1f} um, {1e-9 * found.p_max:.2f} GPa, {1e6 * found.approach:.2f} um")
+    68.8 um, 1.01 GPa, 0.95 um
     """
     force, radius, modulus = _positive(force, "N"), _positive(radius, "m"), _positive(modulus, "Pa")
     a = (0.75 * force * radius / modulus) ** (1 / 3)

@@ -26,6 +26,18 @@ class Registry:
         What is registered, singular, for the error sentences.
     group
         Entry-point group that installed distributions use.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> "blend" in rc.areas.names()
+    True
+    >>> rc.areas.create("blend")
+    Blend()
+    >>> rc.areas.get("blnd")
+    Traceback (most recent call last):
+        ...
+    roughcontact.errors.InputError: There is no area estimator named 'blnd'. Did you mean 'blend'? Known: ...
     """
 
     def __init__(self, kind: str, group: str) -> None:
@@ -152,3 +164,5 @@ solvers = Registry("solver", "roughcontact.solvers")
 areas = Registry("area estimator", "roughcontact.areas")
 readers = Registry("surface reader", "roughcontact.readers")
 sets = Registry("permanent set", "roughcontact.sets")
+surfaces = Registry("surface", "roughcontact.surfaces")
+materials = Registry("material", "roughcontact.materials")

@@ -89,7 +89,7 @@ def swept(
         check(**{name: load})
     solutions: list[ContactSolution] = []
     for load in loads:
-        solutions.append(solve(**{name: load}, start=_predicted(solutions, name, load)))
+        solutions.append(solve(**{name: load}, start=predicted(solutions, name, load)))
     return Sweep(tuple(solutions))
 
 
@@ -139,7 +139,7 @@ def area_load(
     )
 
 
-def _predicted(solutions: list[ContactSolution], name: str, load: float) -> Array | None:
+def predicted(solutions: list[ContactSolution], name: str, load: float) -> Array | None:
     """Return the pressure in line with the last two, within the bounds; None for the first load."""
     if not solutions:
         return None

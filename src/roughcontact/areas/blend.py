@@ -25,8 +25,8 @@ _SHARP = 0.1
 class Blend(AreaEstimator):
     r"""Drawn edges and Hertz's areas, cluster by cluster, weighted by the inverse of their variances.
 
-    .. math:: A = \sum_c w A_{Hertz} + (1 - w) A_{drawn},
-              \quad w = \sigma_{drawn}^2 / (\sigma_{drawn}^2 + \sigma_{Hertz}^2)
+    .. math:: A = \sum_c w A_\mathrm{Hertz} + (1 - w) A_\mathrm{drawn},
+              \quad w = \sigma_\mathrm{drawn}^2 / (\sigma_\mathrm{drawn}^2 + \sigma_\mathrm{Hertz}^2)
 
     Small clusters go by load and curvature, large ones by their edges; `LevelSet`,
     `LevelSetRichardson` and `Hertz` tell how. Sharp edges are counted, and no cluster is smaller

@@ -15,7 +15,7 @@ from roughcontact.solution import Area, ContactSolution
 class LevelSet(AreaEstimator):
     r"""Area inside the edge that pressure and gap tell of, drawn between the cells.
 
-    .. math:: A = A_{polygon} + s\,h\,L + (\tfrac12 + 0.16)\,h^2\,\chi
+    .. math:: A = A_\mathrm{polygon} + s\,h\,L + (\tfrac12 + 0.16)\,h^2\,\chi
 
     with the length L and the Euler number chi of the edge and the kernel's own shift s inward (see
     `roughcontact.areas.contour` for the edge). It needs no more than the solution, and clusters of a

@@ -39,7 +39,7 @@ def add_surfaces(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("surface", help="height map of the body: npz, npy, text, or an instrument's file")
     parser.add_argument("counter", nargs="?", help="height map of the other body; a flat if left out")
     maps = parser.add_argument_group("height maps")
-    maps.add_argument("--size", type=_METRE, nargs="+", metavar="L", help="sides x [y], where the file does not tell")
+    maps.add_argument("--size", type=_METRE, nargs="+", metavar="L", help="sides x [y] where the file does not tell")
     maps.add_argument("--unit", type=_METRE, metavar="U", help="unit of the heights, where the file does not tell: 1um")
     maps.add_argument(
         "--missing", choices=("refuse", "fill", "holes"), default="refuse", help="missing points (refuse)"

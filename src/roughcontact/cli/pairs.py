@@ -12,7 +12,7 @@ from roughcontact.cli.tables import show, write
 from roughcontact.paper import printed
 from roughcontact.paper.pair_figures import draw_pairs
 from roughcontact.paper.pairs import FORCES, STATES, PairCase, pair_tables, run_pair
-from roughcontact.paper.stand_in import fresh, kept, worn
+from roughcontact.paper.stand_in import fresh, worn
 from roughcontact.problem import ContactProblem
 from roughcontact.running_in import RunIn
 
@@ -40,16 +40,13 @@ def run(options: argparse.Namespace) -> None:
 def _pairs(cells: int, maps: Path, console: Console) -> dict[str, ContactProblem]:
     before = fresh(cells)
 
-    def make() -> ContactProblem:
-        with console.status("running in"):
-            return worn(before, lambda result: console.print(_said(result), highlight=False)).problem
-
-    return dict(zip(STATES, (before, kept(maps, before, make)), strict=True))
+    after = worn(before, maps, lambda result: console.print(_said(result), highlight=False))
+    return dict(zip(STATES, (before, after), strict=True))
 
 
 def _said(result: RunIn) -> str:
     last = result.cycles[-1]
-    return f"running in, cycle {len(result.cycles)}: {last.volume * 1e18:.3g} um3 flattened"
+    return f"running in, place {len(result.cycles)}: {last.volume * 1e18:.3g} um3 flattened"
 
 
 def _solve(pairs: dict[str, ContactProblem], grids: tuple[int, ...], console: Console) -> list[PairCase]:

@@ -8,7 +8,8 @@ from pathlib import Path
 from roughcontact.body import RIGID_FLAT, Body
 from roughcontact.cli.picture import draw_solution
 from roughcontact.errors import InputError, NotConverged
-from roughcontact.files import read_surface, write_solution
+from roughcontact.files import read_surface
+from roughcontact.files.reading import read_raw
 from roughcontact.grid import Grid
 from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact.problem import ContactProblem
@@ -16,6 +17,8 @@ from roughcontact.registry import areas
 from roughcontact.solution import EstimatesArea
 from roughcontact.surfaces import FlatSurface, HeightMap, SphereSurface, Surface, match
 from roughcontact.surfaces.base import own_grid
+
+_OF_COUNTER = ("match", "counter-size", "counter-unit", "counter-detrend")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -29,7 +32,7 @@ def run(options: argparse.Namespace) -> None:
     print(f"\n{solution}")
     if estimator is not None:
         print(f"{'':17}{solution.area(estimator)}")
-    write_solution(folder / "solution.npz", solution)
+    solution.save(folder / "solution.npz")
     draw_solution(solution, folder / "solution.png")
     print(f"\nWritten to {folder}: solution.npz, solution.png")
     if not solution.status.success:
@@ -56,15 +59,10 @@ def _surfaces(options: argparse.Namespace) -> tuple[Surface, Surface, Grid | Non
     form, size, unit = options.detrend, options.size, options.unit
     body = _read(options.surface, options, size, unit, form)
     if options.counter is None:
-        _refuse_without_match(options)
+        _refuse_without_counter(options)
         return _scaled(body, options), FlatSurface(), None
-    counter = _read(
-        options.counter,
-        options,
-        size if options.counter_size is None else options.counter_size,
-        unit if options.counter_unit is None else options.counter_unit,
-        form if options.counter_detrend is None else options.counter_detrend,
-    )
+    counter_form = form if options.counter_detrend is None else options.counter_detrend
+    counter = _read(options.counter, options, *_told_of_counter(options), counter_form)
     if options.match is None:
         _refuse_without_match(options)
         return _scaled(body, options), _scaled(counter, options), None
@@ -79,6 +77,24 @@ def _surfaces(options: argparse.Namespace) -> tuple[Surface, Surface, Grid | Non
         size=_sides(options.domain),
     )
     return pair.body, pair.counter, pair.grid
+
+
+def _told_of_counter(options: argparse.Namespace) -> tuple[list[float] | None, float | None]:
+    """Return size and unit of the second map: its own, or those of the first where its file does not tell."""
+    size, unit = options.counter_size, options.counter_unit
+    if size is None or unit is None:
+        raw = read_raw(Path(options.counter))
+        size = options.size if size is None and raw.size is None else size
+        unit = options.unit if unit is None and not raw.metric else unit
+    return size, unit
+
+
+def _refuse_without_counter(options: argparse.Namespace) -> None:
+    given = {f"--{name}": getattr(options, name.replace("-", "_")) for name in _OF_COUNTER}
+    for name, value in given.items():
+        if value is not None:
+            raise InputError(f"{name} is for the second of two height maps: give its file too, or leave it out.")
+    _refuse_without_match(options)
 
 
 def _refuse_without_match(options: argparse.Namespace) -> None:

@@ -24,7 +24,9 @@ def quantity(unit: str) -> Callable[[str], float]:
     example = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg"}.get(unit, "0.3")
 
     def convert(text: str) -> float:
-        if not re.match(r"\s*[-+.]?\d", text):
+        # An angle without a unit is a number to pint: 20 may be degrees or radians.
+        bare = unit == "rad" and not re.search(r"[a-z°]", text)
+        if bare or not re.match(r"\s*[-+.]?\d", text):
             raise argparse.ArgumentTypeError(f"{text!r} is no number with a unit; write it like {example}")
         try:
             value = _registry().Quantity(text)

@@ -31,7 +31,7 @@ class NpzReader(SurfaceReader):
                 lx, ly = (float(side) for side in np.broadcast_to(data["size"], 2))
                 size = lx, ly
             periodic = bool(data["periodic"]) if "periodic" in data else False
-            return RawMap(data["heights"], size, periodic)
+            return RawMap(data["heights"], size, periodic, metric=True)
 
 
 @attrs.frozen

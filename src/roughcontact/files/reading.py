@@ -64,22 +64,28 @@ def read_surface(
     """
     choice(missing, "The treatment of missing points", ("refuse", *_TREATED))
     file = Path(path)
-    if not file.is_file():
-        raise InputError(f"There is no file {str(file)!r}{' (it is a folder)' if file.is_dir() else ''}.")
-    chosen: SurfaceReader = readers.resolve(_reader_for(file) if reader == "auto" else reader, SurfaceReader)
-    raw = _read(chosen, file)
+    raw = read_raw(file, reader)
     if raw.size is None and size is None:
         raise InputError(f"The file {file.name} does not tell the size of its domain: give size=(x, y), m.")
     heights, holes, done = _complete(raw, file, missing)
     surface = HeightMap(heights, _size(raw, size), periodic=raw.periodic, holes=holes)
     metres = surface.values * _unit(raw, unit, file)
-    surface = attrs.evolve(surface, heights=metres, history=(f"{done}: {surface.grid}",))
+    counted = "" if unit is None else f", heights in units of {si(unit, 'm')}"
+    surface = attrs.evolve(surface, heights=metres, history=(f"{done}: {surface.grid}{counted}",))
     if raw.size is not None and not np.allclose(surface.size, raw.size, rtol=1e-6, atol=0.0):
         raise InputError(
             f"The file {file.name} tells its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
             f"which is not the size given: leave size= out."
         )
     return surface
+
+
+def read_raw(file: Path, reader: str | SurfaceReader = "auto") -> RawMap:
+    """Return the map as it stands in a file; see `read_surface`."""
+    if not file.is_file():
+        raise InputError(f"There is no file {str(file)!r}{' (it is a folder)' if file.is_dir() else ''}.")
+    chosen: SurfaceReader = readers.resolve(_reader_for(file) if reader == "auto" else reader, SurfaceReader)
+    return _read(chosen, file)
 
 
 def _reader_for(file: Path) -> str:

@@ -6,6 +6,7 @@ import attrs
 import numpy as np
 
 from roughcontact.checks import Array
+from roughcontact.errors import InputError
 from roughcontact.flattening.base import PermanentSet, overlap
 from roughcontact.solution import ContactSolution
 
@@ -22,11 +23,23 @@ class UniformRise(PermanentSet):
     """
 
     def lowering(self, solution: ContactSolution) -> Array:
-        """Return the overlap less the rise, shape (nx, ny), m; its mean is zero."""
+        """Return the overlap less the rise, shape (nx, ny), m; its mean is zero.
+
+        Raises
+        ------
+        InputError
+            If the open cells cannot take the volume.
+        """
         lower = overlap(solution)
         open_cells = ~solution.contact
         count = np.count_nonzero(open_cells)
         if count == 0:
             return np.asarray(lower - lower.mean(), dtype=np.float64)
-        lower[open_cells] -= lower.sum() / count
+        displaced = float(lower.sum())
+        if displaced > float(solution.gap[open_cells].sum()):
+            raise InputError(
+                "The open cells cannot take the volume that is displaced: the gap left there is smaller. Choose a "
+                "smaller load, or the model 'overlap'."
+            )
+        lower[open_cells] -= displaced / count
         return lower

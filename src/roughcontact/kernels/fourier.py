@@ -25,5 +25,5 @@ class FourierHalfSpace(InfluenceKernel):
     edge_shift: ClassVar[float] = 0.0
 
     def spectrum(self, qx: Array, qy: Array, spacing: Pair, compliance: float) -> Array:
-        """Return 2 / (E* |q|), shape (m, n), m/Pa; see `OffersSpectrum`."""
+        """Return ``2 / (E* |q|)``, shape (m, n), m/Pa; see `OffersSpectrum`."""
         return np.asarray(2.0 * compliance / np.hypot(qx, qy), dtype=np.float64)

@@ -34,6 +34,16 @@ class Love(InfluenceKernel):
     ----------
     Love, Phil. Trans. R. Soc. A 228 (1929) 377-420, https://doi.org/10.1098/rsta.1929.0009;
     Johnson, Contact Mechanics (1985), sec. 3.3, https://doi.org/10.1017/CBO9781139171731
+
+    Examples
+    --------
+    At the centre of a square cell of side one the integral is 4 ln(1 + sqrt(2)):
+
+    >>> import math
+    >>> import roughcontact as rc
+    >>> own = rc.Love().coefficients((1, 1), (1.0, 1.0), 1.0).item()
+    >>> math.isclose(own, 4 / math.pi * math.log(1 + math.sqrt(2)), rel_tol=1e-15)
+    True
     """
 
     def coefficients(self, shape: tuple[int, int], spacing: Pair, compliance: float) -> Array:

@@ -11,9 +11,12 @@ from roughcontact.materials.base import Material, plane_strain_compliance, poiss
 
 
 def _hardness(value: float | Array) -> float | Array:
-    if np.ndim(value) == 0:
+    if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:
         return number(value, "The hardness", "Pa", above=0.0)
-    array = frozen_array(np.array(value, dtype=np.float64))
+    try:
+        array = frozen_array(np.array(value, dtype=np.float64))
+    except (TypeError, ValueError):
+        array = np.empty(0)
     if array.ndim != 2 or not (np.isfinite(array).all() and array.min() > 0.0):
         raise InputError.about("The hardness", value, "a number or an array (nx, ny), finite and above 0 (Pa)")
     return array

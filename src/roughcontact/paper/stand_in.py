@@ -7,14 +7,13 @@ chosen from what is usual for such surfaces; `PARAMETERS` says from where.
 from __future__ import annotations
 
 import math
-import os
-import zipfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import numpy as np
-
+from roughcontact.archive import read_archive, write_archive
 from roughcontact.body import Body
+from roughcontact.description import key_of
+from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 from roughcontact.materials import ElasticPerfectlyPlastic
 from roughcontact.problem import ContactProblem
@@ -46,6 +45,7 @@ RUN_IN_FORCE = 10.0
 # The ring comes under the ball at four places along the lay, until a round flattens less than a hundredth.
 PLACES = 4
 TOLERANCE = 1e-2
+MODEL = "overlap"
 
 
 def fresh(cells: int) -> ContactProblem:
@@ -55,36 +55,42 @@ def fresh(cells: int) -> ContactProblem:
     return _with_maps([HeightMap(ball, SIZE), HeightMap(RING.heights(grid), SIZE)])
 
 
-def worn(pair: ContactProblem, on_cycle: Callable[[RunIn], None] | None = None) -> RunIn:
-    """Run a pair in at 10 N."""
+def worn(pair: ContactProblem, path: Path, on_cycle: Callable[[RunIn], None] | None = None) -> ContactProblem:
+    """Return a pair run in at 10 N, by rounds of cycles until one flattens next to nothing.
+
+    The maps are kept in a file after each round: what was interrupted goes on from the last, and what
+    was finished is not done again. The file is used only for the same pair and the same running in.
+    """
     cells = pair.plan.grid.shape[1]
     shifts = [(0, cells * place // PLACES) for place in range(PLACES)]
-    return run_in(pair, force=RUN_IN_FORCE, shifts=shifts, tolerance=TOLERANCE, on_cycle=on_cycle)
+    key = key_of([pair.parts, RUN_IN_FORCE, shifts, TOLERANCE, MODEL])
+    worn_pair, volume, finished = _kept(path, key) or (pair, 0.0, False)
+    while not finished:
+        result = run_in(
+            worn_pair, force=RUN_IN_FORCE, shifts=shifts, model=MODEL, rounds=1, tolerance=0.0, on_cycle=on_cycle
+        )
+        volume += result.volume
+        worn_pair, finished = result.problem, result.volume <= TOLERANCE * volume
+        arrays = {f"map_{side}": one.values for side, one in enumerate(_maps(worn_pair))}
+        write_archive(path, arrays, {"key": key, "volume": volume, "finished": finished})
+    return worn_pair
+
+
+def _kept(path: Path, key: str) -> tuple[ContactProblem, float, bool] | None:
+    try:
+        arrays, header = read_archive(path)
+    except InputError:
+        # No such file, or one that is damaged: made again.
+        return None
+    if header.get("key") != key:
+        return None
+    pair = _with_maps([HeightMap(arrays[f"map_{side}"], SIZE) for side in (0, 1)])
+    return pair, float(header["volume"]), bool(header["finished"])
 
 
 def scaled(pair: ContactProblem, cells: int) -> ContactProblem:
     """Return the pair with both maps scaled bilinearly to `cells` x `cells` cells, as the paper does it."""
     return _with_maps([one.resample((cells, cells), "bilinear") for one in _maps(pair)])
-
-
-def kept(path: Path, pair: ContactProblem, make: Callable[[], ContactProblem]) -> ContactProblem:
-    """Return the pair with the heights kept in a file, or make it and keep them.
-
-    The file is used only if it was made from the same fresh heights.
-    """
-    fresh_heights = np.stack([one.values for one in _maps(pair)])
-    try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
-            if np.array_equal(data["fresh"], fresh_heights):
-                return _with_maps([HeightMap(values, SIZE) for values in data["run_in"]])
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile):
-        # No such file, or one that was cut short: made again.
-        pass
-    made = make()
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial.npz")
-    np.savez(partial, fresh=fresh_heights, run_in=np.stack([one.values for one in _maps(made)]))
-    partial.replace(path)
-    return made
 
 
 def _maps(pair: ContactProblem) -> list[HeightMap]:

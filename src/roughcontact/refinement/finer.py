@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import attrs
+import numpy as np
 
 from roughcontact.body import Body
 from roughcontact.checks import choice
@@ -36,8 +37,8 @@ def on_grid(problem: ContactProblem, shape: tuple[int, int], between: str | None
     """
     grid = Grid(shape, problem.plan.grid.size)
     if between is not None:
-        choice(between, "The way a map goes on between its points", ("bilinear", "fourier", "mean"))
-    if not isinstance(problem.plan.limit, float):
+        choice(between, "The way a map goes on between its points", ("bilinear", "cubic", "fourier", "mean"))
+    if np.ndim(problem.plan.limit) > 0:
         raise InputError("The pressure limit is an array, which is not known between its cells.")
     body, counter = (
         Body(_known(side.surface, grid, between), side.material) for side in (problem.body, problem.counter)

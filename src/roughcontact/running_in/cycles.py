@@ -8,11 +8,10 @@ import attrs
 import numpy as np
 
 from roughcontact.body import Body
-from roughcontact.checks import Array, instance_of, integer, number
+from roughcontact.checks import Array, Mask, instance_of, integer, number
 from roughcontact.errors import InputError
 from roughcontact.flattening import PermanentSet
 from roughcontact.grid import Boundary
-from roughcontact.loads import require_load
 from roughcontact.problem import ContactProblem
 from roughcontact.registry import sets
 from roughcontact.relief import seam_jump
@@ -31,7 +30,6 @@ def run_in(
     *,
     pressure: float | None = None,
     force: float | None = None,
-    approach: float | None = None,
     model: str | PermanentSet = "overlap",
     shifts: Sequence[tuple[int, int]] = ((0, 0),),
     rounds: int = 20,
@@ -48,8 +46,9 @@ def run_in(
     ----------
     problem
         The fresh bodies; at least one has a pressure limit.
-    pressure, force, approach
-        Exactly one load, as in `ContactProblem.solve`.
+    pressure, force
+        Exactly one load, as in `ContactProblem.solve`. (An approach is counted from first touch, which
+        flattening moves.)
     model
         Registered name or instance of a permanent set: ``"overlap"`` or ``"uniform-rise"``.
     shifts
@@ -69,8 +68,8 @@ def run_in(
     Raises
     ------
     InputError
-        If neither body has a pressure limit, the load cannot be carried, or the other body is moved
-        although its heights do not repeat.
+        If neither body has a pressure limit, the load cannot be carried or flattens everything, the other
+        body is moved although its heights do not repeat, or the model gives no lowering.
     NotConverged
         If a contact is not certified.
     """
@@ -78,14 +77,16 @@ def run_in(
     chosen: PermanentSet = sets.resolve(model, PermanentSet)
     moves = _moves(shifts, problem)
     rounds = integer(rounds, "The number of rounds", at_least=1)
-    tolerance = number(tolerance, "The tolerance of shakedown", at_least=0.0)
-    require_load(problem.plan, problem.undeformed, pressure=pressure, force=force, approach=approach)
+    tolerance = number(tolerance, "The tolerance of shakedown", at_least=0.0, at_most=1.0)
+    if on_cycle is not None and not callable(on_cycle):
+        raise InputError.about("What is called after each cycle, on_cycle=,", on_cycle, "a function")
+    problem.require_load(pressure=pressure, force=force)
     state = _State(problem)
     cycles: list[Cycle] = []
     while True:
         for shift in moves:
-            solution = state.shifted(shift).solve(pressure=pressure, force=force, approach=approach)
-            cycles.append(state.flatten(solution, chosen.lowering(solution), shift))
+            solution = state.shifted(shift).solve(pressure=pressure, force=force)
+            cycles.append(state.flatten(solution, _lowering(chosen, solution), shift))
             shakedown = _settled(cycles, len(moves), tolerance)
             if on_cycle is not None:
                 on_cycle(state.result(cycles, shakedown, solution))
@@ -99,13 +100,16 @@ class _State:
     def __init__(self, problem: ContactProblem) -> None:
         self._problem = problem
         self._grid = problem.plan.grid
-        self._fresh = [side.surface.heights(self._grid) for side in (problem.body, problem.counter)]
+        self._fresh = [side.heights(self._grid) for side in (problem.body, problem.counter)]
+        self._holes = (problem.body.holes(self._grid), problem.counter.holes(self._grid))
         self._heights = [heights.copy() for heights in self._fresh]
         self._share = _share(problem)
 
     def shifted(self, shift: tuple[int, int]) -> ContactProblem:
         """Return the problem with the heights as they are and the other body moved on."""
-        return self._with(self._heights[0], np.roll(self._heights[1], shift, axis=(0, 1)), ((), ()))
+        moved = None if self._holes[1] is None else np.roll(self._holes[1], shift, axis=(0, 1))
+        counter = np.roll(self._heights[1], shift, axis=(0, 1))
+        return self._with(self._heights[0], counter, (self._holes[0], moved), ((), ()))
 
     def flatten(self, solution: ContactSolution, lowering: Array, shift: tuple[int, int]) -> Cycle:
         """Take the lowering from both bodies and tell of it."""
@@ -128,22 +132,39 @@ class _State:
         one, other = ((*history_of(side.surface), done) for side in sides)
         body, counter = (fresh - now for fresh, now in zip(self._fresh, self._heights, strict=True))
         return RunIn(
-            problem=self._with(self._heights[0], self._heights[1], (one, other)),
+            problem=self._with(self._heights[0], self._heights[1], self._holes, (one, other)),
             cycles=tuple(cycles),
             shakedown=shakedown,
             lowered=(body, counter),
             solution=solution,
         )
 
-    def _with(self, body: Array, counter: Array, histories: tuple[tuple[str, ...], tuple[str, ...]]) -> ContactProblem:
+    def _with(
+        self,
+        body: Array,
+        counter: Array,
+        holes: tuple[Mask | None, Mask | None],
+        histories: tuple[tuple[str, ...], tuple[str, ...]],
+    ) -> ContactProblem:
+        if np.ptp(body + counter) == 0.0:
+            raise InputError("The load has flattened everything, and nothing is left to run in: choose a smaller one.")
         periodic = self._problem.boundary is not Boundary.FREE
+        sides = (self._problem.body, self._problem.counter)
         one, other = (
-            Body(HeightMap(heights, self._grid.size, periodic=periodic, history=history), side.material)
-            for heights, history, side in zip(
-                (body, counter), histories, (self._problem.body, self._problem.counter), strict=True
-            )
+            Body(HeightMap(heights, self._grid.size, periodic=periodic, holes=holes, history=history), side.material)
+            for heights, holes, history, side in zip((body, counter), holes, histories, sides, strict=True)
         )
         return attrs.evolve(self._problem, body=one, counter=other, grid=self._grid)
+
+
+def _lowering(model: PermanentSet, solution: ContactSolution) -> Array:
+    lowering = np.asarray(model.lowering(solution))
+    if lowering.shape != solution.grid.shape or lowering.dtype.kind != "f" or not np.isfinite(lowering).all():
+        raise InputError(
+            f"The permanent set {model!r} must give finite real heights of shape {solution.grid.shape}, but gave an "
+            f"array of shape {lowering.shape} and type {lowering.dtype}."
+        )
+    return lowering
 
 
 def _share(problem: ContactProblem) -> float | Array:

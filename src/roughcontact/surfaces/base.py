@@ -6,7 +6,7 @@ import abc
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from roughcontact.checks import Array, Pair, pair
+from roughcontact.checks import Array, Mask, Pair, pair
 from roughcontact.grid import Grid
 
 if TYPE_CHECKING:
@@ -51,6 +51,19 @@ class Told(Protocol):
     @property
     def history(self) -> tuple[str, ...]:
         """What was done, in words, first things first."""
+
+
+@runtime_checkable
+class Holed(Protocol):
+    """A surface that knows where it was not measured."""
+
+    def holes_on(self, grid: Grid) -> Mask | None:
+        """Return which cells are holes, shape `grid.shape`; None if none is."""
+
+
+def holes_of(surface: Surface, grid: Grid) -> Mask | None:
+    """Return which cells of a surface are holes, shape `grid.shape`; None if it knows of none."""
+    return surface.holes_on(grid) if isinstance(surface, Holed) else None
 
 
 def history_of(surface: Surface) -> tuple[str, ...]:

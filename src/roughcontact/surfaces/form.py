@@ -7,9 +7,9 @@ import numpy as np
 from roughcontact.checks import Array, Mask, RealArray
 from roughcontact.errors import InputError
 
-# The fit of a sphere ends when a step moves no height by more than this share of their range.
-_SETTLED = 1e-13
-_STEPS = 50
+# The fit of a sphere goes on to rounding.
+_TOLERANCE = 1e-15
+_ROUNDING = 1e-13
 
 
 def polynomial(values: Array, degree: int, missing: Mask | None) -> Array:
@@ -23,6 +23,11 @@ def polynomial(values: Array, degree: int, missing: Mask | None) -> Array:
         Total degree, less than either cell count.
     missing
         Points that do not count, shape (nx, ny); None if all do.
+
+    Raises
+    ------
+    InputError
+        If the points that count do not determine it.
     """
     x, y = (np.linspace(-1.0, 1.0, n) for n in values.shape)
     px, py = (np.polynomial.legendre.legvander(t, degree) for t in (x, y))
@@ -37,7 +42,9 @@ def polynomial(values: Array, degree: int, missing: Mask | None) -> Array:
         sums, moments = qx.T @ counts @ qy, px.T @ (values * counts) @ py
     sums = sums.reshape(n, n, n, n)
     gram = np.array([[sums[i, k, j, m] for k, m in terms] for i, j in terms])
-    solved = np.linalg.lstsq(gram, np.array([moments[term] for term in terms]))[0]
+    solved, _, rank, _ = np.linalg.lstsq(gram, np.array([moments[term] for term in terms]))
+    if rank < len(terms):
+        raise InputError(f"Too few points were measured, or they lie too much in line, for a form of degree {degree}.")
     weights = np.zeros_like(moments)
     for term, weight in zip(terms, solved, strict=True):
         weights[term] = weight
@@ -52,8 +59,8 @@ def sphere(values: Array, x: Array, y: Array, missing: Mask | None) -> tuple[Arr
     .. math:: z = c - \frac{2 C}{n_z + \sqrt{n_z^2 - 2 \kappa C}}, \quad
               C = \tfrac{\kappa}{2}(x^2 + y^2) + n_x x + n_y y
 
-    and becomes a plane, without a singularity, as the curvature goes to zero. Gauss-Newton steps fit
-    c, the two slopes and the curvature to the heights.
+    and becomes a plane, without a singularity, as the curvature goes to zero; c, the two slopes and the
+    curvature are fitted to the heights, from the least-squares paraboloid on.
 
     Parameters
     ----------
@@ -69,6 +76,8 @@ def sphere(values: Array, x: Array, y: Array, missing: Mask | None) -> tuple[Arr
     InputError
         If the heights do not look like a cap of a sphere.
     """
+    from scipy.optimize import least_squares
+
     length = float(max(np.abs(x).max(), np.abs(y).max()))
     x, y = x / length, y / length
     level = float(values.mean())
@@ -78,22 +87,31 @@ def sphere(values: Array, x: Array, y: Array, missing: Mask | None) -> tuple[Arr
     # Paraboloid first: constant, slopes and curvature enter linearly.
     basis = np.stack([np.broadcast_to(t, values.shape)[use].ravel() for t in (np.ones((1, 1)), x, y, -0.5 * square)])
     goal = heights[use].ravel()
-    parameters = np.linalg.solve(basis @ basis.T, basis @ goal)
+    gram = basis @ basis.T
+    if goal.size <= len(gram) or np.linalg.matrix_rank(gram) < len(gram):
+        raise InputError("Too few points were measured, or they lie too much in line, for a sphere.")
     scale = float(np.ptp(goal)) or 1.0
-    for _ in range(_STEPS):
-        step = np.linalg.solve(basis @ basis.T, basis @ (goal - _cap(parameters, x, y, square)[use].ravel()))
-        parameters = parameters + step
-        if np.abs(basis.T @ step).max() <= _SETTLED * scale:
-            return _cap(parameters, x, y, square) * length + level, float(parameters[3]) / length
-    raise InputError("No sphere fits the heights: the fit does not settle.")
+
+    def misfit(parameters: Array) -> Array:
+        return np.asarray((_cap(parameters, x, y, square)[0][use].ravel() - goal) / scale, dtype=np.float64)
+
+    paraboloid = np.asarray(np.linalg.solve(gram, basis @ goal), dtype=np.float64)
+    found = least_squares(misfit, paraboloid, "3-point", method="lm", ftol=_TOLERANCE, xtol=_TOLERANCE, gtol=_TOLERANCE)
+    fitted, inside = _cap(found.x, x, y, square)
+    if not inside:
+        raise InputError("No sphere fits the heights: over this domain they are no cap of one.")
+    # What bends less than rounding is no sphere.
+    curvature = float(found.x[3])
+    flat = abs(curvature) <= _ROUNDING * (1.0 + float(np.abs(values).max()) / length)
+    return fitted * length + level, 0.0 if flat else curvature / length
 
 
-def _cap(parameters: RealArray, x: Array, y: Array, square: Array) -> Array:
-    """Return the sphere's heights."""
+def _cap(parameters: RealArray, x: Array, y: Array, square: Array) -> tuple[Array, bool]:
+    """Return the sphere's heights, those of its equator beyond it, and whether all are inside."""
     c, slope_x, slope_y, curvature = parameters
     across = 1.0 / np.sqrt(1.0 + slope_x**2 + slope_y**2)
     lift = 0.5 * curvature * square - across * (slope_x * x + slope_y * y)
     root = across**2 - 2.0 * curvature * lift
-    if not (root > 0.0).all():
-        raise InputError("No sphere fits the heights: over this domain they are no cap of one.")
-    return np.asarray(c - 2.0 * lift / (across + np.sqrt(root)), dtype=np.float64)
+    inside = bool((root > 0.0).all())
+    heights = c - 2.0 * lift / (across + np.sqrt(np.maximum(root, 0.0)))
+    return np.asarray(heights, dtype=np.float64), inside

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact.checks import Array, Mask, Pair, choice, frozen_array, heights_array, integer, pair
+from roughcontact.checks import Array, Mask, Pair, choice, heights_array, integer, pair
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 from roughcontact.surfaces import form as form_of
@@ -17,6 +17,14 @@ from roughcontact.surfaces.base import Surface
 from roughcontact.surfaces.resampling import between, bilinear, block_mean, fourier
 from roughcontact.units import si
 
+
+def _told(_: object, __: object, value: object) -> None:
+    if not isinstance(value, tuple) or not all(isinstance(text, str) for text in value):
+        raise InputError.about("The history of a height map", value, "a tuple of texts")
+
+
+# Beyond this a polynomial follows the roughness, and its normal equations lose their digits.
+_HIGHEST_DEGREE = 30
 _DEGREES = {"mean": 0, "plane": 1}
 
 
@@ -27,24 +35,16 @@ def _size(value: float | Sequence[float]) -> Pair:
 def _holes(value: npt.ArrayLike | None) -> Mask | None:
     if value is None:
         return None
-    mask = np.array(value)
+    try:
+        mask = np.array(value)
+    except ValueError:
+        raise InputError("The holes of a height map must be a rectangular array, but their rows differ.") from None
     if mask.dtype.kind != "b" or mask.ndim != 2:
         raise InputError.about("The holes of a height map", mask.dtype, "an array of booleans of the map's shape")
     if mask.all():
         raise InputError("The height map is all holes: at least one point must have been measured.")
     mask.flags.writeable = False
     return mask if mask.any() else None
-
-
-def sunk(heights: Array, holes: Mask | None, grid: Grid) -> Array:
-    """Return the heights, shape (nx, ny), m, with the holes below everything else by the range of the rest."""
-    if holes is None or not holes.any():
-        return heights
-    if holes.all():
-        raise InputError(f"The height map has nothing but holes on the {grid}.")
-    rest = heights[~holes]
-    depth = float(np.ptp(rest)) or min(grid.spacing)
-    return frozen_array(np.where(holes, rest.min() - depth, heights))
 
 
 def _resampled(values: Array, shape: tuple[int, int], method: str, periodic: bool) -> Array:
@@ -71,9 +71,8 @@ class HeightMap(Surface):
     periodic
         Whether the map goes on with its own copy beyond the border.
     holes
-        Points that were not measured and are not to touch, shape (nx, ny), true there. On a grid they
-        lie below the lowest other point by the range of the heights. The heights given for them only
-        serve to interpolate in their neighbourhood.
+        Points that were not measured and are not to touch, shape (nx, ny), true there. The heights given
+        for them only serve to interpolate in their neighbourhood: in contact they lie as deep as it takes.
     history
         What was done to the map so far, in words; ``explain()`` of a problem prints it.
 
@@ -88,7 +87,7 @@ class HeightMap(Surface):
     size: Pair = attrs.field(converter=_size)
     periodic: bool = attrs.field(default=False, kw_only=True, validator=attrs.validators.instance_of(bool))
     holes: Mask | None = attrs.field(default=None, kw_only=True, converter=_holes)
-    history: tuple[str, ...] = attrs.field(default=(), kw_only=True)
+    history: tuple[str, ...] = attrs.field(default=(), kw_only=True, validator=_told)
 
     def __attrs_post_init__(self) -> None:
         if self.holes is not None and self.holes.shape != self._heights.shape:
@@ -118,7 +117,11 @@ class HeightMap(Surface):
                 f"Call .resample({grid.shape}) first, bring maps of two domains together with match(), or use the "
                 "map's own grid."
             )
-        return sunk(self._heights, self.holes, grid)
+        return self._heights
+
+    def holes_on(self, grid: Grid) -> Mask | None:
+        """Return the holes on the map's own grid, shape (nx, ny); None if there are none."""
+        return self.holes
 
     def resample(self, shape: Sequence[int], method: str = "bilinear") -> HeightMap:
         """Return the map on another number of cells over the same domain.
@@ -182,13 +185,17 @@ class HeightMap(Surface):
             if isinstance(degree, str):
                 raise InputError.about("The form", form, "'mean', 'plane', 'sphere' or the degree of a polynomial")
             degree = integer(degree, "The degree of the trend", at_least=0)
+            if degree > _HIGHEST_DEGREE:
+                raise InputError.about("The degree of the trend", degree, f"at most {_HIGHEST_DEGREE}")
             if min(self._heights.shape) <= degree:
                 raise InputError(f"A trend of degree {degree} needs more than {degree} cells along each axis.")
             fitted = form_of.polynomial(self._heights, degree, self.holes)
             name = {0: "mean", 1: "plane"}.get(degree, f"polynomial of degree {degree}")
             text = f"the best {name} taken away"
         return Separated(
-            form=attrs.evolve(self, heights=fitted, holes=None, history=(*self.history, "its form only")),
+            form=attrs.evolve(
+                self, heights=fitted, holes=None, periodic=False, history=(*self.history, "its form only")
+            ),
             roughness=attrs.evolve(self, heights=self._heights - fitted, history=(*self.history, text)),
             radius=1.0 / curvature if curvature else math.inf,
         )

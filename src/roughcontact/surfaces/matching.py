@@ -145,7 +145,7 @@ def _largest_rectangle(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
     if not body.periodic:
         more = _half_planes(body.size, 0.0, (0.0, 0.0))
         normals, reach = np.vstack([normals, more[0]]), np.concatenate([reach, more[1]])
-    unit = max(placed.source.size)
+    unit = min(*placed.source.size, *body.size)
 
     def best(skew: float) -> Array:
         """Return centre and half side of the largest rectangle of aspect ratio exp(2 skew), in units."""

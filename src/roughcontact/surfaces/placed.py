@@ -8,16 +8,16 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array, Pair, choice, instance_of, number, pair
+from roughcontact.checks import Array, Mask, Pair, choice, instance_of, number, pair
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 from roughcontact.surfaces.base import Surface
-from roughcontact.surfaces.heightmap import HeightMap, sunk
+from roughcontact.surfaces.heightmap import HeightMap
 from roughcontact.surfaces.resampling import between
 from roughcontact.units import si
 
 METHODS = ("bilinear", "cubic", "fourier")
-# Cells by which a domain may reach beyond a map: rounding.
+# Share of a map by which a domain may reach beyond it: rounding.
 _ROUNDING = 1e-6
 
 
@@ -26,7 +26,9 @@ def _offset(value: float | Sequence[float]) -> Pair:
 
 
 def _rotation(value: float) -> float:
-    return number(value, "The rotation of a height map", "rad")
+    # A larger angle was most likely meant in degrees.
+    unit = "rad, np.deg2rad turns degrees into it"
+    return number(value, "The rotation of a height map", unit, at_least=-math.tau, at_most=math.tau)
 
 
 @attrs.frozen(eq=False)
@@ -88,18 +90,21 @@ class PlacedMap(Surface):
         InputError
             If the map does not cover the grid.
         """
-        i, j = self._indices(grid)
-        if not self.source.periodic:
-            self._require_cover(grid, i, j)
-        heights = between(self.source.values, i, j, self.method, periodic=self.source.periodic)
-        if self.source.holes is None:
-            return heights
-        missing = self.source.holes.astype(np.float64)
-        return sunk(heights, between(missing, i, j, "bilinear", periodic=self.source.periodic) > 0.5, grid)
+        self._require_cover(grid)
+        i, j = self._indices(grid.x, grid.y)
+        return between(self.source.values, i, j, self.method, periodic=self.source.periodic)
 
-    def _indices(self, grid: Grid) -> tuple[Array, Array]:
-        """Return the positions of the cell centres in cells of the map, shapes that broadcast to the grid's."""
-        x, y = grid.x - self.offset[0], grid.y - self.offset[1]
+    def holes_on(self, grid: Grid) -> Mask | None:
+        """Return which cells are made of holes for more than a half, shape `grid.shape`."""
+        if self.source.holes is None:
+            return None
+        missing = self.source.holes.astype(np.float64)
+        i, j = self._indices(grid.x, grid.y)
+        return between(missing, i, j, "bilinear", periodic=self.source.periodic) > 0.5
+
+    def _indices(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Return positions, shapes that broadcast, in cells of the map."""
+        x, y = x - self.offset[0], y - self.offset[1]
         if self.rotation != 0.0:
             cos, sin = math.cos(self.rotation), math.sin(self.rotation)
             x, y = cos * x + sin * y, cos * y - sin * x
@@ -108,9 +113,14 @@ class PlacedMap(Surface):
         (nx, ny), (dx, dy) = self.source.grid.shape, self.source.grid.spacing
         return x / dx + 0.5 * (nx - 1), y / dy + 0.5 * (ny - 1)
 
-    def _require_cover(self, grid: Grid, i: Array, j: Array) -> None:
-        for index, count in zip((i, j), self.source.grid.shape, strict=True):
-            if index.min() < -0.5 - _ROUNDING or index.max() > count - 0.5 + _ROUNDING:
+    def _require_cover(self, grid: Grid) -> None:
+        if self.source.periodic:
+            return
+        # The border of the domain, not only the centres of its outer cells, must lie on the map.
+        x, y = (0.5 * side * np.array([-1.0, 1.0]) for side in grid.size)
+        corners = self._indices(x[:, np.newaxis], y[np.newaxis, :])
+        for index, count in zip(corners, self.source.grid.shape, strict=True):
+            if index.min() < -0.5 - _ROUNDING * count or index.max() > count - 0.5 + _ROUNDING * count:
                 raise InputError(
                     f"The height map of {self.source.grid}, as it is placed, does not cover the {grid}: choose a "
                     "smaller domain or another place; match() finds the overlap of two maps."

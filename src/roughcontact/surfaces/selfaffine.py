@@ -35,7 +35,9 @@ def _peklenik(value: float) -> float:
 
 
 def _lay(value: float) -> float:
-    return number(value, "The direction of the lay", "rad")
+    return number(
+        value, "The direction of the lay", "rad, np.deg2rad turns degrees into it", at_least=-math.tau, at_most=math.tau
+    )
 
 
 def _seed(value: int) -> int:

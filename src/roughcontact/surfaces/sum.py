@@ -5,9 +5,9 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array
+from roughcontact.checks import Array, Mask
 from roughcontact.grid import Grid
-from roughcontact.surfaces.base import Surface, history_of, own_grid
+from roughcontact.surfaces.base import Surface, history_of, holes_of, own_grid
 
 
 @attrs.frozen
@@ -31,6 +31,11 @@ class SurfaceSum(Surface):
     def history(self) -> tuple[str, ...]:
         """What was done to the parts."""
         return tuple(text for part in self.parts for text in history_of(part) or (_named(part),))
+
+    def holes_on(self, grid: Grid) -> Mask | None:
+        """Return which cells are holes of a part, shape `grid.shape`."""
+        masks = [mask for mask in (holes_of(part, grid) for part in self.parts) if mask is not None]
+        return np.logical_or.reduce(masks) if masks else None
 
     def heights(self, grid: Grid) -> Array:
         """Return the summed heights, shape `grid.shape`, m."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from enum import Enum
+import os
 from functools import cached_property
-from typing import Protocol, runtime_checkable
+from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -15,130 +15,15 @@ from roughcontact.clusters import Clusters, clusters_of
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.registry import areas
+from roughcontact.solution import storage
+from roughcontact.solution.figures import DEFAULT_AREA, Area, EstimatesArea, Level, Residuals, Status
+from roughcontact.solution.origin import Origin
 from roughcontact.units import si
 
-DEFAULT_AREA = "blend"
-
-
-class Status(Enum):
-    """How a solve ended, in a sentence."""
-
-    CONVERGED = "converged: the conditions of contact hold within the tolerance"
-    CONVERGED_TO_ROUNDING = "converged to rounding: the conditions of contact hold as well as float64 can tell"
-    RESCUED = (
-        "converged: the conditions of contact hold within the tolerance, by a second method, for the first stalled"
-    )
-    UNRESOLVED = "not converged: displacement or pressure dwarf the relief so much that float64 cannot resolve the gap"
-    MAXIMUM_ITERATIONS = "not converged: the maximum number of iterations was reached"
-    STALLED = "not converged: no step lowers the error any more"
-    NOT_FINITE = "not converged: a value that is not finite appeared"
-    UNCONFIRMED = "not converged: the residuals recomputed from the pressure do not confirm the solver"
-
-    @property
-    def success(self) -> bool:
-        """Whether the solution is certified."""
-        return self in (Status.CONVERGED, Status.CONVERGED_TO_ROUNDING, Status.RESCUED)
-
-    def __str__(self) -> str:
-        return self.value
-
-
-@attrs.frozen
-class Residuals:
-    """The violations of the conditions of contact, recomputed in float64 from the pressure alone.
-
-    Attributes
-    ----------
-    complementarity
-        Pressure-weighted mean of the gap where it ought to vanish, divided by `scale`.
-    penetration
-        Deepest overlap outside the saturated cells, divided by `scale`.
-    load
-        Relative error of the load.
-    scale
-        Height that counts as one, m: the smaller of the rms relief and the range of the displacement.
-    """
-
-    complementarity: float
-    penetration: float
-    load: float
-    scale: float
-
-    @property
-    def error(self) -> float:
-        """The greater of complementarity and penetration."""
-        return max(self.complementarity, self.penetration)
-
-    def __str__(self) -> str:
-        return f"complementarity {self.complementarity:.1e}, penetration {self.penetration:.1e}, load {self.load:.1e}"
-
-
-@attrs.frozen
-class Level:
-    """The work on one of the grids that a solver went through.
-
-    Attributes
-    ----------
-    shape
-        Cells of the grid.
-    iterations
-        Iterations on it.
-    double, single
-        Convolutions in float64 and in float32.
-    inverse
-        Applications of the approximate inverse, each the cost of a convolution.
-    """
-
-    shape: tuple[int, int]
-    iterations: int
-    double: int
-    single: int = 0
-    inverse: int = 0
-
-
-@attrs.frozen
-class Area:
-    """Real contact area with its error bar.
-
-    Attributes
-    ----------
-    value
-        Area, m2.
-    fraction
-        Area over nominal area.
-    uncertainty
-        Standard deviation, as the estimator knows it, m2: the true area should lie within two of them.
-    estimator
-        The estimator that made it.
-    perimeter
-        Length of the edge of the contact, m; nan where the estimator does not tell.
-    doubts
-        Why the value must not be trusted, in sentences; empty if nothing speaks against it.
-    clusters
-        Area of each of the solution's clusters, shape (count,), m2; None where the estimator does not tell.
-    """
-
-    value: float
-    fraction: float
-    uncertainty: float
-    estimator: str
-    perimeter: float = attrs.field(default=math.nan, kw_only=True)
-    doubts: tuple[str, ...] = attrs.field(default=(), kw_only=True)
-    clusters: Array | None = attrs.field(default=None, kw_only=True, eq=False, repr=False)
-
-    def __str__(self) -> str:
-        relative = self.uncertainty / self.value if self.value > 0.0 else 0.0
-        bar = f"{100 * relative:.2g} %" if self.value > 0.0 else f"{self.uncertainty:.2g} m2"
-        doubtful = "".join(f"; doubtful: {doubt}" for doubt in self.doubts)
-        return f"{self.value:.5g} m2 ({100 * self.fraction:.4g} % of nominal) +- {bar} [{self.estimator}]{doubtful}"
-
-
-@runtime_checkable
-class EstimatesArea(Protocol):
-    """Anything that estimates the real contact area from a solution."""
-
-    def estimate(self, solution: ContactSolution) -> Area:
-        """Return the area."""
+# Pressures and gaps that are this close to their bounds, relative to limit and scale, are at them.
+_CLOSE = 1e-4
+# Cells above this share of the limit may hide points at it.
+_NEAR = 0.95
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -172,6 +57,8 @@ class ContactSolution:
         The work on each grid, from coarse to fine, where the solver tells.
     edge_shift
         How far inside the true edge the kernel's discrete solutions put it, in cells.
+    origin
+        What was solved; None where it is not known.
     """
 
     grid: Grid
@@ -190,6 +77,7 @@ class ContactSolution:
     history: tuple[float, ...]
     levels: tuple[Level, ...] = ()
     edge_shift: float = 0.0
+    origin: Origin | None = None
 
     @cached_property
     def clusters(self) -> Clusters:
@@ -260,8 +148,12 @@ class ContactSolution:
         InputError
             If there is no such estimator.
         """
+        name = str(estimator) if isinstance(estimator, str) else type(estimator).__name__
+        areas.resolve(estimator, EstimatesArea)
         if not self.saturated.any():
-            return Area(0.0, 0.0, 0.0, str(estimator), perimeter=0.0)
+            # A cell whose mean pressure comes near the limit may hide a point that has reached it.
+            near = int(np.count_nonzero(self.pressure > _NEAR * self.limit)) * self.grid.cell_area
+            return Area(0.0, 0.0, near, name, perimeter=0.0)
         complement = attrs.evolve(
             self,
             pressure=self.limit - self.pressure,
@@ -275,7 +167,60 @@ class ContactSolution:
         # A larger one would carry more than the load.
         bearable = float(np.sum(self.pressure / self.limit)) * self.grid.cell_area
         value = min(self.grid.area - rest.value, bearable)
-        return attrs.evolve(rest, value=value, fraction=value / self.grid.area, clusters=None)
+        undecided = self._undecided()
+        doubts = rest.doubts
+        if undecided > 0.05 * value:
+            doubts = (
+                *doubts,
+                "cells at the limit barely overlap, as flattened ones do: how many flow is not determined",
+            )
+        bar = float(np.hypot(rest.uncertainty, undecided))
+        fraction = value / self.grid.area
+        return attrs.evolve(rest, value=value, fraction=fraction, uncertainty=bar, doubts=doubts, clusters=None)
+
+    def _undecided(self) -> float:
+        """Return the area of the cells at the limit whose gap is zero, up to the residual, m2: either may be meant."""
+        at_limit = self.pressure > (1.0 - _CLOSE) * self.limit
+        flat = np.abs(self.gap) <= _CLOSE * self.residuals.scale
+        return int(np.count_nonzero(at_limit & flat)) * self.grid.cell_area
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the solution to a file, which appears whole or not at all.
+
+        Parameters
+        ----------
+        path
+            Ending in ``.npz``, or in ``.nc`` for netCDF with units (extra ``store``); an existing file is
+            replaced. Fields, shape (nx, ny), stand under their own names, pressure, displacement,
+            undeformed and gap, beside force, approach, area and their like; the header holds the
+            versions of all that took part, and the problem itself.
+
+        Raises
+        ------
+        InputError
+            If there is no such folder, or the problem has parts that no file can hold.
+        MissingPackage
+            If netCDF is asked for without its packages.
+        """
+        storage.write(Path(path), self)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> ContactSolution:
+        """Return the solution in a file that `save` has written.
+
+        Its problem can be solved again with ``ContactProblem(**solution.origin.problem)``. The classes of
+        plug-ins that took part are imported by name: load files only from whom you would run code from.
+
+        Raises
+        ------
+        InputError
+            If there is no such file, it is damaged or of another kind, or a plug-in is not installed.
+        """
+        return cls(**storage.read(Path(path)))
+
+    def to_xarray(self) -> Any:
+        """Return the solution as an `xarray.Dataset` over x and y, m, with units (extra ``store``)."""
+        return storage.to_xarray(self)
 
     def __str__(self) -> str:
         saturated = f"\n  saturated      {self.saturated_area()}" if np.isfinite(self.limit).any() else ""

@@ -1,0 +1,130 @@
+"""The site: `sphinx-build -n -W -b html docs docs/_build/html`.
+
+Nothing is fetched: no other project's inventory, and formulas become MathML while the site is
+built, so that it reads the same without a network.
+"""
+
+from __future__ import annotations
+
+import doctest
+import re
+import sys
+from typing import Any
+
+import attrs
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+from sphinx.util import inspect as sphinx_inspect
+
+import roughcontact
+
+project = "roughcontact"
+author = "The roughcontact developers"
+version = release = roughcontact.__version__
+language = "en"
+
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.doctest",
+]
+exclude_patterns = ["_build"]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+
+html_theme = "furo"
+html_title = f"roughcontact {release}"
+html_copy_source = False
+html_static_path = ["_static"]
+html_css_files = ["math.css"]
+
+myst_enable_extensions = ["dollarmath", "linkify"]
+myst_linkify_fuzzy_links = False
+myst_heading_anchors = 3
+
+autosummary_generate = False
+autodoc_default_options = {"members": True}
+autodoc_member_order = "bysource"
+autodoc_typehints_format = "short"
+autodoc_type_aliases = {name: name for name in ("Array", "IntArray", "Mask", "Pair", "RealArray")}
+python_maximum_signature_line_length = 88
+python_use_unqualified_type_names = True
+doctest_default_flags = doctest.ELLIPSIS
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
+
+# `name` in a docstring is a link where there is something of that name, and code where there is not.
+default_role = "py:obj"
+# What other packages, the standard library and our private modules call their types.
+nitpick_ignore_regex = [
+    (r"py:class", r"(abc|attrs?|collections|concurrent|enum|numpy|os|pathlib|typing)\..*"),
+    (r"py:class", r"(Array|ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray)"),
+    (r"py:class", r"roughcontact\.(registry\.T|studies\.chain\.Chain)"),
+]
+
+
+def mathml(tex: str, *, block: bool) -> str:
+    r"""Translate a formula; docutils would take \frac12 for the fraction of 12 and what follows."""
+    spelled = re.sub(r"\\([dt]?frac)(\d)(\d)", r"\\\1{\2}{\3}", tex)
+    return str(tex2mathml(spelled, as_block=block))
+
+
+def visit_math(translator: Any, node: nodes.math) -> None:
+    """Write a formula in a line."""
+    translator.body.append(mathml(node.astext(), block=False))
+    raise nodes.SkipNode
+
+
+def visit_math_block(translator: Any, node: nodes.math_block) -> None:
+    """Write a formula on lines of its own."""
+    translator.body.append(f'<div class="math">{mathml(node.astext(), block=True)}</div>')
+    raise nodes.SkipNode
+
+
+def plain_name(app: Sphinx, env: BuildEnvironment, node: Any, content: nodes.Node) -> nodes.Node | None:
+    """Leave what the default role cannot find as code: an argument, an attribute, a word."""
+    return content if node.get("refdomain") == "py" and node.get("reftype") == "obj" else None
+
+
+def name_aliases() -> None:
+    """Let `Array | None` be written so: Sphinx shows an alias within a union by its repr."""
+    alias = getattr(sphinx_inspect, "TypeAliasForwardRef", None)
+    if alias is not None:
+        alias.__repr__ = lambda self: self.name
+
+
+def show_cached_properties() -> None:
+    """Put the cached properties of attrs classes where autodoc sees them: slots hide their docstrings."""
+    for module in [name for name in sys.modules if name.startswith("roughcontact.")]:
+        for cls in list(vars(sys.modules[module]).values()):
+            if isinstance(cls, type) and cls.__module__ == module and attrs.has(cls):
+                hidden = getattr(vars(cls).get("__getattr__"), "__globals__", {}).get("cached_properties", {})
+                for name, function in hidden.items():
+                    setattr(cls, name, property(function))
+                if hidden:
+                    cls.__slots__ = tuple(name for name in cls.__slots__ if name not in hidden)
+
+
+def on_the_site(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Turn links to the files beside this folder, which GitHub shows, to the pages that include them."""
+    for link, page in (
+        ("](../README.md#", "](standing.md#"),
+        ("](../README.md)", "](index.md)"),
+        ("](../CHANGELOG.md)", "](changes.md)"),
+    ):
+        source[0] = source[0].replace(link, page)
+
+
+def setup(app: Sphinx) -> None:
+    """Enter the above."""
+    name_aliases()
+    show_cached_properties()
+    app.add_html_math_renderer("mathml", (visit_math, None), (visit_math_block, None))
+    app.connect("missing-reference", plain_name)
+    app.connect("source-read", on_the_site)
+
+
+html_math_renderer = "mathml"

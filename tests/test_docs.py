@@ -1,0 +1,132 @@
+"""The pages: the site builds without a warning, the examples in docstrings run, and nothing public is left out."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import importlib.util
+import pkgutil
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import roughcontact
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+MODULES = sorted(
+    module.name
+    for module in pkgutil.walk_packages(roughcontact.__path__, "roughcontact.")
+    if not module.name.endswith("__main__")
+)
+WITH_EXAMPLES = {
+    "roughcontact.extrapolation",
+    "roughcontact.grid",
+    "roughcontact.kernels.love",
+    "roughcontact.reference",
+    "roughcontact.registry",
+}
+SITE = ("docutils", "furo", "linkify_it", "myst_parser", "numpydoc", "sphinx")
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_in_docstrings(name):
+    result = doctest.testmod(importlib.import_module(name), optionflags=doctest.ELLIPSIS)
+    assert result.failed == 0
+    assert result.attempted > 0 or name not in WITH_EXAMPLES
+
+
+def test_examples_in_the_reference():
+    results = [
+        doctest.testfile(str(page), module_relative=False, encoding="utf-8") for page in (DOCS / "api").glob("*.rst")
+    ]
+    assert sum(result.failed for result in results) == 0
+    assert sum(result.attempted for result in results) > 5
+
+
+def test_every_public_name_has_its_entry():
+    pages = "\n".join(page.read_text(encoding="utf-8") for page in (DOCS / "api").glob("*.rst"))
+    entered = re.findall(r"^\.\. (?:auto\w+|data):: (\w+)$", pages, re.M)
+    assert set(roughcontact.__all__) <= set(entered)
+
+
+def figures(pages):
+    return {name for page in pages for name in re.findall(r"\]\((?:docs/)?figures/([^)]+)\)", page.read_text("utf-8"))}
+
+
+def test_every_figure_is_in_the_gallery():
+    # Studies have pages of their own, and need not be shown twice.
+    studies = set(DOCS.glob("st*.md"))
+    gallery = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    shown = figures([DOCS / "gallery.md"])
+    assert figures([ROOT / "README.md", *(set(DOCS.glob("*.md")) - studies)]) == shown
+    assert shown | figures(studies) == {path.name for path in (DOCS / "figures").glob("*.png")}
+    for script in re.findall(r"python (docs/studies/\w+\.py)", gallery):
+        assert (ROOT / script).exists()
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    for package in SITE:
+        if importlib.util.find_spec(package) is None:
+            pytest.skip(f"{package} is not installed: pip install '.[docs]'")
+    folder = tmp_path_factory.mktemp("site")
+    build("html", folder)
+    return folder
+
+
+def build(builder, folder):
+    command = (sys.executable, "-m", "sphinx", "-n", "-W", "-q", "-b", builder, "-d", folder / "doctrees")
+    done = subprocess.run((*command, DOCS, folder / builder), capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_site_builds_without_a_warning(site):
+    pages = {path.stem for path in (site / "html").glob("*.html")}
+    assert {path.stem for path in DOCS.glob("*.md")} <= pages
+
+
+def test_links_and_images_of_the_site_exist(site):
+    html = site / "html"
+    ids = {}
+    for page in html.rglob("*.html"):
+        ids[page.resolve()] = set(re.findall(r'\sid="([^"]+)"', page.read_text(encoding="utf-8")))
+    for page in html.rglob("*.html"):
+        for target in re.findall(r'(?:href|src)="([^"]*)"', page.read_text(encoding="utf-8")):
+            if re.match(r"[a-z]+:", target):
+                continue
+            path, _, anchor = target.partition("#")
+            file = (page.parent / path.partition("?")[0]).resolve() if path else page.resolve()
+            assert file.exists(), f"{page.name}: {target}"
+            if anchor and file in ids and file.stem not in ("genindex", "search"):
+                assert anchor in ids[file], f"{page.name}: {target}"
+
+
+def test_site_needs_no_network(site):
+    for page in (site / "html").rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        assert not re.findall(r'<(?:script|img)[^>]*\ssrc="(?:https?:)?//', text), page.name
+        assert not re.findall(r'<link[^>]*rel="(?:stylesheet|preload)"[^>]*href="(?:https?:)?//', text), page.name
+
+
+def test_site_shows_what_slots_hide(site):
+    page = (site / "html" / "api" / "problem.html").read_text(encoding="utf-8")
+    for name in ("ContactSolution.gap", "ContactSolution.contact", "ContactSolution.clusters", "ContactProblem.plan"):
+        assert f'id="roughcontact.{name}"' in page
+
+
+def test_formulas_are_written_out(site):
+    page = (site / "html" / "theory.html").read_text(encoding="utf-8")
+    sources = (DOCS / "theory.md").read_text(encoding="utf-8").count("$$") // 2
+    assert page.count('<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">') == sources
+    estimator = (site / "html" / "api" / "areas.html").read_text(encoding="utf-8")
+    assert "<mn>12</mn>" not in estimator  # \frac12 is a half
+
+
+def test_examples_of_the_site_run(site):
+    build("doctest", site)
+    summary = (site / "doctest" / "output.txt").read_text(encoding="utf-8")
+    assert int(re.search(r"(\d+) tests?\b", summary[summary.index("Doctest summary") :])[1]) >= 15

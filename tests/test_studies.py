@@ -1,0 +1,402 @@
+"""Studies: nothing is lost, nothing is solved twice, and every mishap has its sentence."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+
+import attrs
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.__main__ import main
+from roughcontact.studies.chain import run_chain
+from roughcontact.studies.toml import read_study
+
+STEEL = rc.ElasticPerfectlyPlastic(210e9, 0.3, 6e9)
+GRID = rc.Grid((48, 48), 1e-4)
+ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortest=8e-6, seed=5)
+
+
+def problem(surface=ROUGH, **parts):
+    return rc.ContactProblem(rc.Body(surface, STEEL), grid=GRID, **parts)
+
+
+def study(**changes):
+    parts = {
+        "problems": {"periodic": problem(boundary="periodic"), "free": problem(rc.ParaboloidSurface(5e-3) + ROUGH)},
+        "force": [0.1, 0.5, 1.0],
+        "seeds": [0, 1],
+        "areas": ["blend", "cell-count"],
+    }
+    return rc.Study(**{**parts, **changes})
+
+
+def test_every_problem_meets_every_seed_and_load(tmp_path):
+    result = study().run(tmp_path)
+    assert [(r.problem, r.seed, r.load) for r in result.records] == [
+        (name, seed, load) for name in ("periodic", "free") for seed in (0, 1) for load in (0.1, 0.5, 1.0)
+    ]
+    assert result.computed == 12
+    assert not result.failed
+    assert len({record.key for record in result.records}) == 12
+
+
+def test_a_record_is_its_solution(tmp_path):
+    result = study().run(tmp_path)
+    for record in result.records:
+        solution = result.solution(record)
+        assert solution.force == record.force == pytest.approx(record.load)
+        assert solution.area("cell-count").value == record.areas["cell-count"][0]
+        assert solution.area().value == record.areas["blend"][0]
+        again = rc.ContactProblem(**solution.origin.problem).solve(**solution.origin.load)
+        np.testing.assert_allclose(again.pressure, solution.pressure, atol=1e-5 * record.p_max)
+
+
+def test_seeds_are_added_to_the_surfaces_own(tmp_path):
+    result = study(problems=problem(), seeds=[3]).run(tmp_path)
+    surface = result.solution(result.records[0]).origin.problem["body"].surface
+    assert surface == attrs.evolve(ROUGH, seed=8)
+
+
+def test_what_is_there_is_not_solved_again(tmp_path, monkeypatch):
+    first = study().run(tmp_path)
+    monkeypatch.setattr(rc.ContactProblem, "solve", lambda *_, **__: pytest.fail("solved"))
+    again = study().run(tmp_path)
+    assert again.computed == 0
+    assert again.records == first.records
+    # Another estimator needs no solve either.
+    more = study(areas=["perimeter"]).run(tmp_path)
+    assert all("perimeter" in record.areas for record in more.records)
+
+
+def test_only_what_is_missing_or_changed_is_solved(tmp_path):
+    study().run(tmp_path)
+    assert study(force=[0.1, 0.5, 1.0, 2.0]).run(tmp_path).computed == 4
+    assert study(seeds=[0, 1, 2]).run(tmp_path).computed == 6
+    changed = {"periodic": problem(boundary="periodic"), "free": problem(rc.ParaboloidSurface(6e-3) + ROUGH)}
+    assert study(problems=changed).run(tmp_path).computed == 6
+
+
+def test_loads_start_from_those_before(tmp_path):
+    loads = list(np.geomspace(0.1, 10.0, 12))
+    warm = study(problems=problem(boundary="periodic"), seeds=[], force=loads).run(tmp_path / "warm")
+    cold = [problem(boundary="periodic").solve(force=load).convolutions for load in loads]
+    assert sum(record.convolutions for record in warm.records) < 0.85 * sum(cold)
+
+
+@pytest.mark.parametrize("pool", ["threads", "processes"])
+def test_any_executor_gives_the_same(tmp_path, pool):
+    alone = study().run(tmp_path / "alone")
+    if pool == "threads":
+        executor = ThreadPoolExecutor(2)
+    else:
+        executor = ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn"))
+    seen = []
+    with executor:
+        pooled = study().run(tmp_path / "pooled", executor=executor, on_records=seen.extend)
+    strip = [attrs.evolve(record, seconds=0.0) for record in pooled.records]
+    assert strip == [attrs.evolve(record, seconds=0.0) for record in alone.records]
+    assert sorted(record.key for record in seen) == sorted(record.key for record in pooled.records)
+
+
+class Flaky(ThreadPoolExecutor):
+    """Loses the first task of each chain."""
+
+    def __init__(self):
+        super().__init__(1)
+        self.lost = set()
+
+    def submit(self, work, chain):
+        name = (chain.name, chain.seed)
+        if name in self.lost:
+            return super().submit(work, chain)
+        self.lost.add(name)
+        # The worker dies after it has solved the first load.
+        run_chain(attrs.evolve(chain, loads=chain.loads[:1]))
+        future = Future()
+        future.set_exception(RuntimeError("the worker died"))
+        return future
+
+
+def test_a_task_whose_worker_died_is_run_again_from_where_it_was(tmp_path):
+    with Flaky() as executor:
+        result = study().run(tmp_path, executor=executor)
+    assert not result.failed
+    assert len(result.records) == 12
+    # The first load of each chain was on disk already.
+    assert result.computed == 8
+
+
+class Dead(ThreadPoolExecutor):
+    def submit(self, work, chain):
+        if (chain.name, chain.seed) == ("free", 0):
+            raise BrokenExecutor("no worker is left")
+        return super().submit(work, chain)
+
+
+def test_a_broken_executor_is_said_and_the_study_goes_on_later(tmp_path):
+    with Dead(1) as executor, pytest.raises(rc.StudyStopped, match=r"The executor broke.*it goes on where it stopped"):
+        study().run(tmp_path, executor=executor)
+    result = study().run(tmp_path)
+    assert len(result.records) == 12
+    assert result.computed <= 12 - 6
+
+
+def test_a_killed_process_of_a_pool(tmp_path):
+    """A pool that loses a process breaks; what was finished is safe."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
+
+        def kill(_):
+            for pid in list(executor._processes):
+                os.kill(pid, signal.SIGKILL)
+
+        with pytest.raises(rc.StudyStopped, match="The executor broke"):
+            study().run(tmp_path, executor=executor, on_records=kill)
+    assert study().run(tmp_path).computed <= 9
+
+
+@pytest.mark.slow
+def test_a_dask_cluster_loses_a_worker_in_the_middle(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    loads = list(np.geomspace(0.05, 5.0, 8))
+    wanted = study(seeds=list(range(5)), force=loads)
+    with (
+        distributed.LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        killed = []
+
+        def kill(_):
+            if not killed:
+                killed.append(next(iter(client.run(os.getpid).values())))
+                os.kill(killed[0], signal.SIGKILL)
+
+        result = wanted.run(tmp_path / "dask", executor=client.get_executor(), on_records=kill)
+    assert killed
+    assert len(result.records) == 2 * 5 * 8
+    assert not result.failed
+    alone = wanted.run(tmp_path / "alone")
+    for one, other in zip(result.records, alone.records, strict=True):
+        assert one.key == other.key
+        assert one.areas["blend"][0] == pytest.approx(other.areas["blend"][0], rel=1e-5)
+
+
+class TestMishaps:
+    """Damage on disk."""
+
+    def test_half_a_file_is_solved_again(self, tmp_path):
+        first = study().run(tmp_path)
+        path = tmp_path / f"{first.records[4].key}.npz"
+        path.write_bytes(path.read_bytes()[:1000])
+        again = study().run(tmp_path)
+        assert again.computed == 1
+        assert again.solution(again.records[4]).force == pytest.approx(0.5)
+
+    @pytest.mark.parametrize("content", [b"", b"[{", b"\xff\xfe", b'{"a": 1}', b'[{"key": "x"}]', b"[1, 2]"])
+    def test_a_corrupt_index_is_made_again(self, tmp_path, content):
+        first = study().run(tmp_path)
+        (index,) = tmp_path.glob("study-*.json")
+        index.write_bytes(content)
+        again = study().run(tmp_path)
+        assert again.computed == 0
+        assert again.records == first.records
+        assert len(json.loads(index.read_text())) == 12
+
+    def test_a_file_that_was_taken_away_is_solved_again(self, tmp_path):
+        first = study().run(tmp_path)
+        (tmp_path / f"{first.records[0].key}.npz").unlink()
+        assert study().run(tmp_path).computed == 1
+
+    def test_a_full_disk_stops_the_study_with_a_sentence(self, tmp_path):
+        """Files of this process may not grow beyond a limit, which fails as a full disk does."""
+        script = tmp_path / "limited.py"
+        script.write_text(
+            "import resource, sys\n"
+            f"sys.path.insert(0, {os.path.dirname(__file__)!r})\n"
+            "from test_studies import study\n"
+            "import roughcontact as rc\n"
+            "limit = int(sys.argv[2])\n"
+            "resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))\n"
+            "try:\n"
+            "    print(study().run(sys.argv[1]))\n"
+            "except rc.StudyStopped as error:\n"
+            "    print('stopped:', error)\n"
+        )
+        folder = tmp_path / "out"
+        command = [sys.executable, str(script), str(folder)]
+        whole = study(problems=problem(boundary="periodic"), seeds=[0]).run(tmp_path / "whole")
+        sizes = sorted((tmp_path / "whole" / f"{record.key}.npz").stat().st_size for record in whole.records)
+        done = subprocess.run([*command, str(sizes[0] - 100)], capture_output=True, text=True, check=True)
+        assert "cannot be written to (File too large): 0 of 12 solves are reported" in done.stdout
+        assert not list(folder.glob("*partial*"))
+        done = subprocess.run([*command, str(10**9)], capture_output=True, text=True, check=True)
+        assert "12 solves, 12 of them now" in done.stdout
+
+    def test_two_studies_in_one_folder_at_once(self, tmp_path):
+        command = (
+            f"import sys; sys.path.insert(0, {os.path.dirname(__file__)!r}); "
+            "from test_studies import study; r = study(force=eval(sys.argv[2])).run(sys.argv[1]); print(len(r.records))"
+        )
+        running = [
+            subprocess.Popen([sys.executable, "-c", command, str(tmp_path), loads], stdout=subprocess.PIPE, text=True)
+            for loads in ("[0.1, 0.5]", "[0.1, 0.5]", "[0.5, 1.0]")
+        ]
+        assert [process.communicate()[0].strip() for process in running] == ["8", "8", "8"]
+        assert study().run(tmp_path).computed == 0 or study(force=[0.1, 0.5]).run(tmp_path).computed == 0
+        assert not list(tmp_path.glob("*partial*"))
+
+    def test_a_study_that_was_killed_goes_on(self, tmp_path):
+        command = (
+            f"import sys; sys.path.insert(0, {os.path.dirname(__file__)!r}); from test_studies import study; "
+            "study(seeds=range(12)).run(sys.argv[1])"
+        )
+        process = subprocess.Popen([sys.executable, "-c", command, str(tmp_path)])
+        deadline = time.monotonic() + 60
+        while len(list(tmp_path.glob("*.npz"))) < 5 and time.monotonic() < deadline:
+            time.sleep(0.02)
+        process.kill()
+        process.wait()
+        finished = len(list(tmp_path.glob("*.npz")))
+        assert 5 <= finished < 72
+        whole = [path.stem for path in tmp_path.glob("*.npz") if rc.ContactSolution.load(path)]
+        assert len(whole) == finished
+        result = study(seeds=range(12)).run(tmp_path)
+        assert result.computed == 72 - finished
+
+
+class TestRecords:
+    """What is told of each solve."""
+
+    def test_a_solve_that_does_not_converge_is_a_record_and_is_tried_again(self, tmp_path):
+        hopeless = problem(boundary="periodic", solver=rc.ProjectedConjugateGradient(tolerance=1e-12, max_iterations=1))
+        result = study(problems={"hopeless": hopeless, "good": problem()}).run(tmp_path)
+        assert {record.problem for record in result.failed} == {"hopeless"}
+        assert "not converged" in result.failed[0].message
+        again = study(problems={"hopeless": hopeless, "good": problem()}).run(tmp_path)
+        assert again.computed == len(result.failed)
+
+    def test_a_problem_that_the_solver_refuses_is_a_record(self, tmp_path):
+        refused = problem(boundary="periodic", solver="polonsky-keer")
+        result = study(problems=refused, seeds=[]).run(tmp_path)
+        assert {record.status for record in result.records} == {"REFUSED"}
+        assert "pressure limit" in result.records[0].message
+
+    def test_the_table_has_a_row_for_each(self, tmp_path):
+        result = study(seeds=[]).run(tmp_path)
+        result.to_csv(tmp_path / "out.csv")
+        lines = (tmp_path / "out.csv").read_text().splitlines()
+        assert len(lines) == 7
+        assert "area cell-count" in lines[0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"problems": {}}, "problems of a study"),
+        ({"problems": {"a": 1}}, "problem 'a'"),
+        ({"force": None}, "exactly one list"),
+        ({"force": []}, "exactly one list"),
+        ({"pressure": [1e6]}, "exactly one list"),
+        ({"force": [1.0, -1.0]}, "load of the study"),
+        ({"force": "abc"}, "load of the study"),
+        ({"force": [1.0, 1e9]}, "more than the bodies bear"),
+        ({"areas": ["blond"]}, "Did you mean 'blend'"),
+        ({"areas": [3]}, "registered name"),
+        ({"seeds": [0.5]}, "seed of the study"),
+        ({"problems": problem(rc.ParaboloidSurface(1e-3))}, "no surface of the problem"),
+    ],
+)
+def test_bad_studies_get_a_sentence(changes, words):
+    with pytest.raises(rc.InputError, match=words):
+        study(**changes)
+
+
+STUDY = """
+[problems.rough]
+boundary = "periodic"
+grid = {shape = [48, 48], size = 1e-4}
+[problems.rough.body]
+surface = {type = "self-affine", hurst = 0.8, rms_height = 1e-7, longest = 1e-4, shortest = 8e-6, seed = 5}
+material = {type = "elastic-perfectly-plastic", young = 210e9, poisson = 0.3, hardness = 6e9}
+[problems.ball]
+grid = {shape = [48, 48], size = 1e-4}
+solver = {type = "projected-cg", tolerance = 1e-9}
+[problems.ball.body]
+surface = {type = "sum", parts = [{type = "sphere", radius = 5e-3}, {type = "file", path = "map.npz", detrend = 1}]}
+material = {type = "elastic", young = 210e9, poisson = 0.3}
+[study]
+force = [0.1, 1.0]
+areas = ["blend", "cell-count"]
+"""
+
+
+@pytest.fixture
+def study_file(tmp_path):
+    np.savez(tmp_path / "map.npz", heights=1e-8 * np.random.default_rng(0).random((48, 48)), size=1e-4)
+    (tmp_path / "study.toml").write_text(STUDY)
+    return tmp_path / "study.toml"
+
+
+class TestFiles:
+    """Studies in TOML."""
+
+    def test_a_file_is_the_objects_it_says(self, study_file):
+        read = read_study(study_file)
+        assert read.loads == (0.1, 1.0)
+        assert read.problems["rough"].body.surface == ROUGH
+        assert read.problems["rough"].boundary == "periodic"
+        assert read.problems["ball"].solver == rc.ProjectedConjugateGradient(tolerance=1e-9)
+        assert "less" not in read.explain()
+        assert "the best plane taken away" in read.explain()
+
+    def test_the_command_runs_and_goes_on(self, study_file, capsys):
+        assert main(["run", str(study_file), "--dry-run"]) == 0
+        assert "4 solves (2 problems, 1 seeds, 2 loads of force)" in capsys.readouterr().out
+        assert main(["run", str(study_file)]) == 0
+        folder = study_file.with_suffix("")
+        assert capsys.readouterr().out == f"4 solves, 4 of them now, in {folder}\n"
+        assert main(["run", str(study_file), "--workers", "2"]) == 0
+        assert "0 of them now" in capsys.readouterr().out
+        assert (folder / "records.csv").read_text().count("CONVERGED") == 4
+
+    @pytest.mark.parametrize(
+        ("old", "new", "words"),
+        [
+            ("hurst = 0.8", "hurts = 0.8", "required field missing @ problems.rough.body.surface.hurst"),
+            ("hurst = 0.8", "hurst = 0.8, hurts = 1", "unknown field 'hurts' (did you mean 'hurst'?) @ problems.rough"),
+            (
+                '"periodic"',
+                '"perodic"',
+                "must be one of 'free', 'periodic', 'wrapped', but got 'perodic'. @ problems.rough",
+            ),
+            ('"sphere"', '"shere"', "Did you mean 'sphere'? Known: flat"),
+            (
+                "young = 210e9",
+                "young = -1",
+                "Young's modulus must be a finite number, above 0 (Pa), but got -1.0. @ problems.rough.body.material",
+            ),
+            ("[study]", "[studi]", "unknown table (did you mean 'study'?) @ studi"),
+            ("force =", "forces =", "unknown field 'forces' (did you mean 'force'?) @ study"),
+            ("parts =", "part =", "one field, parts"),
+            ("[problems.ball]", "[problems.ball", "is no TOML"),
+            ("0.1, 1.0", "1e9", "more than the bodies bear"),
+            ('path = "map.npz"', 'path = "none.npz"', "There is no file"),
+            ("detrend = 1", "detrand = 1", "unknown field 'detrand' (did you mean 'detrend'?)"),
+            ('type = "projected-cg"', 'typ = "projected-cg"', "with the name as type"),
+            ("shape = [48, 48], ", "", "required field missing @ problems.rough.grid.shape"),
+        ],
+    )
+    def test_what_is_wrong_is_named_with_its_path(self, study_file, capsys, old, new, words):
+        study_file.write_text(STUDY.replace(old, new, 1))
+        assert main(["run", str(study_file), "--dry-run"]) == 2
+        error = capsys.readouterr().err
+        assert words in error
+        assert error.startswith(("roughcontact: In study.toml:", "roughcontact: The file study.toml"))
