@@ -10,7 +10,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in ("plugins", "area", "pairs", "stability"))]
+PAGES = [
+    ROOT / "README.md",
+    *(ROOT / "docs" / f"{name}.md" for name in ("plugins", "area", "pairs", "stability", "studies")),
+]
 BLOCKS = [
     pytest.param(block, id=f"{page.stem}-{number}")
     for page in PAGES
@@ -19,8 +22,9 @@ BLOCKS = [
 
 
 @pytest.mark.parametrize("block", BLOCKS)
-def test_scripts_of_the_pages_run(block):
-    done = subprocess.run([sys.executable, "-W", "error", "-c", block], capture_output=True, text=True, check=False)
+def test_scripts_of_the_pages_run(block, tmp_path):
+    command = [sys.executable, "-W", "error", "-c", block]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
 
 
@@ -65,6 +69,15 @@ def test_capped_ball(monkeypatch, tmp_path, capsys):
     study("capped_ball", monkeypatch).main(64, 300, tmp_path)
     assert "| 12 |" in capsys.readouterr().out
     assert (tmp_path / "capped_ball.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_the_plan_states_the_memory_of_a_solve(monkeypatch):
+    """Peak resident memory of a process of its own, to a tenth."""
+    memory = study("memory", monkeypatch)
+    for case in (("periodic", 0.0, 0.05), ("periodic", 0.0, 0.5), ("free", 0.0, 0.05), ("free", 0.0, 0.5)):
+        _, measured, stated = memory.in_process(2048, *case)
+        assert stated == pytest.approx(measured, rel=0.1), case
 
 
 def test_comparison_judges_ours_by_its_own_function(monkeypatch):

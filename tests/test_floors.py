@@ -23,8 +23,7 @@ FLOORS = [
     {"certificate"},
     {"problem"},
     {"refinement", "running_in", "studies"},
-    {"stability"},
-    {"paper"},
+    {"paper", "report", "stability"},
     {"cli"},
     {"__main__"},
 ]

@@ -17,6 +17,7 @@ from roughcontact.plan import Plan
 from roughcontact.problem import ContactProblem
 from roughcontact.refinement import Ladder, Refined, extrapolate, refine
 from roughcontact.registry import areas, convolvers, kernels, materials, readers, sets, solvers, surfaces
+from roughcontact.report import ErrorReport, ReportRow, Timing, Truth, error_vs_time
 from roughcontact.running_in import Cycle, RunIn, run_in
 from roughcontact.solution import Area, ContactSolution, Level, Origin, Residuals, Status
 from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
@@ -58,6 +59,7 @@ __all__ = [
     "Direct",
     "Elastic",
     "ElasticPerfectlyPlastic",
+    "ErrorReport",
     "FlatSurface",
     "FourierHalfSpace",
     "Gallery",
@@ -90,6 +92,7 @@ __all__ = [
     "RawMap",
     "Record",
     "Refined",
+    "ReportRow",
     "Residuals",
     "Rigid",
     "RoughContactError",
@@ -109,11 +112,14 @@ __all__ = [
     "SurfaceReader",
     "Sweep",
     "Task",
+    "Timing",
+    "Truth",
     "UniformRise",
     "Verdict",
     "WavySurface",
     "areas",
     "convolvers",
+    "error_vs_time",
     "extrapolate",
     "kernels",
     "match",

@@ -40,7 +40,7 @@ def _fail(sentence: str, status: int) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     try:
-        from roughcontact.cli import options, pairs, paper, run, solve, stability
+        from roughcontact.cli import options, pairs, paper, report, run, solve, stability
     except ImportError as error:
         raise MissingPackage(f"The command line needs {error.name}: pip install '{_EXTRA}'.") from error
     parser = argparse.ArgumentParser(prog="roughcontact", description="Contact of rough surfaces.")
@@ -52,15 +52,20 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("--pairs", action="store_true", help="Table 5 and Figures 8 to 13 instead, on a stand-in pair")
     one.set_defaults(command=lambda chosen: (pairs if chosen.pairs else paper).run(chosen))
     other = commands.add_parser("solve", help="solve the contact of measured height maps")
-    for declare in (options.add_surfaces, options.add_load, options.add_materials, options.add_parts):
-        declare(other)
+    third = commands.add_parser("report", help="error against run time of the contact of measured height maps")
+    fourth = commands.add_parser("stability", help="what the answer of a solve hangs on: digits, cells, tolerances")
+    for command in (other, third, fourth):
+        for declare in (options.add_surfaces, options.add_load, options.add_materials, options.add_parts):
+            declare(command)
+    options.add_area(other)
+    options.add_area(fourth)
+    fourth.add_argument("--gallery", action=stability.ShowGallery, help="run the built-in extreme scenes instead")
+    fourth.set_defaults(command=stability.run)
+    options.add_comparison(third)
+    options.add_output(third, "contact-report")
+    third.set_defaults(command=report.run)
     options.add_output(other, "contact-results")
     other.set_defaults(command=solve.run)
-    third = commands.add_parser("stability", help="what the answer of a solve hangs on: digits, cells, tolerances")
-    for declare in (options.add_surfaces, options.add_load, options.add_materials, options.add_parts):
-        declare(third)
-    third.add_argument("--gallery", action=stability.ShowGallery, help="run the built-in extreme scenes instead")
-    third.set_defaults(command=stability.run)
     study = commands.add_parser("run", help="run a study from its TOML file, or go on with it")
     study.add_argument("study", metavar="STUDY.toml", help="problems, loads, seeds and estimators")
     study.add_argument("--dry-run", action="store_true", help="print every plan, and solve nothing")

@@ -16,8 +16,11 @@ from roughcontact.relief import rms_slope, seam_jump
 from roughcontact.solvers import Solver
 from roughcontact.units import si
 
-# Real arrays of the grid's size that a solve keeps alive at its widest, beyond the transforms.
-_FIELDS = 9
+# Peak memory of a solve in real arrays of the grid's size, at shares of the cells in unsaturated contact,
+# measured (docs/studies/memory.py). Where few touch, vectors hold their cells alone; on a free boundary
+# kernel and spectra are longer.
+_SHARES = {False: (0.0, 0.1, 0.28, 0.36, 1.0), True: (0.0, 0.1, 0.4, 1.0)}
+_ARRAYS = {False: (8.0, 8.7, 10.3, 15.5, 16.6), True: (11.5, 12.7, 17.6, 17.8)}
 # Notes are made above this rms slope, and above this multiple of the steps between neighbours.
 _STEEP = 0.5
 _JUMP = 3.0
@@ -80,11 +83,23 @@ class Plan:
 
     @property
     def memory(self) -> int:
-        """Estimated peak memory of a solve, bytes."""
-        mx, my = self.transform_shape
-        symbol = 8 * (mx // 2 + 1 if self.boundary is Boundary.FREE else mx) * (my // 2 + 1)
-        waves = 16 * self.grid.shape[0] * (my // 2 + 1)
-        return 8 * _FIELDS * self.grid.cells + symbol + 2 * waves
+        """Peak memory of a solve at most, bytes."""
+        return self.memory_at(1.0)
+
+    def memory_at(self, touching: float) -> int:
+        """Return the peak memory of a solve, beyond the problem itself, bytes.
+
+        Parameters
+        ----------
+        touching
+            Share of the cells that are in contact below the pressure limit, 0 to 1.
+        """
+        free = self.boundary is Boundary.FREE
+        return int(8 * self.grid.cells * np.interp(touching, _SHARES[free], _ARRAYS[free]))
+
+    def _memory(self, touching: float) -> str:
+        size = self.memory_at(touching)
+        return f"{size / 2**20:.0f} MiB ({size / (8 * self.grid.cells):.3g} arrays of the grid)"
 
     def __str__(self) -> str:
         mx, my = self.transform_shape
@@ -104,7 +119,7 @@ class Plan:
             ("convolver", f"{self.convolver!r} on {mx} x {my} cells"),
             ("solver", repr(self.solver)),
             ("precision", "fields and residuals in float64, whatever the solver uses inside"),
-            ("memory", f"about {self.memory / 2**20:.0f} MiB at the widest"),
+            ("memory", f"{self._memory(0.0)} at light contact, at most {self._memory(1.0)}"),
         ]
         rows += [("left out", text) for text in self.left_out]
         rows += [("note", text) for text in self.notes]

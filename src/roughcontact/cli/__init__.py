@@ -1,1 +1,1 @@
-"""The command line: ``roughcontact paper``, ``solve`` and ``stability``."""
+"""The command line: ``roughcontact paper``, ``solve``, ``report``, ``run`` and ``stability``."""

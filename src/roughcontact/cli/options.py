@@ -91,4 +91,27 @@ def add_parts(parser: argparse.ArgumentParser) -> None:
     parts.add_argument("--boundary", choices=("free", "periodic", "wrapped"), default="free", help="(free)")
     parts.add_argument("--kernel", default="love", help="influence kernel (love)")
     parts.add_argument("--solver", default="auto", help="solver (auto)")
-    parts.add_argument("--area", metavar="ESTIMATOR", help="area estimator to report besides the default")
+
+
+def add_area(parser: argparse.ArgumentParser) -> None:
+    """Declare the area estimator of a single solve."""
+    parser.add_argument("--area", metavar="ESTIMATOR", help="area estimator to report besides the default")
+
+
+def add_comparison(parser: argparse.ArgumentParser) -> None:
+    """Declare what a report compares."""
+    compared = parser.add_argument_group("what is compared; every combination is solved")
+    compared.add_argument(
+        "--cells", type=int, nargs="+", metavar="N", help="cells along x (an eighth, a quarter, half and all)"
+    )
+    compared.add_argument("--areas", nargs="+", metavar="NAME", help="area estimators (blend cell-count)")
+    compared.add_argument("--kernels", nargs="+", metavar="NAME", help="kernels (that of --kernel)")
+    compared.add_argument("--solvers", nargs="+", metavar="NAME", help="solvers (that of --solver)")
+    compared.add_argument("--tolerances", type=float, nargs="+", metavar="T", help="of the solvers (their own)")
+    compared.add_argument(
+        "--between",
+        choices=("bilinear", "fourier", "mean"),
+        default="bilinear",
+        help="how maps go on between their points (bilinear)",
+    )
+    compared.add_argument("--repeats", type=int, default=3, metavar="R", help="how often each case is timed (3)")

@@ -1,0 +1,81 @@
+"""Peak memory of a solve beside what the plan states, in real arrays of the grid's size.
+
+python docs/studies/memory.py
+
+Each solve runs in a process of its own; what counts is its peak resident memory beyond that before the solve, after a
+small solve has loaded all libraries.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import roughcontact as rc
+
+# Boundary, hardness over E* slope (0: none), mean pressure over E* slope.
+CASES = (
+    ("periodic", 0.0, 0.005),
+    ("periodic", 0.0, 0.05),
+    ("periodic", 0.0, 0.5),
+    ("wrapped", 0.0, 0.05),
+    ("free", 0.0, 0.005),
+    ("free", 0.0, 0.05),
+    ("free", 0.0, 0.5),
+    ("periodic", 0.3, 0.05),
+    ("free", 0.3, 0.05),
+)
+
+
+def problem(cells: int, boundary: str, hardness: float) -> rc.ContactProblem:
+    """Return a rough surface of rms slope 0.1 on a rigid flat; E* slope is 100 MPa."""
+    side = 1e-4
+    surface = rc.SelfAffineSurface(
+        hurst=0.8, rms_slope=0.1, longest=side, rolloff=side / 8, shortest=8 * side / cells, seed=3
+    )
+    material = rc.ElasticPerfectlyPlastic(1e9, 0.0, 1e8 * hardness) if hardness else rc.Elastic(1e9, 0.0)
+    return rc.ContactProblem(rc.Body(surface, material), grid=rc.Grid((cells, cells), side), boundary=boundary)
+
+
+def status(name: str) -> int:
+    """Return a figure of this process's memory, bytes."""
+    lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
+    return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(name))
+
+
+def measure(cells: int, boundary: str, hardness: float, load: float) -> tuple[float, float, float]:
+    """Return the share of cells in contact, and the peak measured and stated, in arrays of the grid's size."""
+    small = problem(64, boundary, hardness)
+    small.solve(pressure=1e8 * load).area()
+    large = problem(cells, boundary, hardness)
+    array = 8 * large.plan.grid.cells
+    before = status("VmRSS")
+    # The peak counts from here.
+    Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")
+    solution = large.solve(pressure=1e8 * load)
+    share = float((solution.contact & ~solution.saturated).mean())
+    return share, (status("VmHWM") - before) / array, large.plan.memory_at(share) / array
+
+
+def in_process(cells: int, boundary: str, hardness: float, load: float) -> tuple[float, float, float]:
+    command = f"import json, memory; print(json.dumps(memory.measure({cells}, {boundary!r}, {hardness}, {load})))"
+    folder = Path(__file__).parent
+    done = subprocess.run([sys.executable, "-c", command], cwd=folder, capture_output=True, text=True, check=True)
+    share, measured, stated = json.loads(done.stdout)
+    return share, measured, stated
+
+
+def main(grids: tuple[int, ...] = (1024, 2048)) -> None:
+    print("| boundary | hardness / E* slope | N | unsaturated contact | measured | stated | off |\n" + "|---" * 7 + "|")
+    for cells in grids:
+        for boundary, hardness, load in CASES:
+            share, measured, stated = in_process(cells, boundary, hardness, load)
+            cap = f"{hardness:g}" if hardness else "none"
+            off = f"{100 * (stated / measured - 1):+.0f} %"
+            print(f"| {boundary} | {cap} | {cells} | {100 * share:.1f} % | {measured:.1f} | {stated:.1f} | {off} |")
+
+
+if __name__ == "__main__":
+    main()
