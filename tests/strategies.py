@@ -84,3 +84,54 @@ def measured_pairs(draw):
     offset = draw(st.floats(-1, 1)) * near, draw(st.floats(-1, 1)) * near
     placing = {"offset": offset, "rotation": draw(st.floats(-6.28, 6.28)), "mirrored": draw(st.booleans())}
     return maps[0], maps[1], placing
+
+
+def _magnitude(low, high):
+    """Powers of ten between two exponents; evenly, where floats() would mostly draw a few simple ones."""
+    return seeds.map(lambda seed: 10.0 ** float(np.random.default_rng(seed).uniform(low, high)))
+
+
+@st.composite
+def wild_problems(draw, largest=14):
+    """A contact problem of any magnitude, and a load, bearable or not, as a dictionary of one entry.
+
+    Lengths of cells, heights and moduli lie between 1e-9 and 1e9, cells have aspects of up to 1000,
+    limits are numbers, arrays or none, loads reach from a touch to beyond what can be carried.
+    """
+    shape = draw(st.one_of(shapes(largest), st.tuples(st.integers(4, largest), st.integers(4, largest))))
+    dx, height, young = (draw(_magnitude(-9, 9)) for _ in range(3))
+    aspect = draw(st.one_of(st.just(1.0), _magnitude(-0.5, 0.5), _magnitude(-3, 3)))
+    size = (shape[0] * dx, shape[1] * dx * aspect)
+    noise = np.random.default_rng(draw(seeds)).standard_normal(shape)
+    x, y = (np.linspace(-1, 1, n) for n in shape)
+    kind = draw(st.sampled_from(["noise", "ties", "step", "needle", "bowl", "lognormal", "two scales"]))
+    heights = {
+        "noise": noise,
+        "ties": np.round(noise),
+        "step": (noise > 0.3).astype(float),
+        "needle": (noise == noise.max()).astype(float),
+        "bowl": -(x[:, None] ** 2 + y**2) + 1e-3 * noise,
+        "lognormal": np.exp(noise),
+        "two scales": np.sin(3 * x[:, None] + 2 * y) + 1e-6 * noise,
+    }[kind]
+    # Half of all surfaces are such as a half-space allows; the others have any heights at all.
+    relief = draw(st.one_of(_magnitude(-4, -1).map(lambda slope: slope * min(size)), st.just(height)))
+    if np.ptp(heights) == 0.0:
+        heights = heights - np.eye(1, heights.size).reshape(shape)
+    surface = rc.HeightMap(relief * heights, size=size, periodic=True)
+    boundary = draw(st.sampled_from(["free", "periodic", "wrapped"]))
+    kernel = draw(st.sampled_from(["love", "love", "fourier"])) if boundary == "periodic" else "love"
+    scale = young * float(np.ptp(surface.values)) / max(size)
+    cap = draw(st.sampled_from(["none", "number", "array"]))
+    hardness = scale * draw(_magnitude(-3, 3))
+    limits = {"none": np.inf, "number": hardness, "array": hardness * np.exp(0.5 * noise.T.reshape(shape))}[cap]
+    material = rc.Elastic(young, 0.3) if cap == "none" else rc.ElasticPerfectlyPlastic(young, 0.3, limits)
+    problem = rc.ContactProblem(rc.Body(surface, material), boundary=boundary, kernel=kernel)
+    if draw(st.booleans()):
+        return problem, {"approach": float(problem.undeformed.max()) * draw(_magnitude(-6, 1))}
+    if cap != "none":
+        share = draw(st.one_of(_magnitude(-6, 0), st.sampled_from([0.999, 1.0, float(np.nextafter(1.0, 2.0)), 1.1])))
+        return problem, {"pressure": float(np.mean(limits)) * share}
+    # A load that knows nothing of the relief may dwarf it.
+    scale = draw(st.sampled_from([scale, scale, young]))
+    return problem, {"pressure": scale * draw(_magnitude(-6, 3))}

@@ -10,7 +10,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in ("plugins", "area", "pairs", "studies"))]
+PAGES = [
+    ROOT / "README.md",
+    *(ROOT / "docs" / f"{name}.md" for name in ("plugins", "area", "pairs", "stability", "studies")),
+]
 BLOCKS = [
     pytest.param(block, id=f"{page.stem}-{number}")
     for page in PAGES
@@ -53,6 +56,13 @@ def test_lost_heights(monkeypatch, tmp_path, capsys):
     study("lost_heights", monkeypatch).main(512, 256, tmp_path, tmp_path)
     assert capsys.readouterr().out.count("| 512 |") == 4
     assert (tmp_path / "lost_heights.png").stat().st_size > 10_000
+
+
+def test_random_problems(monkeypatch, capsys):
+    found = study("random_problems", monkeypatch).main(30)
+    assert sum(found.counts.values()) == 30
+    assert not found.wrong
+    assert "30 problems" in capsys.readouterr().out
 
 
 def test_capped_ball(monkeypatch, tmp_path, capsys):

@@ -56,6 +56,17 @@ def test_a_load_far_beyond_full_contact(boundary, load):
     assert solution.contact.all()
 
 
+@pytest.mark.parametrize("solver", ["projected-cg", "spectral-gradient", "polonsky-keer"])
+@pytest.mark.parametrize(("load", "status"), [(1e9, rc.Status.CONVERGED_TO_ROUNDING), (1e12, rc.Status.UNRESOLVED)])
+def test_a_pressure_that_dwarfs_its_own_variation_is_known_to_rounding(load, status, solver):
+    """On a periodic domain it displaces nothing as a whole, but its rounding does."""
+    surface = rc.HeightMap(rough_map(16), size=1.0)
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1e9, 0.3)), boundary="periodic", solver=solver)
+    solution = problem.solve(pressure=load * 1e9, throw=False)
+    assert solution.status is status
+    assert solution.iterations < 1000
+
+
 def test_a_single_needle():
     heights = np.zeros((33, 33))
     heights[16, 16] = 1.0

@@ -23,7 +23,7 @@ FLOORS = [
     {"certificate"},
     {"problem"},
     {"refinement", "running_in", "studies"},
-    {"paper", "report"},
+    {"paper", "report", "stability"},
     {"cli"},
     {"__main__"},
 ]

@@ -21,6 +21,7 @@ from roughcontact.report import ErrorReport, ReportRow, Timing, Truth, error_vs_
 from roughcontact.running_in import Cycle, RunIn, run_in
 from roughcontact.solution import Area, ContactSolution, Level, Origin, Residuals, Status
 from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
+from roughcontact.stability import Check, Gallery, GalleryRow, StabilityReport, Verdict, stability, stability_gallery
 from roughcontact.studies import Record, Study, StudyResult
 from roughcontact.surfaces import (
     FlatSurface,
@@ -48,6 +49,7 @@ __all__ = [
     "Body",
     "Boundary",
     "CellCount",
+    "Check",
     "CircularFFT",
     "Clusters",
     "ContactProblem",
@@ -60,6 +62,8 @@ __all__ = [
     "ErrorReport",
     "FlatSurface",
     "FourierHalfSpace",
+    "Gallery",
+    "GalleryRow",
     "Grid",
     "HeightMap",
     "Hertz",
@@ -98,6 +102,7 @@ __all__ = [
     "Solver",
     "SpectralGradient",
     "SphereSurface",
+    "StabilityReport",
     "Status",
     "Step",
     "Study",
@@ -110,6 +115,7 @@ __all__ = [
     "Timing",
     "Truth",
     "UniformRise",
+    "Verdict",
     "WavySurface",
     "areas",
     "convolvers",
@@ -124,5 +130,7 @@ __all__ = [
     "run_in",
     "sets",
     "solvers",
+    "stability",
+    "stability_gallery",
     "surfaces",
 ]

@@ -21,8 +21,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="replace")
     try:
         chosen = _parser().parse_args(arguments)
-        command: Callable[[argparse.Namespace], None] = chosen.command
-        command(chosen)
+        command: Callable[[argparse.Namespace], int | None] = chosen.command
+        return command(chosen) or 0
     except NotConverged as error:
         return _fail(str(error), 1)
     except RoughContactError as error:
@@ -31,7 +31,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(f"{error.strerror or error}" + (f": {error.filename}" if error.filename else ""), 2)
     except KeyboardInterrupt:
         return _fail("interrupted", 130)
-    return 0
 
 
 def _fail(sentence: str, status: int) -> int:
@@ -41,7 +40,7 @@ def _fail(sentence: str, status: int) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     try:
-        from roughcontact.cli import options, pairs, paper, report, run, solve
+        from roughcontact.cli import options, pairs, paper, report, run, solve, stability
     except ImportError as error:
         raise MissingPackage(f"The command line needs {error.name}: pip install '{_EXTRA}'.") from error
     parser = argparse.ArgumentParser(prog="roughcontact", description="Contact of rough surfaces.")
@@ -54,10 +53,14 @@ def _parser() -> argparse.ArgumentParser:
     one.set_defaults(command=lambda chosen: (pairs if chosen.pairs else paper).run(chosen))
     other = commands.add_parser("solve", help="solve the contact of measured height maps")
     third = commands.add_parser("report", help="error against run time of the contact of measured height maps")
-    for command in (other, third):
+    fourth = commands.add_parser("stability", help="what the answer of a solve hangs on: digits, cells, tolerances")
+    for command in (other, third, fourth):
         for declare in (options.add_surfaces, options.add_load, options.add_materials, options.add_parts):
             declare(command)
     options.add_area(other)
+    options.add_area(fourth)
+    fourth.add_argument("--gallery", action=stability.ShowGallery, help="run the built-in extreme scenes instead")
+    fourth.set_defaults(command=stability.run)
     options.add_comparison(third)
     options.add_output(third, "contact-report")
     third.set_defaults(command=report.run)

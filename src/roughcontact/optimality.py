@@ -106,7 +106,8 @@ class Conditions:
         # In cells and E* = 1 a pressure moves its own cell by about as much.
         elastic = high - low if high - low > _UNIFORM * float(pressure.max()) else 0.0
         scale = min(self._relief, elastic) or max(self._relief, elastic) or 1.0
-        floor = _ROUNDING * (max(high, -low) + self._size) / scale
+        # On a periodic domain a pressure moves nothing as a whole, but its rounding moves single cells.
+        floor = _ROUNDING * (max(high, -low, float(pressure.max())) + self._size) / scale
         return Optimality(approach, open_gap / scale, max(0.0, -deepest) / scale, scale, floor)
 
     def _between(self, level: Array, pressure: Array) -> float:

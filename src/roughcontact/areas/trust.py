@@ -22,7 +22,7 @@ def doubts(solution: ContactSolution, roughness: float) -> tuple[str, ...]:
         found.append(f"the curvature of the heights goes with waves of about {waves:.2g} cells: refine the grid")
     if solution.clusters.small_share > _SMALL and roughness > _ROUGH:
         found.append(
-            f"{100 * solution.clusters.small_share:.2g} % of the counted area lies in clusters of less than four cells"
+            f"{100 * solution.clusters.small_share:.3g} % of the counted area lies in clusters of less than four cells"
         )
     if not solution.status.success:
         found.append("the solution is not converged")

@@ -1,1 +1,1 @@
-"""The command line: ``roughcontact paper``, ``roughcontact solve`` and ``roughcontact report``."""
+"""The command line: ``roughcontact paper``, ``solve``, ``report``, ``run`` and ``stability``."""

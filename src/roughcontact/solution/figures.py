@@ -24,7 +24,7 @@ class Status(Enum):
     RESCUED = (
         "converged: the conditions of contact hold within the tolerance, by a second method, for the first stalled"
     )
-    UNRESOLVED = "not converged: the displacement dwarfs the relief so much that float64 cannot resolve the gap"
+    UNRESOLVED = "not converged: displacement or pressure dwarf the relief so much that float64 cannot resolve the gap"
     MAXIMUM_ITERATIONS = "not converged: the maximum number of iterations was reached"
     STALLED = "not converged: no step lowers the error any more"
     NOT_FINITE = "not converged: a value that is not finite appeared"
