@@ -135,7 +135,7 @@ class Study:
         total = (
             f"{count} solves ({len(self.problems)} problems, {max(1, len(self.seeds))} seeds, {len(self.loads)} loads "
             f"of {self.control}), {cells / 1e6:.3g} million cells in all, some {_WORK} convolutions of each, "
-            f"at most {memory / 2**20:.0f} MiB for one"
+            f"at most {memory / 2**20:.3g} MiB for one"
         )
         return "\n\n".join([*plans, total])
 
