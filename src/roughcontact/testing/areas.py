@@ -156,7 +156,6 @@ def _repeatable(estimator: EstimatesArea) -> str:
 
 
 def _small(estimator: EstimatesArea) -> str:
-    """Grids of one row and of few cells are grids too."""
     for shape in ((2, 1), (1, 2), (1, 9), (3, 2)):
         for count in range(shape[0] * shape[1] + 1):
             solution = attrs.evolve(

@@ -4,27 +4,28 @@ from __future__ import annotations
 
 import pickle
 
+from roughcontact.checks import RealArray
 from roughcontact.description import describe, key_of, rebuild
 from roughcontact.testing.claim import Claim, require
 
 
 def _pickles(part: object) -> str:
-    """Process pools send parts as pickles."""
+    """Send it as process pools do."""
     copy = pickle.loads(pickle.dumps(part))
     require(type(copy) is type(part), f"the pickle holds a {type(copy).__name__}")
     return "comes back from a pickle, as process pools need"
 
 
 def _kept_in_files(part: object) -> str:
-    """Saved solutions and studies hold the parts."""
-    arrays: dict[str, object] = {}
+    """Describe and rebuild it, as saved solutions and studies do."""
+    arrays: dict[str, RealArray] = {}
     copy = rebuild(describe(part, arrays), arrays)
     require(key_of(copy) == key_of(part), f"what comes back is {copy!r}")
     return "comes back from a file with the same fields"
 
 
 def _equality(part: object) -> str:
-    """Equal parts have equal hashes, so that they can be keys."""
+    """Compare it with its copy: what is equal has one hash, so that it can be a key."""
     copy = pickle.loads(pickle.dumps(part))
     require(hash(part) == hash(part) and part == part, "it is not equal to itself")
     if copy == part:

@@ -24,7 +24,7 @@ def dense_matrix(kernel: BoundKernel, grid: Grid, boundary: Boundary) -> Array:
     """Return the matrix, cells by cells, of a kernel on a grid."""
     if boundary is not PERIODIC:
         return offset_matrix(kernel.coefficients(grid.shape, grid.spacing), boundary)
-    waves = [2 * np.pi * np.fft.fftfreq(n) for n in grid.shape]
+    waves = [np.asarray(2 * np.pi * np.fft.fftfreq(n), dtype=np.float64) for n in grid.shape]
     dx, dy = grid.spacing
     amplitudes = kernel.spectrum(waves[0][:, np.newaxis] / dx, waves[1][np.newaxis, :] / dy, grid.spacing)
     phases = [np.exp(1j * np.outer(np.arange(n), q)) for n, q in zip(grid.shape, waves, strict=True)]

@@ -38,7 +38,7 @@ def _spectrum(kernel: InfluenceKernel) -> OffersSpectrum:
 
 def waves(shape: tuple[int, int], spacing: Pair) -> tuple[Array, Array]:
     """Return the wave numbers of a periodic grid of these cells, shapes (nx, 1) and (1, ny), rad/m."""
-    qx, qy = (2 * np.pi * np.fft.fftfreq(n, step) for n, step in zip(shape, spacing, strict=True))
+    qx, qy = (np.asarray(2 * np.pi * np.fft.fftfreq(n, h), np.float64) for n, h in zip(shape, spacing, strict=True))
     return qx[:, np.newaxis], qy[np.newaxis, :]
 
 
@@ -82,10 +82,10 @@ def _finite(kernel: InfluenceKernel) -> str:
 
 
 def _repeatable(kernel: InfluenceKernel) -> str:
-    """What a caller does with the arrays must not reach the kernel's own memory."""
     shape, spacing = _CELLS[1]
     first = _own_arrays(kernel, shape, spacing)
     kept = [values.copy() for values in first]
+    # What a caller does with the arrays must not reach the kernel's own memory.
     for values in first:
         if values.flags.writeable:
             values[...] = np.nan
@@ -130,7 +130,6 @@ def _even(kernel: InfluenceKernel) -> str:
 
 
 def _each_alone(kernel: InfluenceKernel) -> str:
-    """The answer for one offset or wave does not depend on what else is asked for."""
     worst = 0.0
     for shape, spacing in _CELLS:
         if isinstance(kernel, OffersCoefficients):
@@ -148,7 +147,6 @@ def _each_alone(kernel: InfluenceKernel) -> str:
 
 
 def _energy(kernel: InfluenceKernel) -> str:
-    """Pressure does positive work: no wave, and no pressure on a free domain, gives energy back."""
     lowest = np.inf
     for spacing in ((1e-6, 1e-6), (1e-6, 2.5e-6)):
         if isinstance(kernel, OffersCoefficients):
@@ -219,7 +217,7 @@ def _far(kernel: InfluenceKernel) -> str:
 
 
 def _agree(kernel: InfluenceKernel) -> str:
-    """A pressure without low moments has no far field, so that images do not matter."""
+    # A pressure without low moments has no far field, so that images do not matter.
     table, amplitudes = _coefficients(kernel), _spectrum(kernel)
     n, spacing = 48, (1e-6, 1.5e-6)
     stencil = np.outer(*[np.array([1.0, -4.0, 6.0, -4.0, 1.0])] * 2)

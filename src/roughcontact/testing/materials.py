@@ -38,8 +38,9 @@ def _limit(material: Material) -> str:
 
 
 def _frozen(material: Material) -> str:
-    """A solution names its material; a material that changes later would make it a lie."""
-    fields = [field.name for field in attrs.fields(type(material))] if attrs.has(type(material)) else []
+    # A solution names its material: one that changes later would make it a lie.
+    kind: type = type(material)
+    fields = [field.name for field in attrs.fields(kind)] if attrs.has(kind) else []
     for name in ("compliance", "pressure_limit", *fields):
         try:
             setattr(material, name, getattr(material, name))

@@ -21,7 +21,6 @@ def _suffixes(reader: SurfaceReader) -> str:
 
 
 def _damaged(reader: SurfaceReader) -> str:
-    """Any error will do: `read_surface` says which file it was."""
     noise = np.random.default_rng(0).bytes(999)
     with tempfile.TemporaryDirectory() as folder:
         for suffix in sorted(reader.suffixes) or [".unknown"]:
@@ -30,6 +29,7 @@ def _damaged(reader: SurfaceReader) -> str:
                 path.write_bytes(content)
                 try:
                     found = reader.read(path)
+                # Any error will do: `read_surface` says which file it was.
                 except Exception:
                     continue
                 require(False, f"{len(content)} bytes of nothing with the ending {suffix} were read as {found!r:.60}")

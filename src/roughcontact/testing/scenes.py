@@ -5,12 +5,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator
 from functools import cache
+from typing import Any, TypeAlias
 
 import attrs
 import numpy as np
 
 from roughcontact.body import Body
-from roughcontact.checks import Array
+from roughcontact.checks import Array, Mask
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel
@@ -24,6 +25,8 @@ from roughcontact.testing.dense import dense_matrix
 YOUNG, POISSON = 1e9, 0.3
 MODULUS = YOUNG / (1.0 - POISSON**2)
 ELASTIC = Elastic(YOUNG, POISSON)
+# One of pressure, force and approach, with its value.
+Load: TypeAlias = dict[str, Any]
 # Rounding of fields, in units of the last place of their greatest value.
 _PLACES = 64.0 * float(np.finfo(np.float64).eps)
 # What the docs say that rounding may hide.
@@ -38,7 +41,7 @@ class Trial:
     surface: HeightMap
     material: Material
     boundary: Boundary
-    load: dict[str, float]
+    load: Load
 
     def problem(self, solver: Solver, *, length: float = 1.0, stiffness: float = 1.0) -> ContactProblem:
         """Return the problem with all lengths and moduli times a factor."""
@@ -103,7 +106,7 @@ class Judgement:
     floor: float
 
 
-def judge(problem: ContactProblem, load: dict[str, float], solution: ContactSolution) -> Judgement:
+def judge(problem: ContactProblem, load: Load, solution: ContactSolution) -> Judgement:
     """Judge a solution by its pressure alone."""
     plan, grid = problem.plan, problem.plan.grid
     matrix = dense_matrix(BoundKernel(plan.kernel, 1.0 / plan.modulus), grid, problem.boundary)
@@ -127,7 +130,7 @@ def judge(problem: ContactProblem, load: dict[str, float], solution: ContactSolu
     return Judgement(max(opened, closed) / scale, off, bounded, _PLACES * largest / scale)
 
 
-def _between(level: Array, capped: Array, p: Array) -> float:
+def _between(level: Array, capped: Mask, p: Array) -> float:
     lower = float(level[capped].max(initial=level.min()))
     opened = level[p <= 0.0]
     return min(lower, float(opened.min())) if opened.size else lower

@@ -25,7 +25,6 @@ def _tolerance(solver: Solver) -> str:
 
 
 def _serves(solver: Solver) -> str:
-    """What a solver does not do it refuses in words, before or after it has begun."""
     served, refused = set(), set()
     for trial in trials():
         try:
@@ -51,7 +50,6 @@ def _conditions(solver: Solver) -> str:
 
 
 def _honest(solver: Solver) -> str:
-    """A solver may give up, but it must not call converged what is not."""
     for trial, problem, solution in taken(solver):
         require(solution.status is not Status.UNCONFIRMED, f"{trial}: it claims success, and the residuals do not")
         if solution.status.success:
@@ -70,7 +68,7 @@ def _load(solver: Solver) -> str:
 
 
 def _bounds(solver: Solver) -> str:
-    """Judged on what the solver itself returns: a certificate would cut it off."""
+    # Judged on what the solver itself returns: a certificate would cut it off.
     for trial, problem, _ in taken(solver):
         task = task_of(problem.plan, problem.undeformed, **trial.load)
         pressure = solver.solve(problem.convolution, task).pressure
@@ -111,7 +109,6 @@ def _units(solver: Solver) -> str:
 
 
 def _starts(solver: Solver) -> str:
-    """A start may help, and must not decide what comes out."""
     for trial, problem, solution in taken(solver):
         if not solution.status.success:
             continue

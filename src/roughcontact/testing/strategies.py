@@ -71,7 +71,7 @@ def height_maps(draw: st.DrawFn, largest: int = 20) -> HeightMap:
 def problems(
     draw: st.DrawFn, *, limited: bool | None = None, solver: str | Solver = "auto"
 ) -> tuple[ContactProblem, float]:
-    """A contact problem, with or without a pressure limit, and a mean pressure that it can carry."""
+    """Contact problems, with or without a pressure limit, each with a mean pressure that it can carry."""
     surface = draw(height_maps())
     young = draw(moduli)
     relief = np.ptp(surface.values)
