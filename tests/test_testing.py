@@ -344,6 +344,7 @@ def test_a_report_reads_well():
     text = str(kit.check(rc.Love()))
     assert text.startswith("kernel Love(): 15 of 15 claims hold\n")
     assert re.search(r"^  holds   even in x and y +even in x and y to", text, re.M)
+    assert "14 of 14 claims hold, 1 does not apply\n" in str(kit.check(rc.FourierHalfSpace()))
     text = str(kit.check(Nothing()))
     assert "BROKEN  offers coefficients or a spectrum" in text
     assert "does not apply: it offers no spectrum" in text

@@ -32,14 +32,24 @@ class Finding:
         Whether it holds; true as well where it says nothing about the part.
     found
         What was found, in words.
+    applies
+        Whether the claim says anything about the part.
     """
 
     claim: str
     passed: bool
     found: str
+    applies: bool = True
+
+    @property
+    def verdict(self) -> str:
+        """Holds, BROKEN, or a dash where the claim does not apply."""
+        if not self.applies:
+            return "-"
+        return "holds" if self.passed else "BROKEN"
 
     def __str__(self) -> str:
-        return f"{'holds' if self.passed else 'BROKEN'}  {self.claim}: {self.found}"
+        return f"{self.verdict}  {self.claim}: {self.found}"
 
 
 @attrs.frozen
@@ -65,7 +75,7 @@ class Claim:
         try:
             return Finding(self.name, True, self.examine(part))
         except DoesNotApply as reason:
-            return Finding(self.name, True, f"does not apply: {reason}")
+            return Finding(self.name, True, f"does not apply: {reason}", applies=False)
         except AssertionError as error:
             return Finding(self.name, False, str(error))
         # Plug-ins fail in as many ways as there are; a report goes on to the next claim.
@@ -114,13 +124,12 @@ class Report:
         require(self.passed, "\n".join((self._headline(), *(f"  {finding}" for finding in self.failures))))
 
     def _headline(self) -> str:
-        held = len(self.findings) - len(self.failures)
-        return f"{self.kind} {self.part}: {held} of {len(self.findings)} claims hold"
+        asked = sum(finding.applies for finding in self.findings)
+        others = len(self.findings) - asked
+        silent = f", {others} {'does' if others == 1 else 'do'} not apply" if others else ""
+        return f"{self.kind} {self.part}: {asked - len(self.failures)} of {asked} claims hold{silent}"
 
     def __str__(self) -> str:
         width = max((len(finding.claim) for finding in self.findings), default=0)
-        rows = (
-            f"  {'holds ' if finding.passed else 'BROKEN'}  {finding.claim:<{width}}  {finding.found}"
-            for finding in self.findings
-        )
+        rows = (f"  {finding.verdict:<6}  {finding.claim:<{width}}  {finding.found}" for finding in self.findings)
         return "\n".join((self._headline(), *rows))

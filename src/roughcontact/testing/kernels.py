@@ -20,8 +20,8 @@ _CELLS: tuple[tuple[tuple[int, int], Pair], ...] = (
     ((1, 12), (3e-7, 2e-7)),
     ((8, 1), (2e-6, 2e-6)),
 )
-# A response that is a half-space's but for a thousandth of it is meant to be one.
-_ALIKE = 1e-3
+# Thick layers are nearly half-spaces: what scales to this share has no length or modulus of its own.
+_ALIKE = 1e-9
 
 
 def _coefficients(kernel: InfluenceKernel) -> OffersCoefficients:
