@@ -7,6 +7,8 @@ from typing import Any, TypeAlias
 
 import attrs
 
+from roughcontact.errors import InputError
+
 Examination: TypeAlias = Callable[[Any], str]
 
 
@@ -76,7 +78,7 @@ class Claim:
             return Finding(self.name, True, self.examine(part))
         except DoesNotApply as reason:
             return Finding(self.name, True, f"does not apply: {reason}", applies=False)
-        except AssertionError as error:
+        except (AssertionError, InputError) as error:
             return Finding(self.name, False, str(error))
         # Plug-ins fail in as many ways as there are; a report goes on to the next claim.
         except Exception as error:

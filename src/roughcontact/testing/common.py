@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 import pickle
+from typing import TypeVar
 
 from roughcontact.checks import RealArray
 from roughcontact.description import describe, key_of, rebuild
 from roughcontact.testing.claim import Claim, require
 
+T = TypeVar("T")
+
+
+def pickled(part: T) -> T:
+    """Return what comes back from a pickle of a part, as process pools send it."""
+    try:
+        copy: T = pickle.loads(pickle.dumps(part))
+    # Pickling fails with errors of many types.
+    except Exception as error:
+        raise AssertionError(f"it cannot be pickled: {error}") from error
+    return copy
+
 
 def _pickles(part: object) -> str:
-    """Send it as process pools do."""
-    copy = pickle.loads(pickle.dumps(part))
+    copy = pickled(part)
     require(type(copy) is type(part), f"the pickle holds a {type(copy).__name__}")
     return "comes back from a pickle, as process pools need"
 
@@ -26,8 +38,12 @@ def _kept_in_files(part: object) -> str:
 
 def _equality(part: object) -> str:
     """Compare it with its copy: what is equal has one hash, so that it can be a key."""
-    copy = pickle.loads(pickle.dumps(part))
-    require(hash(part) == hash(part) and part == part, "it is not equal to itself")
+    copy = pickled(part)
+    require(part == part, "it is not equal to itself")
+    try:
+        hash(part)
+    except TypeError as error:
+        raise AssertionError(f"{error}: freeze it, or let it be equal to itself only") from error
     if copy == part:
         require(hash(copy) == hash(part), "its copy is equal, but has another hash")
         return "equal where its fields are equal"

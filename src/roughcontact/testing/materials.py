@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
-
 import attrs
 import numpy as np
 
@@ -14,7 +12,7 @@ from roughcontact.materials import Elastic, Material, Rigid, contact_modulus, pr
 from roughcontact.problem import ContactProblem
 from roughcontact.surfaces import ParaboloidSurface
 from roughcontact.testing.claim import Claim, require
-from roughcontact.testing.common import common
+from roughcontact.testing.common import common, pickled
 
 _COUNTER = Elastic(1e9, 0.3)
 
@@ -53,7 +51,7 @@ def _frozen(material: Material) -> str:
 
 
 def _travels(material: Material) -> str:
-    copy = pickle.loads(pickle.dumps(material))
+    copy = pickled(material)
     same = copy.compliance == material.compliance and np.array_equal(copy.pressure_limit, material.pressure_limit)
     require(same, "its copy has another compliance or limit")
     return "a copy has the same compliance and limit"
