@@ -99,7 +99,7 @@ class Plan:
 
     def _memory(self, touching: float) -> str:
         size = self.memory_at(touching)
-        return f"{size / 2**20:.0f} MiB ({size / (8 * self.grid.cells):.3g} arrays of the grid)"
+        return f"{size / 2**20:.3g} MiB ({size / (8 * self.grid.cells):.3g} arrays of the grid)"
 
     def __str__(self) -> str:
         mx, my = self.transform_shape

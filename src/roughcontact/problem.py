@@ -88,18 +88,19 @@ class ContactProblem:
             _AUTO_CONVOLVER[self.boundary] if self.convolver == "auto" else self.convolver, Convolver
         )
         require_boundary(convolver, self.boundary)
+        solver: Solver = solvers.resolve(_AUTO_SOLVER if self.solver == "auto" else self.solver, Solver)
         one, other = self.body.material, self.counter.material
         return Plan(
             grid=grid,
             boundary=self.boundary,
             kernel=kernels.resolve(self.kernel, InfluenceKernel),
             convolver=convolver,
-            solver=solvers.resolve(_AUTO_SOLVER if self.solver == "auto" else self.solver, Solver),
+            solver=solver,
             modulus=contact_modulus(one, other),
             undeformed=self.undeformed,
             relief=self._relief(),
             limit=self._limit(),
-            left_out=tuple(self._left_out()),
+            left_out=(*self._left_out(), *solver.leaves_out),
             holes=self._gap.holes,
             histories=(history_of(self.body.surface), history_of(self.counter.surface)),
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,16 +16,20 @@ from roughcontact.paper import printed
 from roughcontact.paper.scene import WAVELENGTH, Case, summit_positions
 from roughcontact.paper.tables import fits
 
-DPI = 150
+_DPI = 150
 
 
 def draw_all(cases: Sequence[Case], folder: Path) -> tuple[Path, ...]:
     """Draw figures 4, 5 and 6 as PNG files into `folder` and return their paths."""
-    figures = {"figure4": _errors(cases), "figure5": _summit(cases), "figure6": _extrapolations(cases)}
+    return saved({"figure4": _errors(cases), "figure5": _summit(cases), "figure6": _extrapolations(cases)}, folder)
+
+
+def saved(figures: Mapping[str, Figure], folder: Path) -> tuple[Path, ...]:
+    """Write figures as PNG files into `folder` and return their paths."""
     paths = []
     for name, figure in figures.items():
         path = folder / f"{name}.png"
-        figure.savefig(path, dpi=DPI)
+        figure.savefig(path, dpi=_DPI)
         paths.append(path)
     return tuple(paths)
 

@@ -12,7 +12,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from roughcontact.body import Body
-from roughcontact.paper.figures import DPI, grid_axis
+from roughcontact.paper.figures import grid_axis, saved
 from roughcontact.paper.pairs import FORCES, LOCAL_WINDOW, STATES, PairCase, chosen, fit, local_contact
 from roughcontact.paper.stand_in import BALL_RADIUS, SIZE, STEEL
 from roughcontact.problem import ContactProblem
@@ -34,12 +34,7 @@ def draw_pairs(pairs: Mapping[str, ContactProblem], cases: Sequence[PairCase], f
         "figure12": _pressures(cases),
         "figure13": _local(cases),
     }
-    paths = []
-    for name, figure in figures.items():
-        path = folder / f"{name}.png"
-        figure.savefig(path, dpi=DPI)
-        paths.append(path)
-    return tuple(paths)
+    return saved(figures, folder)
 
 
 def _profiles(pair: ContactProblem, state: str) -> Figure:

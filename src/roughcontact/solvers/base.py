@@ -5,6 +5,7 @@ from __future__ import annotations
 import abc
 import math
 from collections.abc import Callable
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -91,6 +92,9 @@ class Outcome:
 
 class Solver(abc.ABC):
     """A way to find the pressure. It knows a planned convolution, never a kernel."""
+
+    leaves_out: ClassVar[tuple[str, ...]] = ()
+    """What it leaves out of a solve and why, for ``explain()``."""
 
     @property
     @abc.abstractmethod

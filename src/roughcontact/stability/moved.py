@@ -27,11 +27,13 @@ def half_a_cell_aside(problem: ContactProblem) -> ContactProblem:
     Raises
     ------
     InputError
-        If a surface is not known between its points, or the pressure limit is an array.
+        If a surface is not known between its points or has holes, or the pressure limit is an array.
     """
     grid = problem.plan.grid
     if not isinstance(problem.plan.limit, float):
         raise InputError("The pressure limit is an array, which is not known between its cells.")
+    if problem.plan.holes is not None:
+        raise InputError("A surface has holes, whose place between the points is not known.")
     closed = problem.boundary is not Boundary.FREE
     body, counter = (
         Body(HeightMap(_moved(side.surface, grid, closed), size=grid.size), side.material)

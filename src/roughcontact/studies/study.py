@@ -22,6 +22,8 @@ from roughcontact.studies.record import Record, StudyResult
 from roughcontact.surfaces import Surface
 from roughcontact.surfaces.sum import SurfaceSum
 
+# Convolutions of a solve on its own grid, as measured on rough surfaces over two decades of load, warm starts included.
+_WORK = 45
 # A chain whose worker died is given to another as often.
 _TRIES = 3
 
@@ -132,7 +134,8 @@ class Study:
         cells = sum(problem.plan.grid.cells for problem in self.problems.values()) * count // len(self.problems)
         total = (
             f"{count} solves ({len(self.problems)} problems, {max(1, len(self.seeds))} seeds, {len(self.loads)} loads "
-            f"of {self.control}), {cells / 1e6:.3g} million cells in all, at most {memory / 2**20:.0f} MiB for one"
+            f"of {self.control}), {cells / 1e6:.3g} million cells in all, some {_WORK} convolutions of each, "
+            f"at most {memory / 2**20:.3g} MiB for one"
         )
         return "\n\n".join([*plans, total])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from typing import ClassVar
 
 import attrs
 
@@ -43,6 +44,11 @@ class ProjectedConjugateGradient(Solver):
     Polonsky, Keer, Wear 231 (1999) 206-219, https://doi.org/10.1016/S0043-1648(99)00113-1;
     Vollebregt, J. Optim. Theory Appl. 162 (2014) 862-879, https://doi.org/10.1007/s10957-013-0499-x
     """
+
+    leaves_out: ClassVar[tuple[str, ...]] = (
+        "float64 inside the iterations: float32 serves, and every claim is proved in float64",
+        "cells that cannot touch: vectors hold the others, and a free domain is cut down to them",
+    )
 
     tolerance: float = attrs.field(converter=positive_tolerance, default=1e-8)
     max_iterations: int = attrs.field(converter=iteration_limit, default=1000)
