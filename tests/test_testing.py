@@ -373,8 +373,8 @@ class TestCommand:
         assert "15 of 15 claims hold" in capsys.readouterr().out
 
     def test_a_name_that_does_not(self, capsys, monkeypatch):
-        monkeypatch.setitem(rc.areas._classes, "careless", lambda: Careless("falls"))
-        assert main(["check", "careless", "--kind", "area"]) == 1
+        monkeypatch.setitem(rc.areas._classes, "careless", Careless)
+        assert main(["check", "careless", "--kind", "area", "--with", "fault=falls"]) == 1
         assert "BROKEN  monotone in the load" in capsys.readouterr().out
 
     def test_a_name_that_needs_fields(self, capsys):
