@@ -1,4 +1,4 @@
-"""Hypothesis strategies: the one home of random grids, surfaces and problems."""
+"""Hypothesis strategies: those that plug-ins have too, and those for this package alone."""
 
 from __future__ import annotations
 
@@ -6,69 +6,31 @@ import numpy as np
 from hypothesis import strategies as st
 
 import roughcontact as rc
+from roughcontact.testing.strategies import (
+    aspects,
+    grids,
+    height_maps,
+    moduli,
+    powers_of_two,
+    pressures,
+    problems,
+    seeds,
+    shapes,
+)
 
-lengths = st.floats(1e-9, 1e3)
-moduli = st.floats(1e3, 1e14)
-aspects = st.floats(0.2, 5.0)
-powers_of_two = st.integers(-60, 60).map(lambda k: 2.0**k)
-seeds = st.integers(0, 2**32 - 1)
-
-
-@st.composite
-def shapes(draw, largest=24):
-    """Grid shapes of at least two cells, odd and even, thin and square."""
-    return draw(st.tuples(st.integers(1, largest), st.integers(1, largest)).filter(lambda s: s[0] * s[1] >= 2))
-
-
-@st.composite
-def grids(draw, largest=24):
-    """Rectangular grids with rectangular cells."""
-    nx, ny = draw(shapes(largest))
-    dx = draw(lengths)
-    return rc.Grid((nx, ny), (nx * dx, ny * dx * draw(aspects)))
-
-
-@st.composite
-def pressures(draw, shape):
-    """Random pressures between 0 and 1 on a given shape, some cells without."""
-    rng = np.random.default_rng(draw(seeds))
-    return rng.random(shape) * (rng.random(shape) < draw(st.floats(0.1, 1.0)))
-
-
-@st.composite
-def height_maps(draw, largest=20):
-    """Height maps of very different character: noise, ties, steps, spikes, bowls."""
-    grid = draw(grids(largest))
-    rng = np.random.default_rng(draw(seeds))
-    noise = rng.standard_normal(grid.shape)
-    kind = draw(st.sampled_from(["noise", "ties", "steps", "spikes", "bowl", "lognormal"]))
-    heights = {
-        "noise": noise,
-        "ties": np.round(noise),
-        "steps": (noise > 0.3).astype(float),
-        "spikes": (noise == noise.max()) + 1e-3 * noise,
-        "bowl": -(grid.x**2 + grid.y**2) / max(grid.size) ** 2 + 1e-2 * noise,
-        "lognormal": np.exp(noise),
-    }[kind]
-    # A map without relief has no contact problem; one cell a little lower gives it one.
-    if np.ptp(heights) == 0.0:
-        heights = heights - np.eye(1, heights.size).reshape(heights.shape)
-    return rc.HeightMap(heights * draw(st.floats(1e-3, 1e3)) * min(grid.spacing), size=grid.size)
-
-
-@st.composite
-def problems(draw, *, limited=None, solver="auto"):
-    """A contact problem and a mean pressure that it can carry."""
-    surface = draw(height_maps())
-    young = draw(moduli)
-    relief = np.ptp(surface.values)
-    mean = draw(st.floats(1e-4, 10.0)) * young * relief / max(surface.size)
-    if draw(st.booleans()) if limited is None else limited:
-        material = rc.ElasticPerfectlyPlastic(young, 0.3, hardness=mean / draw(st.floats(0.01, 1.0)))
-    else:
-        material = rc.Elastic(young, 0.3)
-    boundary = draw(st.sampled_from(["free", "periodic", "wrapped"]))
-    return rc.ContactProblem(rc.Body(surface, material), boundary=boundary, solver=solver), mean
+__all__ = [
+    "aspects",
+    "grids",
+    "height_maps",
+    "measured_pairs",
+    "moduli",
+    "powers_of_two",
+    "pressures",
+    "problems",
+    "seeds",
+    "shapes",
+    "wild_problems",
+]
 
 
 @st.composite

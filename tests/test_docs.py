@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 import roughcontact
+import roughcontact.testing
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -28,6 +29,7 @@ WITH_EXAMPLES = {
     "roughcontact.kernels.love",
     "roughcontact.reference",
     "roughcontact.registry",
+    "roughcontact.testing.kit",
 }
 SITE = ("docutils", "furo", "linkify_it", "myst_parser", "numpydoc", "sphinx")
 
@@ -50,7 +52,7 @@ def test_examples_in_the_reference():
 def test_every_public_name_has_its_entry():
     pages = "\n".join(page.read_text(encoding="utf-8") for page in (DOCS / "api").glob("*.rst"))
     entered = re.findall(r"^\.\. (?:auto\w+|data):: (\w+)$", pages, re.M)
-    assert set(roughcontact.__all__) <= set(entered)
+    assert {*roughcontact.__all__, *roughcontact.testing.__all__} <= set(entered)
 
 
 def figures(pages):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -24,7 +25,9 @@ BLOCKS = [
 @pytest.mark.parametrize("block", BLOCKS)
 def test_scripts_of_the_pages_run(block, tmp_path):
     command = [sys.executable, "-W", "error", "-c", block]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    plugins = os.pathsep.join(str(path) for path in (ROOT / "plugins").glob("*/src"))
+    environment = {**os.environ, "PYTHONPATH": plugins}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment)
     assert done.returncode == 0, done.stderr
 
 
@@ -99,6 +102,6 @@ def test_comparison_judges_ours_by_its_own_function(monkeypatch):
 
 
 def test_links_of_the_pages_lead_somewhere():
-    for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), ROOT / "plugins" / "README.md"]:
+    for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *(ROOT / "plugins").rglob("README.md")]:
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"

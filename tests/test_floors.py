@@ -23,7 +23,7 @@ FLOORS = [
     {"certificate"},
     {"problem"},
     {"refinement", "running_in", "studies"},
-    {"paper", "report", "stability"},
+    {"paper", "report", "stability", "testing"},
     {"cli"},
     {"__main__"},
 ]

@@ -19,6 +19,8 @@ HEAVY = {
     "pandas",
     "roughcontact.paper",
     "roughcontact.cli",
+    "roughcontact.testing",
+    "hypothesis",
 }
 
 

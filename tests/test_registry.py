@@ -104,7 +104,8 @@ def test_the_entry_point_door(tmp_path):
         env={"PYTHONPATH": str(tmp_path)},
     )
     first, second = done.stdout.splitlines()
-    assert first == "pressure-weighted broken fourier love winkler"
+    assert first.startswith("pressure-weighted ")
+    assert {"broken", "fourier", "love", "winkler"} <= set(first.split())
     assert "'broken' is installed as somebody_elses:Absent, but cannot be loaded" in second
 
 

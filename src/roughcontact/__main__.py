@@ -40,7 +40,7 @@ def _fail(sentence: str, status: int) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     try:
-        from roughcontact.cli import options, pairs, paper, report, run, solve, stability
+        from roughcontact.cli import check, options, pairs, paper, report, run, solve, stability
     except ImportError as error:
         raise MissingPackage(f"The command line needs {error.name}: pip install '{_EXTRA}'.") from error
     parser = argparse.ArgumentParser(prog="roughcontact", description="Contact of rough surfaces.")
@@ -72,6 +72,9 @@ def _parser() -> argparse.ArgumentParser:
     study.add_argument("--workers", type=int, default=1, metavar="N", help="processes (1)")
     study.add_argument("-o", "--output", metavar="FOLDER", help="where the results go (named like the study)")
     study.set_defaults(command=run.run)
+    part = commands.add_parser("check", help="try a registered part on the claims that its kind makes")
+    check.declare(part)
+    part.set_defaults(command=check.run)
     return parser
 
 

@@ -64,6 +64,8 @@ class PolonskyKeer(Solver):
         search = _Search(np.zeros_like(pressure))
         load = task.mean_pressure * pressure.size
         convolutions = 0
+        # In a contact of one cell there is no descent: a start that leads there is dropped, once.
+        dropped = task.start is None
         while True:
             displacement = convolution.apply(pressure)
             convolutions += 1
@@ -74,6 +76,10 @@ class PolonskyKeer(Solver):
             gap = _less_mean(displacement + task.undeformed, contact, convolution)
             step = search.step(gap, contact, convolution)
             convolutions += 1
+            if step is None and not dropped:
+                dropped, pressure = True, starting_pressure(attrs.evolve(task, start=None))
+                search = _Search(np.zeros_like(pressure))
+                continue
             if step is None:
                 return monitor.outcome(pressure, Status.STALLED, convolutions)
             pressure = np.maximum(pressure - step * search.direction, 0.0)
