@@ -86,6 +86,11 @@ class LayeredKernel(rc.InfluenceKernel):
         own, _ = waves(self.layers, self.substrate, q.ravel())
         return (own.reshape(q.shape) + 2.0 * self._other(compliance)) / q
 
+    def modulus_at(self, length: Array, compliance: float) -> Array:
+        """Return 2 / (q u(q)) for waves q = 1 / length, shape (n,), Pa; the estimators of the area read it."""
+        length = np.asarray(length, dtype=np.float64)
+        return np.asarray(2.0 * length / self.response(1.0 / length, compliance))
+
     def coefficients(self, shape: tuple[int, int], spacing: tuple[float, float], compliance: float) -> Array:
         """Return the influence coefficients, shape (nx, ny), m/Pa.
 
