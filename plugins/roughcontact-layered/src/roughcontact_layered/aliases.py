@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 from numpy.polynomial import chebyshev
 
 from roughcontact_layered.stack import Array
+
+Orders: TypeAlias = npt.NDArray[np.int_]
+Parts: TypeAlias = tuple[Array, Array, Array]
 
 # Chebyshev nodes in the square of the phase, in which the sum of all aliases is analytic.
 _NODES = 20
@@ -16,8 +21,8 @@ _NODES = 20
 _PLAIN, _AVERAGED = 8, 22
 
 
-def alias_sum(rest: Callable[[Array], Array], theta: tuple[Array, Array], spacing: tuple[float, float]) -> Array:
-    r"""Return the sum over all aliases but the wave itself.
+def alias_parts(rest: Callable[[Array], Array], theta: tuple[Array, Array], spacing: tuple[float, float]) -> Parts:
+    r"""Return what `joined` makes the sum over all aliases but the wave itself from.
 
     .. math:: \sum_{(m,n) \ne 0} f(|q + Q_{mn}|)\,\operatorname{sinc}(\theta_x / 2 + \pi m)\,
               \operatorname{sinc}(\theta_y / 2 + \pi n)
@@ -33,20 +38,29 @@ def alias_sum(rest: Callable[[Array], Array], theta: tuple[Array, Array], spacin
 
     Returns
     -------
-    Array
-        The sum, shape (m, n).
+    Parts
+        The sums along x, along y and over all others, at the nodes where they are smooth.
     """
-    nodes = 0.5 * np.pi**2 * (1.0 + chebyshev.chebpts1(_NODES))
-    at = np.sqrt(nodes)
+    at = np.sqrt(_nodes())
     orders = np.arange(-_PLAIN - _AVERAGED, _PLAIN + _AVERAGED + 1)
     others = orders[orders != 0]
     zero = np.zeros(1, dtype=orders.dtype)
     row = _sum(rest, (at, theta[1]), (others, zero), spacing)
     columns = _sum(rest, (theta[0], at), (zero, others), spacing)
     both = _sum(rest, (at, at), (others, others), spacing)
-    along = _through(nodes, theta[0])
-    across = _through(nodes, theta[1])
+    return row, columns, both
+
+
+def joined(parts: Parts, theta: tuple[Array, Array]) -> Array:
+    """Return the alias sum at phases of shapes (m,) and (n,), those the parts were made for, shape (m, n)."""
+    row, columns, both = parts
+    nodes = _nodes()
+    along, across = (_through(nodes, values) for values in theta)
     return along @ row + columns @ across.T + along @ both @ across.T
+
+
+def _nodes() -> Array:
+    return np.asarray(0.5 * np.pi**2 * (1.0 + chebyshev.chebpts1(_NODES)))
 
 
 def _through(nodes: Array, theta: Array) -> Array:
@@ -59,7 +73,7 @@ def _through(nodes: Array, theta: Array) -> Array:
 def _sum(
     rest: Callable[[Array], Array],
     theta: tuple[Array, Array],
-    orders: tuple[np.ndarray, np.ndarray],
+    orders: tuple[Orders, Orders],
     spacing: tuple[float, float],
 ) -> Array:
     total = np.zeros((theta[0].size, theta[1].size))
@@ -72,7 +86,7 @@ def _sum(
     return total
 
 
-def _weights(orders: np.ndarray) -> Array:
+def _weights(orders: Orders) -> Array:
     """Return the share of the averaged partial sums that hold each order."""
     shares = np.cumsum([math.comb(_AVERAGED, k) for k in range(_AVERAGED, -1, -1)])[::-1] / 2.0**_AVERAGED
     return np.concatenate((np.ones(_PLAIN), shares))[np.abs(orders)]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import attrs
 import numpy as np
 import roughcontact as rc
 
-from roughcontact_layered.aliases import alias_sum
+from roughcontact_layered.aliases import Parts, alias_parts, joined
 from roughcontact_layered.cells import cell_integrals
 from roughcontact_layered.radial import radial
 from roughcontact_layered.stack import Array, Layer, waves
@@ -115,15 +117,16 @@ class LayeredKernel(rc.InfluenceKernel):
         )
         half = [np.sinc(theta / (2.0 * np.pi)) for theta in steps]
         q = np.hypot((steps[0] / spacing[0])[:, np.newaxis], (steps[1] / spacing[1])[np.newaxis, :])
-        values = self._rest(q) * half[0][:, np.newaxis] * half[1][np.newaxis, :]
+        values = self.rest(q) * half[0][:, np.newaxis] * half[1][np.newaxis, :]
         nearest = np.pi / max(spacing)
-        if abs(self._rest(np.array([nearest])).item()) * nearest > np.finfo(np.float64).eps * self._top(compliance):
-            values = values + alias_sum(self._rest, (steps[0], steps[1]), spacing)
+        if abs(self.rest(np.array([nearest])).item()) * nearest > np.finfo(np.float64).eps * self._top(compliance):
+            parts = _aliases(self, spacing, steps[0].tobytes(), steps[1].tobytes())
+            values = values + joined(parts, (steps[0], steps[1]))
         love = rc.Love().spectrum(qx, qy, spacing, self._top(compliance))
         return np.asarray(love + values[np.ix_(places[0], places[1])])
 
-    def _rest(self, q: Array) -> Array:
-        """Return the response less that of a half-space of the topmost layer, of the shape of `q`, m/Pa."""
+    def rest(self, q: Array) -> Array:
+        """Return the response less that of a half-space of the topmost layer, shape of `q` (rad/m, above 0), m/Pa."""
         _, rest = waves(self.layers, self.substrate, q.ravel())
         return np.asarray(rest.reshape(q.shape) / q)
 
@@ -139,3 +142,9 @@ class LayeredKernel(rc.InfluenceKernel):
                 f"both bodies together ({compliance:g} 1/Pa): give the kernel the material of the coated body."
             )
         return max(other, 0.0)
+
+
+@lru_cache(maxsize=64)
+def _aliases(kernel: LayeredKernel, spacing: tuple[float, float], across: bytes, along: bytes) -> Parts:
+    """Return the parts of the alias sum, small beside the grid: a solve asks again for each coarser grid."""
+    return alias_parts(kernel.rest, (np.frombuffer(across), np.frombuffer(along)), spacing)
