@@ -4,8 +4,8 @@ import sys
 import numpy as np
 import pytest
 import roughcontact as rc
-from independent import sphere_by_rings
 
+from independent import sphere_by_rings
 from roughcontact_layered import Layer, LayeredKernel
 
 STEEL = rc.Elastic(1e9, 0.3)
@@ -49,7 +49,7 @@ def test_the_default_area_is_right_or_warns(ratio, thickness):
         exact = sphere(kernel, 384, contact).solve(force=force).area("level-set-richardson").value
     else:
         exact = np.pi * contact**2
-    for cells, allowed in ((32, 0.02), (64, 0.004)):
+    for cells, allowed in ((32, 0.02), (64, 0.005)):
         area = sphere(kernel, cells, contact).solve(force=force).area()
         error = abs(area.value - exact)
         assert area.doubts or error < allowed * exact

@@ -2,8 +2,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 import roughcontact as rc
-from independent import boundary_values, one_layer
 
+from independent import boundary_values, one_layer
 from roughcontact_layered import Layer, LayeredKernel
 
 Q = np.geomspace(1e-6, 1e6, 20)

@@ -24,9 +24,10 @@ def _layers(value: object) -> tuple[Layer, ...]:
     return layers
 
 
-def _substrate(_: object, __: object, value: object) -> None:
+def _substrate(value: object) -> rc.Elastic:
     if not isinstance(value, rc.Elastic):
         raise rc.InputError.about("The substrate", value, "the Elastic material of the coated body")
+    return value
 
 
 @attrs.frozen
@@ -62,7 +63,7 @@ class LayeredKernel(rc.InfluenceKernel):
     """
 
     layers: tuple[Layer, ...] = attrs.field(converter=_layers)
-    substrate: rc.Elastic = attrs.field(validator=_substrate)
+    substrate: rc.Elastic = attrs.field(converter=_substrate)
 
     def response(self, q: Array, compliance: float) -> Array:
         """Return the displacement amplitude by a pressure wave of amplitude one.
@@ -98,7 +99,7 @@ class LayeredKernel(rc.InfluenceKernel):
 
         Love's, for half-spaces of the topmost layer and of the other body, and the smooth rest.
         """
-        greatest = float(np.hypot(*(n * side for n, side in zip(shape, spacing, strict=True))))
+        greatest = float(np.hypot(shape[0] * spacing[0], shape[1] * spacing[1]))
         table = radial(self.layers, self.substrate, 0.4 * min(spacing), greatest)
         singular = rc.Love().coefficients(shape, spacing, self._top(compliance))
         return np.asarray(singular + cell_integrals(table, shape, spacing))

@@ -89,7 +89,8 @@ def _octave(layers: tuple[Layer, ...], substrate: rc.Elastic, octave: int) -> tu
     point = values @ (weights * special.j0(x))
     disc = values @ (weights * special.j1(x) / x)
     vandermonde = chebyshev.chebvander(nodes, _NODES - 1)
-    return np.linalg.solve(vandermonde, point), np.linalg.solve(vandermonde, disc)
+    solved = np.linalg.solve(vandermonde, np.stack((point, disc), axis=1)).astype(np.float64)
+    return solved[:, 0], solved[:, 1]
 
 
 def _halvings(thickness: float) -> int:
