@@ -16,6 +16,8 @@ Array: TypeAlias = npt.NDArray[np.float64]
 _THIN = 1.0
 # Terms of the series of (x cosh x - sinh x) / 2 below _THIN: the next one is below 1e-17.
 _SERIES = 9
+# Waves at a time: their matrices stay in the cache.
+_BLOCK = 1 << 14
 
 
 def _thickness(value: float) -> float:
@@ -99,6 +101,14 @@ def waves(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[A
     ----------
     O'Sullivan, King, J. Tribol. 110 (1988) 235-240, give the closed form of one layer.
     """
+    own, rest = np.empty(q.size), np.empty(q.size)
+    for start in range(0, q.size, _BLOCK):
+        block = slice(start, start + _BLOCK)
+        own[block], rest[block] = _waves(layers, substrate, q[block])
+    return own, rest
+
+
+def _waves(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
     scale = layers[0].young
     below = _half_space(substrate.young / scale, substrate.poisson)
     matrix = below[:, :, np.newaxis] * np.ones(q.size)
@@ -148,8 +158,8 @@ def _across_thin(generator: Array, matrix: Array, x: Array) -> Array:
     # cosh x - 1 = 2 sinh^2(x/2); going up, the odd powers change their sign.
     factors = (2.0 * np.sinh(half) ** 2 - second, third - np.sinh(x), second, -third)
     square = generator @ generator
-    powers = (np.eye(4), generator, square, square @ generator)
-    step = sum(power[:, :, np.newaxis] * factor for power, factor in zip(powers, factors, strict=True))
+    powers = np.array([np.eye(4), generator, square, square @ generator])
+    step = np.einsum("kij,kn->ijn", powers, np.array(factors))
     displacement = matrix + _product(step[:2, :2], matrix) + step[:2, 2:]
     traction = np.eye(2)[:, :, np.newaxis] + _product(step[2:, :2], matrix) + step[2:, 2:]
     return _product(displacement, _inverse(traction))
@@ -181,4 +191,5 @@ def _product(a: Array, b: Array) -> Array:
 
 def _inverse(a: Array) -> Array:
     """Invert matrices of shape (2, 2, n)."""
-    return np.array([[a[1, 1], -a[0, 1]], [-a[1, 0], a[0, 0]]]) / (a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0])
+    adjugate = np.array([[a[1, 1], -a[0, 1]], [-a[1, 0], a[0, 0]]])
+    return np.asarray(adjugate / (a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0]))
