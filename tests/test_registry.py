@@ -104,8 +104,10 @@ def test_the_entry_point_door(tmp_path):
         env={"PYTHONPATH": str(tmp_path)},
     )
     first, second = done.stdout.splitlines()
-    assert first.startswith("pressure-weighted ")
-    assert {"broken", "fourier", "love", "winkler"} <= set(first.split())
+    estimator, *names = first.split()
+    assert estimator == "pressure-weighted"
+    # Other plug-ins may be installed beside it.
+    assert {"broken", "fourier", "love", "winkler"} <= set(names)
     assert "'broken' is installed as somebody_elses:Absent, but cannot be loaded" in second
 
 

@@ -7,11 +7,15 @@ import numpy as np
 from roughcontact.checks import Array, frozen_array
 from roughcontact.convolvers import PlannedConvolution
 from roughcontact.errors import InputError
+from roughcontact.kernels import OffersModulus
 from roughcontact.loads import LOAD_TOLERANCE, pressure_unit
 from roughcontact.optimality import Conditions
 from roughcontact.plan import Plan
 from roughcontact.solution import ContactSolution, Residuals, Status
 from roughcontact.solvers import Outcome, Task
+
+# Lengths at which a kernel's modulus is kept.
+_LENGTHS = 96
 
 
 def certified(
@@ -73,4 +77,16 @@ def certified(
         history=outcome.history,
         levels=outcome.levels,
         edge_shift=plan.kernel.edge_shift,
+        moduli=_moduli(plan),
     )
+
+
+def _moduli(plan: Plan) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
+    """Return the contact modulus by the length of waves, from less than a cell to more than the domain."""
+    if not isinstance(plan.kernel, OffersModulus):
+        return None
+    lengths = np.geomspace(0.1 * min(plan.grid.spacing), max(plan.grid.size), _LENGTHS)
+    moduli = np.asarray(plan.kernel.modulus_at(lengths, 1.0 / plan.modulus))
+    if moduli.shape != lengths.shape or not (np.isfinite(moduli).all() and moduli.min() > 0.0):
+        raise InputError(f"The kernel {plan.kernel!r} must return moduli above zero, of shape {lengths.shape}.")
+    return tuple(lengths.tolist()), tuple(moduli.tolist())

@@ -16,6 +16,7 @@ Johnson, Contact Mechanics (1985), section 5.1, https://doi.org/10.1017/CBO97811
 
 from __future__ import annotations
 
+import math
 from typing import Any, Literal
 
 import attrs
@@ -27,6 +28,8 @@ from roughcontact.checks import Array, IntArray, Mask
 from roughcontact.grid import Boundary
 from roughcontact.solution import ContactSolution
 
+# Inverse wave number of what is seen within a cell or two of the edge, in cells, where E* depends on it.
+EDGE = 0.5
 # Differences of the distance across a dual cell are below this many cells, or the edge is not smooth.
 _STEEPEST = 16.0
 # Where no y gives the gradient one, as in saddles, the corners are this many cells apart in distance.
@@ -194,16 +197,23 @@ def _dual_cells(solution: ContactSolution, stride: int) -> _DualCells:
     return _DualCells(stride, stride, "edge", (weights[0], weights[1]))
 
 
+def change_at_edge(solution: ContactSolution) -> float:
+    """Return the logarithm of the change of the modulus over two octaves at the edge, zero without layers."""
+    length = EDGE * math.sqrt(solution.grid.cell_area)
+    shorter, longer = solution.modulus_at(np.array([0.5 * length, 2.0 * length]))
+    return abs(math.log(longer / shorter))
+
+
 def _distances(solution: ContactSolution, k: IntArray, contact: Mask, size: tuple[float, float]) -> Corners:
     """Return the signed distance from the edge at the corners `k` of dual cells, shape (4, n), m."""
-    inside = np.square(solution.pressure.ravel()[k] / solution.modulus)
+    step = np.sqrt(size[0] * size[1])
+    inside = np.square(solution.pressure.ravel()[k] / solution.modulus_at(EDGE * step))
     outside = np.zeros_like(inside)
     outside[~contact] = np.cbrt(np.square(0.75 * np.maximum(solution.gap.ravel()[k[~contact]], 0.0)))
     ax, ay = _gradient(inside, size)
     bx, by = _gradient(outside, size)
     # |grad phi|^2 is a cubic in w = y^2.
     cubic, square, linear = ax * ax + ay * ay, -2.0 * (ax * bx + ay * by), bx * bx + by * by
-    step = np.sqrt(size[0] * size[1])
     steepest = _STEEPEST * step
     with np.errstate(divide="ignore"):
         highest = np.minimum(np.cbrt(steepest / inside.max(axis=0)) ** 2, (steepest / outside.max(axis=0)) ** 2)

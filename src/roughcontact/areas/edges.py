@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact.areas.base import straight_rows
-from roughcontact.areas.contour import Contour, contour
+from roughcontact.areas.contour import Contour, change_at_edge, contour
 from roughcontact.areas.curvature import roughness
 from roughcontact.areas.sharp import sharp_edges
 from roughcontact.checks import Array
@@ -34,6 +34,8 @@ _SHAPED = 12
 _FEW = 3.0
 # What is not known of the kernel's shift of the edge, in cells.
 _SHIFT_ERROR = 0.003
+# Shift of the edge, in cells, where the modulus changes by e from short to long waves there, measured on layers.
+_VARIES = 0.1
 # The same where the pressure limit is reached, measured on spheres.
 _BLUNT = 0.06
 # What a grid that hardly resolves the heights covers too much, in cells along the edge: by the
@@ -72,6 +74,8 @@ class Drawn:
         Standard deviation of the area beside edges that run along the grid, and at a free border, m2.
     unknown
         A cell for each piece or hole of the larger clusters that is not the same in both drawings, m2.
+    varies
+        Logarithm of the change of the modulus between short and long waves at the edge; zero without layers.
     """
 
     area: Array
@@ -86,6 +90,7 @@ class Drawn:
     blunt: Array
     straight: float
     unknown: float
+    varies: float
 
 
 def drawn(solution: ContactSolution) -> Drawn:
@@ -113,6 +118,7 @@ def drawn(solution: ContactSolution) -> Drawn:
         straight=_border(solution) * cell
         + _straight(solution) * cell * (1.0 + float(np.sum(strip)) / max(2.0 * float(np.sum(fine)), cell)),
         unknown=abs(float(np.sum((one.euler - two.euler)[1:], where=solution.clusters.cells >= _SHAPED))) * cell,
+        varies=change_at_edge(solution),
     )
 
 
@@ -158,7 +164,8 @@ def edge_error(edges: Drawn, excess: Array, share: float | Array = 1.0) -> float
     known, and where the edges between all and between every second cell differ in their pieces and
     holes, a cell for each.
     """
-    return float(np.sum(share * (0.5 * excess + _SHIFT_ERROR * edges.strip + edges.blunt))) + edges.unknown
+    own = _SHIFT_ERROR + _VARIES * edges.varies
+    return float(np.sum(share * (0.5 * excess + own * edges.strip + edges.blunt))) + edges.unknown
 
 
 def few_cells(solution: ContactSolution, edges: Drawn) -> Array:

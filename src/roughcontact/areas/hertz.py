@@ -25,6 +25,11 @@ _ERROR = (0.003, 0.2, 0.1)
 _ALIKE = 1.0 / 3.0
 # Area over Hertz's at a pressure limit, by Hertz's greatest pressure over the limit; two thirds of it beyond.
 _OVERLOAD = (1.0, 1.05, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 1.85, 2.0, 2.2, 2.6, 3.0)
+# Where the modulus depends on the length of waves: the inverse wave number that a contact of radius one meets,
+# the rounds that find both, and the relative error of the area where the modulus changes by e over two octaves.
+_WIDE = 0.5
+_ROUNDS = 20
+_VARIES = 0.4
 # A cell without a limit among others counts as one with this, Pa.
 _UNLIMITED = 1e150
 _GROWTH = (1.0, 1.0006, 1.003, 1.0143, 1.034, 1.0625, 1.098, 1.187, 1.267, 1.355, 1.4805, 1.737, 2.0)
@@ -69,10 +74,26 @@ def hertz_areas(solution: ContactSolution, largest: float = np.inf) -> HertzArea
         valid = small & (found.mean > 0.0) & (ratio >= SLENDEREST)
         ratio = np.where(valid, ratio, 1.0)
         curved = np.where(valid, found.mean, 1.0)
-    area = np.pi * (0.75 * force / (solution.modulus * curved)) ** (2.0 / 3.0) * _ellipse(ratio)
+    area, varies = _by_scale(solution, 0.75 * np.pi**1.5 * force * _ellipse(ratio) ** 1.5 / curved)
     area = area * _growth(solution, force, area)
-    error = _ERROR[0] + _ERROR[1] * found.spread**2 + _ERROR[2] * found.spread**4
+    error = _ERROR[0] + _ERROR[1] * found.spread**2 + _ERROR[2] * found.spread**4 + _VARIES * varies
     return HertzAreas(np.where(valid, area, 0.0), np.where(valid, error, np.inf), found)
+
+
+def _by_scale(solution: ContactSolution, loaded: Array) -> tuple[Array, Array]:
+    """Return the areas (loaded / E*)^(2/3), shape (count + 1,), m2, and how fast E* varies at their size.
+
+    Where E* depends on the length of waves, it is that of waves as long as the contact is wide.
+    """
+    area = (loaded / solution.modulus) ** (2.0 / 3.0)
+    if solution.moduli is None:
+        return area, np.zeros_like(area)
+    smallest = solution.moduli[0][0]
+    for _ in range(_ROUNDS):
+        length = np.maximum(_WIDE * np.sqrt(area / np.pi), smallest)
+        area = np.sqrt(area * (loaded / solution.modulus_at(length)) ** (2.0 / 3.0))
+    varies = np.abs(np.log(solution.modulus_at(2.0 * length) / solution.modulus_at(0.5 * length)))
+    return area, np.asarray(varies)
 
 
 def _cut(solution: ContactSolution) -> Mask:

@@ -1,6 +1,6 @@
 """Influence kernels: the surface displacement that a pressure makes."""
 
-from roughcontact.kernels.base import BoundKernel, InfluenceKernel, OffersCoefficients, OffersSpectrum
+from roughcontact.kernels.base import BoundKernel, InfluenceKernel, OffersCoefficients, OffersModulus, OffersSpectrum
 from roughcontact.kernels.fourier import FourierHalfSpace
 from roughcontact.kernels.love import Love
 
@@ -10,5 +10,6 @@ __all__ = [
     "InfluenceKernel",
     "Love",
     "OffersCoefficients",
+    "OffersModulus",
     "OffersSpectrum",
 ]

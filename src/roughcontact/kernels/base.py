@@ -77,6 +77,29 @@ class OffersSpectrum(Protocol):
         """
 
 
+@runtime_checkable
+class OffersModulus(Protocol):
+    """A kernel whose modulus depends on the length of the waves; that of all others is 1/compliance."""
+
+    def modulus_at(self, length: Array, compliance: float) -> Array:
+        """Return the contact modulus E* that waves of the lengths 2 pi `length` meet.
+
+        The estimators of the area need it: at the edge of a contact, and for contacts of a size.
+
+        Parameters
+        ----------
+        length
+            Inverse wave numbers, shape (n,), m, above zero.
+        compliance
+            1/E* of the two half-spaces together, 1/Pa.
+
+        Returns
+        -------
+        Array
+            2 / (q u(q)) for a pressure wave of amplitude one, q = 1 / length, shape (n,), Pa.
+        """
+
+
 @attrs.frozen
 class BoundKernel:
     """A kernel with the bodies' compliance put in: what a convolver plans.

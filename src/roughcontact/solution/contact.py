@@ -57,6 +57,9 @@ class ContactSolution:
         The work on each grid, from coarse to fine, where the solver tells.
     edge_shift
         How far inside the true edge the kernel's discrete solutions put it, in cells.
+    moduli
+        Inverse wave numbers, m, ascending, and the contact modulus E* that such waves meet, Pa; None where
+        all meet `modulus`.
     origin
         What was solved; None where it is not known.
     """
@@ -77,7 +80,15 @@ class ContactSolution:
     history: tuple[float, ...]
     levels: tuple[Level, ...] = ()
     edge_shift: float = 0.0
+    moduli: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     origin: Origin | None = None
+
+    def modulus_at(self, length: float | Array) -> Array:
+        """Return the contact modulus E* that waves of inverse wave number `length`, m, meet, Pa."""
+        if self.moduli is None:
+            return np.full(np.shape(length), self.modulus)
+        lengths, moduli = (np.log(values) for values in self.moduli)
+        return np.asarray(np.exp(np.interp(np.log(length), lengths, moduli)))
 
     @cached_property
     def clusters(self) -> Clusters:

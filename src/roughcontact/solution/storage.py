@@ -68,6 +68,8 @@ def read(path: Path) -> dict[str, Any]:
         raise InputError(f"The file {path.name} holds no solution of this version of the package.")
     try:
         return _put_together(arrays, header)
+    except InputError:
+        raise
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"The file {path.name} is damaged: {error!r}.") from error
 
@@ -114,6 +116,7 @@ def _taken_apart(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
         "kind": _KIND,
         "versions": versions(),
         **{name: getattr(solution, name) for name in _PLAIN},
+        "moduli": describe(solution.moduli, parts),
         "boundary": str(solution.boundary),
         "status": solution.status.name,
         "history": list(solution.history),
@@ -132,6 +135,7 @@ def _put_together(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) ->
         **{name: header[name] for name in _PLAIN},
         **{name: rebuild(header[name], parts) for name in ("grid", "limit", "residuals", "levels", "origin")},
         **{name: frozen_array(arrays[name]) for name in ("pressure", "displacement", "undeformed")},
+        "moduli": rebuild(header.get("moduli"), parts),
         "boundary": Boundary(header["boundary"]),
         "status": Status[header["status"]],
         "history": tuple(header["history"]),

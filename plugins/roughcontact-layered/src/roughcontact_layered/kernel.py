@@ -1,0 +1,151 @@
+"""Layers on a half-space, under pressure that is constant on each cell."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import attrs
+import numpy as np
+import roughcontact as rc
+
+from roughcontact_layered.aliases import Parts, alias_parts, joined
+from roughcontact_layered.cells import cell_integrals
+from roughcontact_layered.radial import radial
+from roughcontact_layered.stack import Array, Layer, waves
+
+# The substrate may be softer than both bodies together by rounding alone.
+_ROUNDING = 1e-9
+
+
+def _layers(value: object) -> tuple[Layer, ...]:
+    layers = tuple(value) if isinstance(value, (list, tuple)) else (value,)
+    if not layers or not all(isinstance(layer, Layer) for layer in layers):
+        raise rc.InputError.about("The layers", value, "one Layer or more, from the surface downwards")
+    return layers
+
+
+def _substrate(value: object) -> rc.Elastic:
+    if not isinstance(value, rc.Elastic):
+        raise rc.InputError.about("The substrate", value, "the Elastic material of the coated body")
+    return value
+
+
+@attrs.frozen
+class LayeredKernel(rc.InfluenceKernel):
+    r"""Bonded elastic layers on one of the two bodies, frictionless, under cells of constant pressure.
+
+    .. math:: \hat u(q) = \left[\frac{2}{E^*|q|} + \hat u_\mathrm{layers}(q) - \frac{2 c_s}{|q|}\right] \hat p(q)
+
+    The half-spaces under the layers, of both bodies, come from the materials of the contact problem,
+    through 1/E*. The layers on one of them come from here; `substrate` repeats that body's material,
+    because the layers need its Poisson ratio and the part that is its own, c_s = (1 - nu^2)/E, of 1/E*.
+
+    Parameters
+    ----------
+    layers
+        From the surface downwards.
+    substrate
+        The material of the body that carries the layers: that of the `roughcontact.Body`.
+
+    Raises
+    ------
+    roughcontact.InputError
+        If a part is of another kind; and, when the kernel is used, if both bodies together are stiffer
+        than the substrate alone, so that none of them can be made of it.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> steel = rc.Elastic(young=210e9, poisson=0.3)
+    >>> coating = LayeredKernel(Layer(young=400e9, poisson=0.25, thickness=2e-6), substrate=steel)
+    >>> coated = rc.Body(rc.SphereSurface(radius=1e-3), steel)
+    >>> problem = rc.ContactProblem(coated, grid=rc.Grid((64, 64), (1e-4, 1e-4)), kernel=coating)
+    """
+
+    layers: tuple[Layer, ...] = attrs.field(converter=_layers)
+    substrate: rc.Elastic = attrs.field(converter=_substrate)
+
+    def response(self, q: Array, compliance: float) -> Array:
+        """Return the displacement amplitude by a pressure wave of amplitude one.
+
+        Parameters
+        ----------
+        q
+            Wave numbers, any shape, rad/m, above zero.
+        compliance
+            1/E* of the half-spaces under the layers, 1/Pa.
+
+        Returns
+        -------
+        Array
+            Amplitudes, of the shape of `q`, m/Pa.
+
+        Raises
+        ------
+        roughcontact.InputError
+            If the substrate is softer than both bodies together.
+        """
+        q = np.asarray(q, dtype=np.float64)
+        own, _ = waves(self.layers, self.substrate, q.ravel())
+        return (own.reshape(q.shape) + 2.0 * self._other(compliance)) / q
+
+    def modulus_at(self, length: Array, compliance: float) -> Array:
+        """Return 2 / (q u(q)) for waves q = 1 / length, shape (n,), Pa; the estimators of the area read it."""
+        length = np.asarray(length, dtype=np.float64)
+        return np.asarray(2.0 * length / self.response(1.0 / length, compliance))
+
+    def coefficients(self, shape: tuple[int, int], spacing: tuple[float, float], compliance: float) -> Array:
+        """Return the influence coefficients, shape (nx, ny), m/Pa.
+
+        Love's, for half-spaces of the topmost layer and of the other body, and the smooth rest.
+        """
+        greatest = float(np.hypot(shape[0] * spacing[0], shape[1] * spacing[1]))
+        table = radial(self.layers, self.substrate, 0.4 * min(spacing), greatest)
+        singular = rc.Love().coefficients(shape, spacing, self._top(compliance))
+        return np.asarray(singular + cell_integrals(table, shape, spacing))
+
+    def spectrum(self, qx: Array, qy: Array, spacing: tuple[float, float], compliance: float) -> Array:
+        """Return the response at the cell centres to waves of cell pressures, shape (m, n), m/Pa.
+
+        Love's, for half-spaces of the topmost layer and of the other body, and the rest with its aliases.
+        """
+        steps, places = zip(
+            *(
+                np.unique(np.abs(q).ravel() * side, return_inverse=True)
+                for q, side in zip((qx, qy), spacing, strict=True)
+            ),
+            strict=True,
+        )
+        half = [np.sinc(theta / (2.0 * np.pi)) for theta in steps]
+        q = np.hypot((steps[0] / spacing[0])[:, np.newaxis], (steps[1] / spacing[1])[np.newaxis, :])
+        values = self.rest(q) * half[0][:, np.newaxis] * half[1][np.newaxis, :]
+        nearest = np.pi / max(spacing)
+        if abs(self.rest(np.array([nearest])).item()) * nearest > np.finfo(np.float64).eps * self._top(compliance):
+            parts = _aliases(self, spacing, steps[0].tobytes(), steps[1].tobytes())
+            values = values + joined(parts, (steps[0], steps[1]))
+        love = rc.Love().spectrum(qx, qy, spacing, self._top(compliance))
+        return np.asarray(love + values[np.ix_(places[0], places[1])])
+
+    def rest(self, q: Array) -> Array:
+        """Return the response less that of a half-space of the topmost layer, shape of `q` (rad/m, above 0), m/Pa."""
+        _, rest = waves(self.layers, self.substrate, q.ravel())
+        return np.asarray(rest.reshape(q.shape) / q)
+
+    def _top(self, compliance: float) -> float:
+        return self.layers[0].compliance + self._other(compliance)
+
+    def _other(self, compliance: float) -> float:
+        """Return (1 - nu^2) / E of the body without layers, 1/Pa."""
+        other = compliance - self.substrate.compliance
+        if other < -_ROUNDING * compliance:
+            raise rc.InputError(
+                f"The substrate {self.substrate!r} alone is softer (1/E* = {self.substrate.compliance:g} 1/Pa) than "
+                f"both bodies together ({compliance:g} 1/Pa): give the kernel the material of the coated body."
+            )
+        return max(other, 0.0)
+
+
+@lru_cache(maxsize=64)
+def _aliases(kernel: LayeredKernel, spacing: tuple[float, float], across: bytes, along: bytes) -> Parts:
+    """Return the parts of the alias sum, small beside the grid: a solve asks again for each coarser grid."""
+    return alias_parts(kernel.rest, (np.frombuffer(across), np.frombuffer(along)), spacing)

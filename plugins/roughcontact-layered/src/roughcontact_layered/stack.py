@@ -1,0 +1,195 @@
+"""Waves of pressure on a stack of bonded layers."""
+
+from __future__ import annotations
+
+import math
+from typing import TypeAlias
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+import roughcontact as rc
+
+Array: TypeAlias = npt.NDArray[np.float64]
+
+# Layers thinner than this times 1/q are crossed by the matrix exponential less one, thicker ones by reflection.
+_THIN = 1.0
+# Terms of the series of (x cosh x - sinh x) / 2 below _THIN: the next one is below 1e-17.
+_SERIES = 9
+# Waves at a time: their matrices stay in the cache.
+_BLOCK = 1 << 14
+
+
+def _thickness(value: float) -> float:
+    try:
+        result = float(value)
+    except (TypeError, ValueError):
+        result = math.nan
+    if isinstance(value, (str, bool)) or not (math.isfinite(result) and result > 0.0):
+        raise rc.InputError.about("The thickness of a layer", value, "a finite number, above 0 (m)")
+    return result
+
+
+def _young(value: float) -> float:
+    return rc.Elastic(value, 0.0).young
+
+
+def _poisson(value: float) -> float:
+    return rc.Elastic(1.0, value).poisson
+
+
+@attrs.frozen
+class Layer:
+    """A homogeneous, isotropic, linear elastic layer, bonded to what is below it.
+
+    Parameters
+    ----------
+    young
+        Young's modulus, Pa, above zero.
+    poisson
+        Poisson's ratio, above -1 and at most 0.5.
+    thickness
+        Thickness, m, above zero.
+
+    Raises
+    ------
+    roughcontact.InputError
+        If a value is out of these bounds.
+    """
+
+    young: float = attrs.field(converter=_young)
+    poisson: float = attrs.field(converter=_poisson)
+    thickness: float = attrs.field(converter=_thickness)
+
+    @property
+    def compliance(self) -> float:
+        """Plane-strain compliance (1 - nu^2) / E of a half-space of this material, 1/Pa."""
+        return (1.0 - self.poisson**2) / self.young
+
+
+def waves(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
+    r"""Return q u / p, and the same less that of a half-space of the topmost layer.
+
+    With u and t the amplitudes of displacement and traction (along x, along z), t over q, each
+    interface has a compliance matrix, u = C t. It is carried from the substrate upwards. Across a
+    layer of thickness h, x = q h, the amplitudes y = (u, t) obey dy/d(qz) = A y with
+    (A^2 - 1)^2 = 0. A thin layer is crossed by D = exp(-A x) - 1, where nothing cancels,
+
+    .. math:: C' = (C + D_{uu} C + D_{ut})\,(1 + D_{tu} C + D_{tt})^{-1}
+
+    and a thick one by what its lower side reflects, where nothing grows: with the compliances H of
+    waves that decay downwards and V of those that decay upwards
+
+    .. math:: R = e^{-2x} P_V (C - V)^{-1} (H - C) P_H, \quad C' = H + (V - H)\,R\,(1 + R)^{-1}
+
+    Parameters
+    ----------
+    layers
+        From the top downwards.
+    substrate
+        The half-space under them.
+    q
+        Wave numbers, shape (n,), rad/m, above zero.
+
+    Returns
+    -------
+    tuple[Array, Array]
+        Both of shape (n,), 1/Pa. The second falls as exp(-2 q h) with the thickness h of the topmost
+        layer, and each is exact to rounding where the other one is much larger.
+
+    References
+    ----------
+    O'Sullivan, King, J. Tribol. 110 (1988) 235-240, give the closed form of one layer.
+    """
+    own, rest = np.empty(q.size), np.empty(q.size)
+    for start in range(0, q.size, _BLOCK):
+        block = slice(start, start + _BLOCK)
+        own[block], rest[block] = _waves(layers, substrate, q[block])
+    return own, rest
+
+
+def _waves(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
+    scale = layers[0].young
+    below = _half_space(substrate.young / scale, substrate.poisson)
+    matrix = below[:, :, np.newaxis] * np.ones(q.size)
+    difference = matrix
+    for layer in reversed(layers):
+        own = _half_space(layer.young / scale, layer.poisson)
+        matrix, difference = _through(layer, scale, own, matrix, q * layer.thickness)
+    return np.asarray(-matrix[1, 1] / scale), np.asarray(-difference[1, 1] / scale)
+
+
+def _half_space(young: float, poisson: float) -> Array:
+    """Return the compliance matrix of waves that decay downwards, for 1/young."""
+    along, coupling = -2.0 * (1.0 - poisson**2), (1.0 - 2.0 * poisson) * (1.0 + poisson)
+    return np.array([[along, coupling], [coupling, along]]) / young
+
+
+def _through(layer: Layer, scale: float, own: Array, matrix: Array, x: Array) -> tuple[Array, Array]:
+    """Return the compliance matrix above a layer, and the same less that of its half-space."""
+    generator = _generator(layer.young / scale, layer.poisson)
+    thin = x < _THIN
+    result, difference = np.empty_like(matrix), np.empty_like(matrix)
+    result[..., thin] = _across_thin(generator, matrix[..., thin], x[thin])
+    difference[..., thin] = result[..., thin] - own[:, :, np.newaxis]
+    difference[..., ~thin] = _across_thick(generator, own, matrix[..., ~thin], x[~thin])
+    result[..., ~thin] = difference[..., ~thin] + own[:, :, np.newaxis]
+    return result, difference
+
+
+def _generator(young: float, poisson: float) -> Array:
+    """Return A of dy/d(qz) = A y for y = (u_x, u_z, s_xz / q, s_zz / q), z downwards."""
+    shear = young / (2.0 * (1.0 + poisson))
+    lateral = poisson / (1.0 - poisson)
+    return np.array(
+        [
+            [0.0, 1.0, 1.0 / shear, 0.0],
+            [-lateral, 0.0, 0.0, (1.0 - 2.0 * poisson) / (2.0 * shear * (1.0 - poisson))],
+            [2.0 * shear / (1.0 - poisson), 0.0, 0.0, lateral],
+            [0.0, 0.0, -1.0, 0.0],
+        ]
+    )
+
+
+def _across_thin(generator: Array, matrix: Array, x: Array) -> Array:
+    half = 0.5 * x
+    second = half * np.sinh(x)
+    third = _third(x)
+    # cosh x - 1 = 2 sinh^2(x/2); going up, the odd powers change their sign.
+    factors = (2.0 * np.sinh(half) ** 2 - second, third - np.sinh(x), second, -third)
+    square = generator @ generator
+    powers = np.array([np.eye(4), generator, square, square @ generator])
+    step = np.einsum("kij,kn->ijn", powers, np.array(factors))
+    displacement = matrix + _product(step[:2, :2], matrix) + step[:2, 2:]
+    traction = np.eye(2)[:, :, np.newaxis] + _product(step[2:, :2], matrix) + step[2:, 2:]
+    return _product(displacement, _inverse(traction))
+
+
+def _third(x: Array) -> Array:
+    """Return (x cosh x - sinh x) / 2 by its series."""
+    orders = range(1, _SERIES + 1)
+    terms = [k / math.factorial(2 * k + 1) for k in orders]
+    return np.asarray(x**3 * np.polynomial.polynomial.polyval(x * x, terms))
+
+
+def _across_thick(generator: Array, own: Array, matrix: Array, x: Array) -> Array:
+    mirror = own * np.array([[-1.0, 1.0], [1.0, -1.0]])
+    one = np.eye(2)
+    down = generator[2:, :2] @ own + generator[2:, 2:] + one
+    up = one - generator[2:, :2] @ mirror - generator[2:, 2:]
+    one3, own3, mirror3 = one[:, :, np.newaxis], own[:, :, np.newaxis], mirror[:, :, np.newaxis]
+    reflected = _product(_inverse(matrix - mirror3), own3 - matrix)
+    reflected = _product(one3 + up[:, :, np.newaxis] * x, _product(reflected, one3 + down[:, :, np.newaxis] * x))
+    reflected = reflected * np.exp(-2.0 * x)
+    return _product(mirror3 - own3, _product(reflected, _inverse(one3 + reflected)))
+
+
+def _product(a: Array, b: Array) -> Array:
+    """Multiply matrices of shape (2, 2, n)."""
+    return np.array([[a[i, 0] * b[0, j] + a[i, 1] * b[1, j] for j in (0, 1)] for i in (0, 1)])
+
+
+def _inverse(a: Array) -> Array:
+    """Invert matrices of shape (2, 2, n)."""
+    adjugate = np.array([[a[1, 1], -a[0, 1]], [-a[1, 0], a[0, 0]]])
+    return np.asarray(adjugate / (a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0]))

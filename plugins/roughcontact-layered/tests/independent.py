@@ -1,0 +1,101 @@
+"""Independent solutions: the boundary-value problem with many digits, and an axisymmetric contact by rings."""
+
+import mpmath as mp
+import numpy as np
+from scipy import special
+
+
+def boundary_values(layers, substrate, q, digits=60):
+    """Return q u / p from Airy's stress function with four constants per layer, all interfaces at once."""
+    with mp.workdps(digits):
+        q, count = mp.mpf(q), len(layers)
+        depths = [q * mp.mpf(layer.thickness) for layer in layers]
+
+        def wave(body, z, sign):
+            poisson, shear = mp.mpf(body.poisson), mp.mpf(body.young) / 2 / (1 + mp.mpf(body.poisson))
+            e, columns = mp.exp(sign * z), []
+            for phi in (
+                (e, sign * e, e, sign * e),
+                (z * e, (1 + sign * z) * e, (2 * sign + z) * e, (3 + sign * z) * e),
+            ):
+                along = ((1 - poisson) * phi[2] + poisson * phi[0]) / (2 * shear)
+                slope = ((1 - poisson) * phi[3] + poisson * phi[1]) / (2 * shear)
+                columns.append((along, slope - phi[1] / shear, phi[1], -phi[0]))
+            return columns
+
+        def columns(i, z):
+            if i == count:
+                return wave(substrate, mp.mpf(0), -1)
+            return wave(layers[i], z, -1) + wave(layers[i], z - depths[i], 1)
+
+        matrix, right = mp.matrix(4 * count + 2), mp.matrix(4 * count + 2, 1)
+        top = columns(0, mp.mpf(0))
+        for j in range(4):
+            matrix[0, j], matrix[1, j] = top[j][2], top[j][3]
+        right[1] = -1
+        for i in range(count):
+            above, below = columns(i, depths[i]), columns(i + 1, mp.mpf(0))
+            for part in range(4):
+                row = 2 + 4 * i + part
+                for j, column in enumerate(above):
+                    matrix[row, 4 * i + j] = column[part]
+                for j, column in enumerate(below):
+                    matrix[row, 4 * i + 4 + j] = -column[part]
+        found = mp.lu_solve(matrix, right)
+        return mp.fsum(found[j] * top[j][1] for j in range(4))
+
+
+def one_layer(layer, substrate, q):
+    """Return q u / p of one bonded layer: O'Sullivan and King (1988), as in Nogi and Kato (1997).
+
+    alpha(q) = 1 + 4 q h kappa theta - lambda kappa theta^2 over 1 - (lambda + kappa + 4 kappa (q h)^2) theta
+    + lambda kappa theta^2, theta = exp(-2 q h).
+    """
+    nu1, nu2 = layer.poisson, substrate.poisson
+    m1, m2 = layer.young / 2 / (1 + nu1), substrate.young / 2 / (1 + nu2)
+    ratio = m1 / m2
+    kappa = (ratio - 1) / (ratio + 3 - 4 * nu1)
+    lam = 1 - 4 * (1 - nu1) / (1 + ratio * (3 - 4 * nu2))
+    x = q * layer.thickness
+    theta = np.exp(-2 * x)
+    above = 1 + 4 * x * kappa * theta - lam * kappa * theta**2
+    below = 1 - (lam + kappa + 4 * kappa * x**2) * theta + lam * kappa * theta**2
+    return 2 * layer.compliance * above / below
+
+
+def sphere_by_rings(response, modulus, radius, contact):
+    """Return force and approach of a rigid paraboloid whose contact has a radius, by a Galerkin series.
+
+    The pressure is the sum of c_k (1 - (r/a)^2)^(k - 1/2): Hankel's transforms of these are known (Sneddon), and
+    the displacement is that of the paraboloid at Gauss points in r. A term singular at the edge is absent.
+    """
+    terms = 10
+    # Waves up to 200/a, in panels: what the layer adds falls as exp(-2 q h).
+    edges = np.linspace(0, 200, 201)
+    at, w = np.polynomial.legendre.leggauss(12)
+    half = 0.5 * np.diff(edges)[:, None]
+    s = (edges[:-1, None] + half * (at + 1)).ravel()
+    w = (half * w).ravel()
+    orders = np.arange(1, terms + 1) + 0.5
+    transforms = [2 ** (v - 1) * special.gamma(v) * special.jv(v, s) / s**v for v in orders]
+    extra = response(s / contact) * s / contact * modulus / 2 - 1.0
+    r = np.cos(np.pi * (np.arange(40) + 0.5) / 80)
+    j0 = special.j0(np.outer(r, s))
+    # u(r) = integral of p(s) u(s) J0 s ds; the half-space's part of each term is a known polynomial in r^2.
+    system = np.empty((r.size, terms + 1))
+    for k, transform in enumerate(transforms, 1):
+        smooth = j0 @ (w * extra * transform)
+        power = [half_space(k, radius_) for radius_ in r]
+        system[:, k - 1] = 2 * contact / modulus * (smooth + np.array(power))
+    system[:, terms] = -1.0
+    system[:, terms] *= -system[:, 0].max()
+    unit = system[:, 0].max()
+    found = np.linalg.lstsq(system / unit, -(r**2) * contact**2 / (2 * radius * unit), rcond=None)[0]
+    found[-1] *= -unit
+    force = 2 * np.pi * contact**2 * sum(c / (2 * k + 1) for k, c in enumerate(found[:-1], 1))
+    return force, found[-1]
+
+
+def half_space(k, r):
+    """Integral over s of J0(s r) times the transform of (1 - r^2)^(k - 1/2): Weber and Schafheitlin."""
+    return 0.5 * special.gamma(k + 0.5) * np.sqrt(np.pi) / special.gamma(k + 1) * special.hyp2f1(0.5, -k, 1, r * r)

@@ -1,0 +1,95 @@
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import roughcontact as rc
+
+from independent import sphere_by_rings
+from roughcontact_layered import Layer, LayeredKernel
+
+STEEL = rc.Elastic(1e9, 0.3)
+C = STEEL.compliance
+
+
+def sphere(kernel, cells, contact, radius=1.0):
+    grid = rc.Grid((cells, cells), (3.2 * contact, 3.2 * contact))
+    return rc.ContactProblem(rc.Body(rc.ParaboloidSurface(radius=radius), STEEL), grid=grid, kernel=kernel)
+
+
+def rings(kernel, contact):
+    """Split off the half-space of the topmost layer: what is left falls with the wave number."""
+    return sphere_by_rings(lambda q: kernel.response(q, C), 1 / kernel.layers[0].compliance, 1.0, contact)
+
+
+def coating(ratio, thickness):
+    return LayeredKernel(Layer(ratio * STEEL.young, 0.3, thickness), substrate=STEEL)
+
+
+@pytest.mark.parametrize("ratio", [0.25, 0.5, 1.0, 2.0, 4.0])
+@pytest.mark.parametrize("contact", [0.003, 0.01, 0.03])
+def test_load_and_approach_of_a_sphere_are_those_of_the_axisymmetric_problem(ratio, contact):
+    kernel = coating(ratio, 0.01)
+    force, approach = rings(kernel, contact)
+    hertz = 4 / (3 * C) * contact**3
+    assert (force > hertz) == (ratio > 1.0) or ratio == 1.0
+    solution = sphere(kernel, 129, contact).solve(force=force)
+    assert solution.approach == pytest.approx(approach, rel=5e-5)
+    assert solution.area().value == pytest.approx(np.pi * contact**2, rel=2e-3)
+
+
+@pytest.mark.parametrize("ratio", [0.1, 0.5, 2.0, 10.0])
+@pytest.mark.parametrize("thickness", [0.01, 0.1, 0.3, 1.0, 5.0])
+def test_the_default_area_is_right_or_warns(ratio, thickness):
+    contact = 0.01
+    kernel = coating(ratio, thickness * contact)
+    force, _ = rings(kernel, contact) if thickness >= 0.3 else (None, 0)
+    if force is None:
+        force = 4 / 3 * kernel.modulus_at(np.array([0.5 * contact]), C).item() * contact**3
+        exact = sphere(kernel, 384, contact).solve(force=force).area("level-set-richardson").value
+    else:
+        exact = np.pi * contact**2
+    for cells, allowed in ((32, 0.02), (64, 0.005)):
+        area = sphere(kernel, cells, contact).solve(force=force).area()
+        error = abs(area.value - exact)
+        assert area.doubts or error < allowed * exact
+        assert error < max(6 * area.uncertainty, 0.01 * exact)
+
+
+def test_the_modulus_at_the_edge_is_the_layers_and_is_kept_in_files(tmp_path):
+    solution = sphere(coating(10.0, 0.05), 32, 0.01).solve(force=1e3)
+    length = 0.5 * solution.grid.spacing[0]
+    assert solution.modulus_at(length) == pytest.approx(10.0 / C, rel=1e-3)
+    assert solution.modulus == pytest.approx(1.0 / C)
+    solution.save(tmp_path / "layered.npz")
+    again = rc.ContactSolution.load(tmp_path / "layered.npz")
+    assert again.moduli == solution.moduli
+    assert again.area().value == solution.area().value
+    assert again.origin.problem["kernel"] == coating(10.0, 0.05)
+    script = (
+        "import sys; sys.modules['roughcontact_layered.kernel'] = None\n"
+        "import roughcontact as rc\n"
+        f"try: rc.ContactSolution.load({str(tmp_path / 'layered.npz')!r})\n"
+        "except rc.InputError as error: print(error)"
+    )
+    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    assert "roughcontact_layered.kernel:LayeredKernel is not installed here" in said
+    assert "damaged" not in said
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("ratio", [0.1, 0.5, 2.0])
+def test_the_default_solver_takes_few_more_iterations(boundary, ratio):
+    grid = rc.Grid((128, 128), (1e-4, 1e-4))
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=6e-6, longest=5e-5, seed=3)
+
+    def solved(kernel):
+        problem = rc.ContactProblem(rc.Body(surface, STEEL), grid=grid, boundary=boundary, kernel=kernel)
+        first = problem.convolution
+        solution = problem.solve(pressure=5e6)
+        assert problem.convolution is first
+        return solution
+
+    love = solved("love").iterations
+    for thickness in (3e-7, 3e-6, 3e-5):
+        assert solved(coating(ratio, thickness)).iterations <= 1.2 * love + 1
