@@ -48,6 +48,7 @@ def small_pairs(monkeypatch):
     monkeypatch.setattr(stand_in, "PLACES", 1)
 
 
+@pytest.mark.slow
 def test_paper_pairs_writes_tables_figures_and_maps(small_pairs, tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["paper", "--pairs", "-o", str(out)]) == 0

@@ -92,6 +92,7 @@ class TestStandIn:
         fine, coarse = pair.counter.surface.values, stand_in.scaled(pair, 256).counter.surface.values
         np.testing.assert_allclose(coarse, fine.reshape(256, 2, 256, 2).mean(axis=(1, 3)), atol=1e-20)
 
+    @pytest.mark.slow
     def test_running_in_goes_on_where_it_stopped(self, tmp_path, monkeypatch):
         monkeypatch.setattr(stand_in, "PLACES", 2)
         pair, cycles = stand_in.fresh(512), []
