@@ -22,7 +22,7 @@ FLOORS = [
     {"loads", "sweep"},
     {"certificate"},
     {"problem"},
-    {"refinement", "running_in", "studies"},
+    {"load", "refinement", "running_in", "studies"},
     {"paper", "report", "stability", "testing"},
     {"cli"},
     {"__main__"},

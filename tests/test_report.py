@@ -14,8 +14,8 @@ import pytest
 import roughcontact as rc
 from roughcontact import reference
 from roughcontact.__main__ import main
+from roughcontact.load import Load
 from roughcontact.paper import printed
-from roughcontact.report.load import Load
 from roughcontact.report.truth import refined_truth
 
 PNG = b"\x89PNG"

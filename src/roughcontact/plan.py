@@ -12,7 +12,7 @@ from roughcontact.checks import Array, Mask
 from roughcontact.convolvers import Convolver
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import InfluenceKernel
-from roughcontact.relief import rms_slope, seam_jump
+from roughcontact.relief import repeats, rms_slope
 from roughcontact.solvers import Solver
 from roughcontact.units import si
 
@@ -23,7 +23,6 @@ _SHARES = {False: (0.0, 0.1, 0.28, 0.36, 1.0), True: (0.0, 0.1, 0.4, 1.0)}
 _ARRAYS = {False: (8.0, 8.7, 10.3, 15.5, 16.6), True: (11.5, 12.7, 17.6, 17.8)}
 # Notes are made above this rms slope, and above this multiple of the steps between neighbours.
 _STEEP = 0.5
-_JUMP = 3.0
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -72,7 +71,7 @@ class Plan:
             notes.append(
                 f"the rms slope of the heights is {slope:.2g}, too steep for a half-space: are they in metres?"
             )
-        if self.boundary is not Boundary.FREE and seam_jump(self.undeformed) > _JUMP:
+        if self.boundary is not Boundary.FREE and not repeats(self.undeformed):
             notes.append("the heights jump across the border, where the domain is taken to go on with its own copy")
         return tuple(notes)
 

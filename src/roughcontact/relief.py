@@ -9,6 +9,9 @@ import numpy as np
 from roughcontact.checks import Array
 from roughcontact.grid import Grid
 
+# The rms step across the border of heights that repeat is at most this multiple of that between neighbours.
+_JUMP = 3.0
+
 
 def rms_slope(heights: Array, grid: Grid) -> float:
     """Return the root mean square of the gradient between neighbouring cells, shape (nx, ny), m."""
@@ -19,14 +22,12 @@ def rms_slope(heights: Array, grid: Grid) -> float:
     return greatest * math.sqrt(sum(float(np.mean((step / greatest) ** 2)) for step in steps))
 
 
-def seam_jump(heights: Array, axis: int | None = None) -> float:
-    """Return the rms step across the border over that between neighbours, for one axis or the worse of both."""
+def repeats(heights: Array, axis: int | None = None) -> bool:
+    """Tell whether heights, shape (nx, ny), go on with their own copy along one axis, or along both, without a jump."""
     if axis is None:
-        return max(seam_jump(heights, 0), seam_jump(heights, 1))
+        return repeats(heights, 0) and repeats(heights, 1)
     if heights.shape[axis] <= 2:
-        return 0.0
+        return True
     inside = float(np.sqrt(np.mean(np.diff(heights, axis=axis) ** 2)))
     across = float(np.sqrt(np.mean((heights.take(0, axis) - heights.take(-1, axis)) ** 2)))
-    if across == 0.0:
-        return 0.0
-    return across / inside if inside > 0.0 else math.inf
+    return across <= _JUMP * inside

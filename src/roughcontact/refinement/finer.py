@@ -14,8 +14,6 @@ from roughcontact.surfaces import HeightMap, Surface
 from roughcontact.surfaces.base import own_grid
 from roughcontact.surfaces.sum import SurfaceSum
 
-_MOST_CELLS = 2**28
-
 
 def on_grid(problem: ContactProblem, shape: tuple[int, int], between: str | None = None) -> ContactProblem:
     """Return the problem on another number of cells over the same domain.
@@ -51,14 +49,6 @@ def require_problem(problem: ContactProblem) -> ContactProblem:
     if not isinstance(problem, ContactProblem):
         raise InputError.about("What is to be refined", problem, "a ContactProblem")
     return problem
-
-
-def require_bearable(nx: int, ny: int, factor: int) -> None:
-    """Raise `InputError` if a grid finer by a factor has more cells than any machine bears."""
-    if nx * ny * factor**2 > _MOST_CELLS:
-        raise InputError(
-            f"A grid of {nx * factor} x {ny * factor} cells is more than memory bears: at most 2^28 cells in all."
-        )
 
 
 def _known(surface: Surface, grid: Grid, between: str | None) -> Surface:

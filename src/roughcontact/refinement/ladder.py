@@ -8,9 +8,9 @@ import attrs
 
 from roughcontact.checks import integer
 from roughcontact.extrapolation import Extrapolation, exponential, richardson
-from roughcontact.grid import Boundary
+from roughcontact.grid import Boundary, Grid
 from roughcontact.problem import ContactProblem
-from roughcontact.refinement.finer import on_grid, require_bearable, require_problem
+from roughcontact.refinement.finer import on_grid, require_problem
 from roughcontact.registry import areas
 from roughcontact.solution import DEFAULT_AREA, Area, ContactSolution, EstimatesArea
 from roughcontact.surfaces.resampling import bilinear
@@ -127,7 +127,9 @@ def extrapolate(
     levels = integer(levels, "The number of grids", at_least=2)
     areas.resolve(estimator, EstimatesArea)
     nx, ny = require_problem(problem).plan.grid.shape
-    require_bearable(nx, ny, 2 ** min(levels - 1, 60))
+    # A finest grid that memory does not bear is refused before the others are made.
+    finest = min(levels - 1, 60)
+    Grid((nx << finest, ny << finest), problem.plan.grid.size)
     rungs = [problem, *(on_grid(problem, (nx << level, ny << level), between) for level in range(1, levels))]
     solutions: list[ContactSolution] = []
     for rung in rungs:

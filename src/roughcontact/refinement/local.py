@@ -17,7 +17,7 @@ from roughcontact.errors import InputError
 from roughcontact.grid import Boundary
 from roughcontact.kernels import OffersCoefficients
 from roughcontact.problem import ContactProblem
-from roughcontact.refinement.finer import on_grid, require_bearable, require_problem
+from roughcontact.refinement.finer import on_grid, require_problem
 from roughcontact.refinement.patches import Field, Patch, boxes_around
 from roughcontact.solution import DEFAULT_AREA, Area, ContactSolution, EstimatesArea
 
@@ -112,7 +112,6 @@ def refine(
     """
     factor = integer(factor, "The factor of the refinement", at_least=2)
     nx, ny = require_problem(problem).plan.grid.shape
-    require_bearable(nx, ny, factor)
     finer = on_grid(problem, (nx * factor, ny * factor), between)
     coarse = problem.solve(pressure=pressure, force=force, approach=approach)
     found = None

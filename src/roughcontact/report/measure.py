@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 import attrs
 
 from roughcontact.errors import NotConverged, RoughContactError
+from roughcontact.load import Load
 from roughcontact.problem import ContactProblem
 from roughcontact.report.cases import Case, worded
-from roughcontact.report.load import Load
 from roughcontact.report.row import ReportRow, Timing
 from roughcontact.report.truth import Truth
 from roughcontact.solution import Area, ContactSolution, EstimatesArea

@@ -8,9 +8,9 @@ from roughcontact.checks import integer
 from roughcontact.convolvers import Convolver
 from roughcontact.errors import InputError
 from roughcontact.kernels import InfluenceKernel
+from roughcontact.load import Load
 from roughcontact.problem import ContactProblem
 from roughcontact.report.cases import Case, cases_of, estimators_of
-from roughcontact.report.load import Load
 from roughcontact.report.measure import Bench
 from roughcontact.report.result import ErrorReport
 from roughcontact.report.row import ReportRow

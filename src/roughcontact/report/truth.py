@@ -12,9 +12,9 @@ from roughcontact.checks import number
 from roughcontact.errors import InputError
 from roughcontact.extrapolation import richardson
 from roughcontact.grid import Boundary
+from roughcontact.load import Load
 from roughcontact.problem import ContactProblem
 from roughcontact.refinement import Ladder, on_grid
-from roughcontact.report.load import Load
 from roughcontact.solution import DEFAULT_AREA, ContactSolution
 from roughcontact.surfaces import PlacedMap, Surface
 from roughcontact.surfaces.base import own_grid

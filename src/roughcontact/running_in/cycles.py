@@ -14,14 +14,12 @@ from roughcontact.flattening import PermanentSet
 from roughcontact.grid import Boundary
 from roughcontact.problem import ContactProblem
 from roughcontact.registry import sets
-from roughcontact.relief import seam_jump
+from roughcontact.relief import repeats
 from roughcontact.running_in.record import Cycle, RunIn
 from roughcontact.solution import ContactSolution
 from roughcontact.surfaces import HeightMap
 from roughcontact.surfaces.base import history_of
 
-# A surface whose border steps are this multiple of its other steps does not repeat.
-_JUMP = 3.0
 _is_problem = instance_of(ContactProblem, "What is run in", "a ContactProblem")
 
 
@@ -197,7 +195,7 @@ def _moves(shifts: Sequence[tuple[int, int]], problem: ContactProblem) -> list[t
             raise InputError("The pressure limit is an array, so the other body cannot be moved: leave shifts= out.")
         heights = problem.counter.surface.heights(problem.plan.grid)
         for axis, name in enumerate("xy"):
-            if array[:, axis].any() and seam_jump(heights, axis) > _JUMP:
+            if array[:, axis].any() and not repeats(heights, axis):
                 raise InputError(
                     f"The other body's heights do not repeat along {name}, so moving it round the border would put "
                     f"a cliff into the contact: use a map that repeats, or shifts of zero along {name}."

@@ -106,5 +106,5 @@ def _answers(examined: Examined, solution: ContactSolution, summit: float) -> li
     """Return area, peak pressure, and approach or load, with their units."""
     # Where the sampled summits are lower the bodies touch later: one datum for both approaches.
     approach = solution.approach + (examined.problem.summit - summit)
-    response = (approach, "m") if examined.approach is None else (solution.force, "N")
+    response = (approach, "m") if examined.load.approach is None else (solution.force, "N")
     return [(solution.area().value, "m2"), (float(solution.pressure.max()), "Pa"), response]

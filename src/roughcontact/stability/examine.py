@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from roughcontact.errors import InputError
+from roughcontact.load import Load
 from roughcontact.problem import ContactProblem
 from roughcontact.stability import again, fields, kernel
 from roughcontact.stability.examined import Examined
@@ -57,7 +58,7 @@ def stability(
     if not isinstance(problem, ContactProblem):
         raise InputError.about("What is looked at", problem, "a ContactProblem")
     solution = problem.solve(pressure=pressure, force=force, approach=approach, throw=False)
-    examined = Examined(problem, solution, pressure, force, approach)
+    examined = Examined(problem, solution, Load(pressure=pressure, force=force, approach=approach))
     checks = [check(examined) for check in _PROOFS]
     if not solution.status.success:
         done = {check.name for check in checks}

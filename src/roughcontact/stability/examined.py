@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import attrs
 
+from roughcontact.load import Load
 from roughcontact.problem import ContactProblem
 from roughcontact.solution import ContactSolution
 
@@ -18,15 +19,13 @@ class Examined:
         The problem.
     solution
         Its solution, converged or not.
-    pressure, force, approach
-        The load that was given, in Pa, N or m; the other two are None.
+    load
+        The load that was given.
     """
 
     problem: ContactProblem
     solution: ContactSolution
-    pressure: float | None
-    force: float | None
-    approach: float | None
+    load: Load
 
     def again(self, problem: ContactProblem) -> ContactSolution:
         """Solve another problem at the same load, the bodies being where they were if the approach is given.
@@ -38,5 +37,7 @@ class Examined:
         NotConverged
             If its solution is not certified.
         """
-        approach = None if self.approach is None else self.approach + (problem.summit - self.problem.summit)
-        return problem.solve(pressure=self.pressure, force=self.force, approach=approach)
+        load = self.load
+        if load.approach is not None:
+            load = attrs.evolve(load, approach=load.approach + (problem.summit - self.problem.summit))
+        return load.solve(problem)

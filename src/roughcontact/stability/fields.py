@@ -31,9 +31,10 @@ def convergence(examined: Examined) -> Check:
 def load_balance(examined: Examined) -> Check:
     """Add the pressures up exactly and compare with the load that was asked for."""
     name, grid = "load balance", examined.solution.grid
-    if examined.approach is not None:
+    load = examined.load
+    if load.approach is not None:
         return left_out(name, "the approach is given, and the load is what it takes")
-    asked = examined.force if examined.pressure is None else examined.pressure * grid.area
+    asked = load.force if load.pressure is None else load.pressure * grid.area
     carried = math.fsum(examined.solution.pressure.ravel()) * grid.cell_area
     off = math.nan if asked is None else abs(carried / asked - 1.0)
     return judged(name, off, "relative error of the load, summed exactly")

@@ -10,15 +10,13 @@ from roughcontact.checks import Array
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.problem import ContactProblem
-from roughcontact.relief import seam_jump
+from roughcontact.relief import repeats
 from roughcontact.surfaces import HeightMap, PlacedMap, Surface
 from roughcontact.surfaces.base import own_grid
 from roughcontact.surfaces.sum import SurfaceSum
 
 # Two evaluations of one surface at one place agree to this share of its range.
 _SAME = 1e-9
-# A map that goes on with its own copy has no greater step there, in multiples of those within.
-_JUMP = 3.0
 
 
 def half_a_cell_aside(problem: ContactProblem) -> ContactProblem:
@@ -50,7 +48,7 @@ def _moved(surface: Surface, grid: Grid, closed: bool) -> Array:
     if isinstance(surface, PlacedMap):
         offset = (surface.offset[0] + aside[0], surface.offset[1] + aside[1])
         return attrs.evolve(surface, offset=offset).heights(grid)
-    if isinstance(surface, HeightMap) and (surface.periodic or (closed and seam_jump(surface.values) <= _JUMP)):
+    if isinstance(surface, HeightMap) and (surface.periodic or (closed and repeats(surface.values))):
         return PlacedMap(attrs.evolve(surface, periodic=True), offset=aside, method="fourier").heights(grid)
     name = type(surface).__name__
     if own_grid(surface) is not None:

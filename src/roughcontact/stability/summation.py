@@ -6,32 +6,19 @@ import math
 
 import attrs
 import numpy as np
-import scipy.fft
 
 from roughcontact.checks import Array, IntArray
 from roughcontact.grid import Boundary
 from roughcontact.kernels import BoundKernel
+from roughcontact.kernels.offsets import responses
 from roughcontact.problem import ContactProblem
 from roughcontact.solution import ContactSolution
 
 
-def influence(problem: ContactProblem) -> Array:
-    """Return the displacement over pressure at each offset within the grid, shape (nx, ny), m/Pa."""
-    plan = problem.plan
-    kernel = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus)
-    if problem.boundary is not Boundary.PERIODIC:
-        return kernel.coefficients(plan.grid.shape, plan.grid.spacing)
-    waves = [2.0 * np.pi * np.asarray(scipy.fft.fftfreq(n), dtype=np.float64) for n in plan.grid.shape]
-    qx, qy = (wave / step for wave, step in zip(waves, plan.grid.spacing, strict=True))
-    amplitudes = kernel.spectrum(qx[:, np.newaxis], qy[np.newaxis, :], plan.grid.spacing)
-    # A kernel is even, so that cosines are all of its waves.
-    x, y = (np.cos(np.outer(np.arange(wave.size), wave)) for wave in waves)
-    return np.asarray(x @ amplitudes @ y.T) / plan.grid.cells
-
-
 def displacement_at(problem: ContactProblem, pressure: Array, chosen: IntArray) -> Array:
     """Return the displacement at the cells of flat index `chosen`, m."""
-    table = influence(problem)
+    kernel = BoundKernel(problem.plan.kernel, compliance=1.0 / problem.plan.modulus)
+    table = responses(kernel, problem.plan.grid, problem.boundary)
     sums = []
     for cell in zip(*np.divmod(chosen, pressure.shape[1]), strict=True):
         i, j = (np.abs(np.arange(n) - here) for n, here in zip(pressure.shape, cell, strict=True))

@@ -7,6 +7,7 @@ import numpy as np
 from roughcontact.checks import Array
 from roughcontact.grid import Boundary, Grid
 from roughcontact.kernels import BoundKernel
+from roughcontact.kernels.offsets import responses
 
 FREE, PERIODIC, WRAPPED = Boundary.FREE, Boundary.PERIODIC, Boundary.WRAPPED
 
@@ -22,10 +23,4 @@ def offset_matrix(table: Array, boundary: Boundary) -> Array:
 
 def dense_matrix(kernel: BoundKernel, grid: Grid, boundary: Boundary) -> Array:
     """Return the matrix, cells by cells, of a kernel on a grid."""
-    if boundary is not PERIODIC:
-        return offset_matrix(kernel.coefficients(grid.shape, grid.spacing), boundary)
-    waves = [np.asarray(2 * np.pi * np.fft.fftfreq(n), dtype=np.float64) for n in grid.shape]
-    dx, dy = grid.spacing
-    amplitudes = kernel.spectrum(waves[0][:, np.newaxis] / dx, waves[1][np.newaxis, :] / dy, grid.spacing)
-    phases = [np.exp(1j * np.outer(np.arange(n), q)) for n, q in zip(grid.shape, waves, strict=True)]
-    return offset_matrix((phases[0] @ amplitudes @ phases[1].T).real / grid.cells, boundary)
+    return offset_matrix(responses(kernel, grid, boundary), boundary)

@@ -1,11 +1,10 @@
-"""The load of a report."""
+"""A load, to be put on one problem after another."""
 
 from __future__ import annotations
 
 import attrs
 
 from roughcontact.checks import Array
-from roughcontact.loads import require_load
 from roughcontact.problem import ContactProblem
 from roughcontact.solution import ContactSolution
 from roughcontact.units import si
@@ -27,7 +26,7 @@ class Load:
 
     def require(self, problem: ContactProblem) -> None:
         """Raise `InputError` unless it is one load, and the problem can carry it."""
-        require_load(problem.plan, problem.undeformed, pressure=self.pressure, force=self.force, approach=self.approach)
+        problem.require_load(pressure=self.pressure, force=self.force, approach=self.approach)
 
     def solve(self, problem: ContactProblem, start: Array | None = None) -> ContactSolution:
         """Return the problem's solution under this load, from a pressure of shape (nx, ny), Pa, if one is given."""
