@@ -7,6 +7,7 @@ built, so that it reads the same without a network.
 from __future__ import annotations
 
 import doctest
+import inspect
 import re
 import sys
 from typing import Any
@@ -60,9 +61,9 @@ numpydoc_xref_param_type = False
 default_role = "py:obj"
 # What other packages, the standard library and our private modules call their types.
 nitpick_ignore_regex = [
-    (r"py:class", r"(abc|attrs?|collections|concurrent|enum|numpy|os|pathlib|typing)\..*"),
-    (r"py:class", r"(Array|ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray)"),
-    (r"py:class", r"roughcontact\.(registry\.T|studies\.chain\.Chain)"),
+    (r"py:class", r"(abc|argparse|attrs?|collections|concurrent|enum|numpy|os|pathlib|typing)\..*"),
+    (r"py:class", r"(Array|(npt\.)?ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray)"),
+    (r"py:class", r"roughcontact\.(load\.Load|registry\.[A-Z]|studies\.chain\.Chain)"),
 ]
 
 
@@ -101,7 +102,8 @@ def show_cached_properties() -> None:
     for module in [name for name in sys.modules if name.startswith("roughcontact.")]:
         for cls in list(vars(sys.modules[module]).values()):
             if isinstance(cls, type) and cls.__module__ == module and attrs.has(cls):
-                hidden = getattr(vars(cls).get("__getattr__"), "__globals__", {}).get("cached_properties", {})
+                found = inspect.unwrap(vars(cls).get("__getattr__", object))
+                hidden = getattr(found, "__globals__", {}).get("cached_properties", {})
                 for name, function in hidden.items():
                     setattr(cls, name, property(function))
                 if hidden:

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import functools
 import os
 from pathlib import Path
 
@@ -9,14 +8,6 @@ import pytest
 
 hypothesis.settings.register_profile("default", max_examples=60, deadline=None, derandomize=True)
 hypothesis.settings.load_profile("default")
-
-
-@pytest.fixture(scope="session")
-def case_of():
-    """The paper's cases, each solved once."""
-    from roughcontact.paper import run_case
-
-    return functools.cache(run_case)
 
 
 @pytest.fixture(scope="session")

@@ -55,10 +55,10 @@ def _magnitude(low, high):
 
 @st.composite
 def wild_problems(draw, largest=14):
-    """A contact problem of any magnitude, and a load, bearable or not, as a dictionary of one entry.
+    """A contact problem of any magnitude, and a load, admissible or not, as a dictionary of one entry.
 
     Lengths of cells, heights and moduli lie between 1e-9 and 1e9, cells have aspects of up to 1000,
-    limits are numbers, arrays or none, loads reach from a touch to beyond what can be carried.
+    limits are numbers, arrays or none, loads reach from first touch to beyond the maximum.
     """
     shape = draw(st.one_of(shapes(largest), st.tuples(st.integers(4, largest), st.integers(4, largest))))
     dx, height, young = (draw(_magnitude(-9, 9)) for _ in range(3))
@@ -76,24 +76,24 @@ def wild_problems(draw, largest=14):
         "lognormal": np.exp(noise),
         "two scales": np.sin(3 * x[:, None] + 2 * y) + 1e-6 * noise,
     }[kind]
-    # Half of all surfaces are such as a half-space allows; the others have any heights at all.
-    relief = draw(st.one_of(_magnitude(-4, -1).map(lambda slope: slope * min(size)), st.just(height)))
+    # Half of the surfaces have slopes below 0.1, as half-space theory assumes; the others any heights.
+    peak_to_valley = draw(st.one_of(_magnitude(-4, -1).map(lambda slope: slope * min(size)), st.just(height)))
     if np.ptp(heights) == 0.0:
         heights = heights - np.eye(1, heights.size).reshape(shape)
-    surface = rc.HeightMap(relief * heights, size=size, periodic=True)
+    surface = rc.HeightMap(peak_to_valley * heights, size=size, periodic=True)
     boundary = draw(st.sampled_from(["free", "periodic", "wrapped"]))
     kernel = draw(st.sampled_from(["love", "love", "fourier"])) if boundary == "periodic" else "love"
     scale = young * float(np.ptp(surface.values)) / max(size)
-    cap = draw(st.sampled_from(["none", "number", "array"]))
+    limited = draw(st.sampled_from(["none", "number", "array"]))
     hardness = scale * draw(_magnitude(-3, 3))
-    limits = {"none": np.inf, "number": hardness, "array": hardness * np.exp(0.5 * noise.T.reshape(shape))}[cap]
-    material = rc.Elastic(young, 0.3) if cap == "none" else rc.ElasticPerfectlyPlastic(young, 0.3, limits)
+    limits = {"none": np.inf, "number": hardness, "array": hardness * np.exp(0.5 * noise.T.reshape(shape))}[limited]
+    material = rc.Elastic(young, 0.3) if limited == "none" else rc.ElasticPerfectlyPlastic(young, 0.3, limits)
     problem = rc.ContactProblem(rc.Body(surface, material), boundary=boundary, kernel=kernel)
     if draw(st.booleans()):
-        return problem, {"approach": float(problem.undeformed.max()) * draw(_magnitude(-6, 1))}
-    if cap != "none":
-        share = draw(st.one_of(_magnitude(-6, 0), st.sampled_from([0.999, 1.0, float(np.nextafter(1.0, 2.0)), 1.1])))
-        return problem, {"pressure": float(np.mean(limits)) * share}
-    # A load that knows nothing of the relief may dwarf it.
+        return problem, {"approach": float(problem.initial_gap.max()) * draw(_magnitude(-6, 1))}
+    if limited != "none":
+        fraction = draw(st.one_of(_magnitude(-6, 0), st.sampled_from([0.999, 1.0, float(np.nextafter(1.0, 2.0)), 1.1])))
+        return problem, {"pressure": float(np.mean(limits)) * fraction}
+    # A load that does not scale with the heights may flatten them.
     scale = draw(st.sampled_from([scale, scale, young]))
     return problem, {"pressure": scale * draw(_magnitude(-6, 3))}

@@ -6,13 +6,13 @@ from hypothesis import given, settings
 
 import roughcontact as rc
 from roughcontact import reference
-from roughcontact.areas.base import boundary_sides, straight_rows
+from roughcontact._areas.cells import count_sides, find_straight_rows
 from strategies import problems
 
 
 @settings(max_examples=40)
 @given(problems())
-def test_areas_are_between_nothing_and_the_whole(case):
+def test_areas_are_between_zero_and_the_nominal_area(case):
     problem, mean = case
     solution = problem.solve(pressure=mean)
     count, corrected = solution.area("cell-count"), solution.area("perimeter")
@@ -38,14 +38,14 @@ def test_full_contact_is_the_nominal_area_exactly():
 @pytest.mark.parametrize(
     ("boundary", "sides"), [(rc.Boundary.FREE, 4), (rc.Boundary.PERIODIC, 6), (rc.Boundary.WRAPPED, 6)]
 )
-def test_sides_are_counted_across_the_seam_where_there_is_one(boundary, sides):
+def test_sides_are_counted_across_a_periodic_border(boundary, sides):
     mask = np.zeros((5, 6), dtype=bool)
     mask[0, 2:4] = True
-    assert boundary_sides(mask, boundary) == sides
+    assert count_sides(mask, boundary) == sides
 
 
-def test_a_row_of_cells_is_no_neighbour_of_itself():
-    assert boundary_sides(np.array([[True, False, False, True]]), rc.Boundary.PERIODIC) == 2
+def test_a_row_of_cells_is_not_its_own_neighbour():
+    assert count_sides(np.array([[True, False, False, True]]), rc.Boundary.PERIODIC) == 2
 
 
 def hertz(cells_across, offset):
@@ -72,13 +72,13 @@ def errors(cells_across, name):
 
 
 @pytest.mark.parametrize("cells_across", [2.5, 4.0, 6.5, 11.0, 20.0])
-def test_the_error_bars_hold_the_true_area_of_a_sphere(cells_across):
+def test_two_uncertainties_hold_the_area_of_a_sphere(cells_across):
     for name in ("cell-count", "perimeter"):
-        error, bar = errors(cells_across, name)
-        assert np.mean(np.abs(error) <= 2 * bar) >= 0.9
+        error, std = errors(cells_across, name)
+        assert np.mean(np.abs(error) <= 2 * std) >= 0.9
 
 
-def test_counting_covers_too_much_and_the_perimeter_corrects_most_of_it():
+def test_the_counted_area_is_too_large_and_the_perimeter_corrects_most_of_it():
     for cells_across in (4.0, 8.0, 16.0):
         counted, _ = errors(cells_across, "cell-count")
         corrected, _ = errors(cells_across, "perimeter")
@@ -86,7 +86,7 @@ def test_counting_covers_too_much_and_the_perimeter_corrects_most_of_it():
         assert abs(corrected.mean()) < 0.5 * counted.mean()
 
 
-def test_the_excess_of_the_count_falls_like_the_cell():
+def test_the_excess_of_the_count_is_of_first_order():
     coarse, fine = (errors(size, "cell-count")[0].mean() for size in (5.0, 20.0))
     assert np.log(coarse / fine) / np.log(4) == pytest.approx(1.0, abs=0.4)
 
@@ -97,17 +97,17 @@ def test_an_estimator_that_fails_is_named():
             return rc.Area(np.nan, np.nan, 0.0, "lost")
 
     solution, _ = hertz(4.0, (0, 0))
-    with pytest.raises(rc.InputError, match="no Area of finite numbers"):
+    with pytest.raises(rc.InputError, match="not an Area of finite numbers"):
         solution.area(Lost())
 
 
 def test_an_area_reads_well():
     assert str(rc.Area(2e-9, 0.012, 1e-10, "count")) == "2e-09 m2 (1.2 % of nominal) +- 5 % [count]"
-    assert str(rc.Area(2e-9, 0.012, 1e-10, "count", doubts=("it is late",))).endswith("[count]; doubtful: it is late")
+    assert str(rc.Area(2e-9, 0.012, 1e-10, "count", warnings=("it is late",))).endswith("[count]; doubtful: it is late")
 
 
 def test_the_length_of_the_edge():
-    """A strip of known length; the sides of cells count the long way round a sphere, by 4 / pi."""
+    """A strip of known length; the sides of cells around a sphere are longer than its edge by 4 / pi."""
     body = rc.Body(rc.WavySurface((1e-6, 0.0), 1e-4), rc.Elastic(1e11, 0.0))
     problem = rc.ContactProblem(body, grid=rc.Grid((64, 32), (1e-4, 5e-5)), boundary="periodic")
     solution = problem.solve(pressure=5e8)
@@ -118,22 +118,22 @@ def test_the_length_of_the_edge():
         assert sphere.area(name).perimeter == pytest.approx(around, rel=0.02)
 
 
-@pytest.mark.parametrize("share", [0.01, 0.3, 0.9])
-def test_the_area_bears_the_load_at_the_limit(share):
+@pytest.mark.parametrize("fraction", [0.01, 0.3, 0.9])
+def test_the_area_carries_the_load_at_the_pressure_limit(fraction):
     surface = rc.HeightMap(np.random.default_rng(0).standard_normal((32, 32)), size=100.0)
     problem = rc.ContactProblem(rc.Body(surface, rc.ElasticPerfectlyPlastic(1e9, 0.3, 1e6)))
-    solution = problem.solve(pressure=share * 1e6)
-    assert solution.area("perimeter").fraction >= share * (1 - 1e-12)
+    solution = problem.solve(pressure=fraction * 1e6)
+    assert solution.area("perimeter").fraction >= fraction * (1 - 1e-12)
 
 
-def test_the_bar_of_the_perimeter_holds_a_round_punch():
+def test_the_uncertainty_of_the_perimeter_holds_a_round_punch():
     grid = rc.Grid((96, 96), 1e-3)
     punch = rc.HeightMap(np.where(np.hypot(grid.x, grid.y) < 3e-4, 0.0, -1e-4), size=1e-3)
     area = rc.ContactProblem(rc.Body(punch, rc.Elastic(1e11, 0.3))).solve(force=1.0).area("perimeter")
     assert abs(area.value - np.pi * 9e-8) <= 2 * area.uncertainty
 
 
-def test_the_bar_of_the_perimeter_holds_strips_whose_edges_err_alike():
+def test_the_uncertainty_of_the_perimeter_holds_strips():
     strip = reference.Westergaard(1e-6, 1e-4, 1e11)
     mean = 0.3 * strip.full_contact_pressure
     for shape in ((256, 1), (256, 4)):
@@ -145,11 +145,11 @@ def test_the_bar_of_the_perimeter_holds_strips_whose_edges_err_alike():
 
 @pytest.mark.parametrize("rows", [1, 4])
 @pytest.mark.parametrize("name", ["perimeter", "level-set", "level-set-richardson", "blend"])
-def test_the_bars_hold_strips_along_the_grid(name, rows):
-    """Westergaard: the whole edge of a strip is misplaced alike."""
+def test_the_uncertainties_hold_strips_along_the_grid(name, rows):
+    """Westergaard: the position of both edges of a strip errs alike."""
     strip, rng, held = reference.Westergaard(1e-6, 1e-4, 1e11), np.random.default_rng(rows), []
-    for phase, share in rng.uniform((0.0, 0.1), (2 * np.pi, 0.7), size=(24, 2)):
-        mean = share * strip.full_contact_pressure
+    for phase, fraction in rng.uniform((0.0, 0.1), (2 * np.pi, 0.7), size=(24, 2)):
+        mean = fraction * strip.full_contact_pressure
         body = rc.Body(rc.WavySurface((1e-6, 0.0), 1e-4, phase=(phase, 0.0)), rc.Elastic(1e11, 0.0))
         grid = rc.Grid((96, rows), (1e-4, 1e-4 * rows / 96))
         area = rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=mean).area(name)
@@ -160,7 +160,7 @@ def test_the_bars_hold_strips_along_the_grid(name, rows):
 def test_straight_rows():
     mask = np.zeros((6, 6), dtype=bool)
     mask[1:3, 1:5] = True
-    assert sorted(straight_rows(mask, rc.Boundary.FREE)) == [2, 2, 4, 4]
+    assert sorted(find_straight_rows(mask, rc.Boundary.FREE)) == [2, 2, 4, 4]
     for shift in range(6):
         moved = np.roll(mask, (shift, -shift), (0, 1))
-        assert sorted(straight_rows(moved, rc.Boundary.PERIODIC)) == [2, 2, 4, 4]
+        assert sorted(find_straight_rows(moved, rc.Boundary.PERIODIC)) == [2, 2, 4, 4]

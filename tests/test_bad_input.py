@@ -176,7 +176,10 @@ TABLE = {
     "modulus complex": (lambda: rc.Elastic(np.complex64(1 + 2j), 0.3), "finite number"),
     "file missing": (lambda: rc.read_surface("nowhere.npz"), "There is no file 'nowhere.npz'"),
     "folder for a file": (lambda: rc.read_surface("."), "it is a folder"),
-    "missing points in other words": (lambda: rc.read_surface("nowhere.npz", missing="ignore"), "'refuse', 'fill'"),
+    "non-measured points in other words": (
+        lambda: rc.read_surface("nowhere.npz", non_measured="ignore"),
+        "'refuse', 'fill'",
+    ),
     "extrapolation from one grid": (lambda: extrapolation.exponential([64], [1.0]), "at least two"),
     "extrapolation of nan": (lambda: extrapolation.power_law([64, 128], [1.0, NAN]), "finite"),
     "extrapolation of text": (lambda: extrapolation.richardson(["a"], ["b"]), "lists of numbers"),

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
-import csv
+import json
+import re
 import subprocess
 import sys
 
@@ -9,9 +10,8 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact.cli import paper
-from roughcontact.cli.units import quantity
-from roughcontact.paper import printed, stand_in
+from roughcontact.cli import commands
+from roughcontact.cli.options import quantity
 
 PNG = b"\x89PNG"
 
@@ -19,55 +19,9 @@ PNG = b"\x89PNG"
 @pytest.fixture
 def height_map(tmp_path):
     path = tmp_path / "map.npz"
-    rng = np.random.default_rng(0)
-    np.savez(path, heights=1e-7 * rng.random((20, 24)), size=(20e-6, 24e-6))
+    surface = rc.ParaboloidSurface(radius=100e-6)
+    np.savez(path, heights=surface.heights(rc.Grid((20, 24), (20e-6, 24e-6))), size=(20e-6, 24e-6))
     return path
-
-
-def test_paper_writes_tables_and_figures(tmp_path, capsys, monkeypatch, case_of):
-    monkeypatch.setattr(paper, "run_case", case_of)
-    assert main(["paper", "-o", str(tmp_path / "out")]) == 0
-    text = capsys.readouterr().out
-    assert "Where the print is wrong" in text
-    assert "--full" in text
-    names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names == {"table1.csv", "table2.csv", "table3.csv", "figure4.png", "figure5.png", "figure6.png"}
-    for name in names:
-        if name.endswith("png"):
-            assert (tmp_path / "out" / name).read_bytes()[:4] == PNG
-    with (tmp_path / "out" / "table2.csv").open(newline="") as file:
-        rows = list(csv.reader(file))
-    assert rows[0][:3] == ["load MPa", "N", "cells"]
-    assert rows[1][:3] == ["50", "64", "112"]
-
-
-@pytest.fixture
-def small_pairs(monkeypatch):
-    """The second half of the paper on grids that take seconds."""
-    monkeypatch.setattr(printed, "GRIDS", (256, 512, 1024))
-    monkeypatch.setattr(stand_in, "PLACES", 1)
-
-
-@pytest.mark.slow
-def test_paper_pairs_writes_tables_figures_and_maps(small_pairs, tmp_path, capsys):
-    out = tmp_path / "out"
-    assert main(["paper", "--pairs", "-o", str(out)]) == 0
-    first = capsys.readouterr().out
-    assert "running in, place 1:" in first
-    assert "Table 5: areas on 512 x 512 cells" in first
-    figures = {f"figure{number}.png" for number in range(8, 14)}
-    assert {path.name for path in out.iterdir()} == {"pairs.csv", "table5.csv", "run-in-512.npz", *figures}
-    for name in figures:
-        assert (out / name).read_bytes()[:4] == PNG
-    with (out / "table5.csv").open(newline="") as file:
-        rows = list(csv.reader(file))
-    assert [row[:2] for row in rows[1:3]] == [["before 2.5", "540/510"], ["before 5", "1126/1063"]]
-    # What was run in is not run in again, and gives the same.
-    assert main(["paper", "--pairs", "-o", str(out)]) == 0
-    again = [line for line in capsys.readouterr().out.splitlines() if "solves took" not in line]
-    assert again == [
-        line for line in first.splitlines() if "running in, place" not in line and "solves took" not in line
-    ]
 
 
 def test_solve_writes_summary_fields_and_picture(height_map, tmp_path, capsys):
@@ -75,7 +29,7 @@ def test_solve_writes_summary_fields_and_picture(height_map, tmp_path, capsys):
     arguments = ["solve", str(height_map), "--pressure", "10MPa", "--young", "210GPa", "-o", str(out)]
     assert main(arguments) == 0
     text = capsys.readouterr().out
-    for words in ("converged", "mean pressure  10 MPa", "contact area", "left out", "solution.npz"):
+    for words in ("converged", "mean pressure  10 MPa", "contact area", "omitted", "solution.npz"):
         assert words in text
     with np.load(out / "solution.npz") as data:
         assert data["pressure"].mean() == pytest.approx(1e7)
@@ -86,11 +40,13 @@ def test_solve_takes_a_pair_with_every_option(height_map, tmp_path, capsys):
     np.savetxt(tmp_path / "other.txt", 1e-7 * np.random.default_rng(1).random((20, 24)))
     np.save(tmp_path / "one.npy", 1e-7 * np.random.default_rng(0).random((20, 24)))
     options = (
-        "--force 5mN --young 210GPa --poisson 0.25 --hardness 6GPa --counter-young 3.2e5MPa --counter-poisson 0.2 "
-        "--counter-hardness 10GPa --size 20um 24um --detrend 2 --resample 32 32 --boundary free --area cell-count"
+        "--force 5mN --young 210GPa --poisson 0.25 --hardness 6GPa --counterbody-young 3.2e5MPa "
+        "--counterbody-poisson 0.2 --counterbody-hardness 10GPa --size 20um 24um --detrend 2 "
+        "--resample 32 32 --boundary free --area cell-count"
     ).split()
     paths = [str(tmp_path / name) for name in ("one.npy", "other.txt")]
-    assert main(["solve", *paths, *options, "-o", str(tmp_path / "out")]) == 0
+    # Noise from cell to cell is doubtful.
+    assert main(["solve", *paths, *options, "-o", str(tmp_path / "out")]) == 3
     text = capsys.readouterr().out
     assert "force          5 mN" in text
     assert "[cell-count]" in text
@@ -101,13 +57,13 @@ def test_solve_takes_a_pair_with_every_option(height_map, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("extra", "words"),
     [
-        (["--young", "210GPa"], "one of the arguments --pressure --approach --force is required"),
+        (["--young", "210GPa"], "one of the arguments --pressure --force --approach is required"),
         (["--pressure", "1MPa"], "required: --young"),
         (["--pressure", "1MPa", "--force", "1N", "--young", "1GPa"], "not allowed with"),
-        (["--pressure", "1kg", "--young", "1GPa"], "'1kg' has not the unit it needs"),
-        (["--pressure", "lots", "--young", "1GPa"], "'lots' is no"),
-        (["--pressure", "", "--young", "1GPa"], "is no"),
-        (["--pressure", "1MPa", "--young", "210"], "'210' has not the unit it needs"),
+        (["--pressure", "1kg", "--young", "1GPa"], "'1kg' is not a quantity in units of Pa"),
+        (["--pressure", "lots", "--young", "1GPa"], "'lots' is not one number with a decimal point and one unit"),
+        (["--pressure", "", "--young", "1GPa"], "'' is not one number"),
+        (["--pressure", "1MPa", "--young", "210"], "'210' is not a quantity in units of Pa"),
         (["--pressure", "1MPa", "--young", "1GPa", "--size", "1", "mm"], "write it like 250um"),
     ],
 )
@@ -123,9 +79,9 @@ def test_a_wrong_command_line_is_explained(height_map, extra, words, capsys):
     [
         (["--young", "0GPa"], "Young's modulus must be"),
         (["--young", "1GPa", "--size", "1um"], "leave size= out"),
-        (["--young", "1GPa", "--size", "1um", "2um", "3um"], "one length or two"),
+        (["--young", "1GPa", "--size", "1um", "2um", "3um"], "one value or two"),
         (["--young", "1GPa", "--kernel", "lave"], "Did you mean 'love'"),
-        (["--young", "1GPa", "--counter-hardness", "1GPa"], "give --counter-young"),
+        (["--young", "1GPa", "--counterbody-hardness", "1GPa"], "needs --counterbody-young"),
         (["--young", "1GPa", "--hardness", "1kPa"], "at most 1 kPa"),
         (["--young", "1GPa", "--area", "guess"], "no area estimator named 'guess'"),
         (["--young", "1GPa", "--solver", "polonsky-keer", "--hardness", "1GPa"], "solver='auto'"),
@@ -176,14 +132,18 @@ def test_the_module_runs_as_a_command():
     assert done.stdout.startswith("roughcontact ")
     failed = subprocess.run([sys.executable, "-m", "roughcontact"], capture_output=True, text=True, check=False)
     assert failed.returncode == 2
+    assert "name a command" in failed.stderr
     assert "Traceback" not in failed.stderr
 
 
-def test_without_the_extra_the_sentence_says_what_to_install(monkeypatch, capsys):
-    for name in [name for name in sys.modules if name.startswith(("rich", "roughcontact.cli"))]:
+def test_without_the_extra_the_sentence_says_what_to_install(monkeypatch, capsys, tmp_path):
+    for name in [name for name in sys.modules if name.split(".")[0] == "rich"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "rich", None)
-    assert main(["paper"]) == 2
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    np.savez(tmp_path / "map.npz", heights=np.eye(32), size=(1.0, 1.0))
+    options = ["--pressure", "1MPa", "--young", "1GPa", "-o", str(tmp_path)]
+    assert main(["report", str(tmp_path / "map.npz"), *options]) == 2
     assert "pip install 'roughcontact[cli]'" in capsys.readouterr().err
 
 
@@ -198,18 +158,18 @@ def two_maps(tmp_path):
     return [str(tmp_path / name) for name in ("ball.txt", "ring.npz")]
 
 
-LOAD = "--force 0.05N --young 210GPa --hardness 6GPa --counter-young 210GPa".split()
+LOAD = "--force 0.05N --young 210GPa --hardness 6GPa --counterbody-young 210GPa".split()
 
 
 def test_two_maps_are_matched(two_maps, tmp_path, capsys):
-    options = "--size 40um --counter-size 45um 50um --unit 1um --match cubic --rotation 10deg".split()
-    more = "--offset 1um,-2um --mirror --counter-detrend plane --domain 25um 20um --resample 50 40".split()
+    options = "--size 40um --counterbody-size 45um 50um --unit 1um --match cubic --rotation 10deg".split()
+    more = "--offset 1um,-2um --mirror --counterbody-detrend plane --domain 25um 20um --resample 50 40".split()
     assert main(["solve", *two_maps, *LOAD, *options, *more, "-o", str(tmp_path / "out")]) == 0
     text = capsys.readouterr().out
     for words in (
         "grid       50 x 40 cells on 25 µm x 20 µm",
         "heights 1  read from ball.txt: 40 x 40",
-        "best plane taken away; turned over, x to -x; rotated by 10 degrees; its centre at (",
+        "best plane subtracted; turned over, x to -x; rotated by 10 degrees; its centre at (",
         "converged",
         "saturated  ",
     ):
@@ -232,12 +192,12 @@ def test_a_ball_gets_its_radius_back(two_maps, tmp_path, capsys):
     ("options", "words"),
     [
         (["--size", "40um"], "bring maps of two domains together"),
-        (["--size", "40um", "--counter-size", "40um"], "which is not the size given"),
-        (["--size", "40um", "--counter-unit", "1um"], "tells its own unit"),
+        (["--size", "40um", "--counterbody-size", "40um"], "which is not the size given"),
+        (["--size", "40um", "--counterbody-unit", "1um"], "states its own unit"),
         (["--size", "40um", "--match", "bilinear", "--domain", "1m"], "was asked for"),
-        (["--size", "40um", "--counter-size", "45um", "50um", "--offset", "1um,1um"], "--match bilinear"),
-        (["--size", "40um", "--counter-size", "45um", "50um", "--mirror"], "--match bilinear"),
-        (["--size", "40um", "--counter-size", "45um", "50um", "--match", "fourier"], "needs a periodic map"),
+        (["--size", "40um", "--counterbody-size", "45um", "50um", "--offset", "1um,1um"], "--match bilinear"),
+        (["--size", "40um", "--counterbody-size", "45um", "50um", "--mirror"], "--match bilinear"),
+        (["--size", "40um", "--counterbody-size", "45um", "50um", "--match", "fourier"], "needs a periodic map"),
         (["--size", "40um", "--detrend", "cone"], "The form must be"),
     ],
 )
@@ -247,7 +207,7 @@ def test_pairs_that_do_not_fit_get_a_sentence(two_maps, tmp_path, capsys, option
 
 
 def test_what_is_for_two_maps_is_refused_for_one(two_maps, tmp_path, capsys):
-    for option in (["--match", "cubic"], ["--counter-detrend", "1"], ["--counter-unit", "1um"]):
+    for option in (["--match", "cubic"], ["--counterbody-detrend", "1"], ["--counterbody-unit", "1um"]):
         assert main(["solve", two_maps[0], *LOAD, "--size", "40um", *option, "-o", str(tmp_path)]) == 2
         assert f"{option[0]} is for the second of two height maps" in capsys.readouterr().err
 
@@ -256,3 +216,149 @@ def test_an_angle_needs_its_unit(two_maps, tmp_path, capsys):
     with pytest.raises(SystemExit):
         main(["solve", *two_maps, *LOAD, "--match", "cubic", "--rotation", "20", "-o", str(tmp_path)])
     assert "write it like 30deg" in capsys.readouterr().err
+
+
+PLUG_IN = """
+import sys
+from roughcontact.cli import Command
+
+
+class Hello(Command):
+    \"\"\"Greet 100 % of the users.
+
+    More about it.
+    \"\"\"
+
+    def declare(self, parser):
+        parser.add_argument("name")
+
+    def run(self, options):
+        print("hello", options.name)
+        return 3
+
+
+class Clumsy(Command):
+    \"\"\"Declare an argument twice.\"\"\"
+
+    def declare(self, parser):
+        parser.add_argument("--help")
+
+    def run(self, options):
+        return 0
+
+
+class Thief(Hello):
+    \"\"\"Steal a name.\"\"\"
+
+
+class Unfinished(Command):
+    pass
+
+
+number = 7
+"""
+
+
+def install(folder, targets):
+    """Lay down a distribution as an installer does: modules, and metadata with the entry points of commands."""
+    (folder / "plug_in_commands.py").write_text(PLUG_IN)
+    (folder / "plug_in_that_exits.py").write_text("import sys\nsys.exit('gone')")
+    (folder / "plug_in_that_fails.py").write_text("1 / 0")
+    metadata = folder / "somebody_elses-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: somebody-elses\nVersion: 1.0\n")
+    lines = [f"{name} = plug_in_{target}" for name, target in targets.items()]
+    (metadata / "entry_points.txt").write_text("\n".join(["[roughcontact.commands]", *lines]))
+
+
+@pytest.fixture
+def plug_in(tmp_path, monkeypatch):
+    """Good and bad commands of somebody else."""
+    targets = {
+        "hello": "commands:Hello",
+        "clumsy": "commands:Clumsy",
+        "unfinished": "commands:Unfinished",
+        "number": "commands:number",
+        "absent": "commands:Absent",
+        "exits": "that_exits:Command",
+        "fails": "that_fails:Command",
+    }
+    install(tmp_path, targets)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "plug_in_commands", raising=False)
+    # What is installed is looked up once.
+    monkeypatch.setattr(commands, "_installed", None)
+    monkeypatch.setattr(commands, "_classes", {})
+
+
+def run(capsys, *arguments):
+    try:
+        status = main(arguments)
+    except SystemExit as ended:
+        status = ended.code
+    return status, *capsys.readouterr()
+
+
+def test_a_command_comes_by_entry_point(plug_in, capsys):
+    assert run(capsys, "hello", "world") == (3, "hello world\n", "")
+    assert "Greet 100 % of the users." in run(capsys, "hello", "--help")[1]
+    assert run(capsys, "hello")[0] == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("clumsy", "conflicting option string"),
+        ("unfinished", "cannot be made without arguments"),
+        ("number", "must be a class derived from Command, but got 7"),
+        ("absent", "cannot be loaded: AttributeError"),
+        ("exits", "cannot be loaded: its module exits"),
+        ("fails", "cannot be loaded: ZeroDivisionError"),
+        ("helo", "Did you mean 'hello'?"),
+    ],
+)
+def test_a_broken_command_gets_one_sentence(plug_in, capsys, name, words):
+    status, out, error = run(capsys, name)
+    assert (status, out) == (2, "")
+    assert words in error
+    assert error.startswith("roughcontact: ")
+    assert error.count("\n") == 1
+
+
+def test_broken_commands_leave_the_others_alone(plug_in, capsys):
+    _, text, _ = run(capsys, "--help")
+    assert re.search(r"^  hello +Greet 100 % of the users\.$", text, re.M)
+    assert re.search(r"^  report +\w", text, re.M)
+    for name in ("unfinished", "number", "absent", "exits", "fails"):
+        assert re.search(rf"^  {name} +\(cannot be loaded", text, re.M)
+    status, _, error = run(capsys, "check", "elastic", "--with", "young=1e9", "poisson=0.3")
+    assert (status, error) == (0, "")
+
+
+def test_a_shipped_command_cannot_be_replaced(tmp_path):
+    install(tmp_path, {"solve": "commands:Thief"})
+    command = [sys.executable, "-m", "roughcontact", "solve", "none.npz", "--pressure", "1MPa", "--young", "1GPa"]
+    environment = {"PYTHONPATH": str(tmp_path)}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=tmp_path)
+    first, second = done.stderr.splitlines()
+    assert first.startswith("roughcontact: ")
+    assert first.endswith("ships with roughcontact: plug_in_commands:Thief is ignored.")
+    assert "There is no file 'none.npz'" in second
+
+
+def test_the_shipped_commands_come_by_entry_points_and_load_nothing_heavy(capsys):
+    script = "import sys; from roughcontact.__main__ import main\ntry: main(['--help'])\nexcept SystemExit: pass\n"
+    script += "import json; print(json.dumps(sorted(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    *text, modules = done.stdout.splitlines()
+    for name in ("check", "report", "run", "solve", "stability"):
+        assert any(line.startswith(f"  {name} ") and line.endswith(".") for line in text)
+    assert not {"matplotlib", "pint", "rich", "cattrs", "hypothesis", "scipy.ndimage"} & set(json.loads(modules))
+
+
+@pytest.mark.parametrize("name", ["check", "report", "run", "solve", "stability"])
+def test_every_command_has_help(name, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([name, "--help"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out.startswith(f"usage: roughcontact {name}")

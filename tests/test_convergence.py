@@ -17,9 +17,9 @@ def observed_order(sizes, errors):
     return -np.polyfit(np.log(sizes), np.log(np.abs(errors)), 1)[0]
 
 
-def hertz_on(n, *, solver="auto", half_box=1e-3, share=0.3, radii=(RADIUS, RADIUS)):
-    """Sphere or ellipsoid whose contact radius is `share` of the half box; return solution and closed form."""
-    a = share * half_box
+def hertz_on(n, *, solver="auto", half_box=1e-3, fraction=0.3, radii=(RADIUS, RADIUS)):
+    """Sphere or ellipsoid whose contact radius is `fraction` of the half box; return solution and closed form."""
+    a = fraction * half_box
     exact = reference.hertz_sphere(4 * MODULUS * a**3 / (3 * RADIUS), RADIUS, MODULUS)
     if radii[0] != radii[1]:
         exact = reference.hertz_elliptic(4 * MODULUS * a**3 / (3 * RADIUS), radii, MODULUS)
@@ -39,13 +39,13 @@ def test_hertz_at_128(solver):
 
 
 def test_hertz_converges_with_second_order():
-    """The error wobbles with the position of the edge between the grid points: mean over nearby sizes."""
+    """The error depends on the position of the edge between the grid points: mean over nearby sizes."""
     sizes = np.array([32, 64, 128, 256])
     p_max, approach = [], []
     for n in sizes:
         errors = []
-        for share in (0.27, 0.285, 0.3, 0.315):
-            solution, exact = hertz_on(int(n), share=share)
+        for fraction in (0.27, 0.285, 0.3, 0.315):
+            solution, exact = hertz_on(int(n), fraction=fraction)
             offset = (solution.grid.spacing[0] ** 2 / 4) / RADIUS
             # Against the closed form at the nearest grid point to the summit.
             nearest = exact.pressure(*(np.array(solution.grid.spacing) / 2))
@@ -65,7 +65,7 @@ def test_hertz_pressure_field():
 
 @pytest.mark.parametrize("radii", [(RADIUS, 3 * RADIUS), (4 * RADIUS, RADIUS)])
 def test_elliptic_hertz(radii):
-    solution, exact = hertz_on(128, share=0.2, radii=radii)
+    solution, exact = hertz_on(128, fraction=0.2, radii=radii)
     assert solution.pressure.max() == pytest.approx(exact.p_max, rel=3e-3)
     field = exact.pressure(solution.grid.x, solution.grid.y)
     assert np.abs(solution.pressure - field).sum() / field.sum() < 1e-2
@@ -102,11 +102,11 @@ def test_full_contact_of_a_wave_converges_with_loves_kernel():
 
 
 @pytest.mark.parametrize("kernel", ["love", "fourier"])
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
-def test_westergaard(kernel, share):
+@pytest.mark.parametrize("fraction", [0.1, 0.5, 0.9])
+def test_westergaard(kernel, fraction):
     """The strip's edges lie anywhere in a cell: mean over positions of the wave on the grid."""
     wave = reference.Westergaard(1e-6, 1e-4, MODULUS)
-    mean = share * wave.full_contact_pressure
+    mean = fraction * wave.full_contact_pressure
     sizes, errors = np.array([64, 128, 256, 512]), []
     for n in sizes:
         grid = rc.Grid((int(n), 1), 1e-4)
@@ -124,14 +124,14 @@ def test_westergaard(kernel, share):
     assert observed_order(sizes, errors) == pytest.approx(1.5, abs=0.4)
 
 
-@pytest.mark.parametrize("share", [0.9, 0.97, 0.99])
-def test_nearly_full_contact_of_the_wave(share):
-    """Johnson's limit holds as the last gaps close; what is off falls with their area."""
+@pytest.mark.parametrize("fraction", [0.9, 0.97, 0.99])
+def test_nearly_full_contact_of_the_wave(fraction):
+    """Johnson's limit holds as the last gaps close; the error decreases with their area."""
     wave = reference.WavyContact(1e-6, 1e-4, MODULUS)
     problem = rc.ContactProblem(
         rc.Body(rc.WavySurface(1e-6, 1e-4), BODY), grid=rc.Grid((256, 256), 1e-4), boundary="periodic", kernel="fourier"
     )
-    mean = share * wave.full_contact_pressure
+    mean = fraction * wave.full_contact_pressure
     gaps = 1 - problem.solve(pressure=mean).area("perimeter").fraction
     assert gaps == pytest.approx(1 - wave.heavy_area_fraction(mean), rel=0.12)
 

@@ -2,11 +2,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 
 import roughcontact as rc
-from roughcontact.materials import contact_modulus, pressure_limit
+from roughcontact._materials import combined_pressure_limit, contact_modulus
 from strategies import moduli
 
 
@@ -30,6 +31,15 @@ def test_the_pair_is_softer_than_either(one, other):
 
 def test_the_softer_limit_counts():
     soft, hard = rc.ElasticPerfectlyPlastic(1e9, 0.3, 1e6), rc.ElasticPerfectlyPlastic(1e9, 0.3, 2e6)
-    assert pressure_limit(hard, soft) == 1e6
-    assert pressure_limit(rc.Rigid(), hard) == 2e6
-    assert pressure_limit(rc.Rigid(), rc.Elastic(1.0, 0.0)) == math.inf
+    assert combined_pressure_limit(hard, soft) == 1e6
+    assert combined_pressure_limit(rc.Rigid(), hard) == 2e6
+    assert combined_pressure_limit(rc.Rigid(), rc.Elastic(1.0, 0.0)) == math.inf
+
+
+def test_the_softer_limit_counts_cell_by_cell():
+    hardness = np.array([[1e6, 3e6], [2e6, 4e6]])
+    patchy, uniform = rc.ElasticPerfectlyPlastic(1e9, 0.3, hardness), rc.ElasticPerfectlyPlastic(1e9, 0.3, 2.5e6)
+    np.testing.assert_array_equal(combined_pressure_limit(patchy, uniform), np.minimum(hardness, 2.5e6))
+    other = rc.ElasticPerfectlyPlastic(1e9, 0.3, np.ones((3, 3)))
+    with pytest.raises(rc.InputError, match="different shapes"):
+        combined_pressure_limit(patchy, other)

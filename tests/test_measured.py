@@ -39,10 +39,10 @@ def test_maps_come_in_si_units(measured_maps, name, shape, size):
     assert 1e-8 < surface.detrend(1).values.std() < 1e-6
 
 
-def test_missing_points_of_a_measurement(measured_maps):
-    with pytest.raises(rc.InputError, match="misses 116 of 307200 points"):
+def test_non_measured_points_of_a_measurement(measured_maps):
+    with pytest.raises(rc.InputError, match="116 of 307200 points were not measured"):
         rc.read_surface(measured_maps / "opd-1.opd")
-    surface = rc.read_surface(measured_maps / "opd-1.opd", missing="fill")
+    surface = rc.read_surface(measured_maps / "opd-1.opd", non_measured="fill")
     assert surface.detrend(1).values.std() == pytest.approx(6.7e-9, rel=0.02)
 
 
@@ -63,17 +63,20 @@ def test_a_broken_instrument_file_is_named(tmp_path):
 
 def test_two_instruments_maps_make_a_pair(measured_maps, tmp_path, capsys):
     maps = [str(measured_maps / name) for name in ("x3p-2.x3p", "opd-1.opd")]
-    options = "--match bilinear --mirror --rotation 20deg --detrend 2 --missing holes --resample 256 256".split()
-    load = "--force 0.05N --young 210GPa --hardness 6GPa --counter-young 210GPa".split()
+    options = "--match bilinear --mirror --rotation 20deg --detrend 2 --non-measured keep --resample 256 256".split()
+    load = "--force 0.05N --young 210GPa --hardness 6GPa --counterbody-young 210GPa".split()
     assert main(["solve", *maps, *options, *load, "-o", str(tmp_path)]) == 0
     text = capsys.readouterr().out
-    assert "116 of 307200 points missing and taken as holes" in text
+    assert "116 of 307200 points non-measured and kept so" in text
     assert "converged" in text
 
 
 def test_the_walk_through_of_the_pages(measured_maps, monkeypatch, tmp_path, capsys):
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "studies"))
-    __import__("measured_pair").main(measured_maps, (162, 90), tmp_path)
+    study = __import__("measured_pair")
+    problem = study.make_problem(measured_maps, (162, 90))
+    assert [len(row) for row in study.make_rows(problem)] == 5 * [6]
+    study.main(problem, measured_maps, tmp_path)
     assert "shakedown after 2 cycles" in capsys.readouterr().out
     assert (tmp_path / "measured_pair.png").stat().st_size > 10_000
 
@@ -89,5 +92,5 @@ def test_the_script_of_the_pages(measured_maps):
 
 
 def test_the_unit_of_an_instrument_is_not_overruled(measured_maps):
-    with pytest.raises(rc.InputError, match="tells its own unit"):
+    with pytest.raises(rc.InputError, match="states its own unit"):
         rc.read_surface(measured_maps / "plu-1.plu", unit=1e-6)

@@ -1,4 +1,4 @@
-"""Two measured bodies: placed, matched, freed of their form, solved."""
+"""Two measured bodies: placed, matched, separated from their form, solved."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def rough(shape, size, seed=0, rms=5e-8):
 
 
 class TestPlacedMap:
-    """A map put down elsewhere is the same map."""
+    """A map placed elsewhere has the same heights."""
 
     def test_a_map_in_its_own_place_is_itself(self):
         surface = rough((24, 32), (3e-5, 4e-5))
@@ -81,7 +81,7 @@ class TestPlacedMap:
         placed = rc.PlacedMap(periodic, offset=offset, method="fourier").heights(fine)
         np.testing.assert_allclose(placed, np.roll(surface.heights(fine), (3, -6), axis=(0, 1)), atol=1e-18)
 
-    def test_what_the_map_does_not_cover_is_refused(self):
+    def test_a_grid_that_the_map_does_not_cover_is_refused(self):
         surface = rough((24, 32), (3e-5, 4e-5))
         with pytest.raises(rc.InputError, match="does not cover"):
             rc.PlacedMap(surface, offset=(1e-6, 0)).heights(surface.grid)
@@ -101,7 +101,7 @@ class TestMatch:
         assert pair.grid.shape == (14, 20)
         # The domain's centre lies at (1.5, 1) um of the first map.
         np.testing.assert_allclose(pair.body.offset, (-1.5e-6, -1e-6))
-        np.testing.assert_allclose(pair.counter.offset, (1.5e-6, 0.0), atol=1e-20)
+        np.testing.assert_allclose(pair.counterbody.offset, (1.5e-6, 0.0), atol=1e-20)
 
     def test_two_squares_at_45_degrees(self):
         """|x| + |y| <= side / sqrt 2 leaves a rectangle of half the square's area."""
@@ -109,7 +109,7 @@ class TestMatch:
         pair = rc.match(one, one, rotation=math.pi / 4)
         np.testing.assert_allclose(pair.grid.size, (1e-5 / math.sqrt(2),) * 2, rtol=1e-4)
 
-    def test_a_large_map_leaves_the_small_one_whole_at_any_angle(self):
+    def test_a_large_map_covers_a_small_one_at_any_angle(self):
         large, small = rc.HeightMap(np.eye(64), 64e-6), rc.HeightMap(np.eye(20), (10e-6, 20e-6))
         for angle in (0.0, 0.2, 1.0, 3.0):
             pair = rc.match(small, large, rotation=angle)
@@ -121,7 +121,7 @@ class TestMatch:
     def test_both_maps_cover_the_common_grid_and_no_larger_one(self, drawn):
         one, other, placing = drawn
         pair = rc.match(one, other, **placing)
-        for surface in (pair.body, pair.counter):
+        for surface in (pair.body, pair.counterbody):
             assert np.isfinite(surface.heights(pair.grid)).all()
         for larger in ((1.01, 1.0), (1.0, 1.01)):
             with pytest.raises(rc.InputError, match="overlap on"):
@@ -133,7 +133,7 @@ class TestMatch:
             pair = rc.match(small, rc.HeightMap(np.eye(64), size), rotation=0.3, shape=(64, 64))
             assert 10e-6 * (1 - 3e-6) < pair.grid.size[0] <= 10e-6 * (1 + 1e-12)
 
-    def test_a_grid_that_no_memory_bears_is_refused(self):
+    def test_a_grid_beyond_memory_is_refused(self):
         one = rc.HeightMap(np.eye(16), 1.0)
         with pytest.raises(rc.InputError, match=r"2\^28 cells"):
             rc.match(one, rc.HeightMap(np.eye(16), 1e-6, periodic=True))
@@ -168,7 +168,7 @@ def contact(one, other, grid=None, force=4.0):
 
 
 def assert_same(one, other, change=lambda field: field):
-    """Pressure and gap agree to 1e-12 of their greatest values, and so do areas and approaches."""
+    """Pressure and gap agree to 1e-12 of their maxima, and so do areas and approaches."""
     top = one.pressure.max()
     np.testing.assert_allclose(change(other.pressure), one.pressure, rtol=0, atol=1e-12 * top)
     np.testing.assert_allclose(change(other.gap), one.gap, rtol=0, atol=1e-12 * np.abs(one.gap).max())
@@ -188,7 +188,7 @@ def test_maps_of_different_pitch_and_unit_are_as_if_brought_to_one_grid_by_hand(
     ground = coarse.resample((120, 100)).values
     first = (60 - 3 * 2 - 32, 50 - 4 * 2 - 32)
     cut = rc.HeightMap(ground[first[0] : first[0] + 64, first[1] : first[1] + 64], 32e-6)
-    assert_same(contact(fine, cut), contact(pair.body, pair.counter, pair.grid))
+    assert_same(contact(fine, cut), contact(pair.body, pair.counterbody, pair.grid))
 
 
 @pytest.fixture(scope="module")
@@ -217,7 +217,7 @@ def test_exchanging_the_roughness_of_bodies_of_equal_material_changes_nothing(bo
 
 
 class TestForm:
-    """Form told apart from roughness."""
+    """Form separated from roughness."""
 
     @pytest.mark.parametrize("radius", [3e-3, 2e-4, -1e-3])
     def test_a_sphere_is_found_wherever_its_summit_lies(self, radius):
@@ -233,7 +233,7 @@ class TestForm:
         cap = rc.SphereSurface(0.5e-4 * math.sqrt(2) / share).heights(grid)
         assert rc.HeightMap(cap, 1e-4).separate("sphere").radius == pytest.approx(0.5e-4 * math.sqrt(2) / share)
 
-    def test_what_is_flat_is_no_sphere(self):
+    def test_a_flat_map_has_an_infinite_radius(self):
         assert rc.HeightMap(np.full((64, 64), 3.3e-6), 1e-4).separate("sphere").radius == math.inf
 
     def test_roughness_of_a_ball_is_what_was_put_on_it(self):
@@ -251,16 +251,16 @@ class TestForm:
         assert parts.radius == math.inf or form == "sphere"
 
     @pytest.mark.parametrize("form", ["plane", "sphere", 2])
-    def test_holes_do_not_count(self, form):
+    def test_non_measured_points_do_not_count(self, form):
         grid = rc.Grid((40, 30), (8e-5, 6e-5))
         true = rc.SphereSurface(3e-3).heights(grid) if form != "plane" else 1e-3 * grid.x + 0.0 * grid.y
-        holes = np.zeros(grid.shape, dtype=bool)
-        holes[:12, :9] = True
-        broken = rc.HeightMap(np.where(holes, 7e-6, true), grid.size, holes=holes)
-        left = broken.detrend(form).values[~holes]
+        non_measured = np.zeros(grid.shape, dtype=bool)
+        non_measured[:12, :9] = True
+        broken = rc.HeightMap(np.where(non_measured, 7e-6, true), grid.size, non_measured=non_measured)
+        left = broken.detrend(form).values[~non_measured]
         assert np.abs(left).max() < (1e-4 if form == 2 else 1e-10) * np.ptp(true)
 
-    def test_what_is_no_form_is_refused(self):
+    def test_an_unknown_or_undetermined_form_is_refused(self):
         surface = rc.HeightMap(np.eye(4), 1.0)
         for form in ("ball", 1.5, -1, None):
             with pytest.raises(rc.InputError):
@@ -273,89 +273,93 @@ class TestForm:
         few[3, 3:6] = False
         for form in ("sphere", 6):
             with pytest.raises(rc.InputError, match="Too few points"):
-                rc.HeightMap(np.random.default_rng(0).random((64, 64)), 1.0, holes=few).separate(form)
+                rc.HeightMap(np.random.default_rng(0).random((64, 64)), 1.0, non_measured=few).separate(form)
         steep = rc.HeightMap(10.0 * np.abs(rc.Grid((9, 9), 1.0).x + np.zeros((1, 9))), 1.0)
         with pytest.raises(rc.InputError, match="No sphere fits"):
             steep.separate("sphere")
 
 
-class TestHoles:
+class TestNonMeasured:
     """Points that were not measured, and do not touch."""
 
-    def test_holes_never_touch(self):
+    def test_they_never_touch(self):
         surface = rough((48, 48), (48e-6, 48e-6), 6)
         top = surface.values > np.quantile(surface.values, 0.98)
-        whole, holed = (
-            rc.ContactProblem(rc.Body(rc.HeightMap(surface.values, 48e-6, holes=holes), STEEL)).solve(force=0.05)
-            for holes in (None, top)
+        complete, incomplete = (
+            rc.ContactProblem(rc.Body(rc.HeightMap(surface.values, 48e-6, non_measured=non_measured), STEEL)).solve(
+                force=0.05
+            )
+            for non_measured in (None, top)
         )
-        assert whole.contact[top].any()
-        assert not holed.contact[top].any()
-        assert holed.force == pytest.approx(0.05)
+        assert complete.contact[top].any()
+        assert not incomplete.contact[top].any()
+        assert incomplete.force == pytest.approx(0.05)
 
     @pytest.mark.parametrize("boundary", ["free", "periodic"])
     @pytest.mark.parametrize("load", [{"force": 0.1}, {"force": 40.0}, {"approach": 1e-7}])
-    def test_holes_do_not_touch_whatever_is_pressed_on_them(self, boundary, load):
-        """A hole under the middle of a ball, in a map that is nearly flat."""
-        holes = np.zeros((64, 64), dtype=bool)
-        holes[24:40, 24:40] = True
-        flat = rc.HeightMap(rough((64, 64), (64e-6, 64e-6), rms=1e-9).values, 64e-6, holes=holes)
+    def test_they_do_not_touch_under_any_load(self, boundary, load):
+        """A region without data under the middle of a ball, in a map that is nearly flat."""
+        non_measured = np.zeros((64, 64), dtype=bool)
+        non_measured[24:40, 24:40] = True
+        flat = rc.HeightMap(rough((64, 64), (64e-6, 64e-6), rms=1e-9).values, 64e-6, non_measured=non_measured)
         problem = rc.ContactProblem(rc.Body(flat + rc.SphereSurface(1e-3), rc.Elastic(1e11, 0.3)), boundary=boundary)
         solution = problem.solve(**load)
         assert solution.contact.any()
-        assert not solution.contact[holes].any()
-        assert (solution.gap[holes] > 0).all()
+        assert not solution.contact[non_measured].any()
+        assert (solution.gap[non_measured] > 0).all()
 
-    def test_holes_of_either_body_count(self):
-        holes = np.zeros((32, 32), dtype=bool)
-        holes[3, 4] = True
+    def test_those_of_either_body_count(self):
+        non_measured = np.zeros((32, 32), dtype=bool)
+        non_measured[3, 4] = True
         one = rough((32, 32), (32e-6, 32e-6), 1)
-        for first, second in ((holes, None), (None, holes), (holes, holes.T)):
-            bodies = [rc.Body(rc.HeightMap(one.values, 32e-6, holes=mask), STEEL) for mask in (first, second)]
+        for first, second in ((non_measured, None), (None, non_measured), (non_measured, non_measured.T)):
+            bodies = [rc.Body(rc.HeightMap(one.values, 32e-6, non_measured=mask), STEEL) for mask in (first, second)]
             plan = rc.ContactProblem(*bodies).plan
             expected = np.logical_or.reduce([mask for mask in (first, second) if mask is not None])
-            np.testing.assert_array_equal(plan.holes, expected)
+            np.testing.assert_array_equal(plan.non_measured, expected)
         half = np.arange(32)[:, None] + np.zeros((1, 32)) < 16
-        halves = [rc.Body(rc.HeightMap(one.values, 32e-6, holes=mask), STEEL) for mask in (half, ~half)]
-        with pytest.raises(rc.InputError, match="nothing but holes"):
+        halves = [rc.Body(rc.HeightMap(one.values, 32e-6, non_measured=mask), STEEL) for mask in (half, ~half)]
+        with pytest.raises(rc.InputError, match="Nowhere do measured points"):
             rc.ContactProblem(*halves)
 
-    def test_holes_stay_where_they_are(self):
-        holes = np.zeros((40, 40), dtype=bool)
-        holes[8:16, 20:28] = True
-        surface = rc.HeightMap(rough((40, 40), (4e-5, 4e-5)).values, 4e-5, holes=holes)
+    def test_they_stay_where_they_are(self):
+        non_measured = np.zeros((40, 40), dtype=bool)
+        non_measured[8:16, 20:28] = True
+        surface = rc.HeightMap(rough((40, 40), (4e-5, 4e-5)).values, 4e-5, non_measured=non_measured)
         for method in ("bilinear", "cubic", "mean"):
-            half = surface.resample((20, 20), method).holes
-            np.testing.assert_array_equal(half, holes[::2, ::2])
-        np.testing.assert_array_equal(rc.PlacedMap(surface, mirrored=True).holes_on(surface.grid), holes[::-1])
-        np.testing.assert_array_equal(surface.detrend().holes, holes)
+            half = surface.resample((20, 20), method).non_measured
+            np.testing.assert_array_equal(half, non_measured[::2, ::2])
+        np.testing.assert_array_equal(
+            rc.PlacedMap(surface, mirrored=True).non_measured_on(surface.grid), non_measured[::-1]
+        )
+        np.testing.assert_array_equal(surface.detrend().non_measured, non_measured)
 
-    def test_bad_holes_are_refused(self):
-        for holes, words in (
-            (np.ones((4, 4), dtype=bool), "all holes"),
+    def test_a_bad_mask_is_refused(self):
+        for non_measured, words in (
+            (np.ones((4, 4), dtype=bool), "at least one is needed"),
             (np.zeros((3, 4), dtype=bool) | np.eye(3, 4, dtype=bool), "shape"),
             (np.eye(4), "booleans"),
         ):
             with pytest.raises(rc.InputError, match=words):
-                rc.HeightMap(np.eye(4), 1.0, holes=holes)
+                rc.HeightMap(np.eye(4), 1.0, non_measured=non_measured)
 
-    def test_a_file_with_missing_points(self, tmp_path):
+    def test_a_file_with_non_measured_points(self, tmp_path):
         values = rough((12, 12), (1e-5, 1e-5)).values.copy()
         values[3, 4] = np.nan
         np.savez(tmp_path / "map.npz", heights=values, size=1e-5)
-        surface = rc.read_surface(tmp_path / "map.npz", missing="holes")
-        assert surface.holes.sum() == 1
-        assert surface.holes[3, 4]
-        assert "1 of 144 points missing and taken as holes" in surface.history[0]
+        surface = rc.read_surface(tmp_path / "map.npz", non_measured="keep")
+        assert surface.non_measured.sum() == 1
+        assert surface.non_measured[3, 4]
+        assert "1 of 144 points non-measured and kept so" in surface.history[0]
 
 
-def test_the_plan_tells_what_was_done_to_which_map(tmp_path):
+def test_the_plan_has_the_history_of_each_map(tmp_path):
     np.savez(tmp_path / "ball.npz", heights=rough((32, 32), (32e-6, 32e-6)).values, size=32e-6)
     ball = rc.read_surface(tmp_path / "ball.npz").detrend("sphere")
     ring = rough((40, 40), (60e-6, 60e-6), 1).detrend("plane")
     pair = rc.match(ball, ring, rotation=0.1, offset=(1e-6, 0), mirrored=True, method="cubic", shape=(50, 50))
     problem = rc.ContactProblem(
-        rc.Body(rc.SphereSurface(5e-3) + pair.body, STEEL), rc.Body(pair.counter, STEEL), grid=pair.grid
+        rc.Body(rc.SphereSurface(5e-3) + pair.body, STEEL), rc.Body(pair.counterbody, STEEL), grid=pair.grid
     )
     first, second = (line for line in problem.explain().splitlines() if line.startswith("heights "))
     for words in ("a sphere of radius 5 mm", "read from ball.npz: 32 x 32", "best sphere", "cubic"):
@@ -367,8 +371,8 @@ def test_the_plan_tells_what_was_done_to_which_map(tmp_path):
 def test_a_matched_pair_is_refined_between_its_points():
     one, other = rough((32, 32), (32e-6, 32e-6), 7), rough((40, 40), (40e-6, 40e-6), 8)
     pair = rc.match(one, other, method="cubic")
-    problem = rc.ContactProblem(rc.Body(pair.body, STEEL), rc.Body(pair.counter, STEEL), grid=pair.grid)
-    refined = rc.refine(problem, force=0.05)
+    problem = rc.ContactProblem(rc.Body(pair.body, STEEL), rc.Body(pair.counterbody, STEEL), grid=pair.grid)
+    refined = rc.on_grid(problem, tuple(4 * n for n in pair.grid.shape)).solve(force=0.05)
     coarse = problem.solve(force=0.05).area()
     assert refined.area().uncertainty < coarse.uncertainty
     assert abs(refined.area().value - coarse.value) < 2 * coarse.uncertainty

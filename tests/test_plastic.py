@@ -49,7 +49,7 @@ def test_a_very_soft_ball_is_fully_plastic():
 @settings(max_examples=25, deadline=None)
 @given(height_maps(16), st.floats(0.05, 0.95), st.sampled_from(["free", "periodic"]))
 def test_vanishing_hardness_is_the_bearing_area(surface, share, boundary):
-    """The elastic deflection is nothing beside the relief: the highest cells carry the hardness, the others none."""
+    """Deflection is nothing beside the peak-to-valley height: the highest cells carry the hardness, the others none."""
     ties = np.unique(surface.values).size < surface.values.size
     slope = np.ptp(surface.values) / max(surface.size)
     soft = rc.ElasticPerfectlyPlastic(1.0, 0.3, 1e-9 * slope)
@@ -63,7 +63,7 @@ def test_vanishing_hardness_is_the_bearing_area(surface, share, boundary):
         heights = surface.values.ravel()
         highest = np.argsort(heights)[::-1]
         gaps = -np.diff(heights[highest])
-        # A deflection of 1e-9 of the relief moves neighbours in rank that are closer than that.
+        # A deflection of 1e-9 of the peak-to-valley height moves neighbours in rank that are closer than that.
         if gaps[count - 1 : count].min(initial=np.inf) > 1e-6 * np.ptp(heights):
             assert set(np.flatnonzero(solution.pressure.ravel() > 0)) == set(highest[:count])
             np.testing.assert_allclose(carried[:count], soft.hardness, rtol=1e-9)

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 
 import roughcontact as rc
+from roughcontact.typing import Outcome
 from strategies import powers_of_two, problems, seeds
 
 GRID = rc.Grid((48, 40), (48e-6, 50e-6))
@@ -54,10 +55,10 @@ def test_the_contract_of_the_readme():
 
 def test_gap_displacement_and_approach_fit_together():
     solution = rc.ContactProblem(rc.Body(rough(), STEEL)).solve(pressure=1e8)
-    expected = solution.undeformed + solution.displacement - solution.approach
+    expected = solution.initial_gap + solution.displacement - solution.approach
     np.testing.assert_array_equal(solution.gap, expected)
-    assert np.abs(solution.gap[solution.contact]).max() < 1e-6 * np.ptp(solution.undeformed)
-    assert solution.undeformed.min() == 0.0
+    assert np.abs(solution.gap[solution.contact]).max() < 1e-6 * np.ptp(solution.initial_gap)
+    assert solution.initial_gap.min() == 0.0
 
 
 def test_force_and_pressure_are_the_same_load():
@@ -120,8 +121,8 @@ def test_roughness_may_be_on_either_body():
 @settings(max_examples=20)
 @given(seeds)
 def test_mirroring_the_surface_mirrors_the_pressure(seed):
-    surface = rc.HeightMap(np.random.default_rng(seed).random((9, 12)), size=1.0)
-    mirrored = rc.HeightMap(surface.values[::-1], size=1.0)
+    surface = rc.HeightMap(np.random.default_rng(seed).random((9, 12)), size=(1.0, 1.0))
+    mirrored = rc.HeightMap(surface.values[::-1], size=(1.0, 1.0))
     solver = rc.SpectralGradient(tolerance=1e-12)
     one, other = (
         rc.ContactProblem(rc.Body(s, rc.Elastic(1.0, 0.3)), solver=solver).solve(pressure=1.0)
@@ -156,15 +157,15 @@ def test_direct_and_fft_give_one_solution():
     np.testing.assert_allclose(one.solve(pressure=1e9).pressure, other.solve(pressure=1e9).pressure, atol=1e-9 * 1e11)
 
 
-def test_explain_says_what_runs_and_what_is_left_out():
+def test_explain_says_what_runs_and_what_is_omitted():
     text = rc.ContactProblem(rc.Body(rough(), STEEL), boundary="periodic").explain()
-    for words in ("48 x 40 cells", "Love", "CircularFFT", "left out", "padding", "pressure cap"):
+    for words in ("48 x 40 cells", "Love", "CircularFFT", "omitted", "padding", "pressure limit"):
         assert words in text
     limited = rc.ElasticPerfectlyPlastic(210e9, 0.3, 6e9)
     text = rc.ContactProblem(rc.Body(rough(), limited), rc.Body(rough(1), STEEL)).explain()
     assert "6 GPa" in text
     assert "96 x 80 cells" in text
-    assert "pressure cap" not in text
+    assert "pressure limit: neither" not in text
     assert "rigid" not in text
 
 
@@ -192,8 +193,8 @@ class Optimist(rc.Solver):
         self.change = change
 
     def solve(self, convolution, task):
-        pressure = self.change(np.full(task.undeformed.shape, task.mean_pressure))
-        return rc.Outcome(pressure=pressure, status=rc.Status.CONVERGED, iterations=0, convolutions=0, history=(0.0,))
+        pressure = self.change(np.full(task.initial_gap.shape, task.mean_pressure))
+        return Outcome(pressure=pressure, status=rc.Status.CONVERGED, iterations=0, convolutions=0, history=(0.0,))
 
 
 @pytest.mark.parametrize("change", [lambda p: p, lambda p: 2 * p, lambda p: p - 2 * p.mean()])
@@ -226,14 +227,14 @@ def test_a_material_by_subclassing_is_as_good_as_what_ships():
 
 def test_what_looks_unlike_what_was_meant_is_noted():
     steep = rc.HeightMap(rough().values * 1e3, size=GRID.size)
-    assert any("in metres" in note for note in rc.ContactProblem(rc.Body(steep, STEEL)).plan.notes)
+    assert any("are in m and" in warning for warning in rc.ContactProblem(rc.Body(steep, STEEL)).plan.warnings)
     broken = rc.WavySurface(1e-6, 12.2e-6, phase=1.0)
     jumping = rc.ContactProblem(rc.Body(broken, STEEL), grid=rc.Grid((200, 200), 250e-6), boundary="periodic")
-    assert any("jump across the border" in note for note in jumping.plan.notes)
+    assert any("jump across the border" in warning for warning in jumping.plan.warnings)
     whole = rc.ContactProblem(
         rc.Body(rc.WavySurface(0.5e-6, 12.5e-6), STEEL), grid=rc.Grid((200, 200), 250e-6), boundary="periodic"
     )
-    assert whole.plan.notes == ()
+    assert whole.plan.warnings == ()
 
 
 def test_heights_are_asked_for_once():
@@ -245,7 +246,7 @@ def test_heights_are_asked_for_once():
             return self.rng.random(grid.shape)
 
     problem = rc.ContactProblem(rc.Body(Moody(), rc.Elastic(1.0, 0.0)), grid=rc.Grid((8, 8), 1.0))
-    assert problem.plan.relief == problem.undeformed.max()
+    assert problem.plan.peak_to_valley == problem.initial_gap.max()
 
 
 def test_a_solver_must_return_an_outcome():
@@ -257,3 +258,12 @@ def test_a_solver_must_return_an_outcome():
 
     with pytest.raises(rc.InputError, match="must return an Outcome"):
         rc.ContactProblem(rc.Body(rough(), STEEL), solver=Silent()).solve(pressure=1e6)
+
+
+def test_a_convolver_must_return_a_prepared_convolution():
+    class Wrong(rc.DCFFT):
+        def prepare(self, kernel, grid, boundary):
+            return kernel
+
+    with pytest.raises(rc.InputError, match="must return a PreparedConvolution"):
+        rc.ContactProblem(rc.Body(rough(), STEEL), convolver=Wrong()).solve(pressure=1e8)

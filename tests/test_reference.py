@@ -92,10 +92,10 @@ def test_full_contact_of_the_wave_closes_at_its_pressure():
     assert wave.heavy_area_fraction(wave.full_contact_pressure) == 1.0
 
 
-@pytest.mark.parametrize("share", [0.01, 0.3, 0.7, 0.99])
-def test_westergaard_carries_its_load_inside_its_strip(share):
+@pytest.mark.parametrize("fraction", [0.01, 0.3, 0.7, 0.99])
+def test_the_load_of_westergaard_is_inside_the_strip(fraction):
     strip = reference.Westergaard(1e-6, 1e-4, 1e11)
-    mean = share * strip.full_contact_pressure
+    mean = fraction * strip.full_contact_pressure
     a = strip.half_width(mean)
     carried, _ = integrate.quad(lambda x: float(strip.pressure(np.array(x), mean)), -a, a, limit=200)
     assert carried == pytest.approx(mean * 1e-4, rel=1e-6)

@@ -56,7 +56,7 @@ def test_the_decorator_door():
     names = plug_in()
     rc.kernels.register("winkler")(names["Winkler"])
     rc.areas.register("pressure-weighted")(names["PressureWeighted"])
-    assert "winkler" in rc.kernels.names()
+    assert "winkler" in rc.kernels
     surface = rc.ParaboloidSurface(1e-2)
     grid = rc.Grid((64, 64), 4e-5)
     material = rc.Elastic(1e9, 0.0)
@@ -84,17 +84,19 @@ def test_the_entry_point_door(tmp_path):
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: somebody-elses\nVersion: 1.0\n")
     (metadata / "entry_points.txt").write_text(
         "[roughcontact.kernels]\nwinkler = somebody_elses:Winkler\nbroken = somebody_elses:Absent\n"
+        "stray = somebody_elses:PressureWeighted\n"
         "[roughcontact.areas]\npressure-weighted = somebody_elses:PressureWeighted\n"
     )
     script = """
         import roughcontact as rc
         body = rc.Body(rc.ParaboloidSurface(1e-2), rc.Elastic(1e9, 0.0))
         problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 2e-4), kernel="winkler")
-        print(problem.solve(force=1e-3).area("pressure-weighted").estimator, *rc.kernels.names())
-        try:
-            rc.kernels.get("broken")
-        except rc.InputError as error:
-            print(error)
+        print(problem.solve(force=1e-3).area("pressure-weighted").estimator, *rc.kernels)
+        for name in ("broken", "stray"):
+            try:
+                rc.kernels[name]
+            except rc.InputError as error:
+                print(error)
     """
     done = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(script)],
@@ -103,36 +105,37 @@ def test_the_entry_point_door(tmp_path):
         check=True,
         env={"PYTHONPATH": str(tmp_path)},
     )
-    first, second = done.stdout.splitlines()
+    first, second, third = done.stdout.splitlines()
     estimator, *names = first.split()
     assert estimator == "pressure-weighted"
     # Other plug-ins may be installed beside it.
     assert {"broken", "fourier", "love", "winkler"} <= set(names)
     assert "'broken' is installed as somebody_elses:Absent, but cannot be loaded" in second
+    assert "must be a class derived from InfluenceKernel, but got <class 'somebody_elses.PressureWeighted'>" in third
 
 
 def test_what_ships_comes_through_entry_points():
-    assert {"love", "fourier"} <= set(rc.kernels.names())
-    assert {"direct", "dc-fft", "circular-fft"} <= set(rc.convolvers.names())
-    assert {"polonsky-keer", "spectral-gradient"} <= set(rc.solvers.names())
-    assert {"cell-count", "perimeter"} <= set(rc.areas.names())
-    assert {"npz", "npy", "txt", "instrument"} <= set(rc.readers.names())
-    assert rc.kernels.get("love") is rc.Love
+    assert {"love", "fourier"} <= set(rc.kernels)
+    assert {"direct", "dc-fft", "circular-fft"} <= set(rc.convolvers)
+    assert {"polonsky-keer", "spectral-gradient"} <= set(rc.solvers)
+    assert {"cell-count", "perimeter"} <= set(rc.areas)
+    assert {"npz", "npy", "txt", "instrument"} <= set(rc.readers)
+    assert rc.kernels["love"] is rc.Love
 
 
 class TestNames:
     def test_a_taken_name_is_refused(self):
-        registry = Registry("thing", "nobody.things")
+        registry = Registry(object, "thing", "nobody.things", in_files=False)
         registry.register("one")(int)
         with pytest.raises(rc.InputError, match="taken already by builtins:int"):
             registry.register("one")(float)
 
     def test_a_shipped_name_is_refused(self):
         with pytest.raises(rc.InputError, match="taken already"):
-            rc.kernels.register("love")(int)
+            rc.kernels.register("love")(rc.FourierHalfSpace)
 
     def test_a_class_may_be_registered_again(self):
-        registry = Registry("thing", "nobody.things")
+        registry = Registry(object, "thing", "nobody.things", in_files=False)
         assert registry.register("one")(int) is registry.register("one")(int)
 
     @pytest.mark.parametrize("name", ["", None, 3])
@@ -142,8 +145,50 @@ class TestNames:
 
     def test_an_unknown_name_lists_the_known_ones(self):
         with pytest.raises(rc.InputError, match=r"There is no kernel named 'spring'.*Known: .*fourier.*love"):
-            rc.kernels.get("spring")
+            rc.kernels["spring"]
 
     def test_an_empty_registry_says_so(self):
         with pytest.raises(rc.InputError, match="Known: none"):
-            Registry("thing", "nobody.things").get("one")
+            Registry(object, "thing", "nobody.things", in_files=False)["one"]
+
+    @pytest.mark.parametrize("wrong", [int, rc.Elastic, rc.Love(), "love"])
+    def test_only_subclasses_of_the_base_are_registered(self, wrong):
+        with pytest.raises(rc.InputError, match="must be a class derived from InfluenceKernel, but got"):
+            rc.kernels.register("wrong")(wrong)
+        assert "wrong" not in rc.kernels
+
+
+class TestTable:
+    """A registry looks like a mapping of names to classes."""
+
+    def test_it_is_iterable_and_has_length_and_members(self):
+        assert list(rc.solvers) == sorted(rc.solvers)
+        assert len(rc.solvers) == len(list(rc.solvers)) >= 3
+        assert "projected-cg" in rc.solvers
+        assert "projected" not in rc.solvers
+        assert rc.solvers["projected-cg"] is rc.ProjectedConjugateGradient
+        assert rc.solvers.base is rc.Solver
+
+    def test_its_repr_is_a_table(self):
+        lines = repr(rc.materials).splitlines()
+        assert lines[0] == f"material: {len(rc.materials)} subclasses of Material"
+        rows = dict(line.split() for line in lines[1:])
+        assert list(rows) == list(rc.materials)
+        assert rows["rigid"].endswith(":Rigid")
+
+    def test_the_name_of_a_class_is_that_of_exactly_this_class(self):
+        class Mine(rc.Love):
+            pass
+
+        assert rc.kernels.name_of(rc.Love) == "love"
+        assert rc.kernels.name_of(Mine) is None
+        assert rc.materials.name_of(rc.Love) is None
+        registry = Registry(rc.InfluenceKernel, "thing", "nobody.things", in_files=False)
+        registry.register("second")(Mine)
+        registry.register("first")(Mine)
+        assert registry.name_of(Mine) == "first"
+
+    def test_a_class_is_not_an_instance(self):
+        with pytest.raises(rc.InputError, match="Pass an instance, not the class"):
+            rc.kernels.resolve(rc.Love)
+        assert rc.kernels.resolve("love") == rc.Love()

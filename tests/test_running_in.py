@@ -1,4 +1,4 @@
-"""Permanent set and running in."""
+"""Plastic flattening and running in."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ def pair(one=SOFT, other=SOFT, seed=1, boundary="periodic", **parts):
 
 
 def heights(problem):
-    return [body.surface.heights(problem.plan.grid) for body in (problem.body, problem.counter)]
+    return [body.surface.heights(problem.plan.grid) for body in (problem.body, problem.counterbody)]
 
 
 class TestOverlap:
-    """The overlap stays."""
+    """The overlap remains as flattening."""
 
     @settings(max_examples=10, deadline=None)
     @given(seeds, st.floats(1e7, 1e9), st.sampled_from(["free", "periodic"]))
@@ -40,7 +40,7 @@ class TestOverlap:
         elastic = attrs.evolve(
             worn,
             body=attrs.evolve(worn.body, material=rc.Elastic(210e9, 0.3)),
-            counter=attrs.evolve(worn.counter, material=rc.Elastic(210e9, 0.3)),
+            counterbody=attrs.evolve(worn.counterbody, material=rc.Elastic(210e9, 0.3)),
         )
         again = elastic.solve(pressure=load)
         assert again.pressure.max() <= HARDNESS * (1 + 1e-3)
@@ -91,47 +91,47 @@ class TestUniformRise:
         assert second.saturated.value <= first.saturated.value
         assert second.volume < 1e-6 * first.volume
 
-    def test_what_does_not_fit_into_the_open_gap_is_refused(self):
+    def test_a_volume_larger_than_the_gap_is_refused(self):
         ball = rc.ContactProblem(rc.Body(rc.SphereSurface(1e-3), SOFT), grid=rc.Grid((64, 64), 1e-4))
-        with pytest.raises(rc.InputError, match="cannot take the volume"):
+        with pytest.raises(rc.InputError, match="cannot take the displaced volume"):
             rc.run_in(ball, pressure=0.9975 * HARDNESS, model="uniform-rise")
 
-    def test_where_all_touches_only_shape_is_lost(self):
+    def test_in_full_contact_the_mean_height_is_kept(self):
         problem = pair(boundary="periodic")
         solution = problem.solve(pressure=0.99 * HARDNESS)
-        lowering = rc.UniformRise().lowering(solution)
-        assert abs(lowering.mean()) < 1e-9 * np.abs(lowering).max()
+        height_loss = rc.UniformRise().height_loss(solution)
+        assert abs(height_loss.mean()) < 1e-9 * np.abs(height_loss).max()
 
 
-class TestShare:
-    """Who is flattened."""
+class TestFraction:
+    """Which body is flattened."""
 
     def test_the_softer_body_is(self):
         for one, other, lost in ((SOFT, HARD, 0), (HARD, SOFT, 1)):
             result = rc.run_in(pair(one, other), pressure=2e8, rounds=1)
-            assert result.lowered[lost].max() > 0
-            assert not result.lowered[1 - lost].any()
+            assert result.height_loss[lost].max() > 0
+            assert not result.height_loss[1 - lost].any()
 
-    def test_equals_share(self):
-        one, other = rc.run_in(pair(), pressure=2e8, rounds=1).lowered
+    def test_bodies_of_equal_hardness_share_equally(self):
+        one, other = rc.run_in(pair(), pressure=2e8, rounds=1).height_loss
         np.testing.assert_allclose(one, other, atol=1e-20)
 
     def test_hardness_may_differ_from_place_to_place(self):
         hardness = np.full((64, 64), HARDNESS)
         hardness[:32] *= 0.5
         patchy = rc.ElasticPerfectlyPlastic(210e9, 0.3, hardness)
-        flattened = rc.run_in(pair(patchy, SOFT), pressure=2e8, rounds=1).lowered
+        flattened = rc.run_in(pair(patchy, SOFT), pressure=2e8, rounds=1).height_loss
         assert flattened[0][:32].max() > 0
         assert not flattened[1][:32].any()
         np.testing.assert_allclose(flattened[0][32:], flattened[1][32:], atol=1e-20)
 
-    def test_without_a_limit_nothing_sets(self):
-        with pytest.raises(rc.InputError, match="nothing sets"):
+    def test_without_a_pressure_limit_nothing_is_flattened(self):
+        with pytest.raises(rc.InputError, match="nothing is flattened"):
             rc.run_in(pair(rc.Elastic(1e9, 0.3), rc.Rigid()), pressure=1e6)
 
 
 class TestMoving:
-    """The other body moves on between cycles."""
+    """The counterbody is shifted between cycles."""
 
     def test_each_cycle_is_the_contact_of_the_moved_body(self):
         fresh = pair()
@@ -139,10 +139,12 @@ class TestMoving:
         result = rc.run_in(fresh, pressure=2e8, shifts=[shift], rounds=1)
         one, other = heights(fresh)
         moved = rc.HeightMap(np.roll(other, shift, axis=(0, 1)), SIZE, periodic=True)
-        by_hand = attrs.evolve(fresh, counter=rc.Body(moved, SOFT)).solve(pressure=2e8)
+        by_hand = attrs.evolve(fresh, counterbody=rc.Body(moved, SOFT)).solve(pressure=2e8)
         np.testing.assert_array_equal(by_hand.pressure, result.solution.pressure)
-        np.testing.assert_allclose(np.roll(result.lowered[1], shift, axis=(0, 1)), result.lowered[0], atol=1e-20)
-        np.testing.assert_allclose(heights(result.problem)[0], one - result.lowered[0], atol=1e-20)
+        np.testing.assert_allclose(
+            np.roll(result.height_loss[1], shift, axis=(0, 1)), result.height_loss[0], atol=1e-20
+        )
+        np.testing.assert_allclose(heights(result.problem)[0], one - result.height_loss[0], atol=1e-20)
 
     def test_rounds_flatten_less_and_less(self):
         result = rc.run_in(pair(), pressure=1e8, shifts=[(0, 0), (16, 0), (32, 8)], tolerance=1e-2)
@@ -151,7 +153,7 @@ class TestMoving:
         rounds = np.array([cycle.volume for cycle in result.cycles]).reshape(-1, 3).sum(axis=1)
         assert (np.diff(rounds) < 0).all()
 
-    def test_a_body_that_does_not_repeat_cannot_go_round(self):
+    def test_a_body_that_does_not_repeat_cannot_be_shifted(self):
         grid = rc.Grid((32, 32), SIZE)
         tilted = rc.HeightMap(1e-3 * (grid.x + 0.0 * grid.y), SIZE)
         problem = rc.ContactProblem(rc.Body(rc.ParaboloidSurface(1e-3), SOFT), rc.Body(tilted, SOFT))
@@ -166,10 +168,10 @@ class TestInterface:
     @pytest.mark.parametrize(
         ("options", "words"),
         [
-            ({"shifts": []}, "shifts of the other body"),
-            ({"shifts": [(1, 2, 3)]}, "shifts of the other body"),
-            ({"shifts": [(0.5, 1)]}, "shifts of the other body"),
-            ({"shifts": "ab"}, "shifts of the other body"),
+            ({"shifts": []}, "shifts of the counterbody"),
+            ({"shifts": [(1, 2, 3)]}, "shifts of the counterbody"),
+            ({"shifts": [(0.5, 1)]}, "shifts of the counterbody"),
+            ({"shifts": "ab"}, "shifts of the counterbody"),
             ({"rounds": 0}, "number of rounds"),
             ({"tolerance": -1.0}, "tolerance of shakedown"),
             ({"model": "overlab"}, "Did you mean 'overlap'"),
@@ -178,7 +180,7 @@ class TestInterface:
             ({"tolerance": 2.0}, "at most 1"),
         ],
     )
-    def test_bad_input_is_told_before_anything_is_solved(self, options, words, monkeypatch):
+    def test_bad_input_is_refused_before_anything_is_solved(self, options, words, monkeypatch):
         monkeypatch.setattr(rc.ContactProblem, "solve", lambda *_, **__: pytest.fail("solved"))
         with pytest.raises(rc.InputError, match=words):
             rc.run_in(pair(), **{"pressure": 1e8, **options})
@@ -187,23 +189,23 @@ class TestInterface:
         with pytest.raises(rc.InputError, match="must be a ContactProblem"):
             rc.run_in(rc.RIGID_FLAT, force=1.0)
 
-    def test_a_load_that_cannot_be_carried_is_refused(self):
-        with pytest.raises(rc.InputError, match="more than the bodies bear"):
+    def test_an_inadmissible_load_is_refused(self):
+        with pytest.raises(rc.InputError, match="more than the bodies can carry"):
             rc.run_in(pair(), pressure=1.01 * HARDNESS)
 
     def test_a_model_of_somebody_else(self):
-        class Half(rc.PermanentSet):
+        class Half(rc.FlatteningModel):
             """Half of the overlap springs back."""
 
-            def lowering(self, solution):
-                return 0.5 * rc.Overlap().lowering(solution)
+            def height_loss(self, solution):
+                return 0.5 * rc.Overlap().height_loss(solution)
 
         whole = rc.run_in(pair(), pressure=2e8, rounds=1)
         half = rc.run_in(pair(), pressure=2e8, rounds=1, model=Half())
         assert half.volume == pytest.approx(0.5 * whole.volume)
         assert len(rc.run_in(pair(), pressure=2e8, model=Half()).cycles) > 2
 
-    def test_a_study_goes_on_where_it_stopped(self):
+    def test_running_in_is_continued_from_any_cycle(self):
         shifts = [(0, 0), (16, 0), (32, 0)]
         states = []
         whole = rc.run_in(pair(), pressure=2e8, shifts=shifts, rounds=2, tolerance=0.0, on_cycle=states.append)
@@ -213,13 +215,13 @@ class TestInterface:
             np.testing.assert_array_equal(one, other)
 
     @pytest.mark.parametrize(
-        "lowering",
+        "height_loss",
         [None, 0.0, "a", np.zeros((3, 3)), np.zeros((1, 64)), np.full((64, 64), np.nan), np.ones((64, 64), int)],
     )
-    def test_a_model_that_gives_no_lowering_is_named(self, lowering):
-        class Broken(rc.PermanentSet):
-            def lowering(self, solution):
-                return lowering
+    def test_a_model_that_does_not_give_heights_is_named(self, height_loss):
+        class Broken(rc.FlatteningModel):
+            def height_loss(self, solution):
+                return height_loss
 
         with pytest.raises(rc.InputError, match=r"Broken.* must give finite real heights of shape \(64, 64\)"):
             rc.run_in(pair(), pressure=2e8, model=Broken())
@@ -231,19 +233,21 @@ class TestInterface:
         with pytest.raises(rc.InputError, match="flattened everything"):
             rc.run_in(ball, pressure=HARDNESS)
 
-    def test_holes_stay_holes(self):
-        holes = np.zeros((64, 64), dtype=bool)
-        holes[10:20, 40:50] = True
+    def test_non_measured_points_remain_so(self):
+        non_measured = np.zeros((64, 64), dtype=bool)
+        non_measured[10:20, 40:50] = True
         fresh = pair()
         _one, other = heights(fresh)
-        holed = rc.HeightMap(other, SIZE, periodic=True, holes=holes)
-        result = rc.run_in(attrs.evolve(fresh, counter=rc.Body(holed, SOFT)), pressure=2e8, shifts=[(0, 0), (7, 0)])
-        np.testing.assert_array_equal(result.problem.counter.surface.holes, holes)
-        assert not result.solution.contact[np.roll(holes, (7, 0), axis=(0, 1))].any()
-        assert not result.lowered[1][holes].any()
-        refined = rc.refine(result.problem, factor=2, pressure=2e8)
+        incomplete = rc.HeightMap(other, SIZE, periodic=True, non_measured=non_measured)
+        result = rc.run_in(
+            attrs.evolve(fresh, counterbody=rc.Body(incomplete, SOFT)), pressure=2e8, shifts=[(0, 0), (7, 0)]
+        )
+        np.testing.assert_array_equal(result.problem.counterbody.surface.non_measured, non_measured)
+        assert not result.solution.contact[np.roll(non_measured, (7, 0), axis=(0, 1))].any()
+        assert not result.height_loss[1][non_measured].any()
+        refined = rc.on_grid(result.problem, tuple(2 * n for n in result.problem.plan.grid.shape)).solve(pressure=2e8)
         assert refined.force == pytest.approx(2e8 * SIZE**2)
 
-    def test_the_plan_of_the_result_tells_of_it(self):
+    def test_the_plan_of_the_result_has_the_history(self):
         result = rc.run_in(pair(), pressure=2e8, rounds=1)
         assert result.problem.explain().count("run in by 1 cycles") == 2

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 import json
 import multiprocessing
 import os
@@ -18,6 +20,7 @@ import pytest
 import roughcontact as rc
 from roughcontact.__main__ import main
 from roughcontact.studies.chain import run_chain
+from roughcontact.studies.record import read_index
 from roughcontact.studies.toml import read_study
 
 STEEL = rc.ElasticPerfectlyPlastic(210e9, 0.3, 6e9)
@@ -25,8 +28,20 @@ GRID = rc.Grid((48, 48), 1e-4)
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortest=8e-6, seed=5)
 
 
-def problem(surface=ROUGH, **parts):
-    return rc.ContactProblem(rc.Body(surface, STEEL), grid=GRID, **parts)
+@attrs.frozen
+class Foam(rc.Material):
+    """A material that nobody has registered."""
+
+    factor: float
+    pressure_limit = np.inf
+
+    @property
+    def compliance(self):
+        return self.factor * 1e-11
+
+
+def problem(surface=ROUGH, material=STEEL, **parts):
+    return rc.ContactProblem(rc.Body(surface, material), grid=GRID, **parts)
 
 
 def study(**changes):
@@ -143,7 +158,10 @@ class Dead(ThreadPoolExecutor):
 
 
 def test_a_broken_executor_is_said_and_the_study_goes_on_later(tmp_path):
-    with Dead(1) as executor, pytest.raises(rc.StudyStopped, match=r"The executor broke.*it goes on where it stopped"):
+    with (
+        Dead(1) as executor,
+        pytest.raises(rc.StudyStopped, match=r"The executor broke.*it solves only what is missing"),
+    ):
         study().run(tmp_path, executor=executor)
     result = study().run(tmp_path)
     assert len(result.records) == 12
@@ -156,7 +174,9 @@ def test_a_killed_process_of_a_pool(tmp_path):
 
         def kill(_):
             for pid in list(executor._processes):
-                os.kill(pid, signal.SIGKILL)
+                # What was finished before is reported after the kill.
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
 
         with pytest.raises(rc.StudyStopped, match="The executor broke"):
             study().run(tmp_path, executor=executor, on_records=kill)
@@ -169,8 +189,8 @@ def test_a_dask_cluster_loses_a_worker_in_the_middle(tmp_path):
     loads = list(np.geomspace(0.05, 5.0, 8))
     wanted = study(seeds=list(range(5)), force=loads)
     with (
-        distributed.LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as cluster,
-        distributed.Client(cluster) as client,
+        distributed.LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as patch,
+        distributed.Client(patch) as client,
     ):
         killed = []
 
@@ -187,6 +207,12 @@ def test_a_dask_cluster_loses_a_worker_in_the_middle(tmp_path):
     for one, other in zip(result.records, alone.records, strict=True):
         assert one.key == other.key
         assert one.areas["blend"][0] == pytest.approx(other.areas["blend"][0], rel=1e-5)
+
+
+def flip_bit(path, rng):
+    content = bytearray(path.read_bytes())
+    content[rng.integers(len(content))] ^= 1 << int(rng.integers(8))
+    path.write_bytes(content)
 
 
 class TestMishaps:
@@ -208,7 +234,53 @@ class TestMishaps:
         again = study().run(tmp_path)
         assert again.computed == 0
         assert again.records == first.records
-        assert len(json.loads(index.read_text())) == 12
+        assert len(json.loads(index.read_text())["records"]) == 12
+
+    def test_a_flipped_bit_is_solved_again(self, tmp_path):
+        first = study().run(tmp_path)
+        rng = np.random.default_rng(1)
+        for record in first.records[:3]:
+            flip_bit(tmp_path / f"{record.key}.npz", rng)
+        again = study().run(tmp_path)
+        assert again.computed == 3
+        assert [attrs.evolve(one, seconds=0.0) for one in again.records] == [
+            attrs.evolve(one, seconds=0.0) for one in first.records
+        ]
+
+    def test_a_file_under_the_name_of_another_is_solved_again(self, tmp_path):
+        first = study().run(tmp_path)
+        one, other = (tmp_path / f"{record.key}.npz" for record in first.records[:2])
+        one.write_bytes(other.read_bytes())
+        assert study().run(tmp_path).computed == 1
+        one.write_bytes(other.read_bytes())
+        # Without the records of the index all files are read.
+        assert study(areas=["perimeter"]).run(tmp_path).computed == 1
+
+    def test_a_flipped_bit_in_the_index_is_found(self, tmp_path):
+        study(seeds=[0]).run(tmp_path)
+        (index,) = tmp_path.glob("study-*.json")
+        intact = index.read_bytes()
+        assert len(read_index(index)) == 6
+        rng = np.random.default_rng(2)
+        for _ in range(200):
+            index.write_bytes(intact)
+            flip_bit(index, rng)
+            assert read_index(index) == {}
+
+    def test_the_index_leads_to_no_other_folder(self, tmp_path):
+        result = study(seeds=[0]).run(tmp_path)
+        (index,) = tmp_path.glob("study-*.json")
+        with pytest.raises(rc.InputError, match="32 hexadecimal digits"):
+            attrs.evolve(result.records[0], key="../../secret")
+        lines = index.read_text().splitlines()
+        for key, count in (("../../secret", 0), (result.records[1].key, 5), (result.records[0].key, 6)):
+            records = "\n".join([lines[1].replace(result.records[0].key, key), *lines[2:-1]])
+            head = (
+                lines[0].partition('"sha256": "')[0]
+                + f'"sha256": "{hashlib.sha256(records.encode()).hexdigest()}", "records": ['
+            )
+            index.write_text("\n".join([head, records, lines[-1], ""]))
+            assert len(read_index(index)) == count
 
     def test_a_file_that_was_taken_away_is_solved_again(self, tmp_path):
         first = study().run(tmp_path)
@@ -272,8 +344,16 @@ class TestMishaps:
         assert result.computed == 72 - finished
 
 
+@attrs.frozen
+class Refusing(rc.Solver):
+    tolerance: float = 1e-8
+
+    def solve(self, convolution, task):
+        raise rc.InputError("Refusing cannot carry this load.")
+
+
 class TestRecords:
-    """What is told of each solve."""
+    """What is reported of each solve."""
 
     def test_a_solve_that_does_not_converge_is_a_record_and_is_tried_again(self, tmp_path):
         hopeless = problem(boundary="periodic", solver=rc.ProjectedConjugateGradient(tolerance=1e-12, max_iterations=1))
@@ -284,10 +364,10 @@ class TestRecords:
         assert again.computed == len(result.failed)
 
     def test_a_problem_that_the_solver_refuses_is_a_record(self, tmp_path):
-        refused = problem(boundary="periodic", solver="polonsky-keer")
+        refused = problem(boundary="periodic", solver=Refusing())
         result = study(problems=refused, seeds=[]).run(tmp_path)
         assert {record.status for record in result.records} == {"REFUSED"}
-        assert "pressure limit" in result.records[0].message
+        assert "this load" in result.records[0].message
 
     def test_the_table_has_a_row_for_each(self, tmp_path):
         result = study(seeds=[]).run(tmp_path)
@@ -303,11 +383,12 @@ class TestRecords:
         ({"problems": {}}, "problems of a study"),
         ({"problems": {"a": 1}}, "problem 'a'"),
         ({"force": None}, "exactly one list"),
-        ({"force": []}, "exactly one list"),
+        ({"force": []}, "is empty: give at least one load"),
         ({"pressure": [1e6]}, "exactly one list"),
-        ({"force": [1.0, -1.0]}, "load of the study"),
-        ({"force": "abc"}, "load of the study"),
-        ({"force": [1.0, 1e9]}, "more than the bodies bear"),
+        ({"force": [1.0, -1.0]}, "A load of force"),
+        ({"force": "abc"}, "must be a list, force"),
+        ({"force": 1.0}, "must be a list, force"),
+        ({"force": [1.0, 1e9]}, "more than the bodies can carry"),
         ({"areas": ["blond"]}, "Did you mean 'blend'"),
         ({"areas": [3]}, "registered name"),
         ({"seeds": [0.5]}, "seed of the study"),
@@ -317,6 +398,23 @@ class TestRecords:
 def test_bad_studies_get_a_sentence(changes, words):
     with pytest.raises(rc.InputError, match=words):
         study(**changes)
+
+
+def test_parts_that_nobody_registered_take_part_in_studies(tmp_path):
+    @attrs.frozen
+    class Local(rc.Material):
+        compliance, pressure_limit = 1e-11, np.inf
+
+    foam = problem(material=Foam(2.0), boundary="periodic")
+    with pytest.warns(UserWarning, match="the material test_studies:Foam must be registered"):
+        first = study(problems=foam, seeds=[]).run(tmp_path)
+    again = study(problems=foam, seeds=[]).run(tmp_path)
+    assert (first.computed, again.computed) == (3, 0)
+    assert first.solution(first.records[0]).force == pytest.approx(0.1)
+    with pytest.warns(UserWarning, match="must be registered"):
+        assert study(problems=problem(material=Foam(3.0), boundary="periodic"), seeds=[]).run(tmp_path).computed == 3
+    with pytest.raises(rc.InputError, match=r"The content of the material .*Local is not known"):
+        study(problems=problem(material=Local()), seeds=[]).run(tmp_path)
 
 
 STUDY = """
@@ -350,12 +448,12 @@ class TestFiles:
 
     def test_a_file_is_the_objects_it_says(self, study_file):
         read = read_study(study_file)
-        assert read.loads == (0.1, 1.0)
+        assert [load.arguments for load in read.loads] == [{"force": 0.1}, {"force": 1.0}]
         assert read.problems["rough"].body.surface == ROUGH
         assert read.problems["rough"].boundary == "periodic"
         assert read.problems["ball"].solver == rc.ProjectedConjugateGradient(tolerance=1e-9)
         assert "less" not in read.explain()
-        assert "the best plane taken away" in read.explain()
+        assert "the best plane subtracted" in read.explain()
 
     def test_the_command_runs_and_goes_on(self, study_file, capsys):
         assert main(["run", str(study_file), "--dry-run"]) == 0
@@ -377,24 +475,36 @@ class TestFiles:
                 '"perodic"',
                 "must be one of 'free', 'periodic', 'wrapped', but got 'perodic'. @ problems.rough",
             ),
-            ('"sphere"', '"shere"', "Did you mean 'sphere'? Known: flat"),
+            ('"sphere"', '"shere"', "Did you mean 'sphere'? Known:"),
             (
                 "young = 210e9",
                 "young = -1",
-                "Young's modulus must be a finite number, above 0 (Pa), but got -1.0. @ problems.rough.body.material",
+                "Young's modulus must be a finite number, above 0 (Pa), but got -1. @ problems.rough.body.material",
             ),
             ("[study]", "[studi]", "unknown table (did you mean 'study'?) @ studi"),
             ("force =", "forces =", "unknown field 'forces' (did you mean 'force'?) @ study"),
-            ("parts =", "part =", "one field, parts"),
-            ("[problems.ball]", "[problems.ball", "is no TOML"),
-            ("0.1, 1.0", "1e9", "more than the bodies bear"),
+            ("parts =", "part =", "unknown field 'part' (did you mean 'parts'?)"),
+            ("[problems.ball]", "[problems.ball", "is not TOML"),
+            ("0.1, 1.0", "1e9", "more than the bodies can carry"),
             ('path = "map.npz"', 'path = "none.npz"', "There is no file"),
             ("detrend = 1", "detrand = 1", "unknown field 'detrand' (did you mean 'detrend'?)"),
             ('type = "projected-cg"', 'typ = "projected-cg"', "with the name as type"),
             ("shape = [48, 48], ", "", "required field missing @ problems.rough.grid.shape"),
+            (
+                '"map.npz"',
+                '"../map.npz"',
+                "must be that of a file in the folder of the study file, but got '../map.npz'",
+            ),
+            ('"map.npz"', '"/etc/hostname"', "must be that of a file in the folder of the study file"),
+            ('"map.npz"', '"link.npz"', "must be that of a file in the folder of the study file"),
+            ('"map.npz"', "3", "must be that of a file in the folder of the study file, but got 3"),
+            ('"sphere"', '"subprocess:Popen"', "There is no surface named 'subprocess:Popen'"),
+            ("seed = 5", f"seed = {'9' * 5000}", "is not TOML: Exceeds the limit"),
+            ("force = [0.1, 1.0]", f"force = {'[' * 5000}", "is not TOML"),
         ],
     )
     def test_what_is_wrong_is_named_with_its_path(self, study_file, capsys, old, new, words):
+        (study_file.parent / "link.npz").symlink_to("/etc/hostname")
         study_file.write_text(STUDY.replace(old, new, 1))
         assert main(["run", str(study_file), "--dry-run"]) == 2
         error = capsys.readouterr().err

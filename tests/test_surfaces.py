@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import given
@@ -34,13 +35,13 @@ def test_surfaces_add():
     wave, ball = rc.WavySurface(1e-6, 1e-4), rc.ParaboloidSurface((1e-2, 3e-2))
     bump = rc.HeightMap(np.random.default_rng(0).random(GRID.shape), size=GRID.size)
     total = wave + ball + bump
-    assert total.grid == GRID
+    assert total.own_grid == GRID
     np.testing.assert_array_equal(total.heights(GRID), wave.heights(GRID) + ball.heights(GRID) + bump.heights(GRID))
 
 
 def test_a_map_keeps_a_private_copy():
     values = np.zeros((3, 4))
-    surface = rc.HeightMap(values, size=1.0)
+    surface = rc.HeightMap(values, size=(1.0, 1.0))
     values[0, 0] = 1.0
     assert surface.values[0, 0] == 0.0
     assert not surface.values.flags.writeable
@@ -55,14 +56,14 @@ def test_bilinear_is_exact_on_planes_inside():
 
 def test_bilinear_takes_the_mean_of_two_cells_when_halving():
     values = np.random.default_rng(0).random((8, 6))
-    halved = rc.HeightMap(values, size=1.0).resample((4, 3))
+    halved = rc.HeightMap(values, size=(1.0, 1.0)).resample((4, 3))
     np.testing.assert_allclose(halved.values, values.reshape(4, 2, 3, 2).mean(axis=(1, 3)), rtol=1e-14)
 
 
 def test_bilinear_goes_around_on_a_periodic_map():
     values = np.random.default_rng(0).random((8, 6))
-    surface = rc.HeightMap(values, size=1.0, periodic=True)
-    moved = rc.HeightMap(np.roll(values, 2, axis=0), size=1.0, periodic=True)
+    surface = rc.HeightMap(values, size=(1.0, 1.0), periodic=True)
+    moved = rc.HeightMap(np.roll(values, 2, axis=0), size=(1.0, 1.0), periodic=True)
     np.testing.assert_allclose(np.roll(surface.resample((12, 6)).values, 3, axis=0), moved.resample((12, 6)).values)
 
 
@@ -71,13 +72,13 @@ def test_fourier_is_exact_on_waves(seed, nx, ny):
     rng = np.random.default_rng(seed)
     waves = rc.WavySurface(rng.random(2), (1 / 2, 1 / 2), phase=rng.random(2) * 6)
     coarse, fine = rc.Grid((5, 6), 1.0), rc.Grid((nx, ny), 1.0)
-    surface = rc.HeightMap(waves.heights(coarse), size=1.0, periodic=True)
+    surface = rc.HeightMap(waves.heights(coarse), size=(1.0, 1.0), periodic=True)
     np.testing.assert_allclose(surface.resample((nx, ny), "fourier").values, waves.heights(fine), atol=1e-13)
 
 
 def test_fourier_to_the_same_and_threefold_cells_keeps_the_values():
     values = np.random.default_rng(0).random((6, 9))
-    surface = rc.HeightMap(values, size=1.0, periodic=True)
+    surface = rc.HeightMap(values, size=(1.0, 1.0), periodic=True)
     np.testing.assert_allclose(surface.resample((6, 9), "fourier").values, values, atol=1e-15)
     # The centres of threefold finer cells include the old ones.
     np.testing.assert_allclose(surface.resample((18, 27), "fourier").values[1::3, 1::3], values, atol=1e-14)
@@ -85,7 +86,7 @@ def test_fourier_to_the_same_and_threefold_cells_keeps_the_values():
 
 def test_block_mean_keeps_the_mean():
     values = np.random.default_rng(0).random((12, 10))
-    coarse = rc.HeightMap(values, size=1.0).resample((3, 5), "mean")
+    coarse = rc.HeightMap(values, size=(1.0, 1.0)).resample((3, 5), "mean")
     np.testing.assert_allclose(coarse.values, values.reshape(3, 4, 5, 2).mean(axis=(1, 3)))
 
 
@@ -120,7 +121,7 @@ class TestSelfAffine:
         assert heights.std() == pytest.approx(2e-7, rel=1e-12)
 
     def test_is_the_same_surface_on_every_grid(self):
-        coarse = rc.HeightMap(self.surface.heights(rc.Grid((32, 40), 64.0)), size=64.0, periodic=True)
+        coarse = rc.HeightMap(self.surface.heights(rc.Grid((32, 40), 64.0)), size=(64.0, 64.0), periodic=True)
         fine = self.surface.heights(rc.Grid((96, 120), 64.0))
         np.testing.assert_allclose(coarse.resample((96, 120), "fourier").values, fine, atol=1e-13)
 
@@ -139,3 +140,55 @@ class TestSelfAffine:
             k = 256 * np.hypot(*np.meshgrid(np.fft.fftfreq(256), np.fft.fftfreq(256)))
             powers += [waves[np.abs(k - 8) < 0.5].mean(), waves[np.abs(k - 32) < 0.5].mean()]
         assert np.log(powers[0] / powers[1]) / np.log(4) == pytest.approx(2 + 2 * 0.8, abs=0.15)
+
+
+def fourier_coefficients(surface, cells, size, wave):
+    """Return the coefficients of the waves of at least `wave`, by the centre of the domain."""
+    grid = rc.Grid((cells, cells + 6), size)
+    kx, ky = (np.fft.fftfreq(n, 1 / n)[:, None] for n in grid.shape)
+    qx, qy = 2 * np.pi * kx / size[0], 2 * np.pi * ky.T / size[1]
+    spectrum = np.fft.fft2(surface.heights(grid), norm="forward")
+    spectrum *= np.exp(-1j * (qx * grid.x[0, 0] + qy * grid.y[0, 0]))
+    kept = np.hypot(qx, qy) * wave <= 2 * np.pi * (1 + 1e-6)
+    found = {
+        (int(i), int(j)): spectrum[a, b]
+        for a, i in enumerate(kx.ravel())
+        for b, j in enumerate(ky.ravel())
+        if kept[a, b]
+    }
+    return np.array([found[key] for key in sorted(found)])
+
+
+@given(
+    seeds,
+    st.floats(2.0, 9.0),
+    st.floats(2.0, 9.0),
+    st.floats(2.0, 9.0),
+    st.sampled_from(["rms_height", "rms_slope"]),
+    st.floats(1.0, 1.6),
+)
+def test_the_seed_fixes_the_long_waves(seed, one, other, cutoff, rms, aspect):
+    """Whatever the shortest wave and the grid: a shorter one only adds waves."""
+    size = (24.0, 24.0 * aspect)
+    surface = rc.SelfAffineSurface(
+        hurst=0.7, shortest=one, longest=24.0, rolloff=12.0, rms_cutoff=cutoff, seed=seed, **{rms: 0.1}
+    )
+    shorter, longer = sorted((one, other))
+    waves = [
+        fourier_coefficients(attrs.evolve(surface, shortest=shortest), cells, size, longer)
+        for shortest, cells in ((shorter, 40), (longer, 46), (longer, 40))
+    ]
+    scale = np.abs(waves[0]).max()
+    assert scale > 0.0
+    for others in waves[1:]:
+        np.testing.assert_allclose(others, waves[0], rtol=0, atol=1e-12 * scale)
+    # The wave at the cut-off is there: nothing of the band that counts was omitted.
+    counted = attrs.evolve(surface, shortest=cutoff)
+    default = rc.SelfAffineSurface(hurst=0.7, shortest=cutoff, longest=24.0, rolloff=12.0, seed=seed, **{rms: 0.1})
+    grid = rc.Grid((40, 46), size)
+    np.testing.assert_array_equal(counted.heights(grid), default.heights(grid))
+
+
+def test_a_cutoff_beyond_the_longest_wave_is_refused():
+    with pytest.raises(rc.InputError, match="cut-off of the rms value must be at most the longest wavelength"):
+        rc.SelfAffineSurface(hurst=0.7, rms_slope=0.1, shortest=1.0, longest=8.0, rms_cutoff=9.0)

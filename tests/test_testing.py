@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import ast
+import importlib
 import os
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import attrs
@@ -15,6 +18,7 @@ import pytest
 import roughcontact as rc
 import roughcontact.testing as kit
 from roughcontact.__main__ import main
+from roughcontact.typing import Outcome, PreparedConvolution, RawMap
 
 ROOT = Path(__file__).parent.parent
 EXAMPLE = ROOT / "plugins" / "roughcontact-example"
@@ -26,14 +30,15 @@ MADE = {
     "paraboloid": [rc.ParaboloidSurface((1e-2, 2e-2))],
     "self-affine": [rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=20e-6, shortest=3e-6, seed=1)],
     "sphere": [rc.SphereSurface(1e-2)],
+    "sum": [rc.WavySurface(1e-6, 1e-5) + rc.SphereSurface(1e-2)],
     "wavy": [rc.WavySurface(1e-6, 1e-5)],
 }
 
 
 def shipped():
     for kind, registry in kit.KINDS.items():
-        for name in registry.names():
-            if registry.get(name).__module__.startswith("roughcontact."):
+        for name in registry:
+            if registry[name].__module__.startswith("roughcontact."):
                 for number, part in enumerate(MADE.get(name) or [registry.create(name)]):
                     yield pytest.param(kind, part, id=f"{kind}-{name}" + (f"-{number}" if number else ""))
 
@@ -47,7 +52,7 @@ def test_what_ships_conforms(kind, part):
 
 
 def test_maps_and_sums_conform():
-    noise = rc.HeightMap(np.random.default_rng(0).random((9, 8)), size=1e-4)
+    noise = rc.HeightMap(np.random.default_rng(0).random((9, 8)), size=(1e-4, 1e-4))
     for surface in (noise, rc.WavySurface(1e-6, 1e-5) + rc.SphereSurface(1e-2)):
         kit.check(surface).raise_for_failures()
 
@@ -71,6 +76,9 @@ class Crooked(rc.Love):
         }
         return faults.get(self.fault, lambda: values)()
 
+    def effective_modulus(self, wavenumber, compliance):
+        return 1.1 / compliance + 0.0 * wavenumber if self.fault == "modulus" else None
+
     def spectrum(self, qx, qy, spacing, compliance):
         if self.fault == "writes":
             qx += 0.0 * qx + 1e-3
@@ -93,14 +101,14 @@ class Nothing(rc.InfluenceKernel):
 
 
 @attrs.frozen(eq=False)
-class Planned(rc.PlannedConvolution):
-    plan: rc.PlannedConvolution
+class Planned(PreparedConvolution):
+    plan: PreparedConvolution
     fault: str
     memory: list = attrs.Factory(list)
 
     @property
-    def scene(self):
-        return self.plan.scene
+    def setup(self):
+        return self.plan.setup
 
     def apply(self, pressure):
         moved = self.plan.apply(pressure)
@@ -130,8 +138,8 @@ class Faulty(rc.Convolver):
     def transform_shape(self, grid, boundary):
         return grid.shape
 
-    def plan(self, kernel, grid, boundary):
-        return Planned(rc.DCFFT().plan(kernel, grid, rc.Boundary.FREE), self.fault)
+    def prepare(self, kernel, grid, boundary):
+        return Planned(rc.DCFFT().prepare(kernel, grid, rc.Boundary.FREE), self.fault)
 
 
 @attrs.frozen
@@ -144,12 +152,16 @@ class Liar(rc.Solver):
     def solve(self, convolution, task):
         if self.fault == "mute":
             raise rc.InputError("no")
+        if self.fault == "array":
+            return task.initial_gap
         if self.fault == "writes":
-            task.undeformed[...] *= 0.5
+            task.initial_gap[...] *= 0.5
         if self.fault == "uniform":
-            pressure = np.full(task.undeformed.shape, 0.1 if task.mean_pressure is None else task.mean_pressure)
-            return rc.Outcome(pressure=pressure, status=rc.Status.CONVERGED, iterations=0, convolutions=0, history=())
+            pressure = np.full(task.initial_gap.shape, 0.1 if task.mean_pressure is None else task.mean_pressure)
+            return Outcome(pressure=pressure, status=rc.Status.CONVERGED, iterations=0, convolutions=0, history=())
         found = rc.ProjectedConjugateGradient().solve(convolution, task)
+        if self.fault == "raises" and found.status is rc.Status.NOT_FINITE:
+            raise RuntimeError("lost")
         if self.fault == "gives up":
             return attrs.evolve(found, status=rc.Status.STALLED)
         if self.fault == "light":
@@ -164,6 +176,18 @@ class Liar(rc.Solver):
         return attrs.evolve(found, status=rc.Status.CONVERGED)
 
 
+class Bare(rc.Convolver):
+    """Prepares a function."""
+
+    boundaries = frozenset({rc.Boundary.FREE})
+
+    def transform_shape(self, grid, boundary):
+        return grid.shape
+
+    def prepare(self, kernel, grid, boundary):
+        return np.cumsum
+
+
 @attrs.frozen
 class Careless(rc.AreaEstimator):
     """Counts cells, wrongly."""
@@ -172,8 +196,6 @@ class Careless(rc.AreaEstimator):
 
     def estimate(self, solution):
         count, cells = int(solution.contact.sum()), solution.contact.size
-        if self.fault == "mutates" and solution.pressure.flags.writeable:
-            solution.pressure[...] = 0.0
         counted = {
             "falls": cells - count,
             "corner": count - 0.25 * solution.contact[:1, : cells // 3].sum(),
@@ -184,8 +206,8 @@ class Careless(rc.AreaEstimator):
         }.get(self.fault, count)
         value = counted * solution.grid.cell_area
         bar = {"certain": 0.0, "negative": -value}.get(self.fault, 0.5 * value)
-        clusters = np.full(solution.clusters.count, 0.5 * value) if self.fault == "clusters" else None
-        return rc.Area(value, counted / cells, bar, "careless", clusters=clusters)
+        patches = np.full(solution.patches.count, 0.5 * value) if self.fault == "patches" else None
+        return rc.Area(value, counted / cells, bar, "careless", patches=patches)
 
 
 @attrs.define(eq=False)
@@ -215,15 +237,15 @@ class Hidden(rc.Material):
 
 
 @attrs.frozen
-class Sinks(rc.PermanentSet):
+class Sinks(rc.FlatteningModel):
     fault: str
 
-    def lowering(self, solution):
-        lower = rc.Overlap().lowering(solution)
-        if self.fault == "mutates" and solution.undeformed.flags.writeable:
-            solution.undeformed[...] += 1e-9
+    def height_loss(self, solution):
+        lower = rc.Overlap().height_loss(solution)
         ramp = np.linspace(0, 1, lower.shape[1])
         faults = {"short": lower[1:], "sinks": lower + 1e-9, "grows": -lower, "leans": lower * ramp}
+        if self.fault == "moody":
+            return lower * (1.0 - 1e-9 * np.random.default_rng().random())
         return faults.get(self.fault, lower)
 
 
@@ -232,86 +254,122 @@ class Restless(rc.Surface):
         return np.random.default_rng().integers(0, 9, grid.shape)
 
 
+@attrs.frozen
+class Wrapper(rc.Surface):
+    """Another surface, but for one thing."""
+
+    surface: rc.Surface
+    fault: str
+    seed: int = 1
+
+    @property
+    def own_grid(self):
+        return rc.Grid((8, 8), 1e-5) if self.fault == "grid" else self.surface.own_grid
+
+    @property
+    def provenance(self):
+        return "words" if self.fault == "words" else ()
+
+    def heights(self, grid):
+        return self.surface.heights(grid) + (1e-6 * self.seed if self.fault == "odd" else 0.0)
+
+    def with_parts(self, parts):
+        return Wrapper(rc.FlatSurface() if self.fault == "loses" else parts[0], self.fault)
+
+    def resample_to(self, grid, method=None):
+        return rc.FlatSurface() if self.fault == "loses" else self
+
+    def shift_half_cell(self, grid, *, periodic):
+        return rc.WavySurface(1e-3, 1e-5) if self.fault == "grows" else self
+
+
 class Credulous(rc.SurfaceReader):
     suffixes = frozenset({"TXT"})
 
     def read(self, path):
-        return rc.RawMap(np.zeros((2, 2)))
+        return RawMap(np.zeros((2, 2)))
 
 
+WAVY = rc.WavySurface(1e-6, 1e-5)
 BROKEN = [
-    (Nothing(), "offers coefficients or a spectrum"),
+    (Nothing(), "coefficients or spectrum"),
     (Crooked("shape"), "shapes and types"),
     (Crooked("nan"), "finite"),
     (Shares(), "repeatable"),
-    (Crooked("writes"), "input left as it was"),
+    (Crooked("writes"), "input unchanged"),
     (Crooked("lopsided"), "even in x and y"),
-    (Crooked("shrunk"), "each offset and wave alone"),
-    (Crooked("negative"), "positive work"),
-    (Crooked("stiffer"), "softer bodies yield more"),
-    (Crooked("rounded"), "units"),
+    (Crooked("shrunk"), "offsets and waves independent"),
+    (Crooked("negative"), "positive energy"),
+    (Crooked("stiffer"), "grows with compliance"),
+    (Crooked("rounded"), "powers of two change no bit"),
     (Crooked("near"), "far field of the half-space"),
-    (Crooked("near"), "coefficients agree with the spectrum"),
-    (Faulty(""), "boundaries declared"),
-    (Faulty(""), "tells its scene"),
+    (Crooked("near"), "coefficients agree with spectrum"),
+    (Crooked("modulus"), "effective modulus agrees with spectrum"),
+    (Faulty(""), "boundaries"),
+    (Faulty(""), "setup"),
     (Faulty("square"), "linear"),
-    (Faulty("square"), "units"),
-    (Faulty("drift"), "the sum over all cells"),
-    (Faulty("drift"), "reciprocal"),
-    (Faulty("pulls"), "positive work"),
-    (Faulty("writes"), "input left as it was"),
+    (Faulty("square"), "powers of two change no bit"),
+    (Faulty("drift"), "sum over all cells"),
+    (Faulty("drift"), "reciprocal (Betti)"),
+    (Faulty("pulls"), "positive energy"),
+    (Faulty("writes"), "input unchanged"),
     (Faulty("remembers"), "repeatable"),
     (Faulty("double"), "float32 and float64"),
-    (Liar("mute"), "serves, or refuses in words"),
-    (Liar("", tolerance=0.0), "tolerance above zero"),
-    (Liar("uniform"), "honest status"),
+    (Liar("mute"), "solves, or raises InputError"),
+    (Liar("", tolerance=0.0), "tolerance"),
+    (Liar("uniform"), "confirmed status"),
     (Liar("uniform"), "conditions of contact"),
     (Liar("gives up"), "conditions of contact"),
-    (Liar("light"), "exact load"),
-    (Liar("below"), "bounds bit for bit"),
-    (Liar("writes"), "input left as it was"),
+    (Liar("light"), "load"),
+    (Liar("below"), "bounds"),
+    (Liar("writes"), "input unchanged"),
     (Liar("moody"), "repeatable"),
-    (Liar("moody"), "units"),
-    (Liar("stubborn"), "any start"),
-    (Liar("infinite"), "notices infinity"),
+    (Liar("moody"), "powers of two change no bit"),
+    (Liar("stubborn"), "any initial guess"),
+    (Liar("infinite"), "stops at non-finite values"),
     (Careless("falls"), "monotone in the load"),
     (Careless("falls"), "full contact"),
     (Careless("more"), "no contact"),
-    (Careless("certain"), "bars hold Hertz"),
-    (Careless("negative"), "sound areas and bars"),
-    (Careless("clusters"), "areas of clusters"),
+    (Careless("certain"), "uncertainty covers Hertz"),
+    (Careless("negative"), "valid areas and uncertainties"),
+    (Careless("patches"), "areas of patches"),
     (Careless("corner"), "mirror images"),
-    (Careless("corner"), "moved contacts"),
-    (Careless("metres"), "units"),
-    (Careless("mutates"), "solution left as it was"),
+    (Careless("corner"), "shifted contacts"),
+    (Careless("metres"), "scales with units"),
     (Careless("moody"), "repeatable"),
-    (Careless("large"), "few cells"),
-    (Soft(), "frozen"),
+    (Careless("large"), "grids of few cells"),
+    (Soft(), "immutable"),
     (Soft(compliance=-1.0), "compliance"),
     (Soft(pressure_limit=0.0), "pressure limit"),
-    (Soft(compliance=-1.0), "bears a contact"),
-    (Hidden(1e-9), "same after a journey"),
+    (Soft(compliance=-1.0), "contact"),
+    (Hidden(1e-9), "same values after pickling"),
     (Sinks("short"), "shapes and types"),
-    (Sinks("sinks"), "elastic contacts leave nothing"),
-    (Sinks("grows"), "no volume out of nothing"),
-    (Sinks("leans"), "mirrored and moved contacts"),
-    (Sinks("mutates"), "solution left as it was"),
+    (Sinks("sinks"), "no loss in elastic contact"),
+    (Sinks("grows"), "volume not increased"),
+    (Sinks("leans"), "mirrored and shifted contacts"),
+    (Sinks("moody"), "repeatable"),
     (Restless(), "repeatable"),
     (Restless(), "shapes and types"),
-    (Credulous(), "endings"),
-    (Credulous(), "damaged files are refused"),
+    (Wrapper(WAVY, "words"), "shapes and types"),
+    (Wrapper(WAVY, "grid"), "own grid"),
+    (Wrapper(WAVY, "loses"), "parts"),
+    (Wrapper(WAVY, "loses"), "resampled"),
+    (Wrapper(WAVY, "grows"), "shifted by half a cell"),
+    (Wrapper(WAVY, "same"), "reseeded"),
+    (Credulous(), "file endings"),
+    (Credulous(), "damaged files refused"),
     # What all kinds share.
-    (Hidden(1e-9), "pickles"),
-    (Hidden(1e-9), "can be kept in files"),
-    (Unhashable(1e-9), "hashes as it compares"),
+    (Hidden(1e-9), "survives pickling"),
+    (Hidden(1e-9), "can be saved"),
+    (Unhashable(1e-9), "hash agrees with equality"),
 ]
-SHARED = {"pickles", "can be kept in files", "hashes as it compares"}
+SHARED = {"survives pickling", "can be saved", "hash agrees with equality"}
 
 
 @pytest.mark.parametrize(("part", "claim"), BROKEN, ids=[f"{kit.kind_of(part)}-{claim}" for part, claim in BROKEN])
 def test_what_is_broken_is_caught_by_the_name_of_the_claim(part, claim):
     named = next(one for one in kit.claims(kit.kind_of(part)) if str(one) == claim)
-    with pytest.raises(AssertionError, match=f"breaks the claim {claim!r}: (?!raised)"):
+    with pytest.raises(AssertionError, match=f"breaks the claim {re.escape(repr(claim))}: (?!.*raised)"):
         named.check(part)
 
 
@@ -326,7 +384,7 @@ def test_every_claim_is_broken_by_something():
 def test_a_report_lists_all_failures():
     report = kit.check(Careless("falls"))
     assert {"monotone in the load", "full contact"} <= {finding.claim for finding in report.failures}
-    with pytest.raises(AssertionError, match=r"(?s)claims hold\n.*  BROKEN  monotone in the load: .* falls"):
+    with pytest.raises(AssertionError, match=r"(?s)claims hold.*\n.*  BROKEN  monotone in the load: .* falls"):
         report.raise_for_failures()
 
 
@@ -345,25 +403,38 @@ except rc.MissingPackage as error:
     assert "pip install hypothesis" in done.stdout
 
 
+@pytest.mark.parametrize(
+    ("part", "claim", "reason"),
+    [
+        (Bare(), "linear", "must return a PreparedConvolution whose `setup` is a ConvolutionSetup"),
+        (Liar("raises"), "stops at non-finite values", r"raised RuntimeError\('lost'\): a solver must return Status"),
+        (Liar("array"), "solves, or raises InputError", "at a given load: .* must return an Outcome"),
+    ],
+)
+def test_the_reason_says_what_to_do(part, claim, reason):
+    named = next(one for one in kit.claims(kit.kind_of(part)) if str(one) == claim)
+    assert re.search(reason, named.evaluate(part).detail)
+
+
 def test_a_report_reads_well():
     text = str(kit.check(rc.Love()))
-    assert text.startswith("kernel Love(): 15 of 15 claims hold\n")
-    assert re.search(r"^  holds   even in x and y +even in x and y to", text, re.M)
-    assert "14 of 14 claims hold, 1 does not apply\n" in str(kit.check(rc.FourierHalfSpace()))
+    assert text.startswith("kernel Love(): 15 of 15 claims hold, 1 does not apply\n")
+    assert re.search(r"^  holds   even in x and y +to", text, re.M)
+    assert "14 of 14 claims hold, 2 do not apply\n" in str(kit.check(rc.FourierHalfSpace()))
     text = str(kit.check(Nothing()))
-    assert "BROKEN  offers coefficients or a spectrum" in text
-    assert "does not apply: it offers no spectrum" in text
+    assert "BROKEN  coefficients or spectrum" in text
+    assert "does not apply: the kernel has no spectrum" in text
 
 
 def test_a_claim_names_the_part_and_what_was_found():
-    with pytest.raises(AssertionError, match=r"Nothing object at .* breaks the claim 'offers .*': it offers neither"):
+    with pytest.raises(AssertionError, match=r"Nothing object at .* breaks the claim 'coeff.*': it defines neither"):
         kit.claims("kernel")[0].check(Nothing())
 
 
 def test_what_is_no_part_is_refused_in_words():
     with pytest.raises(rc.InputError, match="Pass an instance, not the class"):
         kit.check(rc.Love)
-    with pytest.raises(rc.InputError, match="one of 'kernel', 'convolver'"):
+    with pytest.raises(rc.InputError, match="one of 'convolver', "):
         kit.claims("colour")
 
 
@@ -374,18 +445,20 @@ class TestCommand:
 
     def test_a_name_that_does_not(self, capsys, monkeypatch):
         monkeypatch.setitem(rc.areas._classes, "careless", Careless)
-        assert main(["check", "careless", "--kind", "area", "--with", "fault=falls"]) == 1
+        assert main(["check", "careless", "--kind", "area estimator", "--with", "fault=falls"]) == 1
         assert "BROKEN  monotone in the load" in capsys.readouterr().out
 
     def test_a_name_that_needs_fields(self, capsys):
         assert main(["check", "elastic", "--with", "young=200e9", "poisson=0.3"]) == 0
         assert main(["check", "elastic"]) == 2
-        assert "'young' and 'poisson'" in capsys.readouterr().err
+        said = capsys.readouterr().err
+        assert "'young'" in said
+        assert "--with FIELD=VALUE" in said
 
     def test_an_unknown_name(self, capsys):
         assert main(["check", "lov"]) == 2
         assert "Did you mean 'love'?" in capsys.readouterr().err
-        assert main(["check", "love", "--kind", "area"]) == 2
+        assert main(["check", "love", "--kind", "area estimator"]) == 2
         assert "no area estimator named 'love'" in capsys.readouterr().err
         assert main(["check", "elastic", "--with", "young"]) == 2
 
@@ -403,12 +476,36 @@ def test_the_example_plug_in_passes_its_tests():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_the_page_shows_the_example_plug_in_as_it_is():
-    page = (ROOT / "docs" / "plugins.md").read_text(encoding="utf-8")
-    package = EXAMPLE / "src" / "roughcontact_example"
-    sources = [path for path in sorted(package.glob("*.py")) if path.name != "__init__.py"]
-    assert len(sources) >= 4
-    for path in (*sources, *(EXAMPLE / "tests").glob("*.py")):
-        assert f"```python\n{path.read_text(encoding='utf-8')}```" in page, path.name
-    entries = (EXAMPLE / "pyproject.toml").read_text(encoding="utf-8")
-    assert re.search(r"```toml\n(.*?)```", page, re.S)[1] in entries
+SOURCES = sorted(path for path in (EXAMPLE / "src" / "roughcontact_example").glob("*.py") if path.name != "__init__.py")
+
+
+def test_the_page_includes_every_file_of_the_example_plug_in():
+    page = ROOT / "docs" / "plugins.md"
+    included = re.findall(r"^```\{literalinclude\} (\S+)$", page.read_text(encoding="utf-8"), re.M)
+    files = {(page.parent / path).resolve() for path in included}
+    assert all(path.is_file() for path in files)
+    # Each file of the example runs in `test_the_example_plug_in_passes_its_tests`.
+    example = {*SOURCES, *(EXAMPLE / "tests").glob("*.py"), EXAMPLE / "pyproject.toml"}
+    assert {path for path in files if path.is_relative_to(EXAMPLE)} == example
+
+
+def test_the_example_plug_in_has_a_part_of_each_kind_that_its_entry_points_name(monkeypatch):
+    monkeypatch.syspath_prepend(EXAMPLE / "src")
+    groups = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))["project"]["entry-points"]
+    assert set(groups) == {registry.group for registry in kit.KINDS.values()}
+    files = set()
+    for registry in kit.KINDS.values():
+        for path in groups[registry.group].values():
+            module, _, name = path.partition(":")
+            files.add(module.rpartition(".")[2])
+            assert issubclass(getattr(importlib.import_module(module), name), registry.base)
+    assert files == {path.stem for path in SOURCES}
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
+def test_the_example_plug_in_uses_public_names_only(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+        names += [alias.name for alias in node.names] if isinstance(node, ast.Import | ast.ImportFrom) else []
+        names += [node.attr] if isinstance(node, ast.Attribute) else []
+        assert not [name for name in names if any(part.startswith("_") for part in name.split("."))]

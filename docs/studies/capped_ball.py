@@ -1,13 +1,15 @@
-"""A ball on a flat with capped pressure: beside an independent axisymmetric solution and beside what is published.
+"""A perfectly plastic ball on a flat, against an independent axisymmetric solution and against Thornton's model.
 
 python docs/studies/capped_ball.py
 """
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
 
 import numpy as np
+from doc_tables import DocTable, write_tables
 from matplotlib.figure import Figure
 from scipy.special import ellipe, ellipk
 
@@ -21,10 +23,11 @@ STEEL = rc.ElasticPerfectlyPlastic(210e9, 0.3, HARDNESS)
 YIELD_RADIUS = np.pi * HARDNESS * RADIUS / (2 * MODULUS)
 YIELD = 2 / 3 * np.pi * YIELD_RADIUS**2 * HARDNESS
 YIELD_APPROACH = YIELD_RADIUS**2 / RADIUS
+TIMES = (1.1, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0)
 
 
 def ball(cells: int, force: float, centre: tuple[float, float] = (0.0, 0.0)) -> rc.ContactSolution:
-    """Return the contact on a domain of three times the greater of the radii of Hertz and of full plasticity."""
+    """Return the contact on a domain of three times the larger of the elastic and the fully plastic contact radius."""
     size = 3 * max((3 * force * RADIUS / (4 * MODULUS)) ** (1 / 3), (force / (np.pi * HARDNESS)) ** 0.5)
     body = rc.Body(rc.ParaboloidSurface(RADIUS, center=np.array(centre) * size / cells), STEEL)
     flat = rc.Body(rc.FlatSurface(), STEEL)
@@ -32,10 +35,10 @@ def ball(cells: int, force: float, centre: tuple[float, float] = (0.0, 0.0)) -> 
 
 
 def rings(force: float, count: int = 500) -> tuple[float, float, float]:
-    """Return approach, contact area and saturated area of the capped paraboloid on rings of uniform pressure.
+    """Return approach, contact area and saturated area of the paraboloid on rings of uniform pressure.
 
-    An independent path: axisymmetric, dense, by trial of which rings are open, free and saturated.
-    Displacement of a half-space under a uniform disc: Johnson, Contact Mechanics (1985), sec. 3.4.
+    Axisymmetric, dense, by trial of which rings are open, elastic and saturated. Displacement of a half-space
+    under a uniform disc: Johnson, Contact Mechanics (1985), sec. 3.4.
     """
     edges = np.linspace(0.0, 1.6 * (3 * force * RADIUS / (4 * MODULUS)) ** (1 / 3), count + 1)
     r, s = 0.5 * (edges[1:] + edges[:-1])[:, None], edges[None, 1:]
@@ -68,23 +71,32 @@ def thornton(force: float) -> tuple[float, float]:
     return approach, np.pi * RADIUS * approach
 
 
+@functools.cache
+def measure(cells: int = 512, count: int = 800) -> dict[float, tuple[float, ...]]:
+    """Return approach, area and saturated area by the load in units of F_y: ours, and those of the rings."""
+    found = {}
+    for factor in TIMES:
+        solution = ball(cells, factor * YIELD, (0.3, -0.2))
+        ours = solution.approach, solution.area().value, solution.saturated_area().value
+        found[factor] = *ours, *rings(factor * YIELD, count)
+    return found
+
+
+def make_rows(cells: int = 512, count: int = 800) -> list[list[str]]:
+    lines = [["F / F_y", "approach, error", "area", "saturated area", "area / (F / H)"]]
+    lines[0] += ["Thornton: approach", "Thornton: area"]
+    for factor, (approach, area, saturated, *exact) in measure(cells, count).items():
+        truncated = thornton(factor * YIELD)
+        areas = [f"{100 * (found / true - 1):+.2f} %" for found, true in ((area, exact[1]), (saturated, exact[2]))]
+        load = area * HARDNESS / (factor * YIELD)
+        model = [f"{100 * (truncated[k] / exact[k] - 1):+.1f} %" for k in (0, 1)]
+        lines.append([f"{factor:g}", f"{approach / exact[0] - 1:+.1e}", *areas, f"{load:.4f}", *model])
+    return lines
+
+
 def main(cells: int = 512, count: int = 800, folder: Path = FIGURES) -> None:
-    print("| F / F_y | approach, off the rings | area | saturated area | area / (F / H) | Thornton: approach | area |")
-    print("|---" * 7 + "|")
-    times = np.array([1.1, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0])
-    ours = []
-    for factor in times:
-        force = factor * YIELD
-        solution, (approach, area, saturated) = ball(cells, force, (0.3, -0.2)), rings(force, count)
-        found, limit = solution.area().value, solution.saturated_area().value
-        ours.append((solution.approach, found, limit))
-        close, truncated = solution.approach / approach - 1, thornton(force)
-        print(
-            f"| {factor:g} | {close:+.1e} | {100 * (found / area - 1):+.2f} % | {100 * (limit / saturated - 1):+.2f} % "
-            f"| {found * HARDNESS / force:.4f} | {100 * (truncated[0] / approach - 1):+.1f} % "
-            f"| {100 * (truncated[1] / area - 1):+.1f} % |"
-        )
-    draw(times, np.array(ours), folder)
+    ours = np.array([found[:3] for found in measure(cells, count).values()])
+    draw(np.array(TIMES), ours, folder)
 
 
 def draw(times: np.ndarray, ours: np.ndarray, folder: Path) -> None:
@@ -93,24 +105,28 @@ def draw(times: np.ndarray, ours: np.ndarray, folder: Path) -> None:
     fine = np.linspace(0.05, times[-1], 300)
     unit = np.pi * YIELD_RADIUS**2
     truncated = np.array([thornton(factor * YIELD) for factor in fine[fine >= 1]])
-    left.plot(fine, fine ** (2 / 3), ":", color="0.4", label="Hertz, no limit")
+    left.plot(fine, fine ** (2 / 3), ":", color="0.4", label="Hertz, elastic")
     left.plot(
         fine[fine >= 1], truncated[:, 0] / YIELD_APPROACH, "--", color="#3c8d53", label="truncated Hertz (Thornton)"
     )
-    left.plot(times, ours[:, 0] / YIELD_APPROACH, "o", color="#1b6ca8", label="pressure capped, half-space")
+    left.plot(times, ours[:, 0] / YIELD_APPROACH, "o", color="#1b6ca8", label="elastic, perfectly plastic")
     left.set(ylabel="approach / approach at first yield")
-    right.plot(fine, fine ** (2 / 3), ":", color="0.4", label="Hertz, no limit")
+    right.plot(fine, fine ** (2 / 3), ":", color="0.4", label="Hertz, elastic")
     right.plot(fine[fine >= 1], truncated[:, 1] / unit, "--", color="#3c8d53", label="truncated Hertz (Thornton)")
     right.plot(fine, fine * YIELD / HARDNESS / unit, "-", color="0.7", label="load / hardness")
     right.plot(times, ours[:, 1] / unit, "o", color="#1b6ca8", label="contact area")
-    right.plot(times, ours[:, 2] / unit, "s", color="#d1495b", label="of it saturated")
+    right.plot(times, ours[:, 2] / unit, "s", color="#d1495b", label="saturated area")
     right.set(ylabel="area / area at first yield")
     for axes in (left, right):
-        axes.set(xlabel="load / load of first yield", xlim=(0, None), ylim=(0, None))
+        axes.set(xlabel="force / force at first yield", xlim=(0, None), ylim=(0, None))
         axes.grid(alpha=0.3)
         axes.legend()
     figure.savefig(folder / "capped_ball.png", dpi=110)
 
 
+# The errors of the approach are those of the solver's tolerance.
+TABLES = {"capped-ball": DocTable(make_rows, seconds=11, units=3)}
+
 if __name__ == "__main__":
+    write_tables(TABLES)
     main()

@@ -1,15 +1,14 @@
-"""Our default solver beside tamaas, ContactMechanics and ASPHER on the same arrays, judged by one function.
+"""Our default solver beside tamaas, ContactMechanics and ASPHER on the same arrays, verified by one function.
 
-Needs an environment of its own with the others in it (tamaas is under the AGPL, and neither is a
-dependency of ours):
+Needs a separate environment with the other codes (none is a dependency of ours; tamaas is under the AGPL):
 
     python -m venv peers && peers/bin/pip install -e . tamaas ContactMechanics
-    peers/bin/pip install aspher  # compiles; needs CMake and Eigen 3.4, and is left out where it is missing
+    peers/bin/pip install aspher  # compiles; needs CMake and Eigen 3.4; skipped where it is missing
     peers/bin/python docs/studies/compare_codes.py
 
-One process, one thread, CPU time. Ours runs before and after each peer, and the median counts; the
-peers run once, for some take minutes. Every code gets the tolerance with which it meets the gate:
-complementarity 1e-6 of the rms height, recomputed by `violation`.
+One process, one thread, CPU time. Ours runs before and after each other code, and the median counts; the others run
+once, because some take minutes. Every code gets the tolerance with which it meets the requirement: complementarity
+1e-6 of the rms height, recomputed by `measure_violation`.
 """
 
 from __future__ import annotations
@@ -31,8 +30,9 @@ import numpy as np
 
 import roughcontact as rc
 
+# Rms slope of the rough surfaces; required complementarity over the rms height.
 SLOPE = 0.1
-GATE = 1e-6
+REQUIRED = 1e-6
 
 
 @attrs.frozen(eq=False)
@@ -46,31 +46,31 @@ class Case:
     hardness: float | None = None
 
 
-def rough(cells: int, seed: int = 0) -> np.ndarray:
-    """Hurst 0.8, roll-off at an eighth of the side, shortest wave of eight cells, rms slope 0.1."""
+def make_rough(cells: int, seed: int = 0) -> np.ndarray:
+    """Return heights with Hurst 0.8, roll-off at an eighth of the side, shortest wave of eight cells, rms slope 0.1."""
     surface = rc.SelfAffineSurface(
         hurst=0.8, rms_slope=SLOPE, shortest=8.0, longest=float(cells), rolloff=cells / 8, seed=seed
     )
     return surface.heights(rc.Grid((cells, cells), float(cells)))
 
 
-def cases(largest: int) -> list[Case]:
+def make_cases(largest: int) -> list[Case]:
     """Return the contacts of the README's table, up to a number of cells along a side."""
-    found = [Case(f"x = 0.05, {n}", rough(n), 0.05 * SLOPE) for n in (512, 1024, 2048) if n <= largest]
+    cases = [Case(f"x = 0.05, {n}", make_rough(n), 0.05 * SLOPE) for n in (512, 1024, 2048) if n <= largest]
     if largest >= 1024:
-        found += [Case(f"x = {x}, 1024", rough(1024), x * SLOPE) for x in (0.2, 1.0, 1.5, 3.0)]
+        cases += [Case(f"x = {x}, 1024", make_rough(1024), x * SLOPE) for x in (0.2, 1.0, 1.5, 3.0)]
         wave = rc.WavySurface(0.5e-6 * 1024 / 250e-6, 12.5e-6 * 1024 / 250e-6)
-        found.append(Case("bi-sinusoid, 1024", wave.heights(rc.Grid((1024, 1024), 1024.0)), 100e6 / 219.78e9))
+        cases.append(Case("bi-sinusoid, 1024", wave.heights(rc.Grid((1024, 1024), 1024.0)), 100e6 / 219.78e9))
         ball, a = rc.ParaboloidSurface(1e4), 0.15 * 1024
         force = 4 * a**3 / (3 * 1e4)
-        found.append(Case("Hertz, free, 1024", ball.heights(rc.Grid((1024, 1024), 1024.0)), force / 1024**2, "free"))
-    found.append(Case("cap 0.3 slope, x = 0.05, 512", rough(512), 0.05 * SLOPE, hardness=0.3 * SLOPE))
-    found.append(Case("mean pressure 0.9 H, 512", rough(512), 0.27 * SLOPE, hardness=0.3 * SLOPE))
-    return found
+        cases.append(Case("Hertz, free, 1024", ball.heights(rc.Grid((1024, 1024), 1024.0)), force / 1024**2, "free"))
+    cases.append(Case("hardness 0.3 slope, x = 0.05, 512", make_rough(512), 0.05 * SLOPE, hardness=0.3 * SLOPE))
+    cases.append(Case("mean pressure 0.9 H, 512", make_rough(512), 0.27 * SLOPE, hardness=0.3 * SLOPE))
+    return cases
 
 
-def violation(pressure: np.ndarray, case: Case) -> tuple[float, float]:
-    """Complementarity in rms heights and the error of the load, by nothing but numpy's FFT."""
+def measure_violation(pressure: np.ndarray, case: Case) -> tuple[float, float]:
+    """Return the violation of the contact conditions over the rms height, and the error of the load, by numpy's FFT."""
     n = case.heights.shape[0]
     if case.boundary == "free":
         offsets = np.minimum(np.arange(2 * n), 2 * n - np.arange(2 * n)).astype(int)
@@ -81,16 +81,16 @@ def violation(pressure: np.ndarray, case: Case) -> tuple[float, float]:
         q = 2 * np.pi * np.hypot(np.fft.fftfreq(n)[:, None], np.fft.rfftfreq(n)[None, :])
         q[0, 0] = np.inf
         gap = np.fft.irfft2(np.fft.rfft2(pressure) * 2 / q, s=(n, n)) - case.heights
-    capped = pressure >= (1 - 1e-9) * (case.hardness or np.inf)
-    free = (pressure > 0) & ~capped
-    gap -= np.average(gap[free], weights=pressure[free]) if free.any() else gap[capped].max()
-    wrong = np.where(capped, np.maximum(gap, 0), np.abs(gap))
+    saturated = pressure >= (1 - 1e-9) * (case.hardness or np.inf)
+    free = (pressure > 0) & ~saturated
+    gap -= np.average(gap[free], weights=pressure[free]) if free.any() else gap[saturated].max()
+    wrong = np.where(saturated, np.maximum(gap, 0), np.abs(gap))
     opened = np.sum(pressure * wrong) / pressure.sum()
-    overlap = max(0.0, -gap[~capped].min(initial=np.inf))
+    overlap = max(0.0, -gap[~saturated].min(initial=np.inf))
     return float(max(opened, overlap) / case.heights.std()), float(abs(pressure.mean() / case.mean - 1))
 
 
-def ours(case: Case, tolerance: float = GATE) -> np.ndarray:
+def solve_ours(case: Case, tolerance: float = REQUIRED) -> np.ndarray:
     material = rc.Elastic(1.0, 0.0)
     if case.hardness is not None:
         material = rc.ElasticPerfectlyPlastic(1.0, 0.0, case.hardness)
@@ -105,7 +105,7 @@ def ours(case: Case, tolerance: float = GATE) -> np.ndarray:
     return np.array(problem.solve(pressure=case.mean).pressure)
 
 
-def tamaas(case: Case) -> np.ndarray | None:
+def solve_tamaas(case: Case) -> np.ndarray | None:
     if case.hardness is not None:
         return None
     import tamaas as tm
@@ -114,7 +114,7 @@ def tamaas(case: Case) -> np.ndarray | None:
     n = case.heights.shape[0]
     model = tm.ModelFactory.createModel(tm.model_type.basic_2d, [float(n)] * 2, [n, n])
     model.E, model.nu = 1.0, 0.0
-    solver = tm.PolonskyKeerRey(model, case.heights, GATE)
+    solver = tm.PolonskyKeerRey(model, case.heights, REQUIRED)
     if case.boundary == "free":
         tm.ModelFactory.registerNonPeriodic(model, "dcfft")
         solver.setIntegralOperator("dcfft")
@@ -123,8 +123,8 @@ def tamaas(case: Case) -> np.ndarray | None:
     return np.array(model.traction)
 
 
-def contact_mechanics(case: Case) -> np.ndarray | None:
-    # Without a cap it took 1.6 to 4 times as long as tamaas on 1024 x 1024 cells: minutes a case.
+def solve_contact_mechanics(case: Case) -> np.ndarray | None:
+    # Without a hardness it took 1.6 to 4 times as long as tamaas on 1024 x 1024 cells: minutes a case.
     if case.hardness is None and case.heights.shape[0] > 512:
         return None
     from ContactMechanics import FreeFFTElasticHalfSpace, PeriodicFFTElasticHalfSpace
@@ -138,33 +138,33 @@ def contact_mechanics(case: Case) -> np.ndarray | None:
         Topography(case.heights, (size, size)),
         hardness=case.hardness,
         external_force=case.mean * size**2,
-        pentol=GATE * case.heights.std(),
+        pentol=REQUIRED * case.heights.std(),
         maxiter=3000,
     )
     return np.abs(np.array(result.jac)[:n, :n]) if result.success else None
 
 
-def aspher(case: Case) -> np.ndarray | None:
+def solve_aspher(case: Case) -> np.ndarray | None:
     if case.hardness is not None or importlib.util.find_spec("aspher") is None:
         return None
     from aspher import solve_nested
 
     n, free = case.heights.shape[0], case.boundary == "free"
-    # It misses the gate by a factor of four to ten with coarser tolerances; on a free boundary floats do not pay.
+    # Coarser tolerances miss the requirement by a factor of four to ten; on a free boundary float32 saves no time.
     result = solve_nested(
         grid_size=n,
         gap=np.ascontiguousarray(-case.heights),
         p_nominal=case.mean,
         domain_size=float(n),
         E_star=1.0,
-        tol=0.1 * GATE if free else 0.01 * GATE,
+        tol=0.1 * REQUIRED if free else 0.01 * REQUIRED,
         precision="" if free else "float_then_double",
         backend="fft" if free else "periodic",
     )
     return np.array(result.pressure).reshape(n, n)
 
 
-def timed(run: Callable[[Case], np.ndarray | None], case: Case) -> tuple[float, np.ndarray | None]:
+def measure_time(run: Callable[[Case], np.ndarray | None], case: Case) -> tuple[float, np.ndarray | None]:
     started = time.process_time()
     try:
         with warnings.catch_warnings(action="ignore"):
@@ -175,38 +175,38 @@ def timed(run: Callable[[Case], np.ndarray | None], case: Case) -> tuple[float, 
     return time.process_time() - started, pressure
 
 
-def entry(seconds: float, pressure: np.ndarray | None, case: Case) -> str:
+def format_entry(seconds: float, pressure: np.ndarray | None, case: Case) -> str:
     if pressure is None:
         return "-"
-    gap, _ = violation(pressure, case)
-    return f"{seconds:.2f}" + ("" if gap <= GATE else f" (complementarity {gap:.0e})")
+    gap, _ = measure_violation(pressure, case)
+    return f"{seconds:.2f}" + ("" if gap <= REQUIRED else f" (complementarity {gap:.0e})")
 
 
 def main(largest: int = 1024, only: str = "") -> None:
     print("| case | ours, s | ours, gap and load | tamaas, s | ContactMechanics, s | ASPHER, s | best peer / ours |")
     print("|---|---|---|---|---|---|---|")
-    for case in cases(largest):
+    for case in make_cases(largest):
         if only not in case.name:
             continue
-        ours(case)
-        times, peers = [timed(ours, case)], []
-        for peer in (tamaas, contact_mechanics, aspher):
-            peers.append(timed(peer, case))
-            times.append(timed(ours, case))
+        solve_ours(case)
+        times, peers = [measure_time(solve_ours, case)], []
+        for peer in (solve_tamaas, solve_contact_mechanics, solve_aspher):
+            peers.append(measure_time(peer, case))
+            times.append(measure_time(solve_ours, case))
         mine = statistics.median(seconds for seconds, _ in times)
-        gap, load = violation(times[-1][1], case)
+        gap, load = measure_violation(times[-1][1], case)
         valid = [seconds for seconds, pressure in peers if pressure is not None]
         ratio = f"{min(valid) / mine:.0f}" if valid else "-"
         print(
             f"| {case.name} | {mine:.3f} | {gap:.0e}, load {load:.0e} "
-            f"| {' | '.join(entry(*found, case) for found in peers)} | {ratio} |",
+            f"| {' | '.join(format_entry(*result, case) for result in peers)} | {ratio} |",
             flush=True,
         )
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--largest", type=int, default=1024, help="most cells along a side (1024)")
-    parser.add_argument("--only", default="", help="only the cases whose name has this in it")
+    parser.add_argument("--largest", type=int, default=1024, help="maximum number of cells along a side (1024)")
+    parser.add_argument("--only", default="", help="only the cases whose name contains this")
     options = parser.parse_args()
     main(options.largest, options.only)

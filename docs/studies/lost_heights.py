@@ -1,57 +1,55 @@
-"""The area of a coarse map: what the estimator gets wrong, and what scaling has taken away.
+"""The area of a coarse map: the error of the estimator, and the error by the heights that scaling removed.
 
 python docs/studies/lost_heights.py
 
-Five minutes, and two more for running in, unless `roughcontact paper --pairs --full` was run in the same folder before.
+Needs plugins/roughcontact-paper. Five minutes, and two more for running in, unless `roughcontact paper --pairs --full`
+was run in the same folder before.
 """
 
 from __future__ import annotations
 
+import functools
+import math
 import sys
 from pathlib import Path
 
 import numpy as np
+from doc_tables import DocTable, read, write_tables
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact.extrapolation import exponential
-from roughcontact.paper.stand_in import SIZE, fresh, scaled, worn
+from roughcontact_paper.synthetic_pair import SIZE, coarsen, new_pair, run_in_pair
 
 FIGURES = Path(__file__).parent.parent / "figures"
 RESULTS = Path("paper-results")
 FORCES = (2.5, 10.0)
-COLUMNS = (
-    "pair",
-    "N",
-    "count / true",
-    "eq. 28 / true",
-    "sub-grid / true",
-    "its bar",
-    "sub-grid / true of the coarse map",
-    "coarse map / true",
-)
+COLUMNS = ("pair", "N", "counted", "eq. 28 through the counts so far", "sub-grid", "stated")
+COLUMNS += ("of that: estimator", "lost heights")
 
 
-def smooth(pair: rc.ContactProblem, cells: int) -> rc.ContactProblem:
+def interpolate_maps(pair: rc.ContactProblem, cells: int) -> rc.ContactProblem:
     """Return a pair with the surface between the points of its maps, by cubic splines, on a finer grid."""
     grid = rc.Grid((cells, cells), SIZE)
-    bodies = [rc.Body(rc.PlacedMap(body.surface, method="cubic"), body.material) for body in (pair.body, pair.counter)]
+    bodies = [
+        rc.Body(rc.PlacedMap(body.surface, method="cubic"), body.material) for body in (pair.body, pair.counterbody)
+    ]
     return rc.ContactProblem(*bodies, grid=grid)
 
 
-def rows(name: str, pair: rc.ContactProblem, force: float, grids: tuple[int, ...]) -> list[dict]:
-    """Return what each grid makes of a pair, as errors in %."""
+def compare_grids(name: str, pair: rc.ContactProblem, force: float, grids: tuple[int, ...]) -> list[dict]:
+    """Return the errors of each grid, in %."""
     finest = pair.plan.grid.shape[0]
     true = pair.solve(force=force).area()
     print(f"{name} {force:g} N, sub-grid area on {finest} x {finest}: {true}", file=sys.stderr)
     counted, found = [], []
     for cells in (*grids, finest):
-        coarse = scaled(pair, cells)
+        coarse = coarsen(pair, cells)
         solution = coarse.solve(force=force)
         area = solution.area()
         counted.append(solution.area("cell-count").value)
-        reached = true if cells == finest else smooth(coarse, finest).solve(force=force).area()
+        reached = true if cells == finest else interpolate_maps(coarse, finest).solve(force=force).area()
         extrapolated = (
             exponential(grids[: len(counted)] + (finest,) * (cells == finest), counted).value
             if len(counted) > 2
@@ -63,7 +61,7 @@ def rows(name: str, pair: rc.ContactProblem, force: float, grids: tuple[int, ...
                 "count": 100 * (counted[-1] / true.value - 1),
                 "eq. 28": 100 * (extrapolated / true.value - 1),
                 "sub-grid": 100 * (area.value / true.value - 1),
-                "bar": 100 * area.uncertainty / area.value,
+                "std": 100 * area.uncertainty / area.value,
                 "estimator": 100 * (area.value / reached.value - 1),
                 "lost": 100 * (reached.value / true.value - 1),
             }
@@ -71,16 +69,17 @@ def rows(name: str, pair: rc.ContactProblem, force: float, grids: tuple[int, ...
     return found
 
 
-def draw(axes: Axes, found: list[dict], title: str) -> None:
-    cells = [row["cells"] for row in found]
-    for key, label, style in (
-        ("count", "cells counted", "o-"),
-        ("eq. 28", "counts so far, eq. 28", "s-"),
-        ("sub-grid", "sub-grid, in all", "D-"),
-        ("estimator", "sub-grid against its own coarse map", "^--"),
-        ("lost", "heights lost by scaling", "v--"),
+def draw(axes: Axes, rows: list[list[str]], title: str) -> None:
+    cells = [int(row[1]) for row in rows]
+    for heading, label, style in (
+        ("counted", "cells counted", "o-"),
+        ("eq. 28 through the counts so far", "eq. 28 through the counts so far", "s-"),
+        ("sub-grid", "sub-grid, total", "D-"),
+        ("of that: estimator", "sub-grid, against its own coarse map", "^--"),
+        ("lost heights", "coarse map, by heights that scaling removed", "v--"),
     ):
-        axes.plot(cells, [row[key] for row in found], style, label=label)
+        texts = [row[COLUMNS.index(heading)].rstrip(" %") for row in rows]
+        axes.plot(cells, [math.nan if text == "-" else float(text) for text in texts], style, label=label)
     axes.axhline(0.0, color="0.5", lw=0.8)
     axes.set_xscale("log", base=2)
     axes.set_yscale("symlog", linthresh=5.0)
@@ -92,27 +91,41 @@ def draw(axes: Axes, found: list[dict], title: str) -> None:
     axes.grid(alpha=0.3)
 
 
-def main(finest: int = 2048, coarsest: int = 64, folder: Path = FIGURES, maps: Path = RESULTS) -> None:
+@functools.cache
+def compare_pairs(finest: int = 2048, coarsest: int = 64, maps: Path = RESULTS) -> dict[tuple[str, float], list[dict]]:
+    """Return the errors of each grid, by pair and force."""
     grids = tuple(2**k for k in range(coarsest.bit_length() - 1, finest.bit_length() - 1))
-    before = fresh(finest)
+    before = new_pair(finest)
     maps.mkdir(exist_ok=True)
-    after = worn(before, maps / f"run-in-{finest}.npz")
+    pairs = {"before": before, "after": run_in_pair(before, maps / f"run-in-{finest}.npz")}
+    return {(name, force): compare_grids(name, pairs[name], force, grids) for name in pairs for force in FORCES}
+
+
+def make_rows(**grids: int) -> list[list[str]]:
+    lines = [list(COLUMNS)]
+    for (name, force), found in compare_pairs(**grids).items():
+        for row in found:
+            errors = [f"{row[key]:+.1f} %".replace("+nan %", "-") for key in ("count", "eq. 28", "sub-grid")]
+            rest = [f"{row[key]:+.1f} %" for key in ("estimator", "lost")]
+            lines.append([f"{name}, {force:g} N", f"{row['cells']}", *errors, f"± {row['std']:.1f}", *rest])
+    return lines
+
+
+def main(lines: list[list[str]], folder: Path = FIGURES) -> None:
+    """Draw the lines of the table."""
     figure = Figure(figsize=(12, 8), layout="constrained")
     panels = figure.subplots(2, len(FORCES), sharex=True, sharey=True)
-    print("| " + " | ".join(COLUMNS) + " |\n" + "|---" * len(COLUMNS) + "|")
-    for line, (name, pair) in zip(panels, (("before", before), ("after", after)), strict=True):
-        for axes, force in zip(line, FORCES, strict=True):
-            found = rows(name, pair, force, grids)
-            for row in found:
-                values = (row[key] for key in ("count", "eq. 28", "sub-grid"))
-                rest = (row[key] for key in ("estimator", "lost"))
-                texts = [f"{value:+.1f}" for value in values] + [f"± {row['bar']:.1f}"] + [f"{v:+.1f}" for v in rest]
-                print(f"| {name}, {force:g} N | {row['cells']} | " + " | ".join(texts).replace("+nan", "-") + " |")
-            draw(axes, found, f"{name} running in, {force:g} N")
-        line[0].set_ylabel("off the sub-grid area of the finest map, %")
-    panels[0, 0].legend(fontsize=9)
+    pairs = list(dict.fromkeys(row[0] for row in lines[1:]))
+    for axes, pair in zip(panels.flat, pairs, strict=True):
+        draw(axes, [row for row in lines[1:] if row[0] == pair], pair.replace(",", " running in,"))
+    for axes in panels[:, 0]:
+        axes.set_ylabel("error against the finest map, %")
+    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     figure.savefig(folder / "lost_heights.png", dpi=130)
 
 
+TABLES = {"lost-heights": DocTable(make_rows, seconds=400)}
+
 if __name__ == "__main__":
-    main()
+    write_tables(TABLES)
+    main(read("lost-heights"))

@@ -1,9 +1,9 @@
-"""Peak memory of a solve beside what the plan states, in real arrays of the grid's size.
+"""Peak memory of a solve, measured and as the plan states it, in float64 arrays of the grid's size.
 
-python docs/studies/memory.py
+    python docs/studies/memory.py
 
-Each solve runs in a process of its own; what counts is its peak resident memory beyond that before the solve, after a
-small solve has loaded all libraries.
+Each solve runs in its own process. The measured value is the peak resident memory beyond that before the solve, after
+a small solve has loaded all libraries.
 """
 
 from __future__ import annotations
@@ -39,42 +39,45 @@ def problem(cells: int, boundary: str, hardness: float) -> rc.ContactProblem:
     return rc.ContactProblem(rc.Body(surface, material), grid=rc.Grid((cells, cells), side), boundary=boundary)
 
 
-def status(name: str) -> int:
-    """Return a figure of this process's memory, bytes."""
+def read_status(name: str) -> int:
+    """Return an entry of this process's memory status, bytes."""
     lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
     return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(name))
 
 
 def measure(cells: int, boundary: str, hardness: float, load: float) -> tuple[float, float, float]:
-    """Return the share of cells in contact, and the peak measured and stated, in arrays of the grid's size."""
+    """Return the fraction of cells in contact, and the peak measured and stated, in arrays of the grid's size."""
     small = problem(64, boundary, hardness)
     small.solve(pressure=1e8 * load).area()
     large = problem(cells, boundary, hardness)
     array = 8 * large.plan.grid.cells
-    before = status("VmRSS")
-    # The peak counts from here.
+    before = read_status("VmRSS")
+    # This resets the peak.
     Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")
     solution = large.solve(pressure=1e8 * load)
-    share = float((solution.contact & ~solution.saturated).mean())
-    return share, (status("VmHWM") - before) / array, large.plan.memory_at(share) / array
+    fraction = float((solution.contact & ~solution.saturated).mean())
+    return fraction, (read_status("VmHWM") - before) / array, large.plan.memory_at(fraction) / array
 
 
-def in_process(cells: int, boundary: str, hardness: float, load: float) -> tuple[float, float, float]:
+def measure_in_process(cells: int, boundary: str, hardness: float, load: float) -> tuple[float, float, float]:
     command = f"import json, memory; print(json.dumps(memory.measure({cells}, {boundary!r}, {hardness}, {load})))"
     folder = Path(__file__).parent
     done = subprocess.run([sys.executable, "-c", command], cwd=folder, capture_output=True, text=True, check=True)
-    share, measured, stated = json.loads(done.stdout)
-    return share, measured, stated
+    fraction, measured, stated = json.loads(done.stdout)
+    return fraction, measured, stated
 
 
 def main(grids: tuple[int, ...] = (1024, 2048)) -> None:
-    print("| boundary | hardness / E* slope | N | unsaturated contact | measured | stated | off |\n" + "|---" * 7 + "|")
+    print(
+        "| boundary | hardness / E* slope | N | unsaturated contact | measured | stated | error |\n" + "|---" * 7 + "|"
+    )
     for cells in grids:
         for boundary, hardness, load in CASES:
-            share, measured, stated = in_process(cells, boundary, hardness, load)
-            cap = f"{hardness:g}" if hardness else "none"
-            off = f"{100 * (stated / measured - 1):+.0f} %"
-            print(f"| {boundary} | {cap} | {cells} | {100 * share:.1f} % | {measured:.1f} | {stated:.1f} | {off} |")
+            fraction, measured, stated = measure_in_process(cells, boundary, hardness, load)
+            limit = f"{hardness:g}" if hardness else "none"
+            error = f"{100 * (stated / measured - 1):+.0f} %"
+            row = (boundary, limit, cells, f"{100 * fraction:.1f} %", f"{measured:.1f}", f"{stated:.1f}", error)
+            print(f"| {' | '.join(map(str, row))} |")
 
 
 if __name__ == "__main__":

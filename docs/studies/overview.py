@@ -1,4 +1,6 @@
-"""The picture of the README: a rough surface, its pressure, and why counting cells is not enough.
+"""The figure of the README: a rough surface, its contact pressure, and the error of the contact area.
+
+The printed and converged areas come from plugins/roughcontact-paper, which must be installed.
 
 python docs/studies/overview.py
 """
@@ -11,7 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact.paper import printed
+from roughcontact_paper import published
 
 FIGURES = Path(__file__).parent.parent / "figures"
 
@@ -30,32 +32,32 @@ def blended(cells: int) -> float:
     """Return the error of the default area on the paper's wave at 100 MPa, %."""
     body = rc.Body(rc.WavySurface(0.5e-6, 12.5e-6, phase=(1.0, 2.0)), rc.Elastic(young=200e9, poisson=0.3))
     problem = rc.ContactProblem(body, grid=rc.Grid((cells, cells), 250e-6), boundary="periodic")
-    return abs(1e4 * problem.solve(pressure=100e6).area().fraction / printed.TRUE_AREA[100] - 100)
+    return abs(1e4 * problem.solve(pressure=100e6).area().fraction / published.TRUE_AREA[100] - 100)
 
 
 def main(cells: int = 512, largest: int = 2048, folder: Path = FIGURES) -> None:
     solution = rough_contact(cells)
     figure = Figure(figsize=(13, 4), layout="constrained")
     heights, pressure, areas = figure.subplots(1, 3)
-    extent = (0, 100, 0, 100)
-    image = heights.imshow(-1e6 * solution.undeformed.T, origin="lower", extent=extent)
+    extent = (-50, 50, -50, 50)
+    image = heights.imshow(-1e6 * solution.initial_gap.T, origin="lower", extent=extent)
     figure.colorbar(image, ax=heights, label="height, µm")
-    heights.set(title="rough surface in", xlabel="x, µm", ylabel="y, µm")
+    heights.set(title="rough surface", xlabel="x, µm", ylabel="y, µm")
     shown = np.where(solution.contact, solution.pressure / 1e9, np.nan).T
     image = pressure.imshow(shown, origin="lower", extent=extent, cmap="plasma")
     figure.colorbar(image, ax=pressure, label="contact pressure, GPa")
-    pressure.set(title=f"certified pressure out ({solution.iterations} iterations)", xlabel="x, µm")
+    pressure.set(title=f"contact pressure ({solution.iterations} iterations)", xlabel="x, µm")
     pressure.set_facecolor("0.92")
-    counted = 100 * (np.array(printed.SAM_AREA[100]) / printed.TRUE_AREA[100] - 1)
-    areas.loglog(printed.GRIDS, counted, "o-", label="counted cells")
-    grids = [n for n in printed.GRIDS if n <= largest]
-    areas.loglog(grids, [blended(n) for n in grids], "D-", label="blend, the default")
+    counted = 100 * (np.array(published.SAM_AREA[100]) / published.TRUE_AREA[100] - 1)
+    areas.loglog(published.GRIDS, counted, "o-", label="counted cells (the paper)")
+    grids = [n for n in published.GRIDS if n <= largest]
+    areas.loglog(grids, [blended(n) for n in grids], "D-", label="blend, the default estimator")
     areas.legend(loc="lower left")
-    areas.set_xticks(printed.GRIDS, [str(n) for n in printed.GRIDS], minor=False)
+    areas.set_xticks(published.GRIDS, [str(n) for n in published.GRIDS], minor=False)
     areas.set_xticks([], minor=True)
-    areas.set(title="area: counted, and sub-grid", xlabel="cells along a side", ylabel="error of the area, %")
+    areas.set(title="error of the contact area", xlabel="cells along a side", ylabel="error, %")
     areas.grid(alpha=0.3, which="both")
-    for cells, error in zip(printed.GRIDS, counted, strict=True):
+    for cells, error in zip(published.GRIDS, counted, strict=True):
         areas.annotate(f"+{error:.0f} %", (cells, error), xytext=(5, 5), textcoords="offset points")
     areas.set(xlim=(50, 4500), ylim=(1e-3, 900))
     folder.mkdir(parents=True, exist_ok=True)

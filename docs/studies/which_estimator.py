@@ -1,7 +1,7 @@
-"""Pictures and figures of the page "Which area estimator?".
+"""Figures and tables of the page "Which area estimator?".
 
-Writes docs/figures/one_summit.png (the edge of one contact at four resolutions, by each estimator) and
-docs/figures/estimator_errors.png (their errors against the cost), and prints the page's tables.
+Writes docs/figures/one_summit.png (the edge of one contact at four resolutions, by each estimator),
+docs/figures/estimator_errors.png (errors against CPU time) and the page's two tables.
 
     python docs/studies/which_estimator.py
 """
@@ -10,55 +10,57 @@ from __future__ import annotations
 
 import statistics
 import time
+from functools import lru_cache
 from pathlib import Path
 
 import attrs
 import numpy as np
+from doc_tables import DocTable, write_tables
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 import roughcontact as rc
-from roughcontact.areas.contour import outline
-from roughcontact.paper import printed
+from roughcontact_paper import published
 
 FIGURES = Path(__file__).parent.parent / "figures"
 NAMES = ("cell-count", "perimeter", "level-set", "level-set-richardson", "hertz", "blend")
-GRIDS = (64, 128, 256, 512, 1024)
+GRIDS = (100, 128, 160, 200, 256, 320, 512, 1024)
+ROUGH_GRIDS = (64, 128, 256, 512)
 LOAD = 100  # MPa
 WAVE = 12.5e-6
 
 
-def wavy(cells: int, waves: int = 20) -> rc.ContactProblem:
-    """Return the paper's wave, its summits anywhere in a cell."""
-    surface = rc.WavySurface(amplitude=0.5e-6, wavelength=WAVE, phase=(1.0, 2.0))
+def wavy(cells: int, waves: int = 20, phase: tuple[float, float] = (0.0, 0.0)) -> rc.ContactProblem:
+    """Return the paper's wave, a summit in the middle of the domain unless the phase says otherwise."""
+    surface = rc.WavySurface(amplitude=0.5e-6, wavelength=WAVE, phase=phase)
     body = rc.Body(surface, rc.Elastic(young=200e9, poisson=0.3))
     return rc.ContactProblem(body, grid=rc.Grid((cells, cells), waves * WAVE), boundary="periodic")
 
 
 def rough(cells: int) -> rc.ContactProblem:
-    """32 shortest waves a side, Hurst 0.8, rms slope 0.1, known between its points."""
+    """Return a surface of 32 shortest waves a side, Hurst exponent 0.8, rms slope 0.1, the same one on every grid."""
     surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=1.0, longest=16.0, rolloff=8.0, seed=51)
-    whole = rc.HeightMap(surface.heights(rc.Grid((128, 128), 32.0)), size=32.0, periodic=True)
-    body = rc.Body(whole.resample((cells, cells), "fourier"), rc.Elastic(1.0, 0.0))
+    known = rc.HeightMap(surface.heights(rc.Grid((128, 128), 32.0)), size=32.0, periodic=True)
+    body = rc.Body(known.resample((cells, cells), "fourier"), rc.Elastic(1.0, 0.0))
     return rc.ContactProblem(body, boundary="periodic")
 
 
-def one_summit(axes: Axes, cells: int) -> None:
+def draw_summit(axes: Axes, cells: int) -> None:
     """Draw one contact of the paper's wave by each estimator."""
-    solution = wavy(cells, waves=1).solve(pressure=1e6 * LOAD)
+    solution = wavy(cells, waves=1, phase=(1.0, 2.0)).solve(pressure=1e6 * LOAD)
     dx, _ = solution.grid.spacing
     x, y = 1e6 * solution.grid.x.ravel(), 1e6 * solution.grid.y.ravel()
     peak = -np.array((1.0, 2.0)) / (2 * np.pi) * WAVE * 1e6
     shown = np.where(solution.contact, solution.pressure, np.nan).T / 1e9
     axes.pcolormesh(x - peak[0], y - peak[1], shown, cmap="Greys", vmin=0, vmax=25)
-    true = np.sqrt(printed.TRUE_AREA[LOAD] / 100 / np.pi) * WAVE * 1e6
+    true = np.sqrt(published.TRUE_AREA[LOAD] / 100 / np.pi) * WAVE * 1e6
     angle = np.linspace(0, 2 * np.pi, 200)
     axes.plot(true * np.cos(angle), true * np.sin(angle), "k-", lw=2.5, label="true")
-    pieces = 1e6 * outline(solution) - peak
+    pieces = 1e6 * rc.LevelSet().outline(solution) - peak
     axes.add_collection(LineCollection(list(pieces), colors="tab:orange", lw=1.5, label="level-set"))
-    # Circles of the same area, for these two know no boundary.
+    # Circles of the same area, for these two have no edge.
     for name, style in (("cell-count", "b-."), ("blend", "r:")):
         radius = np.sqrt(solution.area(name).value / np.pi) * 1e6
         axes.plot(radius * np.cos(angle), radius * np.sin(angle), style, lw=1.6, label=name)
@@ -66,8 +68,8 @@ def one_summit(axes: Axes, cells: int) -> None:
     axes.set_title(f"{WAVE / dx:.3g} cells a wave ({np.count_nonzero(solution.contact)} in contact)")
 
 
-def errors(problems: dict[int, rc.ContactProblem], load: float, true: float, repeats: int) -> dict[int, dict]:
-    """Errors and bars in percent, and CPU times in seconds, on each grid."""
+def measure_errors(problems: dict[int, rc.ContactProblem], load: float, true: float, repeats: int) -> dict[int, dict]:
+    """Return errors and uncertainties in per cent, and CPU times in seconds, on each grid."""
     rows = {}
     for cells, problem in problems.items():
         solves, row = [], {}
@@ -91,17 +93,27 @@ def errors(problems: dict[int, rc.ContactProblem], load: float, true: float, rep
     return rows
 
 
-def table(rows: dict[int, dict]) -> str:
-    lines = ["| N | solve, s | blend, s | " + " | ".join(f"{name}, %" for name in NAMES) + " |"]
-    lines.append("|---" * (len(NAMES) + 3) + "|")
+def make_table(rows: dict[int, dict]) -> list[list[str]]:
+    lines = [["N", "solve, s", "blend, s", *(f"{name}, %" for name in NAMES)]]
     for cells, row in rows.items():
-        found = [f"{row[name][0]:+.2f} (± {row[name][1]:.2f})" for name in NAMES]
-        lines.append(f"| {cells} | {row['solve']:.3f} | {row['blend'][2]:.3f} | " + " | ".join(found) + " |")
-    return "\n".join(lines)
+        found = [f"{row[name][0]:+.3g} (± {row[name][1]:.2g})" for name in NAMES]
+        lines.append([str(cells), f"{row['solve']:.3f}", f"{row['blend'][2]:.3f}", *found])
+    return lines
 
 
-def against_time(axes: Axes, rows: dict[int, dict], title: str) -> None:
-    """Draw errors against CPU time; the bars reach two standard deviations up."""
+@lru_cache
+def measure_wave(grids: tuple[int, ...] = GRIDS, repeats: int = 3) -> dict[int, dict]:
+    return measure_errors({n: wavy(n) for n in grids}, 1e6 * LOAD, published.TRUE_AREA[LOAD] / 100, repeats)
+
+
+@lru_cache
+def measure_rough(grids: tuple[int, ...] = ROUGH_GRIDS, finest: int = 1024, repeats: int = 3) -> dict[int, dict]:
+    true = rough(finest).solve(pressure=2.5e-3).area().fraction
+    return measure_errors({n: rough(n) for n in grids}, 2.5e-3, true, repeats)
+
+
+def draw_errors(axes: Axes, rows: dict[int, dict], title: str) -> None:
+    """Draw errors against CPU time."""
     for name, marker in zip(NAMES, "os^v<D", strict=True):
         times = [row["solve"] + row[name][2] for row in rows.values()]
         found = np.abs([row[name][0] for row in rows.values()])
@@ -116,7 +128,7 @@ def against_time(axes: Axes, rows: dict[int, dict], title: str) -> None:
 
 def main(
     grids: tuple[int, ...] = GRIDS,
-    rough_grids: tuple[int, ...] = (64, 128, 256, 512),
+    rough_grids: tuple[int, ...] = ROUGH_GRIDS,
     finest: int = 1024,
     repeats: int = 3,
     folder: Path = FIGURES,
@@ -125,23 +137,26 @@ def main(
     figure = Figure(figsize=(13, 3.9), layout="constrained")
     panels = figure.subplots(1, 4, sharey=True)
     for axes, cells in zip(panels, (8, 16, 32, 64), strict=True):
-        one_summit(axes, cells)
+        draw_summit(axes, cells)
     panels[0].set_ylabel("y, µm")
     panels[-1].legend(loc="upper right", fontsize=7)
     figure.savefig(folder / "one_summit.png", dpi=120)
 
-    rows = errors({n: wavy(n) for n in grids}, 1e6 * LOAD, printed.TRUE_AREA[LOAD] / 100, repeats)
-    print(table(rows))
-    true = rough(finest).solve(pressure=2.5e-3).area().fraction
-    rough_rows = errors({n: rough(n) for n in rough_grids}, 2.5e-3, true, repeats)
-    print(table(rough_rows))
     figure = Figure(figsize=(11, 4.2), layout="constrained")
     left, right = figure.subplots(1, 2)
-    against_time(left, rows, f"the paper's wave, {LOAD} MPa, {min(grids)} to {max(grids)} cells a side")
-    against_time(right, rough_rows, "self-affine, 6 % contact, 2 to 16 cells a shortest wave")
+    waves, roughness = measure_wave(grids, repeats), measure_rough(rough_grids, finest, repeats)
+    draw_errors(left, waves, f"the paper's wave, {LOAD} MPa, {min(grids)} to {max(grids)} cells a side")
+    draw_errors(right, roughness, "self-affine, 6 % contact, 2 to 16 cells a shortest wave")
     left.legend(fontsize=8)
     figure.savefig(folder / "estimator_errors.png", dpi=120)
 
 
+TIMES = ("solve, s", "blend, s")
+TABLES = {
+    "wave-estimators": DocTable(lambda: make_table(measure_wave()), seconds=40, timed=TIMES, units=2),
+    "rough-estimators": DocTable(lambda: make_table(measure_rough()), seconds=30, timed=TIMES, units=2),
+}
+
 if __name__ == "__main__":
+    write_tables(TABLES)
     main()

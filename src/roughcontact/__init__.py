@@ -3,42 +3,55 @@
 Surfaces and materials in; contact pressure, gap, approach and real contact area out.
 """
 
-from roughcontact.areas import AreaEstimator, Blend, CellCount, Hertz, LevelSet, LevelSetRichardson, Perimeter
-from roughcontact.body import RIGID_FLAT, Body
-from roughcontact.clusters import Clusters
-from roughcontact.convolvers import DCFFT, CircularFFT, Convolver, Direct, PlannedConvolution
-from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, StudyStopped
-from roughcontact.files import RawMap, SurfaceReader, read_surface
-from roughcontact.flattening import Overlap, PermanentSet, UniformRise
-from roughcontact.grid import Boundary, Grid
-from roughcontact.kernels import FourierHalfSpace, InfluenceKernel, Love
-from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid
-from roughcontact.plan import Plan
-from roughcontact.problem import ContactProblem
-from roughcontact.refinement import Ladder, Refined, extrapolate, refine
-from roughcontact.registry import areas, convolvers, kernels, materials, readers, sets, solvers, surfaces
-from roughcontact.report import ErrorReport, ReportRow, Timing, Truth, error_vs_time
-from roughcontact.running_in import Cycle, RunIn, run_in
-from roughcontact.solution import Area, ContactSolution, Level, Origin, Residuals, Status
-from roughcontact.solvers import Outcome, PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, Step, Task
-from roughcontact.stability import Check, Gallery, GalleryRow, StabilityReport, Verdict, stability, stability_gallery
-from roughcontact.studies import Record, Study, StudyResult
-from roughcontact.surfaces import (
+import inspect
+
+from roughcontact.errors import interrupt as _interrupt  # noqa: F401 - for an interrupt of what follows
+
+# isort: split
+from roughcontact import typing
+from roughcontact._areas import AreaEstimator, Blend, CellCount, Hertz, LevelSet, LevelSetRichardson, Perimeter, areas
+from roughcontact._convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
+from roughcontact._flattening import FlatteningModel, Overlap, UniformRise, flattening_models
+from roughcontact._kernels import FourierHalfSpace, InfluenceKernel, Love, kernels
+from roughcontact._materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid, materials
+from roughcontact._problem import RIGID_FLAT, Body, ContactProblem
+from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, Status, quantities
+from roughcontact._solvers import PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, solvers
+from roughcontact._surfaces import (
     FlatSurface,
     HeightMap,
-    MatchedPair,
     ParaboloidSurface,
     PlacedMap,
     SelfAffineSurface,
-    Separated,
     SphereSurface,
     Surface,
     WavySurface,
     match,
+    surfaces,
 )
-from roughcontact.sweep import Sweep
+from roughcontact.description import parts
+from roughcontact.diagnostics import stability, stability_gallery
+from roughcontact.errors import (
+    FileError,
+    InputError,
+    MissingPackage,
+    NotConverged,
+    OutOfMemory,
+    RoughContactError,
+    StudyStopped,
+    UnexpectedError,
+)
+from roughcontact.errors.door import guarded
+from roughcontact.files import SurfaceReader, read_surface, readers
+from roughcontact.grid import Boundary, Grid
+from roughcontact.refinement import beyond_resolution, extrapolate, on_grid
+from roughcontact.report import Reference, error_vs_time
+from roughcontact.running_in import run_in
+from roughcontact.studies import Study
 
 __version__ = "0.1.0"
+
+_MODULES = ("errors", "extrapolation", "reference", "testing", "typing")
 
 __all__ = [
     "DCFFT",
@@ -49,88 +62,80 @@ __all__ = [
     "Body",
     "Boundary",
     "CellCount",
-    "Check",
     "CircularFFT",
-    "Clusters",
     "ContactProblem",
     "ContactSolution",
     "Convolver",
-    "Cycle",
     "Direct",
     "Elastic",
     "ElasticPerfectlyPlastic",
-    "ErrorReport",
+    "Estimate",
+    "FileError",
     "FlatSurface",
+    "FlatteningModel",
     "FourierHalfSpace",
-    "Gallery",
-    "GalleryRow",
     "Grid",
     "HeightMap",
     "Hertz",
     "InfluenceKernel",
     "InputError",
-    "Ladder",
-    "Level",
     "LevelSet",
     "LevelSetRichardson",
     "Love",
-    "MatchedPair",
     "Material",
     "MissingPackage",
     "NotConverged",
-    "Origin",
-    "Outcome",
+    "OutOfMemory",
     "Overlap",
     "ParaboloidSurface",
     "Perimeter",
-    "PermanentSet",
     "PlacedMap",
-    "Plan",
-    "PlannedConvolution",
     "PolonskyKeer",
     "ProjectedConjugateGradient",
-    "RawMap",
-    "Record",
-    "Refined",
-    "ReportRow",
-    "Residuals",
+    "QuantityEstimator",
+    "Reference",
     "Rigid",
     "RoughContactError",
-    "RunIn",
     "SelfAffineSurface",
-    "Separated",
     "Solver",
     "SpectralGradient",
     "SphereSurface",
-    "StabilityReport",
     "Status",
-    "Step",
     "Study",
-    "StudyResult",
     "StudyStopped",
     "Surface",
     "SurfaceReader",
-    "Sweep",
-    "Task",
-    "Timing",
-    "Truth",
+    "UnexpectedError",
     "UniformRise",
-    "Verdict",
     "WavySurface",
     "areas",
+    "beyond_resolution",
     "convolvers",
     "error_vs_time",
     "extrapolate",
+    "flattening_models",
     "kernels",
     "match",
     "materials",
+    "on_grid",
+    "parts",
+    "quantities",
     "read_surface",
     "readers",
-    "refine",
     "run_in",
-    "sets",
     "solvers",
     "stability",
     "stability_gallery",
     "surfaces",
 ]
+
+
+def __dir__() -> list[str]:
+    return [*__all__, *_MODULES, "__version__"]
+
+
+# The public functions are guarded where they are defined; a registry and RIGID_FLAT, by their classes.
+for _public in (*(globals()[name] for name in __all__), *(getattr(typing, name) for name in typing.__all__)):
+    if not inspect.isfunction(_public):
+        guarded(_public if isinstance(_public, type) else type(_public))
+del _public

@@ -1,7 +1,4 @@
-"""Extrapolation of an area, or of any number, from a ladder of grids to the infinitely fine one.
-
-Each rule returns an `Extrapolation` that says when it must not be trusted.
-"""
+"""Extrapolation of an area, or of any number, from a ladder of grids to infinite resolution, with warnings."""
 
 from __future__ import annotations
 
@@ -11,15 +8,21 @@ from collections.abc import Callable, Sequence
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array, number
+from roughcontact.checks import LARGEST, Array, number
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 # Free parameters of the two fitted curves.
 _PARAMETERS = 3
-# Share of the step beyond the finest grid that the data may miss the curve by.
+# Fraction of the step beyond the finest grid by which data may miss the curve: the step is then known to about 10 %.
 _MISFIT = 0.1
+# Plausible orders of an error in the cell size: a counted area has 1, a corrected one 2.
+_ORDERS = (0.25, 4.0)
+# Orders that may be given, and counts of cells, so that no power of them leaves float64.
+_KNOWN_ORDERS, _COUNTS = (1e-3, 10.0), (1e-12, 1e12)
 
 
+@guarded
 @attrs.frozen
 class Extrapolation:
     """A value at infinite resolution.
@@ -35,7 +38,7 @@ class Extrapolation:
     residual
         Root mean square misfit of the data, in their unit.
     warnings
-        Why the value must not be trusted; empty if nothing speaks against it.
+        Why the value must not be trusted, in sentences; empty if there are no warnings.
     """
 
     method: str
@@ -46,77 +49,60 @@ class Extrapolation:
 
     @property
     def trustworthy(self) -> bool:
-        """Whether nothing speaks against the value."""
+        """Whether there are no warnings."""
         return not self.warnings
 
 
+@guarded
 def exponential(cells: Sequence[float], values: Sequence[float]) -> Extrapolation:
-    r"""Fit the paper's eq. 28 by least squares.
+    r"""Return the limit of the paper's eq. 28, fitted by least squares.
 
     .. math:: A(x) = A_0 + k\,e^{-x/t}
 
     Parameters
     ----------
-    cells
-        Number of cells x along a side, for each grid.
-    values
-        The values found on them.
+    cells, values
+        Number of cells x along a side, and the value, on each grid.
 
     Raises
     ------
     InputError
         If there are fewer than two grids, or the data are not finite numbers.
     """
-    x, y = _data(cells, values)
+    x, y = _sort_data(cells, values)
     scales = np.geomspace(0.05 * x[0], 50.0 * x[-1], 400)
-    t = _best_scale(scales, lambda t: np.exp(-x / t), y)
-    limit, slope, residual = _linear(np.exp(-x / t), y)
-    warnings = _complaints(x, y, limit, residual)
+    t, limit, slope, residual, warnings = _fit_curve(x, y, scales, lambda t: np.exp(-x / t))
     if not 0.5 * x[0] <= t <= x[-1]:
         warnings += (f"the decay length t = {t:.3g} cells lies outside the data",)
     return Extrapolation("exponential", limit, {"A0": limit, "k": slope, "t": t}, residual, warnings)
 
 
+@guarded
 def power_law(cells: Sequence[float], values: Sequence[float]) -> Extrapolation:
-    r"""Fit a power of the cell size by least squares.
+    r"""Return the limit of a power of the cell size, fitted by least squares; arguments as for `exponential`.
 
     .. math:: A(x) = A_0 + c\,h^q, \quad h = 1/x
-
-    Parameters
-    ----------
-    cells
-        Number of cells x along a side, for each grid.
-    values
-        The values found on them.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than two grids, or the data are not finite numbers.
     """
-    x, y = _data(cells, values)
+    x, y = _sort_data(cells, values)
     h = x[0] / x
-    q = _best_scale(np.geomspace(0.05, 20.0, 400), lambda q: h**q, y)
-    limit, slope, residual = _linear(h**q, y)
-    warnings = _complaints(x, y, limit, residual)
-    if not 0.25 <= q <= 4.0:
+    q, limit, slope, residual, warnings = _fit_curve(x, y, np.geomspace(0.05, 20.0, 400), lambda q: h**q)
+    if not _ORDERS[0] <= q <= _ORDERS[1]:
         warnings += (f"the order q = {q:.3g} is not plausible",)
     return Extrapolation("power law", limit, {"A0": limit, "c": float(slope * x[0] ** q), "q": q}, residual, warnings)
 
 
+@guarded
 def richardson(cells: Sequence[float], values: Sequence[float], order: float | None = None) -> Extrapolation:
-    r"""Extrapolate from the finest grids, at a known or an observed order.
+    r"""Return Richardson's extrapolation from the finest grids, at a known or an observed order.
 
     .. math:: A_0 = A_2 + \frac{A_2 - A_1}{(x_2/x_1)^q - 1}
 
     Parameters
     ----------
-    cells
-        Number of cells x along a side, for each grid.
-    values
-        The values found on them.
+    cells, values
+        Number of cells x along a side, and the value, on each grid.
     order
-        Order q of the error in the cell size; observed on the three finest grids if left out.
+        Order q of the error in the cell size; by default that observed on the three finest grids.
 
     Raises
     ------
@@ -125,7 +111,7 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
 
     Examples
     --------
-    Data of the limit 2 and an error that falls as the cell size; then data that do not fall so:
+    Data with the limit 2 and an error proportional to the cell size; then data that do not converge:
 
     >>> from roughcontact.extrapolation import richardson
     >>> found = richardson([64, 128, 256], [2.4, 2.2, 2.1])
@@ -134,21 +120,21 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
     >>> richardson([64, 128, 256], [2.4, 2.2, 2.5]).warnings[0]
     'the three finest values do not converge with a positive order; the finest is returned'
     """
-    x, y = _data(cells, values)
+    x, y = _sort_data(cells, values)
     if order is None and x.size < 3:
         raise InputError("Richardson extrapolation needs three grids to observe the order; give order= or more grids.")
     warnings: tuple[str, ...] = ()
     if order is not None:
-        order = number(order, "The order of the error", above=0.0)
-    q = order if order is not None else _observed_order(x, y)
+        order = number(order, "The order of the error", at_least=_KNOWN_ORDERS[0], at_most=_KNOWN_ORDERS[1])
+    q = order if order is not None else _observe_order(x, y)
     if not math.isfinite(q) or q <= 0.0:
         warnings += ("the three finest values do not converge with a positive order; the finest is returned",)
         return Extrapolation("Richardson", float(y[-1]), {"q": q}, 0.0, warnings)
     growth = (x[-1] / x[-2]) ** q
     value = float(y[-1] + (y[-1] - y[-2]) / (growth - 1.0))
-    if order is None and not 0.25 <= q <= 4.0:
+    if order is None and not _ORDERS[0] <= q <= _ORDERS[1]:
         warnings += (f"the observed order q = {q:.3g} is not plausible",)
-    # The finest grid that was not used tells how well one order describes the data.
+    # The finest grid that was not used shows how well one order describes the data.
     used = 2 if order is not None else 3
     misfit = 0.0
     if x.size > used:
@@ -156,27 +142,27 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
         misfit = abs(error - (float(y[-1]) - value) * (x[-1] / x[-used - 1]) ** q)
         if misfit > _MISFIT * abs(error):
             warnings += (f"the error of the next coarser grid is off by {100 * misfit / abs(error):.0f} %",)
-    return Extrapolation("Richardson", value, {"q": float(q)}, misfit, warnings + _monotone(y))
+    return Extrapolation("Richardson", value, {"q": float(q)}, misfit, warnings + _check_monotone(y))
 
 
-def _data(cells: Sequence[float], values: Sequence[float]) -> tuple[Array, Array]:
+def _sort_data(cells: Sequence[float], values: Sequence[float]) -> tuple[Array, Array]:
+    what = "The data of an extrapolation"
     try:
-        x, y = np.array(cells, dtype=np.float64), np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError.about("The data of an extrapolation", (cells, values), "two lists of numbers") from None
+        x, y = np.asarray(cells), np.asarray(values)
+    except ValueError:
+        raise InputError.about(what, (cells, values), "two lists of numbers") from None
+    if x.dtype.kind not in "fiu" or y.dtype.kind not in "fiu":
+        raise InputError.about(what, (cells, values), "two lists of numbers")
+    x, y = x.astype(np.float64), y.astype(np.float64)
     if x.ndim != 1 or x.shape != y.shape or x.size < 2 or np.unique(x).size != x.size:
-        raise InputError.about(
-            "The data of an extrapolation",
-            (cells, values),
-            "two lists of equal length, at least two different grids",
-        )
-    if not (np.isfinite(x).all() and np.isfinite(y).all() and x.min() > 0.0):
-        raise InputError.about("The data of an extrapolation", (cells, values), "finite, and the cell counts above 0")
+        raise InputError.about(what, (cells, values), "two lists of equal length, at least two different grids")
+    if not (np.abs(y).max() <= LARGEST and x.max() <= _COUNTS[1] and x.min() >= _COUNTS[0]):
+        raise InputError.about(what, (cells, values), "finite, and the cell counts above 0")
     order = np.argsort(x)
     return x[order], y[order]
 
 
-def _linear(basis: Array, values: Array) -> tuple[float, float, float]:
+def _fit_line(basis: Array, values: Array) -> tuple[float, float, float]:
     """Fit values = limit + slope * basis; return limit, slope and the rms misfit."""
     mean, centre = basis.mean(), values.mean()
     spread = basis - mean
@@ -186,11 +172,13 @@ def _linear(basis: Array, values: Array) -> tuple[float, float, float]:
     return limit, slope, float(np.sqrt(np.mean((values - limit - slope * basis) ** 2)))
 
 
-def _best_scale(candidates: Array, basis: Callable[[float], Array], values: Array) -> float:
-    """Return the nonlinear parameter of the best fit: the others are linear and follow from it."""
+def _fit_curve(
+    x: Array, y: Array, candidates: Array, basis: Callable[[float], Array]
+) -> tuple[float, float, float, float, tuple[str, ...]]:
+    """Return the nonlinear parameter, limit, slope and rms misfit of the best fit, and its warnings."""
 
     def misfit(log_scale: float) -> float:
-        return _linear(basis(math.exp(log_scale)), values)[2]
+        return _fit_line(basis(math.exp(log_scale)), y)[2]
 
     from scipy import optimize
 
@@ -198,32 +186,29 @@ def _best_scale(candidates: Array, basis: Callable[[float], Array], values: Arra
     best = int(np.argmin([misfit(value) for value in logs]))
     low, high = logs[max(best - 1, 0)], logs[min(best + 1, logs.size - 1)]
     found = optimize.minimize_scalar(misfit, bounds=(low, high), method="bounded", options={"xatol": 1e-12})
-    return math.exp(float(found.x))
-
-
-def _complaints(x: Array, y: Array, limit: float, residual: float) -> tuple[str, ...]:
-    """Say what speaks against a fit of three parameters."""
+    scale = math.exp(float(found.x))
+    limit, slope, residual = _fit_line(basis(scale), y)
     warnings: tuple[str, ...] = ()
-    if x.size < _PARAMETERS:
-        warnings += (f"{x.size} grids cannot determine {_PARAMETERS} parameters",)
-    elif x.size == _PARAMETERS:
-        warnings += (f"{x.size} grids determine {_PARAMETERS} parameters exactly: the misfit tells nothing",)
+    if x.size <= _PARAMETERS:
+        exactly = f"determine {_PARAMETERS} parameters exactly: the misfit says nothing"
+        warnings += (
+            f"{x.size} grids {exactly if x.size == _PARAMETERS else f'cannot determine {_PARAMETERS} parameters'}",
+        )
     step = abs(limit - float(y[-1]))
     if residual > _MISFIT * step:
-        share = f"{100 * residual / step:.0f} % of" if step > 0.0 else "more than"
-        warnings += (f"the curve misses the data by {share} its step beyond the finest grid",)
-    return warnings + _monotone(y)
+        part = f"{100 * residual / step:.0f} % of" if step > 0.0 else "more than"
+        warnings += (f"the curve misses the data by {part} its step beyond the finest grid",)
+    return scale, limit, slope, residual, warnings + _check_monotone(y)
 
 
-def _monotone(y: Array) -> tuple[str, ...]:
+def _check_monotone(y: Array) -> tuple[str, ...]:
     steps = np.diff(y)
-    if (steps >= 0.0).all() or (steps <= 0.0).all():
-        return ()
-    return ("the values do not change monotonically with the grid",)
+    monotone = (steps >= 0.0).all() or (steps <= 0.0).all()
+    return () if monotone else ("the values do not change monotonically with the grid",)
 
 
-def _observed_order(x: Array, y: Array) -> float:
-    """Return q such that the three finest values lie on A0 + c x^-q; nan if none does."""
+def _observe_order(x: Array, y: Array) -> float:
+    """Return q such that the three finest values lie on A0 + c x^-q; nan if there is none."""
     from scipy import optimize
 
     far, near = y[-3] - y[-2], y[-2] - y[-1]

@@ -12,7 +12,8 @@ from roughcontact.checks import Array, Pair, integer, pair
 from roughcontact.errors import InputError
 from roughcontact.units import si
 
-_MOST_CELLS = 2**28
+# Most cells of a grid: a solve keeps up to 18 arrays in float64, 36 GiB at this size (docs/studies/memory.py).
+_MAX_CELLS = 2**28
 
 
 class Boundary(StrEnum):
@@ -28,9 +29,9 @@ def _shape(value: Sequence[int]) -> tuple[int, int]:
         raise InputError.about("The shape of the grid", value, "two whole numbers, (cells in x, cells in y)")
     nx, ny = (integer(n, "A cell count of the grid", at_least=1) for n in value)
     if nx * ny < 2:
-        raise InputError.about("The grid", (nx, ny), "of at least two cells", "One cell has no shape to press on.")
-    if nx * ny > _MOST_CELLS:
-        raise InputError.about("The grid", (nx, ny), "of at most 2^28 cells, more than memory bears")
+        raise InputError.about("The grid", (nx, ny), "of at least two cells")
+    if nx * ny > _MAX_CELLS:
+        raise InputError.about("The grid", (nx, ny), "of at most 2^28 cells, so that a solve fits into memory")
     return nx, ny
 
 
@@ -100,7 +101,9 @@ class Grid:
         return _centres(self.shape[1], self.size[1])[np.newaxis, :]
 
     def matches(self, other: Grid) -> bool:
-        """Tell whether both grids have the same cells, to a billionth of their size."""
+        """Return whether both grids have the same cells, to a billionth of their size (rounding)."""
+        if not isinstance(other, Grid):
+            raise InputError.about("The grid", other, "a Grid(shape, size)")
         return self.shape == other.shape and bool(np.allclose(self.size, other.size, rtol=1e-9, atol=0.0))
 
     def __str__(self) -> str:
@@ -108,5 +111,5 @@ class Grid:
 
 
 def _centres(count: int, size: float) -> Array:
-    # Twice the offset is a whole number: mirror images are exact.
+    # Twice the offset is an integer, so that mirror images are exact.
     return np.asarray((2 * np.arange(count) + 1 - count) * (0.5 * size / count), dtype=np.float64)

@@ -1,37 +1,82 @@
-"""A load, to be put on one problem after another."""
+"""One load of a contact: a mean pressure, a force or an approach."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import attrs
 
-from roughcontact.checks import Array
-from roughcontact.problem import ContactProblem
-from roughcontact.solution import ContactSolution
+from roughcontact.checks import number
+from roughcontact.errors import InputError
 from roughcontact.units import si
 
+_KINDS = {"pressure": ("The mean pressure", "Pa"), "force": ("The force", "N"), "approach": ("The approach", "m")}
+_CHOICE = "pressure= (Pa), force= (N) and approach= (m)"
 
-@attrs.frozen(kw_only=True)
+
+@attrs.frozen
 class Load:
-    """Exactly one of the three, as `ContactProblem.solve` takes it.
+    """One load, as ``problem.solve(**load.arguments)`` takes it.
 
     Attributes
     ----------
-    pressure, force, approach
-        Nominal mean pressure, Pa; normal force, N; approach since first touch, m.
+    kind
+        ``"pressure"``, the nominal mean pressure; ``"force"``, the normal force; or ``"approach"``, the
+        approach since first touch.
+    value
+        Its value, Pa, N or m, above zero.
     """
 
-    pressure: float | None
-    force: float | None
-    approach: float | None
+    kind: str
+    value: float
 
-    def require(self, problem: ContactProblem) -> None:
-        """Raise `InputError` unless it is one load, and the problem can carry it."""
-        problem.require_load(pressure=self.pressure, force=self.force, approach=self.approach)
+    @classmethod
+    def of(cls, **given: object) -> Load:
+        """Return the one load that is given by `pressure`, Pa, `force`, N, or `approach`, m; the others are None.
 
-    def solve(self, problem: ContactProblem, start: Array | None = None) -> ContactSolution:
-        """Return the problem's solution under this load, from a pressure of shape (nx, ny), Pa, if one is given."""
-        return problem.solve(pressure=self.pressure, force=self.force, approach=self.approach, start=start)
+        Raises
+        ------
+        InputError
+            If not exactly one is given, or it is not a number above zero.
+        """
+        kind, value = _the_one(given, f"Give exactly one of {_CHOICE}")
+        name, unit = _KINDS[kind]
+        return cls(kind, number(value, name, unit, above=0.0))
+
+    @classmethod
+    def sequence(cls, **given: object) -> tuple[Load, ...]:
+        """Return the loads of the one list that is given; see `Load.of`.
+
+        Raises
+        ------
+        InputError
+            If not exactly one list is given, it is empty, or a load in it is not a number above zero.
+        """
+        kind, values = _the_one(given, f"Give exactly one list of loads: {_CHOICE}")
+        try:
+            items = None if isinstance(values, (str, bytes)) or not isinstance(values, Iterable) else tuple(values)
+        except Exception:
+            items = None
+        if items is None:
+            raise InputError.about("The loads", values, f"a list, {kind}=[...]", "For one load call solve().")
+        unit = _KINDS[kind][1]
+        loads = tuple(cls(kind, number(value, f"A load of {kind}=[...]", unit, above=0.0)) for value in items)
+        if not loads:
+            raise InputError(f"The list of loads, {kind}=, is empty: give at least one load.")
+        return loads
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """The load as the keyword argument of `ContactProblem.solve`."""
+        return {self.kind: self.value}
 
     def __str__(self) -> str:
-        given = {"pressure": (self.pressure, "Pa"), "force": (self.force, "N"), "approach": (self.approach, "m")}
-        return " ".join(f"{name} {si(value, unit)}" for name, (value, unit) in given.items() if value is not None)
+        return f"{self.kind} {si(self.value, _KINDS[self.kind][1])}"
+
+
+def _the_one(given: dict[str, object], request: str) -> tuple[str, object]:
+    named = {kind: value for kind, value in given.items() if value is not None}
+    if len(named) != 1:
+        raise InputError(f"{request}, but got {' and '.join(f'{kind}=' for kind in named) or 'none of them'}.")
+    return next(iter(named.items()))

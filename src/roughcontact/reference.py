@@ -1,8 +1,4 @@
-"""Closed forms of contact mechanics, to check solutions against.
-
-Every formula is that of two elastic half-spaces with contact modulus E*,
-1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2. Units are SI.
-"""
+"""Closed forms of contact mechanics, for two elastic half-spaces: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; SI units."""
 
 from __future__ import annotations
 
@@ -12,7 +8,12 @@ import attrs
 import numpy as np
 from scipy import optimize, special
 
-from roughcontact.checks import Array, Pair, number
+from roughcontact.checks import Array, Pair, number, pair
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+
+# Ratio of two radii beyond which the ellipse of contact is too slender to be found.
+_SLENDER = 1e24
 
 
 def _positive(value: float, unit: str) -> float:
@@ -31,6 +32,7 @@ def _newton(value: float) -> float:
     return _positive(value, "N")
 
 
+@guarded
 @attrs.frozen
 class Hertz:
     """Contact of two paraboloids.
@@ -40,7 +42,7 @@ class Hertz:
     semi_axes
         Semi-axes of the contact ellipse along x and y, m.
     p_max
-        Greatest pressure, Pa.
+        Maximum pressure, Pa.
     approach
         Approach of distant points, m.
     """
@@ -60,6 +62,7 @@ class Hertz:
         return np.asarray(self.p_max * np.sqrt(np.maximum(inside, 0.0)), dtype=np.float64)
 
 
+@guarded
 def hertz_sphere(force: float, radius: float, modulus: float) -> Hertz:
     r"""Return Hertz's solution for a sphere on a flat.
 
@@ -67,12 +70,10 @@ def hertz_sphere(force: float, radius: float, modulus: float) -> Hertz:
 
     Parameters
     ----------
-    force
-        Normal force, N.
+    force, modulus
+        Normal force, N, and contact modulus E*, Pa.
     radius
         Relative radius of curvature, m.
-    modulus
-        Contact modulus E*, Pa.
 
     References
     ----------
@@ -83,8 +84,8 @@ def hertz_sphere(force: float, radius: float, modulus: float) -> Hertz:
     A steel ball of 5 mm on a steel flat, at 10 N:
 
     >>> from roughcontact.reference import hertz_sphere
-    >>> found = hertz_sphere(force=10.0, radius=5e-3, modulus=115.4e9)
-    >>> print(f"{1e6 * found.semi_axes[0]:.1f} um, {1e-9 * found.p_max:.2f} GPa, {1e6 * found.approach:.2f} um")
+    >>> ball = hertz_sphere(force=10.0, radius=5e-3, modulus=115.4e9)
+    >>> print(f"{1e6 * ball.semi_axes[0]:.1f} um, {1e-9 * ball.p_max:.2f} GPa, {1e6 * ball.approach:.2f} um")
     68.8 um, 1.01 GPa, 0.95 um
     """
     force, radius, modulus = _positive(force, "N"), _positive(radius, "m"), _positive(modulus, "Pa")
@@ -92,6 +93,7 @@ def hertz_sphere(force: float, radius: float, modulus: float) -> Hertz:
     return Hertz((a, a), 1.5 * force / (math.pi * a**2), a**2 / radius)
 
 
+@guarded
 def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     r"""Return Hertz's solution for a paraboloid with two principal radii, along x and y.
 
@@ -104,21 +106,22 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
 
     Parameters
     ----------
-    force
-        Normal force, N.
+    force, modulus
+        Normal force, N, and contact modulus E*, Pa.
     radii
         Relative radii of curvature along x and y, m.
-    modulus
-        Contact modulus E*, Pa.
 
     References
     ----------
     Johnson, Contact Mechanics (1985), eq. 4.24 to 4.26, https://doi.org/10.1017/CBO9781139171731
     """
     force, modulus = _positive(force, "N"), _positive(modulus, "Pa")
-    blunt, sharp = sorted((_positive(radii[0], "m"), _positive(radii[1], "m")), reverse=True)
+    radii = pair(radii, "The radii", "m", above=0.0)
+    blunt, sharp = max(radii), min(radii)
     if blunt == sharp:
         return hertz_sphere(force, blunt, modulus)
+    if blunt > _SLENDER * sharp:
+        raise InputError(f"The radii {radii} differ by more than {_SLENDER:g} times: take a contact of cylinders.")
 
     def mismatch(log_ratio: float) -> float:
         shallow, steep = _curvature_integrals(math.exp(log_ratio))
@@ -134,6 +137,7 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     return Hertz(axes, p_max, p_max * b * float(special.ellipkm1(ratio**2)) / modulus)
 
 
+@guarded
 @attrs.frozen
 class WavyContact:
     r"""Contact of a flat with the wave z = amplitude (cos(2 pi x / wavelength) + cos(2 pi y / wavelength)).
@@ -161,16 +165,16 @@ class WavyContact:
         return 2.0 * math.pi * self.modulus * self.amplitude / self.wavelength
 
     def light_area_fraction(self, mean_pressure: float) -> float:
-        """Return the contact area over nominal area in the limit of light load (the paper's eq. 27)."""
+        """Return the contact area over the nominal area in the limit of light load (the paper's eq. 27)."""
         mean_pressure = number(mean_pressure, "The mean pressure", "Pa", at_least=0.0)
         return math.pi * math.pow(3.0 * mean_pressure / (8.0 * math.pi * self.full_contact_pressure), 2 / 3)
 
     def light_p_max(self, mean_pressure: float) -> float:
-        """Return the greatest pressure in the limit of light load, Pa (the paper's eq. 26)."""
+        """Return the maximum pressure in the limit of light load, Pa (the paper's eq. 26)."""
         return 1.5 * mean_pressure / self.light_area_fraction(mean_pressure)
 
     def heavy_area_fraction(self, mean_pressure: float) -> float:
-        """Return the contact area over nominal area in the limit of nearly full contact."""
+        """Return the contact area over the nominal area in the limit of nearly full contact."""
         return 1.0 - 1.5 / math.pi * (1.0 - mean_pressure / self.full_contact_pressure)
 
     def full_contact(self, x: Array, y: Array, mean_pressure: float) -> Array:
@@ -179,16 +183,10 @@ class WavyContact:
         return np.asarray(mean_pressure + 0.5 * self.full_contact_pressure * (np.cos(phase_x) + np.cos(phase_y)))
 
 
+@guarded
 @attrs.frozen
 class Westergaard:
-    """Contact of a flat with the one-dimensional wave z = amplitude cos(2 pi x / wavelength).
-
-    Parameters
-    ----------
-    amplitude, wavelength
-        Amplitude and length of the wave, m.
-    modulus
-        Contact modulus E*, Pa.
+    """Contact of a flat with the one-dimensional wave z = amplitude cos(2 pi x / wavelength); see `WavyContact`.
 
     References
     ----------
@@ -218,6 +216,7 @@ class Westergaard:
         return np.asarray(2.0 * mean_pressure * np.abs(np.cos(place)) / edge * inside, dtype=np.float64)
 
 
+@guarded
 @attrs.frozen
 class FlatPunch:
     r"""Rigid flat circular punch.
@@ -226,12 +225,10 @@ class FlatPunch:
 
     Parameters
     ----------
-    force
-        Normal force, N.
+    force, modulus
+        Normal force, N, and contact modulus E*, Pa.
     radius
         Radius a of the punch, m.
-    modulus
-        Contact modulus E*, Pa.
 
     References
     ----------
@@ -255,6 +252,6 @@ class FlatPunch:
 
 
 def _curvature_integrals(ratio: float) -> tuple[float, float]:
-    """Return (K - E)/e^2 and (E/ratio^2 - K)/e^2 of the ellipse b/a = ratio; Carlson's form does not cancel."""
+    """Return (K - E)/e^2 and (E/ratio^2 - K)/e^2 of the ellipse b/a = ratio, in Carlson's form without cancellation."""
     square = ratio**2
     return float(special.elliprd(0.0, square, 1.0)) / 3.0, float(special.elliprd(0.0, 1.0, square)) / 3.0

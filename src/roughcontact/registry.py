@@ -1,101 +1,124 @@
-"""Registries: names for what can be plugged in, with one table behind two doors.
+"""Registries: the names of what can be plugged in.
 
-The doors are the decorator ``roughcontact.kernels.register("name")`` and the entry-point groups
-``roughcontact.kernels``, ``roughcontact.convolvers``, ... of installed distributions. What ships
-with the package comes through its own entry points, like anyone else's.
+A class is entered by the decorator ``roughcontact.kernels.register("name")`` or by an entry point of an installed
+distribution, as what ships is by those of this package.
 """
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, TypeVar
+from types import MappingProxyType
+from typing import Any, Generic, TypeVar
 
 from roughcontact.errors import InputError
 
-T = TypeVar("T", bound=type)
+T = TypeVar("T")
+C = TypeVar("C", bound=type)
+_BY_KIND: dict[str, Registry[Any]] = {}
 
 
-class Registry:
-    """The names of one kind of plug-in.
+class Registry(Generic[T]):
+    """The classes of one kind by name: iterable, with ``in``, ``[]`` and ``len``. `InputError` for what is wrong.
 
     Parameters
     ----------
+    base
+        The class that everything registered is a subclass of.
     kind
-        What is registered, singular, for the error sentences.
+        What is registered, singular, for sentences and files.
     group
         Entry-point group that installed distributions use.
+    in_files
+        Whether files may name its classes.
 
     Examples
     --------
     >>> import roughcontact as rc
-    >>> "blend" in rc.areas.names()
+    >>> "blend" in rc.areas
     True
-    >>> rc.areas.create("blend")
-    Blend()
-    >>> rc.areas.get("blnd")
+    >>> rc.areas["blend"].__name__, rc.areas.name_of(rc.Blend)
+    ('Blend', 'blend')
+    >>> rc.areas.create("blnd")
     Traceback (most recent call last):
         ...
     roughcontact.errors.InputError: There is no area estimator named 'blnd'. Did you mean 'blend'? Known: ...
     """
 
-    def __init__(self, kind: str, group: str) -> None:
+    def __init__(self, base: type[T], kind: str, group: str, *, in_files: bool = True) -> None:
+        self.base = base
         self.kind = kind
         self.group = group
-        self._classes: dict[str, type] = {}
+        self._classes: dict[str, type[T]] = {}
         self._installed: dict[str, list[EntryPoint]] | None = None
+        if in_files:
+            _BY_KIND[kind] = self
 
-    def register(self, name: str) -> Callable[[T], T]:
-        """Return a class decorator that enters the class under `name`.
+    def register(self, name: str) -> Callable[[C], C]:
+        """Return a class decorator that enters the class, derived from the base, under a name that is free."""
+        if not isinstance(name, str) or not name or ":" in name:
+            raise InputError.about(f"The name of {self._a_kind}", name, "a non-empty string without a colon")
 
-        Raises
-        ------
-        InputError
-            If the name is no non-empty string or is taken by another class.
-        """
-        if not isinstance(name, str) or not name:
-            raise InputError.about(f"The name of a {self.kind}", name, "a non-empty string")
-
-        def enter(cls: T) -> T:
-            if not isinstance(cls, type):
-                raise InputError.about(f"What is registered as a {self.kind}", cls, "a class")
+        def enter(cls: C) -> C:
+            checked = self._require_class(cls, "")
             # A class defined again (a notebook cell run twice) replaces itself.
             owners = {entry.value for entry in self._entries().get(name, [])}
             if name in self._classes:
-                owners.add(_path(self._classes[name]))
-            if owners - {_path(cls)}:
-                raise InputError(f"The name {name!r} of a {self.kind} is taken already by {', '.join(sorted(owners))}.")
-            self._classes[name] = cls
+                owners.add(path_of(self._classes[name]))
+            if owners - {path_of(cls)}:
+                raise InputError(
+                    f"The name {name!r} of {self._a_kind} is taken already by {', '.join(sorted(owners))}."
+                )
+            self._classes[name] = checked
             return cls
 
         return enter
 
-    def names(self) -> tuple[str, ...]:
-        """Return every name that `get` knows, sorted."""
-        return tuple(sorted({*self._classes, *self._entries()}))
+    @property
+    def _a_kind(self) -> str:
+        return f"{'an' if self.kind[0] in 'aeiou' else 'a'} {self.kind}"
 
-    def get(self, name: str) -> type:
-        """Return the class registered under `name`.
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted({*self._classes, *self._entries()}))
 
-        Raises
-        ------
-        InputError
-            If nobody registered the name, two distributions claim it, or its plug-in cannot be loaded.
-        """
+    def __len__(self) -> int:
+        return len({*self._classes, *self._entries()})
+
+    def __contains__(self, name: object) -> bool:
+        return isinstance(name, str) and (name in self._classes or name in self._entries())
+
+    def __getitem__(self, name: str) -> type[T]:
         if name not in self._classes:
             self._classes[name] = self._load(name)
         return self._classes[name]
 
-    def create(self, name: str) -> Any:
-        """Return an instance of the class registered under `name`, made without arguments.
+    def __repr__(self) -> str:
+        paths = {name: " and ".join(entry.value for entry in found) for name, found in self._entries().items()}
+        paths |= {name: path_of(cls) for name, cls in self._classes.items()}
+        width = max(map(len, paths), default=0)
+        rows = "".join(f"\n  {name:{width}}  {paths[name]}" for name in self)
+        return f"{self.kind}: {len(self)} subclasses of {self.base.__name__}{rows}"
 
-        Raises
-        ------
-        InputError
-            If it cannot be made so.
-        """
-        cls = self.get(name)
+    def name_of(self, cls: type) -> str | None:
+        """Return the name under which exactly this class is registered, the first of several; None without one."""
+        top = cls.__module__.partition(".")[0]
+        for name, entries in self._entries().items():
+            # Only the distribution that the class comes from can have listed it: no other is loaded.
+            if any(entry.module.partition(".")[0] == top for entry in entries):
+                with suppress(InputError):
+                    self[name]
+        return min((name for name, known in self._classes.items() if known is cls), default=None)
+
+    def defined_as(self, path: str) -> type[T] | None:
+        """Return the class among the registered ones that is defined as ``module:name``; nothing is imported."""
+        wanted = str(path)
+        return next((cls for cls in self._classes.values() if path_of(cls) == wanted), None)
+
+    def create(self, name: str) -> T:
+        """Return an instance, made without arguments, of the class registered under `name`."""
+        cls = self[name]
         try:
             return cls()
         except InputError:
@@ -103,19 +126,13 @@ class Registry:
         except Exception as error:
             raise InputError(
                 f"The {self.kind} {name!r} cannot be made without arguments ({error}): "
-                f"pass an instance of {_path(cls)}."
+                f"pass an instance of {path_of(cls)}."
             ) from error
 
-    def resolve(self, choice: object, base: type) -> Any:
-        """Return `choice` if it is an instance of `base`, or make one from the registered name.
-
-        Raises
-        ------
-        InputError
-            If it is neither.
-        """
+    def resolve(self, choice: object) -> T:
+        """Return `choice` if it is an instance of the base, or make one from the registered name."""
         made = self.create(choice) if isinstance(choice, str) else choice
-        if isinstance(made, type) or not isinstance(made, base):
+        if not isinstance(made, self.base):
             hint = "Pass an instance, not the class." if isinstance(made, type) else ""
             raise InputError.about(f"The {self.kind}", choice, f"a registered name or {self.kind} object", hint)
         return made
@@ -131,38 +148,42 @@ class Registry:
             self._installed = found
         return self._installed
 
-    def _load(self, name: str) -> type:
+    def _load(self, name: str) -> type[T]:
         claims = self._entries().get(name, [])
         if not claims:
-            raise InputError(self._unknown(name))
+            raise InputError.unknown(self.kind, name, self)
+        shipped = [entry for entry in claims if entry.dist is not None and entry.dist.name == "roughcontact"]
+        if shipped and len(claims) > 1:
+            ignored = " and ".join(entry.value for entry in claims if entry not in shipped)
+            warnings.warn(f"The {self.kind} {name!r} ships with roughcontact: {ignored} is ignored.", stacklevel=3)
+            claims = shipped
         if len(claims) > 1:
             values = " and ".join(entry.value for entry in claims)
             raise InputError(f"The {self.kind} {name!r} is claimed by {values}; uninstall one of them.")
         try:
-            loaded: type = claims[0].load()
+            loaded = claims[0].load()
         except Exception as error:
             raise InputError(
                 f"The {self.kind} {name!r} is installed as {claims[0].value}, but cannot be loaded: "
                 f"{type(error).__name__}: {error}"
             ) from error
-        return loaded
+        return self._require_class(loaded, f" under the name {name!r}")
 
-    def _unknown(self, name: str) -> str:
-        names = self.names()
-        close = difflib.get_close_matches(name.lower(), names, n=1, cutoff=0.5)
-        guess = f" Did you mean {close[0]!r}?" if close else ""
-        return f"There is no {self.kind} named {name!r}.{guess} Known: {', '.join(names) or 'none'}."
+    def _require_class(self, cls: object, where: str) -> type[T]:
+        if isinstance(cls, type) and issubclass(cls, self.base):
+            return cls
+        what, allowed = (
+            f"What is registered as {self._a_kind}{where}",
+            f"a class derived from {self.base.__name__}",
+        )
+        raise InputError.about(what, cls, allowed)
 
 
-def _path(cls: type) -> str:
-    return f"{cls.__module__}:{cls.__qualname__}"
+def registries() -> Mapping[str, Registry[Any]]:
+    """Return the registries whose classes files may name, by their kind."""
+    return MappingProxyType(_BY_KIND)
 
 
-kernels = Registry("kernel", "roughcontact.kernels")
-convolvers = Registry("convolver", "roughcontact.convolvers")
-solvers = Registry("solver", "roughcontact.solvers")
-areas = Registry("area estimator", "roughcontact.areas")
-readers = Registry("surface reader", "roughcontact.readers")
-sets = Registry("permanent set", "roughcontact.sets")
-surfaces = Registry("surface", "roughcontact.surfaces")
-materials = Registry("material", "roughcontact.materials")
+def path_of(cls: type) -> str:
+    """Return where a class is defined, as ``module:name``; the main module of a process pool is the main one."""
+    return f"{cls.__module__}:{cls.__qualname__}".replace("__mp_main__:", "__main__:")

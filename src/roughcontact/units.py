@@ -15,3 +15,9 @@ def si(value: float, unit: str, digits: int = 4) -> str:
     if power not in _PREFIXES:
         return f"{value:.{digits}g} {unit}"
     return f"{value / 10.0**power:.{digits}g} {_PREFIXES[power]}{unit}"
+
+
+def binary(size: float) -> str:
+    """Return a number of bytes in words such as ``1.5 GiB``."""
+    power = min(max(0, int(size).bit_length() - 1) // 10, 4)
+    return f"{size / 2 ** (10 * power):.4g} {('bytes', 'KiB', 'MiB', 'GiB', 'TiB')[power]}"

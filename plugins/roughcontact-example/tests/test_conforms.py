@@ -1,24 +1,27 @@
 import pytest
 
+import roughcontact as rc
 import roughcontact.testing as kit
-from roughcontact_example import Between, Foam, Springback, Springs
+import roughcontact_example as example
+
+ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=20e-6, shortest=3e-6, seed=1)
+PARTS = [
+    example.Foam(young=70e9, strength=200e6, density=0.1),
+    example.Springs(thickness=2e-6),
+    example.SignalConvolver(),
+    example.AcceleratedGradient(),
+    example.Between(),
+    example.Springback(),
+    example.Dimples(ROUGH),
+    example.Raw16(),
+]
+CLAIMS = [
+    pytest.param(part, claim, id=f"{type(part).__name__}-{claim}")
+    for part in PARTS
+    for claim in kit.claims(kit.kind_of(part))
+]
 
 
-@pytest.mark.parametrize("claim", kit.claims("material"), ids=str)
-def test_foam(claim):
-    claim.check(Foam(young=70e9, strength=200e6, density=0.1))
-
-
-@pytest.mark.parametrize("claim", kit.claims("kernel"), ids=str)
-def test_springs(claim):
-    claim.check(Springs(thickness=2e-6))
-
-
-@pytest.mark.parametrize("claim", kit.claims("area"), ids=str)
-def test_between(claim):
-    claim.check(Between())
-
-
-@pytest.mark.parametrize("claim", kit.claims("set"), ids=str)
-def test_springback(claim):
-    claim.check(Springback())
+@pytest.mark.parametrize(("part", "claim"), CLAIMS)
+def test_claim(part, claim):
+    claim.check(part)

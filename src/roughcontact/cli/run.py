@@ -1,51 +1,60 @@
-"""``roughcontact run``: a study from its file."""
+"""``roughcontact run``: a study described by a TOML file."""
 
 from __future__ import annotations
 
 import argparse
 import multiprocessing
-from collections.abc import Sequence
+import os
+import threading
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-from roughcontact.errors import InputError, RoughContactError
-from roughcontact.studies import Record, Study, StudyResult
-from roughcontact.studies.toml import read_study
+from roughcontact.cli import Command
+from roughcontact.cli.options import show_progress, whole_number
+from roughcontact.errors import InputError
 
 
-def run(options: argparse.Namespace) -> None:
-    """Read a study, run what is missing, write its table."""
-    study = read_study(options.study)
-    if options.dry_run:
-        print(study.explain())
-        return
-    if options.workers < 1:
-        raise InputError.about("The number of workers", options.workers, "a whole number of at least 1")
-    folder = Path(options.output or Path(options.study).with_suffix(""))
-    # Forked workers would inherit the threads of the FFT.
-    pool = ProcessPoolExecutor(options.workers, mp_context=multiprocessing.get_context("spawn"))
-    with pool if options.workers > 1 else nullcontext() as executor:
-        result = _run(study, folder, executor)
-    result.to_csv(folder / "records.csv")
-    print(result)
-    for record in result.failed:
-        print(f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}")
-    if result.failed:
-        raise RoughContactError(f"{len(result.failed)} of {len(result.records)} solves have no certified solution.")
+class Run(Command):
+    """Run a study from its TOML file, or continue it."""
+
+    def declare(self, parser: argparse.ArgumentParser) -> None:
+        parser.add_argument("study", metavar="STUDY.toml", help="problems, loads, seeds and area estimators")
+        parser.add_argument("--dry-run", action="store_true", help="print the plan of every solve, and solve nothing")
+        parser.add_argument("--workers", type=whole_number, default=1, metavar="N", help="processes (1)")
+        parser.add_argument("-o", "--output", metavar="FOLDER", help="output folder (the name of the study)")
+
+    def run(self, options: argparse.Namespace) -> int:
+        """Return 0, or 1 if a solve has no certified solution."""
+        from roughcontact.studies.toml import read_study
+
+        study = read_study(options.study)
+        if options.dry_run:
+            print(study.explain())
+            return 0
+        if options.workers < 1:
+            raise InputError.about("The number of workers", options.workers, "a whole number of at least 1")
+        folder = Path(options.output or Path(options.study).with_suffix(""))
+        # Spawned, because forked workers would inherit the threads of the FFT.
+        context = multiprocessing.get_context("spawn")
+        pool = ProcessPoolExecutor(options.workers, mp_context=context, initializer=_end_with_parent)
+        total = len(study.problems) * max(1, len(study.seeds)) * len(study.loads)
+        with pool if options.workers > 1 else nullcontext() as executor, show_progress(total) as update:
+            result = study.run(folder, executor=executor, on_records=lambda records: update(advance=len(records)))
+        result.to_csv(folder / "records.csv")
+        print(result)
+        for record in result.failed:
+            print(f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}")
+        return 1 if result.failed else 0
 
 
-def _run(study: Study, folder: Path, executor: ProcessPoolExecutor | None) -> StudyResult:
-    console = Console()
-    total = len(study.problems) * max(1, len(study.seeds)) * len(study.loads)
-    columns = (TextColumn("solving"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, disable=not console.is_terminal, transient=True) as progress:
-        bar = progress.add_task("solving", total=total)
+def _end_with_parent() -> None:
+    """Let this worker end with the process that started it: if that is killed, a worker waits for tasks for ever."""
+    parent = multiprocessing.parent_process()
 
-        def advance(records: Sequence[Record]) -> None:
-            progress.advance(bar, len(records))
+    def follow() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
 
-        return study.run(folder, executor=executor, on_records=advance)
+    threading.Thread(target=follow, daemon=True).start()

@@ -1,52 +1,72 @@
-"""``roughcontact solve``: height maps in, summary, fields and picture out."""
+"""``roughcontact solve``: one contact of measured height maps."""
 
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
+from typing import Any
 
-from roughcontact.body import RIGID_FLAT, Body
-from roughcontact.cli.picture import draw_solution
-from roughcontact.errors import InputError, NotConverged
-from roughcontact.files import read_surface
+import roughcontact as rc
+from roughcontact import checks
+from roughcontact._problem.plan import require_memory_of_solve
+from roughcontact.cli import DOUBTFUL, Command
+from roughcontact.cli.options import add_accuracy, add_output, add_problem
 from roughcontact.files.reading import read_raw
-from roughcontact.grid import Grid
-from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material
-from roughcontact.problem import ContactProblem
-from roughcontact.registry import areas
-from roughcontact.solution import EstimatesArea
-from roughcontact.surfaces import FlatSurface, HeightMap, SphereSurface, Surface, match
-from roughcontact.surfaces.base import own_grid
-
-_OF_COUNTER = ("match", "counter-size", "counter-unit", "counter-detrend")
+from roughcontact.load import Load
 
 
-def run(options: argparse.Namespace) -> None:
-    """Read, solve, print the summary, write fields and picture."""
-    folder = Path(options.output)
-    folder.mkdir(parents=True, exist_ok=True)
-    estimator = None if options.area is None else areas.resolve(options.area, EstimatesArea)
-    problem = problem_of(options)
-    print(problem.explain())
-    solution = problem.solve(pressure=options.pressure, force=options.force, approach=options.approach, throw=False)
-    print(f"\n{solution}")
-    if estimator is not None:
-        print(f"{'':17}{solution.area(estimator)}")
-    solution.save(folder / "solution.npz")
-    draw_solution(solution, folder / "solution.png")
-    print(f"\nWritten to {folder}: solution.npz, solution.png")
-    if not solution.status.success:
-        raise NotConverged(f"The contact is {solution.status}; what was reached is in {folder}.", solution)
+class Solve(Command):
+    """Solve the contact of measured height maps."""
+
+    def declare(self, parser: argparse.ArgumentParser) -> None:
+        add_problem(parser)
+        add_accuracy(parser)
+        parser.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
+        add_output(parser, "contact-results")
+
+    def run(self, options: argparse.Namespace) -> int:
+        """Return 0, or 3 if the solution has warnings, or raise `NotConverged` after writing what was reached."""
+        from roughcontact.cli.picture import draw_solution
+
+        folder = checks.path(options.output, "The output folder")
+        folder.mkdir(parents=True, exist_ok=True)
+        estimator = None if options.area is None else rc.areas.resolve(options.area)
+        load, problem = load_of(options), problem_of(options)
+        print(problem.explain())
+        accuracy = {name: getattr(options, name) for name in ("area_within", "peak_within", "tolerance")}
+        solution = problem.solve(**load, **accuracy, throw=False)
+        try:
+            solution.save(folder / "solution.npz")
+            draw_solution(solution, folder / "solution.png")
+            print(f"\nWritten to {folder}: solution.npz, solution.png")
+        finally:
+            # The last lines are the results and their warnings.
+            if estimator is not None:
+                print(f"\nArea: {solution.area(estimator)}")
+            print(f"\n{solution}")
+        if not solution.status.success:
+            raise rc.NotConverged(f"The contact is {solution.status}; the last iterate is in {folder}.", solution)
+        if solution.accuracy is not None and not solution.accuracy.met:
+            raise rc.NotConverged(f"{solution.accuracy.explain()} What is reached is in {folder}.", solution)
+        if solution.warnings:
+            print("roughcontact: The solution is converged, but doubtful: see its warnings.", file=sys.stderr)
+        return DOUBTFUL if solution.warnings else 0
 
 
-def problem_of(options: argparse.Namespace) -> ContactProblem:
+def load_of(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the load that the options state, as the keyword argument of `ContactProblem.solve`."""
+    return Load.of(pressure=options.pressure, force=options.force, approach=options.approach).arguments
+
+
+def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
     """Return the problem that the options describe."""
-    surface, counter, grid = _surfaces(options)
+    surface, counterbody, grid = _surfaces(options)
     if options.ball is not None:
-        surface, grid = surface + SphereSurface(options.ball), grid or own_grid(surface)
-    return ContactProblem(
-        Body(surface, _material(options.young, options.poisson, options.hardness)),
-        Body(counter, _counter_material(options)),
+        surface = surface + rc.SphereSurface(options.ball)
+    return rc.ContactProblem(
+        rc.Body(surface, _material(options.young, options.poisson, options.hardness)),
+        rc.Body(counterbody, _counterbody_material(options)),
         grid=grid,
         boundary=options.boundary,
         kernel=options.kernel,
@@ -54,21 +74,24 @@ def problem_of(options: argparse.Namespace) -> ContactProblem:
     )
 
 
-def _surfaces(options: argparse.Namespace) -> tuple[Surface, Surface, Grid | None]:
-    """Return both surfaces and the grid, if they do not carry it."""
-    form, size, unit = options.detrend, options.size, options.unit
-    body = _read(options.surface, options, size, unit, form)
-    if options.counter is None:
-        _refuse_without_counter(options)
-        return _scaled(body, options), FlatSurface(), None
-    counter_form = form if options.counter_detrend is None else options.counter_detrend
-    counter = _read(options.counter, options, *_told_of_counter(options), counter_form)
+def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.Grid | None]:
+    """Return both surfaces, and their common grid if they were matched."""
+    if options.counterbody is None:
+        for name in ("match", "counterbody_size", "counterbody_unit", "counterbody_detrend"):
+            _refuse(options, name, "is for the second of two height maps: give its file too, or omit the option.")
     if options.match is None:
-        _refuse_without_match(options)
-        return _scaled(body, options), _scaled(counter, options), None
-    pair = match(
+        for name in ("offset", "rotation", "domain", "mirror"):
+            _refuse(options, name, "is for two maps that are interpolated: give both, and --match bilinear.")
+    body = _read(options.surface, options, options.size, options.unit, options.detrend)
+    if options.counterbody is None:
+        return _resample(body, options), rc.FlatSurface(), None
+    form = options.detrend if options.counterbody_detrend is None else options.counterbody_detrend
+    counterbody = _read(options.counterbody, options, *_counterbody_size_and_unit(options), form)
+    if options.match is None:
+        return _resample(body, options), _resample(counterbody, options), None
+    pair = rc.match(
         body,
-        counter,
+        counterbody,
         offset=options.offset or (0.0, 0.0),
         rotation=options.rotation or 0.0,
         mirrored=options.mirror,
@@ -76,65 +99,52 @@ def _surfaces(options: argparse.Namespace) -> tuple[Surface, Surface, Grid | Non
         shape=options.resample,
         size=_sides(options.domain),
     )
-    return pair.body, pair.counter, pair.grid
+    return pair.body, pair.counterbody, pair.grid
 
 
-def _told_of_counter(options: argparse.Namespace) -> tuple[list[float] | None, float | None]:
-    """Return size and unit of the second map: its own, or those of the first where its file does not tell."""
-    size, unit = options.counter_size, options.counter_unit
+def _counterbody_size_and_unit(options: argparse.Namespace) -> tuple[list[float] | None, float | None]:
+    """Return size and unit of the second map: its own, or those of the first if its file does not state them."""
+    size, unit = options.counterbody_size, options.counterbody_unit
     if size is None or unit is None:
-        raw = read_raw(Path(options.counter))
+        raw = read_raw(Path(options.counterbody))
         size = options.size if size is None and raw.size is None else size
         unit = options.unit if unit is None and not raw.metric else unit
     return size, unit
 
 
-def _refuse_without_counter(options: argparse.Namespace) -> None:
-    given = {f"--{name}": getattr(options, name.replace("-", "_")) for name in _OF_COUNTER}
-    for name, value in given.items():
-        if value is not None:
-            raise InputError(f"{name} is for the second of two height maps: give its file too, or leave it out.")
-    _refuse_without_match(options)
-
-
-def _refuse_without_match(options: argparse.Namespace) -> None:
-    given = {"--offset": options.offset, "--rotation": options.rotation, "--domain": options.domain}
-    given["--mirror"] = options.mirror or None
-    for name, value in given.items():
-        if value is not None:
-            raise InputError(f"{name} is for two maps that are interpolated: give both, and --match bilinear.")
+def _refuse(options: argparse.Namespace, name: str, reason: str) -> None:
+    if getattr(options, name) not in (None, False):
+        raise rc.InputError(f"--{name.replace('_', '-')} {reason}")
 
 
 def _read(
     path: str, options: argparse.Namespace, size: list[float] | None, unit: float | None, form: str | int | None
-) -> HeightMap:
-    surface = read_surface(path, size=_sides(size), unit=unit, missing=options.missing)
-    # The trend goes first: its fit should see every measured point.
+) -> rc.HeightMap:
+    surface = rc.read_surface(path, size=_sides(size), unit=unit, non_measured=options.non_measured)
+    # Detrended before it is interpolated, so that the fit uses every measured point.
     return surface if form is None else surface.detrend(form)
 
 
-def _scaled(surface: HeightMap, options: argparse.Namespace) -> HeightMap:
-    return surface if options.resample is None else surface.resample(options.resample)
+def _resample(surface: rc.HeightMap, options: argparse.Namespace) -> rc.HeightMap:
+    if options.resample is None:
+        return surface
+    require_memory_of_solve(rc.Grid(options.resample, surface.size), rc.Boundary(options.boundary))
+    return surface.resample(options.resample)
 
 
 def _sides(lengths: list[float] | None) -> float | list[float] | None:
-    if lengths is not None and len(lengths) > 2:
-        raise InputError.about("The size of the domain", lengths, "one length or two, x and y")
     return lengths[0] if lengths and len(lengths) == 1 else lengths
 
 
-def _counter_material(options: argparse.Namespace) -> Material:
-    if options.counter_young is None:
-        if options.counter_hardness is not None or options.counter_poisson is not None:
-            raise InputError(
-                "The other body is rigid: give --counter-young with --counter-poisson or --counter-hardness."
-            )
-        return RIGID_FLAT.material
-    poisson = options.poisson if options.counter_poisson is None else options.counter_poisson
-    return _material(options.counter_young, poisson, options.counter_hardness)
+def _counterbody_material(options: argparse.Namespace) -> rc.Material:
+    if options.counterbody_young is None:
+        for name in ("counterbody_hardness", "counterbody_poisson"):
+            _refuse(options, name, "needs --counterbody-young: without it the counterbody is rigid.")
+        return rc.RIGID_FLAT.material
+    poisson = options.poisson if options.counterbody_poisson is None else options.counterbody_poisson
+    return _material(options.counterbody_young, poisson, options.counterbody_hardness)
 
 
-def _material(young: float, poisson: float, hardness: float | None) -> Material:
-    if hardness is None:
-        return Elastic(young, poisson)
-    return ElasticPerfectlyPlastic(young, poisson, hardness)
+def _material(young: float, poisson: float | None, hardness: float | None) -> rc.Material:
+    poisson = 0.3 if poisson is None else poisson
+    return rc.Elastic(young, poisson) if hardness is None else rc.ElasticPerfectlyPlastic(young, poisson, hardness)

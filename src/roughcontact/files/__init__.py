@@ -1,6 +1,6 @@
-"""Files: height maps in, results out."""
+"""Files: height maps from numpy, text and instruments' files."""
 
-from roughcontact.files.base import RawMap, SurfaceReader
+from roughcontact.files.base import RawMap, SurfaceReader, readers
 from roughcontact.files.reading import read_surface
 
-__all__ = ["RawMap", "SurfaceReader", "read_surface"]
+__all__ = ["RawMap", "SurfaceReader", "read_surface", "readers"]

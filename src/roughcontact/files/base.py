@@ -8,6 +8,7 @@ from pathlib import Path
 import attrs
 
 from roughcontact.checks import Array, Pair
+from roughcontact.registry import Registry
 
 
 @attrs.frozen(eq=False)
@@ -17,13 +18,13 @@ class RawMap:
     Attributes
     ----------
     heights
-        Heights, shape (nx, ny), indexed [x, y], m; NaN where a point is missing.
+        Heights, shape (nx, ny), indexed [x, y], m; NaN at non-measured points.
     size
-        Sides of the domain (x, y), m; None if the file does not tell.
+        Sides of the domain (x, y), m; None if the file does not state it.
     periodic
-        Whether the map repeats.
+        Whether the map repeats beyond its border.
     metric
-        Whether the file itself tells that its heights are in metres, or the reader converted them.
+        Whether the heights are known to be in metres.
     """
 
     heights: Array
@@ -38,14 +39,11 @@ class SurfaceReader(abc.ABC):
     @property
     @abc.abstractmethod
     def suffixes(self) -> frozenset[str]:
-        """The file name endings it reads, lower case, with the dot."""
+        """The endings of the file names that it reads, lower case, with the dot."""
 
     @abc.abstractmethod
     def read(self, path: Path) -> RawMap:
-        """Return the map in SI units.
+        """Return the map in SI units; any error is reported by `read_surface` with the name of the file."""
 
-        Raises
-        ------
-        Exception
-            Any error; `read_surface` tells the user which file it was.
-        """
+
+readers = Registry(SurfaceReader, "surface reader", "roughcontact.readers")

@@ -10,27 +10,31 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array, Mask, choice, number
+from roughcontact import checks
+from roughcontact._surfaces import HeightMap
+from roughcontact.checks import Array, Mask, choice, number, pair
 from roughcontact.errors import InputError, RoughContactError
-from roughcontact.files.base import RawMap, SurfaceReader
-from roughcontact.files.missing import filled
-from roughcontact.registry import readers
-from roughcontact.surfaces import HeightMap
+from roughcontact.errors.door import guarded
+from roughcontact.files.base import RawMap, SurfaceReader, readers
+from roughcontact.files.filling import fill
 from roughcontact.units import si
 
-_TREATED = {"fill": "filled from their neighbours", "holes": "taken as holes"}
+_TREATMENTS = {"fill": "filled from their neighbours", "keep": "kept so"}
 _FALLBACK = "instrument"
+# A given size agrees with that of the file to this fraction: six digits, as people type them.
+_SAME_SIZE = 1e-6
 
 
+@guarded
 def read_surface(
     path: str | os.PathLike[str],
     *,
     size: float | Sequence[float] | None = None,
-    missing: str = "refuse",
+    non_measured: str = "refuse",
     unit: float | None = None,
     reader: str | SurfaceReader = "auto",
 ) -> HeightMap:
-    """Read a height map from a file.
+    """Return the height map in a file, m, positive outward.
 
     Parameters
     ----------
@@ -38,77 +42,56 @@ def read_surface(
         The file. npz, npy and text files are read by numpy, heights in m, first index x; all others
         by the package SurfaceTopography, units converted to SI.
     size
-        Sides of the domain (x, y) or of both, m; needed where the file does not tell, and checked
+        Sides of the domain (x, y) or of both, m; needed where the file does not state it, and checked
         where it does.
-    missing
-        What to do with missing points: ``"refuse"`` them, ``"fill"`` them with the harmonic surface
-        through their neighbours, which makes no new summit, or take them as ``"holes"``, which do not
-        touch and do not count when form is fitted.
+    non_measured
+        What to do with non-measured points: ``"refuse"`` the file; ``"fill"`` them with the harmonic surface
+        through their neighbours, which makes no new summit; or ``"keep"`` them: they never touch, and do not count
+        when form is fitted.
     unit
-        What a height of one in the file means, m, where the file does not tell: 1e-6 for micrometres.
+        What a height of one in the file means, m, where the file does not state it: 1e-6 for micrometres.
     reader
-        Registered name or instance; ``"auto"`` goes by the ending of the file name.
-
-    Returns
-    -------
-    HeightMap
-        The heights, m, positive outward.
+        Registered name or instance; ``"auto"`` chooses by the ending of the file name.
 
     Raises
     ------
     InputError
-        If there is no such file, it cannot be read, points are missing and refused, or the size is
-        neither given nor told.
+        If there is no such file, it cannot be read, non-measured points are refused, or the size is unknown.
     MissingPackage
         If the package that reads such files is not installed.
     """
-    choice(missing, "The treatment of missing points", ("refuse", *_TREATED))
-    file = Path(path)
+    choice(non_measured, "The treatment of non-measured points", ("refuse", *_TREATMENTS))
+    file = checks.path(path, "The height map")
     raw = read_raw(file, reader)
-    if raw.size is None and size is None:
-        raise InputError(f"The file {file.name} does not tell the size of its domain: give size=(x, y), m.")
-    heights, holes, done = _complete(raw, file, missing)
-    surface = HeightMap(heights, _size(raw, size), periodic=raw.periodic, holes=holes)
-    metres = surface.values * _unit(raw, unit, file)
-    counted = "" if unit is None else f", heights in units of {si(unit, 'm')}"
-    surface = attrs.evolve(surface, heights=metres, history=(f"{done}: {surface.grid}{counted}",))
-    if raw.size is not None and not np.allclose(surface.size, raw.size, rtol=1e-6, atol=0.0):
-        raise InputError(
-            f"The file {file.name} tells its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
-            f"which is not the size given: leave size= out."
-        )
-    return surface
+    given = size if raw.size is None else raw.size
+    if given is None:
+        raise InputError(f"The file {file.name} does not state the size of its domain: give size=(x, y), m.")
+    if size is not None and raw.size is not None:
+        sides = pair(size, "The size of the height map", "m", above=0.0)
+        if not np.allclose(sides, raw.size, rtol=_SAME_SIZE, atol=0.0):
+            raise InputError(
+                f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
+                f"which is not the size given: leave size= out."
+            )
+    heights, mask, done = _complete(raw, file, non_measured)
+    surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
+    scale = _unit(raw, unit, file)
+    in_units = "" if unit is None else f", heights in units of {si(unit, 'm')}"
+    # The heights as they were read are freed before others are made.
+    del raw, heights
+    values = surface.values if unit is None else surface.values * scale
+    return attrs.evolve(surface, heights=values, history=(f"{done}: {surface.grid}{in_units}",))
 
 
 def read_raw(file: Path, reader: str | SurfaceReader = "auto") -> RawMap:
     """Return the map as it stands in a file; see `read_surface`."""
     if not file.is_file():
         raise InputError(f"There is no file {str(file)!r}{' (it is a folder)' if file.is_dir() else ''}.")
-    chosen: SurfaceReader = readers.resolve(_reader_for(file) if reader == "auto" else reader, SurfaceReader)
-    return _read(chosen, file)
-
-
-def _reader_for(file: Path) -> str:
-    suffix = file.suffix.lower()
-    for name in readers.names():
-        # A broken plug-in must not keep others from reading their files.
-        with contextlib.suppress(InputError):
-            if name != _FALLBACK and suffix in readers.create(name).suffixes:
-                return name
-    return _FALLBACK
-
-
-def _size(raw: RawMap, given: float | Sequence[float] | None) -> float | Sequence[float]:
-    if given is not None:
-        return given
-    return raw.size if raw.size is not None else 0.0
-
-
-def _read(reader: SurfaceReader, file: Path) -> RawMap:
+    chosen = readers.resolve(_reader_for(file) if reader == "auto" else reader)
     try:
-        raw = reader.read(file)
+        raw = chosen.read(file)
     except InputError as error:
-        raise InputError(f"The file {file.name} cannot be used: {error}.") from error
+        raise InputError(f"The file {file.name} cannot be used: {str(error).rstrip('.')}.") from error
     except RoughContactError:
         raise
     # Readers fail in as many ways as there are broken files; the user needs one sentence.
@@ -117,35 +100,45 @@ def _read(reader: SurfaceReader, file: Path) -> RawMap:
         raise InputError(f"The file {file.name} cannot be read as a height map: {reason[:200]}.") from error
     if not isinstance(raw, RawMap) or not isinstance(raw.heights, np.ndarray):
         raise InputError(
-            f"The reader {reader!r} must return a RawMap with an array of heights, but returned {raw!r:.80}."
+            f"The reader {chosen!r} must return a RawMap with an array of heights, but returned {raw!r:.80}."
         )
     return raw
+
+
+def _reader_for(file: Path) -> str:
+    suffix = file.suffix.lower()
+    for name in readers:
+        # A broken plug-in must not keep others from reading their files.
+        with contextlib.suppress(InputError):
+            if name != _FALLBACK and suffix in readers.create(name).suffixes:
+                return name
+    return _FALLBACK
 
 
 def _unit(raw: RawMap, given: float | None, file: Path) -> float:
     if given is None:
         return 1.0
     if raw.metric:
-        raise InputError(f"The file {file.name} tells its own unit of height: leave unit= out.")
+        raise InputError(f"The file {file.name} states its own unit of height: leave unit= out.")
     return number(given, "The unit of the heights", "m", above=0.0)
 
 
-def _complete(raw: RawMap, file: Path, missing: str) -> tuple[Array, Mask | None, str]:
-    """Return heights without gaps, the holes if they are to be kept, and what was done."""
+def _complete(raw: RawMap, file: Path, treatment: str) -> tuple[Array, Mask | None, str]:
+    """Return heights at all points, the non-measured points if they are to be kept, and what was done."""
     heights, read = raw.heights, f"read from {file.name}"
     if heights.dtype.kind != "f" or heights.ndim != 2:
         return heights, None, read
-    absent = ~np.isfinite(heights)
-    count = int(np.count_nonzero(absent))
+    mask = ~np.isfinite(heights)
+    count = int(np.count_nonzero(mask))
     if count == 0:
         return heights, None, read
-    share = f"{count} of {heights.size} points"
+    found = f"{count} of {heights.size} points"
     if count == heights.size:
         raise InputError(f"The file {file.name} holds no valid point at all.")
-    if missing == "refuse":
+    if treatment == "refuse":
         raise InputError(
-            f"The file {file.name} misses {share}: fill them from their neighbours with missing='fill', "
-            "or take them as holes with missing='holes' (on the command line --missing)."
+            f"In the file {file.name} {found} were not measured: fill them from their neighbours with "
+            "non_measured='fill', or keep them with non_measured='keep' (on the command line --non-measured)."
         )
-    done = f"{read}, {share} missing and {_TREATED[missing]}"
-    return filled(heights), absent if missing == "holes" else None, done
+    done = f"{read}, {found} non-measured and {_TREATMENTS[treatment]}"
+    return fill(heights), mask if treatment == "keep" else None, done

@@ -1,7 +1,6 @@
-"""Finer grids: ladders of them, and refinement around the contacts."""
+"""Ladders of ever finer grids, and waves beyond the resolution of maps."""
 
-from roughcontact.refinement.finer import on_grid
-from roughcontact.refinement.ladder import Ladder, extrapolate
-from roughcontact.refinement.local import Refined, refine
+from roughcontact.refinement.beyond import BeyondResolution, beyond_resolution
+from roughcontact.refinement.ladder import Ladder, extrapolate, on_grid, solve_ladder
 
-__all__ = ["Ladder", "Refined", "extrapolate", "on_grid", "refine"]
+__all__ = ["BeyondResolution", "Ladder", "beyond_resolution", "extrapolate", "on_grid", "solve_ladder"]

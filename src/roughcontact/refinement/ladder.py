@@ -1,22 +1,55 @@
-"""Ladders of grids, and what they tell of the infinitely fine one."""
+"""The same problem on other grids, and ladders of ever finer ones."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import attrs
 
+from roughcontact._problem.plan import require_memory_of_solve
+from roughcontact._problem.problem import ContactProblem
+from roughcontact._problem.resolution import resample_problem
+from roughcontact._solution import DEFAULT_AREA, Area, AreaEstimator, ContactSolution, areas
+from roughcontact._surfaces.resampling import bilinear
 from roughcontact.checks import integer
-from roughcontact.extrapolation import Extrapolation, exponential, richardson
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+from roughcontact.extrapolation import Extrapolation, exponential
 from roughcontact.grid import Boundary, Grid
-from roughcontact.problem import ContactProblem
-from roughcontact.refinement.finer import on_grid, require_problem
-from roughcontact.registry import areas
-from roughcontact.solution import DEFAULT_AREA, Area, ContactSolution, EstimatesArea
-from roughcontact.surfaces.resampling import bilinear
+from roughcontact.load import Load
 
-# Corrected areas gain this order or more when a grid is refined; the least keeps the error honest.
-_ORDER = 2.0
+# Doublings of a grid beyond which the size of the finest one is not computed: far beyond any memory.
+_MOST_DOUBLINGS = 60
+
+
+def require_problem(problem: ContactProblem) -> ContactProblem:
+    """Return the problem, or raise `InputError` if it is something else."""
+    if not isinstance(problem, ContactProblem):
+        raise InputError.about("What is to be refined", problem, "a ContactProblem")
+    return problem
+
+
+@guarded
+def on_grid(problem: ContactProblem, shape: tuple[int, int], between: str | None = None) -> ContactProblem:
+    """Return the problem on another number of cells over the same domain.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    shape
+        Cells (nx, ny).
+    between
+        How height maps are interpolated between their points, as in `HeightMap.resample`; if None, periodic
+        maps are taken as band-limited, and for others it must be given.
+
+    Raises
+    ------
+    InputError
+        If a surface is not known between the points of its grid, or the pressure limit is an array.
+    """
+    return resample_problem(require_problem(problem), shape, between)
 
 
 @attrs.frozen(eq=False)
@@ -28,11 +61,11 @@ class Ladder:
     solutions
         From coarse to fine.
     estimator
-        The area estimator that is extrapolated.
+        The area estimator.
     """
 
     solutions: tuple[ContactSolution, ...]
-    estimator: str | EstimatesArea
+    estimator: str | AreaEstimator
 
     @property
     def cells(self) -> tuple[float, ...]:
@@ -45,30 +78,14 @@ class Ladder:
         return tuple(solution.area(self.estimator) for solution in self.solutions)
 
     @property
-    def richardson(self) -> Extrapolation:
-        """Richardson's extrapolation of those areas at second order, m2."""
-        return richardson(self.cells, [area.value for area in self.areas], _ORDER)
-
-    @property
     def eq_28(self) -> Extrapolation:
         """The paper's exponential through the counted areas, m2."""
         return exponential(self.cells, [solution.area("cell-count").value for solution in self.solutions])
 
     @property
     def area(self) -> Area:
-        """The extrapolated area.
-
-        Where the finest two grids agree within the finest one's uncertainty there is nothing to
-        extrapolate, and the finest stands. The uncertainty is the step beyond it, and no less than its own.
-        """
-        coarse, fine = self.areas[-2:]
-        nominal = self.solutions[-1].grid.area
-        if abs(fine.value - coarse.value) <= fine.uncertainty:
-            return attrs.evolve(fine, estimator=f"{fine.estimator}, finest of {len(self.solutions)}")
-        value = min(max(self.richardson.value, 0.0), nominal)
-        bar = max(abs(value - fine.value), fine.uncertainty)
-        doubts = tuple(dict.fromkeys((*fine.doubts, *self.richardson.warnings)))
-        return Area(value, value / nominal, bar, f"{fine.estimator}, extrapolated", doubts=doubts)
+        """The area on the finest grid: extrapolation makes it worse, because its error does not fall steadily."""
+        return self.solutions[-1].area(self.estimator)
 
     @property
     def convolutions(self) -> int:
@@ -76,19 +93,19 @@ class Ladder:
         return sum(solution.convolutions for solution in self.solutions)
 
     def __str__(self) -> str:
-        lines = [f"{'cells':>12} {'counted, %':>12} {'estimated, %':>14} {'+-':>8}"]
-        for solution, area in zip(self.solutions, self.areas, strict=True):
-            nx, ny = solution.grid.shape
-            counted = 100 * solution.area("cell-count").fraction
-            bar = 100 * area.uncertainty / solution.grid.area
-            lines.append(f"{f'{nx} x {ny}':>12} {counted:>12.5g} {100 * area.fraction:>14.5g} {bar:>8.2g}")
         nominal = self.solutions[-1].grid.area
-        bar = 100 * self.area.uncertainty / nominal
-        eq_28 = 100 * self.eq_28.value / nominal
-        lines.append(f"{'extrapolated':>12} {eq_28:>12.5g} {100 * self.area.fraction:>14.5g} {bar:>8.2g}")
-        return "\n".join(lines)
+        rows = [
+            (f"{solution.grid.shape[0]} x {solution.grid.shape[1]}", solution.area("cell-count").value, area)
+            for solution, area in zip(self.solutions, self.areas, strict=True)
+        ]
+        lines = [f"{'cells':>12} {'counted, %':>12} {'estimated, %':>14} {'+-':>8}"]
+        for name, counted, area in rows:
+            values = 100 * counted / nominal, 100 * area.fraction, 100 * area.uncertainty / nominal
+            lines.append("{:>12} {:>12.5g} {:>14.5g} {:>8.2g}".format(name, *values))
+        return "\n".join((*lines, f"{'eq. 28':>12} {100 * self.eq_28.value / nominal:>12.5g}"))
 
 
+@guarded
 def extrapolate(
     problem: ContactProblem,
     *,
@@ -96,13 +113,13 @@ def extrapolate(
     force: float | None = None,
     approach: float | None = None,
     levels: int = 3,
-    estimator: str | EstimatesArea = DEFAULT_AREA,
+    estimator: str | AreaEstimator = DEFAULT_AREA,
     between: str | None = None,
 ) -> Ladder:
-    """Solve on the problem's grid and on ones with twice, four times, ... as many cells a side.
+    """Return the solutions on the problem's grid and on ones with twice, four times, ... as many cells a side.
 
-    Each starts from the pressure of the one before, so that all together cost little more than the
-    finest.
+    Counted areas are extrapolated as the paper did it. The estimated area is that of the finest grid; where only an
+    accuracy is wanted, ``solve(..., area_within=)`` finds the grid.
 
     Parameters
     ----------
@@ -115,7 +132,7 @@ def extrapolate(
     estimator
         Registered name or instance of the area estimator.
     between
-        How height maps go on between their points, as in `HeightMap.resample`.
+        How height maps are interpolated between their points, as in `on_grid`.
 
     Raises
     ------
@@ -125,17 +142,25 @@ def extrapolate(
         If a solution is not certified.
     """
     levels = integer(levels, "The number of grids", at_least=2)
-    areas.resolve(estimator, EstimatesArea)
+    areas.resolve(estimator)
     nx, ny = require_problem(problem).plan.grid.shape
-    # A finest grid that memory does not bear is refused before the others are made.
-    finest = min(levels - 1, 60)
-    Grid((nx << finest, ny << finest), problem.plan.grid.size)
+    load = Load.of(pressure=pressure, force=force, approach=approach)
+    # A finest grid that does not fit into memory is refused before the others are made.
+    finest = min(levels - 1, _MOST_DOUBLINGS)
+    require_memory_of_solve(Grid((nx << finest, ny << finest), problem.plan.grid.size), problem.boundary)
     rungs = [problem, *(on_grid(problem, (nx << level, ny << level), between) for level in range(1, levels))]
+    return solve_ladder(rungs, load, estimator)
+
+
+def solve_ladder(
+    problems: Sequence[ContactProblem], load: Load, estimator: str | AreaEstimator = DEFAULT_AREA
+) -> Ladder:
+    """Return the solutions of a problem on ever finer grids, each starting from the pressure of the one before."""
     solutions: list[ContactSolution] = []
-    for rung in rungs:
+    for problem in problems:
         start = None
         if solutions:
-            closed = rung.boundary is not Boundary.FREE
-            start = bilinear(solutions[-1].pressure, rung.plan.grid.shape, periodic=closed)
-        solutions.append(rung.solve(pressure=pressure, force=force, approach=approach, start=start))
+            periodic = problem.boundary is not Boundary.FREE
+            start = bilinear(solutions[-1].pressure, problem.plan.grid.shape, periodic=periodic)
+        solutions.append(problem.solve(**load.arguments, start=start))
     return Ladder(tuple(solutions), estimator)

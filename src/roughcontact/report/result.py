@@ -1,23 +1,26 @@
-"""A report: rows, and what they tell."""
+"""A report: rows, what follows from them, and tables for people and for programs."""
 
 from __future__ import annotations
 
 import csv
 import math
 import os
-from pathlib import Path
+from collections.abc import Iterator
 
 import attrs
 
+from roughcontact import checks
 from roughcontact.archive import replacing
 from roughcontact.checks import choice
-from roughcontact.report import tables
-from roughcontact.report.advice import advised
-from roughcontact.report.row import ReportRow
-from roughcontact.report.truth import QUANTITIES, Truth
+from roughcontact.report.reference import QUANTITIES, UNITS, Reference
+from roughcontact.report.row import ReportRow, Timing, advise, find_varying_parts, format_percent
+from roughcontact.units import si
 
-# An error this many times another one is not yet nearer to the truth.
-_NEARER = 0.99
+_LABELS = {"area": "area", "p_max": "maximum pressure", "approach": "approach"}
+# Errors whose ratio is above this count as equal, so that chance does not decide between them.
+_EQUAL = 0.99
+# Errors below this part of the reference's error bound are printed as zero: their digits mean nothing.
+_NEGLIGIBLE = 0.01
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -28,109 +31,163 @@ class ErrorReport:
     ----------
     rows
         Each case with each estimator, the grids of one setup from coarse to fine.
-    truth
-        What the errors are measured against.
+    reference
+        The reference solution.
     nominal
         Nominal area of the domain, m2.
-    scene
-        What was solved, in words.
+    description
+        The problem, in words.
     repeats
         How often each case was timed.
     """
 
     rows: tuple[ReportRow, ...]
-    truth: Truth
+    reference: Reference
     nominal: float
-    scene: str
+    description: str
     repeats: int
 
     def front(self, quantity: str = "area") -> tuple[ReportRow, ...]:
-        """Return the Pareto front, from cheap to exact: no other row is both cheaper and nearer to the truth.
+        """Return the Pareto front of ``"area"``, ``"p_max"`` or ``"approach"``, from cheap to accurate.
 
-        Errors below the truth's own count as that one, and errors within a hundredth of each other as
-        equal, so that chance does not decide among them.
-
-        Parameters
-        ----------
-        quantity
-            ``"area"``, ``"p_max"`` or ``"approach"``.
-
-        Raises
-        ------
-        InputError
-            If there is no such quantity.
+        No other row is both cheaper and more accurate. Errors below the error bound of the reference count as
+        that bound, and errors within a hundredth of each other as equal.
         """
         choice(quantity, "The quantity", QUANTITIES)
-        blur = self.truth.blur(quantity)
+        bound = self.reference.relative_uncertainty(quantity)
         known = [row for row in self.rows if math.isfinite(row.error(quantity))]
-        best, found = math.inf, []
+        best, front = math.inf, []
         for row in sorted(known, key=lambda row: (row.cost(quantity), row.error(quantity))):
-            error = max(row.error(quantity), blur)
-            if error < _NEARER * best:
+            error = max(row.error(quantity), bound)
+            if error < _EQUAL * best:
                 best = error
-                found.append(row)
-        return tuple(found)
+                front.append(row)
+        return tuple(front)
 
     def advice(self, area: float = 0.005) -> str:
-        """Return in a sentence what reaches an error of the area most cheaply, and what the other estimators need.
+        """Return in a sentence which case reaches a relative error of the area at the lowest cost.
 
-        A case is enough if its error is small enough and stays so on all finer grids of the report: a
-        coarse grid that is right by chance is no advice.
-
-        Parameters
-        ----------
-        area
-            Relative error that is allowed.
-
-        Raises
-        ------
-        InputError
-            If the error is not above 0 and at most 1, or the true area is not known.
+        It adds what the other estimators need. A case counts only if all finer grids of the report are accurate
+        enough too: a coarse grid may be right by chance.
         """
-        return advised(self.rows, self.truth, area)
+        return advise(self.rows, self.reference, area)
 
     def __str__(self) -> str:
-        return tables.text(self)
+        headings, body, footnotes = self._make_table()
+        table = [headings, *body]
+        widths = [max(len(line[column]) for line in table) for column in range(len(headings))]
+        lines = ["  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)) for line in table]
+        return "\n".join([*self._make_head(), "", *lines, "", *footnotes])
 
     def to_markdown(self) -> str:
         """Return the table and its notes as Markdown."""
-        return tables.markdown(self)
+        headings, body, footnotes = self._make_table()
+        table = [headings, ["---:" for _ in headings], *body]
+        lines = [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in table]
+        head = ["# Error against run time", "", *(f"{line}  " for line in self._make_head())]
+        return "\n".join([*head, "", *lines, "", *(f"- {note}" for note in footnotes), ""])
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write all rows to a CSV file: SI units, relative errors with sign, every digit.
-
-        Parameters
-        ----------
-        path
-            Where to; an existing file is replaced.
-
-        Raises
-        ------
-        InputError
-            If the folder does not exist.
-        """
+        """Write all rows to a CSV file, in SI units, with relative errors and all digits; it may replace a file."""
         with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows(tables.records(self))
+            csv.writer(file).writerows(self._make_records())
 
     def draw(self, path: str | os.PathLike[str]) -> None:
-        """Draw errors against CPU time into a picture file, the Pareto front marked.
+        """Draw errors against CPU time, hollow where not resolved, with the Pareto front; the ending gives the format.
 
-        Errors below the truth's own are shown hollow.
-
-        Parameters
-        ----------
-        path
-            Where to; the ending says the format.
-
-        Raises
-        ------
-        InputError
-            If the folder does not exist or the format is unknown.
-        MissingPackage
-            If matplotlib is not installed.
+        Needs matplotlib, and raises `MissingPackage` without it.
         """
         # Imported here: a report is made and read without matplotlib.
         from roughcontact.report.picture import draw_report
 
-        with replacing(path) as partial:
-            draw_report(self, partial, Path(path).suffix)
+        draw_report(self, checks.path(path, "The picture"))
+
+    def _make_head(self) -> list[str]:
+        """Return what was solved, and the reference."""
+        known = []
+        for name in self.reference.quantities:
+            value = getattr(self.reference, name)
+            text = f"{value:.5g} m2" if name == "area" else si(value, UNITS[name], 5)
+            bound = format_percent(self.reference.relative_uncertainty(name)).removeprefix("+")
+            known.append(f"{_LABELS[name]} {text} +- {bound} %")
+        row, varying = self.rows[0], find_varying_parts(self.rows)
+        common = [getattr(row, name) for name in ("kernel", "convolver", "solver") if name not in varying]
+        if len({row.tolerance for row in self.rows}) == 1:
+            common.append(f"tolerance {row.tolerance:.0e}")
+        return [f"{self.description}; {', '.join(common)}", f"Reference: {self.reference.source}: {'; '.join(known)}"]
+
+    def _make_table(self) -> tuple[list[str], list[list[str]], list[str]]:
+        """Return the headings, the cells of the table, and the footnotes."""
+        parts, known = find_varying_parts(self.rows), self.reference.quantities
+        headings = [
+            "cells",
+            *parts,
+            "estimator",
+            "area, % of nominal",
+            *(f"{_LABELS[name]} error, %" for name in known),
+        ]
+        headings += ["CPU, s (min..max)", "area, s", "wall, s (min..max)", "iter.", "conv.", "float32", "peak, MiB"]
+        front = {id(row) for row in self.front()}
+        failures = list(dict.fromkeys(row.failure for row in self.rows if row.failure))
+        body = []
+        for row in self.rows:
+            names = [f"{row.tolerance:.0e}" if part == "tolerance" else getattr(row, part) for part in parts]
+            line = [f"{row.shape[0]} x {row.shape[1]}", *names, row.estimator]
+            if row.failure:
+                line += [f"failed [{failures.index(row.failure) + 1}]", *["-"] * (len(headings) - len(line) - 1)]
+            else:
+                line += [f"{100 * row.area / self.nominal:.4g}"]
+                line += [
+                    ("* " if id(row) in front and name == "area" else "") + self._error(row, name) for name in known
+                ]
+                line += [_format_timing(row.cpu), f"{row.area_cpu.median:.2g}", _format_timing(row.wall)]
+                line += [str(row.iterations), str(row.convolutions), str(row.float32_convolutions)]
+                line += [f"{row.peak_bytes / 2**20:.3g}"]
+            body.append(line)
+        reasons = [f"[{number}] {reason}" for number, reason in enumerate(failures, start=1)]
+        return headings, body, [*reasons, *self._make_notes(bool(front))]
+
+    def _error(self, row: ReportRow, name: str) -> str:
+        error = getattr(row, f"{name}_error")
+        if name not in row.unresolved:
+            return format_percent(error)
+        negligible = abs(error) <= _NEGLIGIBLE * self.reference.relative_uncertainty(name)
+        return f"({'0' if negligible else format_percent(error)})"
+
+    def _make_notes(self, front: bool) -> list[str]:
+        """Return how to read the table."""
+        notes = ["* on the Pareto front: no other case is both cheaper and more accurate."] if front else []
+        if any(row.unresolved for row in self.rows):
+            notes.append("(in brackets) not resolved: the error is below the error bound of the reference.")
+        return [
+            *notes,
+            f"CPU (all threads) and wall time: median (min..max) of {self.repeats} after a warm-up, from the heights "
+            "to the area; 'area, s' is the CPU time of the estimator.",
+            "conv.: convolutions of the solve; float32: how many convolutions, on all grids, ran in float32.",
+            "peak: memory of numpy's arrays, by tracemalloc in a separate run; without the work space of transforms.",
+        ]
+
+    def _make_records(self) -> Iterator[list[object]]:
+        """Return the headings, then every row with all digits."""
+        timings, front = ("cpu", "wall", "solve_cpu", "area_cpu"), {id(row) for row in self.front()}
+        yield [
+            *("nx", "ny", "kernel", "convolver", "solver", "tolerance", "estimator"),
+            *("area_m2", "area_uncertainty_m2", "p_max_Pa", "approach_m"),
+            *(f"{name}_error" for name in QUANTITIES),
+            *(f"{name}_resolved" for name in QUANTITIES),
+            *("pareto", *(f"{name}_s{end}" for name in timings for end in ("", "_min", "_max"))),
+            *("iterations", "convolutions", "float32_convolutions", "peak_bytes", "failure"),
+        ]
+        for row in self.rows:
+            errors = {name: getattr(row, f"{name}_error") for name in QUANTITIES}
+            yield [
+                *(*row.shape, row.kernel, row.convolver, row.solver, row.tolerance, row.estimator),
+                *(row.area, row.area_uncertainty, row.p_max, row.approach, *errors.values()),
+                *(int(math.isfinite(error) and name not in row.unresolved) for name, error in errors.items()),
+                *(int(id(row) in front), *(time for name in timings for time in attrs.astuple(getattr(row, name)))),
+                *(row.iterations, row.convolutions, row.float32_convolutions, row.peak_bytes, row.failure),
+            ]
+
+
+def _format_timing(timing: Timing) -> str:
+    return f"{timing.median:.2g} ({timing.minimum:.2g}..{timing.maximum:.2g})"

@@ -1,4 +1,4 @@
-"""One line of a report."""
+"""The rows of a report, how they are grouped, and the advice that follows from them."""
 
 from __future__ import annotations
 
@@ -8,57 +8,55 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 
+from roughcontact.checks import Array, number
+from roughcontact.errors import InputError
+from roughcontact.report.reference import Reference
+
 
 @attrs.frozen
 class Timing:
-    """The same work, timed several times.
-
-    Attributes
-    ----------
-    median, low, high
-        Median, least and greatest, s.
-    """
+    """Median, minimum and maximum of repeated timings, s."""
 
     median: float = math.nan
-    low: float = math.nan
-    high: float = math.nan
+    minimum: float = math.nan
+    maximum: float = math.nan
 
     @classmethod
-    def of(cls, samples: Sequence[float]) -> Timing:
+    def of(cls, samples: Sequence[float] | Array) -> Timing:
         """Return the timing of some samples, s."""
-        return cls(float(np.median(samples)), min(samples), max(samples))
+        return cls(float(np.median(samples)), float(np.min(samples)), float(np.max(samples)))
 
 
 @attrs.frozen(kw_only=True)
 class ReportRow:
-    """One case with one area estimator: its answers, their errors, and its cost.
+    """One case with one area estimator: results, errors and cost.
 
     Attributes
     ----------
     shape
         Cells (nx, ny).
     kernel, convolver, solver, estimator
-        The parts, in words.
+        Names of the parts.
     tolerance
         Tolerance of the solver.
     area, area_uncertainty, p_max, approach
-        Real contact area and its standard deviation, m2; greatest pressure, Pa; approach, m; nan if it failed.
+        Real contact area and its standard deviation, m2; maximum pressure, Pa; approach, m; nan if the case failed.
     area_error, p_max_error, approach_error
-        Errors relative to the truth, with sign; nan where that is not known.
+        Relative errors, with sign; nan where the reference does not have the quantity.
     unresolved
-        The quantities whose error is below that of the truth itself.
+        The quantities whose error is below the error bound of the reference.
     cpu, wall
-        CPU time of all threads and wall time, of the solve from the surface on and of the area.
+        CPU time of all threads and wall time, from the heights to the area.
     solve_cpu, area_cpu
-        Both parts of `cpu`.
+        CPU time of the solve, and of the estimator.
     iterations, convolutions
-        What the solve took.
-    single
-        Convolutions of the solve in float32; zero if it used float64 throughout or does not tell.
-    peak
-        Greatest memory that numpy held beyond what was there before, bytes, as tracemalloc counts it.
+        The work of the solve.
+    float32_convolutions
+        Convolutions of the solve in float32; zero if it does not report them.
+    peak_bytes
+        Maximum memory of numpy's arrays during solve and estimate, bytes, by tracemalloc.
     failure
-        Why there is no answer, in a sentence; empty if there is.
+        Why the case failed, in a sentence; empty if it did not.
     """
 
     shape: tuple[int, int]
@@ -81,8 +79,8 @@ class ReportRow:
     area_cpu: Timing = Timing()
     iterations: int = 0
     convolutions: int = 0
-    single: int = 0
-    peak: int = 0
+    float32_convolutions: int = 0
+    peak_bytes: int = 0
     failure: str = ""
 
     @property
@@ -92,13 +90,105 @@ class ReportRow:
 
     @property
     def setup(self) -> tuple[str, str, str, float, str]:
-        """All but the grid: rows that share it make a line in the picture."""
+        """Everything but the grid: rows that share it make a line in the picture."""
         return (self.kernel, self.convolver, self.solver, self.tolerance, self.estimator)
 
     def error(self, quantity: str) -> float:
-        """Return the size of the relative error of ``"area"``, ``"p_max"`` or ``"approach"``; nan if not known."""
+        """Return the absolute relative error of ``"area"``, ``"p_max"`` or ``"approach"``; nan if not known."""
         return abs(float(getattr(self, f"{quantity}_error")))
 
+    def timing(self, quantity: str) -> Timing:
+        """Return the CPU time that a quantity costs: only the area needs an estimator."""
+        return self.cpu if quantity == "area" else self.solve_cpu
+
     def cost(self, quantity: str) -> float:
-        """Return the median CPU time that a quantity takes, s: only the area needs an estimator."""
-        return (self.cpu if quantity == "area" else self.solve_cpu).median
+        """Return the median CPU time that a quantity costs, s."""
+        return self.timing(quantity).median
+
+    def describe(self, parts: Sequence[str]) -> str:
+        """Return the estimator and the given parts, in words."""
+        words = [f"tolerance {self.tolerance:.0e}" if part == "tolerance" else getattr(self, part) for part in parts]
+        return ", ".join([self.estimator, *words])
+
+
+def find_varying_parts(rows: Sequence[ReportRow]) -> tuple[str, ...]:
+    """Return the names of the parts that differ between rows, the estimator excepted."""
+    names = [name for name in ("kernel", "convolver", "solver") if len({getattr(row, name) for row in rows}) > 1]
+    # Solvers that differ by their own tolerances are distinguished by their names.
+    if len({(row.solver, row.tolerance) for row in rows}) > len({row.solver for row in rows}):
+        names.append("tolerance")
+    return tuple(names)
+
+
+def group_by_setup(rows: Sequence[ReportRow]) -> list[list[ReportRow]]:
+    """Return the rows of each setup that did not fail, from coarse to fine."""
+    groups: dict[tuple[object, ...], list[ReportRow]] = {}
+    for row in sorted(rows, key=lambda row: row.cells):
+        if not row.failure:
+            groups.setdefault(row.setup, []).append(row)
+    return list(groups.values())
+
+
+def format_percent(fraction: float) -> str:
+    """Return a fraction in per cent, with its sign, as two digits or a whole number."""
+    value = 100 * fraction
+    return f"{value:+.2g}" if abs(value) < 99.5 else f"{value:+.0f}"
+
+
+def advise(rows: Sequence[ReportRow], reference: Reference, area: float) -> str:
+    """Return the advice; see `ErrorReport.advice`."""
+    area = number(area, "The allowed error of the area", above=0.0, at_most=1.0)
+    if reference.area is None:
+        raise InputError("There is no advice on the area, because the reference has no area.")
+    bound = reference.relative_uncertainty("area")
+    if bound > area:
+        text = f"The reference area is known to {_percent(bound)} only, which does not resolve {_percent(area)}."
+        return text if bound > 1.0 else f"{text} {advise(rows, reference, bound)}"
+    groups, parts, target = group_by_setup(rows), find_varying_parts(rows), f"For an area error of {_percent(area)}"
+    if not groups:
+        return "All cases failed, so there is no advice."
+    accurate = [row for group in groups if (row := _find_cheapest(group, area)) is not None]
+    if not accurate:
+        row = min((row for group in groups for row in group), key=lambda row: row.error("area"))
+        cost = f"{_percent(row.error('area'))}, {_seconds(row)}"
+        return (
+            f"{target}: no case is accurate enough; the nearest is {_cells(row)} with {row.describe(parts)} ({cost})."
+        )
+    best = min(accurate, key=_cost)
+    clauses = [f"{target}: {_cells(best)} with {best.describe(parts)}, {_seconds(best)}"]
+    for name in dict.fromkeys(row.estimator for row in rows if row.estimator != best.estimator and not row.failure):
+        row = min((row for row in accurate if row.estimator == name), key=_cost, default=None)
+        if row is not None:
+            clauses.append(f"{row.describe(parts)} needs {_cells(row)} ({_seconds(row)})")
+            continue
+        finest = [group[-1] for group in groups if group[-1].estimator == name]
+        row = min(finest, key=lambda row: (-row.cells, _cost(row)))
+        error = f"error {_percent(row.error('area'))} in {_seconds(row)}"
+        clauses.append(f"{row.describe(parts)} needs more than {_cells(row)} ({error})")
+    return "; ".join(clauses) + "."
+
+
+def _find_cheapest(group: Sequence[ReportRow], area: float) -> ReportRow | None:
+    """Return the cheapest row that is accurate enough, as all finer ones are."""
+    accurate: list[ReportRow] = []
+    for row in reversed(group):
+        if not row.error("area") <= area:
+            break
+        accurate.append(row)
+    return min(accurate, key=_cost, default=None)
+
+
+def _cost(row: ReportRow) -> float:
+    return row.cost("area")
+
+
+def _cells(row: ReportRow) -> str:
+    return f"{row.shape[0]} x {row.shape[1]} cells"
+
+
+def _seconds(row: ReportRow) -> str:
+    return f"{_cost(row):.2g} s"
+
+
+def _percent(fraction: float) -> str:
+    return f"{format_percent(fraction).removeprefix('+')} %"

@@ -1,6 +1,5 @@
-"""Running in: load, flatten, unload, and again, until shakedown."""
+"""Running in: load, flatten, unload, and repeat until shakedown."""
 
-from roughcontact.running_in.cycles import run_in
-from roughcontact.running_in.record import Cycle, RunIn
+from roughcontact.running_in.cycles import Cycle, RunIn, run_in
 
 __all__ = ["Cycle", "RunIn", "run_in"]

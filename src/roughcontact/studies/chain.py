@@ -1,21 +1,34 @@
-"""The loads of one problem in a row: what one worker does without asking back."""
+"""The loads of one problem, solved in sequence by one worker."""
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import attrs
 
-from roughcontact.archive import read_header
+from roughcontact._convolvers import Convolver
+from roughcontact._kernels import InfluenceKernel
+from roughcontact._materials import Material
+from roughcontact._problem.body import Body
+from roughcontact._problem.problem import ContactProblem
+from roughcontact._problem.sweep import predict_pressure
+from roughcontact._solution import ContactSolution
+from roughcontact._solution.origin import solution_key
+from roughcontact._solution.storage import read_figures, write
+from roughcontact._solvers import Solver
+from roughcontact._surfaces import Surface
 from roughcontact.description import key_of
-from roughcontact.errors import InputError, NotConverged
-from roughcontact.problem import ContactProblem
-from roughcontact.solution import ContactSolution
-from roughcontact.solution.storage import versions
-from roughcontact.studies.record import Record
-from roughcontact.sweep import predicted
+from roughcontact.errors import InputError, NotConverged, NotWritten, RoughContactError
+from roughcontact.load import Load
+from roughcontact.studies.record import Record, read_solution, solution_path
+
+_KINDS = {Surface: "surface", Material: "material", InfluenceKernel: "kernel", Convolver: "convolver", Solver: "solver"}
+# Characters of an exception that a record repeats.
+_LONGEST = 300
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -25,118 +38,202 @@ class Chain:
     Attributes
     ----------
     name, seed
-        Which problem of the study.
-    problem
-        The problem itself.
-    control, loads
-        Which load is given, and its values.
+        The name of the problem in the study, and its seed.
+    problem, loads
+        The problem, before it is given the seed, and its loads.
     areas
-        Estimators.
+        Area estimators.
     folder
-        Where the solutions lie, on a disk that every worker sees.
+        The folder of the solutions, on a disk that every worker sees.
     known
-        Records from before, by key.
+        Earlier records, by key.
     """
 
     name: str
     seed: int | None
     problem: ContactProblem
-    control: str
-    loads: tuple[float, ...]
+    loads: tuple[Load, ...]
     areas: tuple[str, ...]
     folder: Path
     known: Mapping[str, Record] = attrs.Factory(dict)
 
-    def keys(self) -> tuple[str, ...]:
+    def bodies(self) -> dict[str, Any]:
+        """Return the bodies with the seed added to those of their surfaces."""
+        bodies = {"body": self.problem.body, "counterbody": self.problem.counterbody}
+        if self.seed is None:
+            return bodies
+        try:
+            return {
+                name: Body(one.surface.reseed(self.seed) or one.surface, one.material) for name, one in bodies.items()
+            }
+        except Exception as error:
+            what = f"The problem {self.name!r} cannot be given the seed {self.seed}"
+            raise InputError(f"{what}: {error!r:.200}.") from error
+
+    @cached_property
+    def seeded(self) -> ContactProblem:
+        """Return the problem with its seed; a surface is first evaluated when its problem is made."""
+        return self.problem if self.seed is None else attrs.evolve(self.problem, **self.bodies())
+
+    def solution_keys(self) -> tuple[str, ...]:
         """Return the key of each load."""
-        content = key_of(self.problem.parts)
-        made_by = [f"{name} {number}" for name, number in versions().items() if name != "python"]
-        return tuple(key_of([content, self.control, load], *made_by) for load in self.loads)
+        content = key_of({**self.problem.parts, **self.bodies()})
+        return tuple(solution_key(content, load.arguments) for load in self.loads)
+
+    def path(self, key: str) -> Path:
+        """Return the file of the solution with a key."""
+        return self.folder / f"{key}.npz"
+
+    def record(self, key: str, load: Load, status: str = "FAILED", message: str = "") -> Record:
+        """Return the record of a load that has no solution."""
+        return Record(
+            problem=self.name,
+            seed=self.seed,
+            control=load.kind,
+            load=load.value,
+            key=key,
+            status=status,
+            message=message,
+        )
+
+    def failed(self, message: str) -> ChainResult:
+        """Return the records of a chain that could not be run at all."""
+        keys = self.solution_keys()
+        return ChainResult(
+            [self.record(key, load, message=message) for key, load in zip(keys, self.loads, strict=True)]
+        )
 
 
-def run_chain(chain: Chain) -> tuple[list[Record], int]:
-    """Return the records of a chain, and how many were solved now; every solution is on disk before its record is made.
+@attrs.frozen(eq=False)
+class ChainResult:
+    """What came of a chain.
 
-    Raises
-    ------
-    OSError
-        If the disk is full or cannot be written to.
+    Attributes
+    ----------
+    records
+        In the order of the loads; without those that were not reached.
+    computed
+        How many were solved now.
+    stopped, lost
+        Why its solutions could not be written; why no worker has returned its records. Empty if all went well.
+    """
+
+    records: list[Record]
+    computed: int = 0
+    stopped: str = ""
+    lost: str = ""
+
+
+def run_chain(chain: Chain) -> ChainResult:
+    """Return the records of a chain; each solution is written before anything is computed from it.
+
+    Whatever fails at one load is in its record, and the others are solved. Only what cannot be written ends the chain.
     """
     records: list[Record] = []
     solutions: list[ContactSolution] = []
     computed = 0
-    for key, load in zip(chain.keys(), chain.loads, strict=True):
-        record = _found(chain, key, load)
-        if record is None:
-            record, solution = _solved(chain, key, load, solutions)
-            computed += 1
-        else:
-            solution = None
+    # A copy, whose problem goes with it.
+    chain = attrs.evolve(chain)
+    for key, load in zip(chain.solution_keys(), chain.loads, strict=True):
+        try:
+            record, solution = _find(chain, key, load)
+            if record is None:
+                computed += 1
+                solution = chain.seeded.solve(**load.arguments, start=predict_pressure(solutions, load))
+                # The list of records is flushed once for the chain, and with it the names of all its files.
+                write(chain.path(key), solution, flush=False)
+                record = _measure(chain, chain.record(key, load), solution)
+            elif solution is None and len(records) + 1 < len(chain.loads):
+                solution = _load(chain, key)
+        except NotWritten as error:
+            return ChainResult(records, computed - 1, name_full_disk(chain.folder, error))
+        except Exception as error:
+            record, solution = chain.record(key, load, *_status(error)), None
         records.append(record)
-        if solution is None and record.success and len(records) < len(chain.loads):
-            solution = _loaded(chain, key)
         if solution is not None:
             solutions = [*solutions[-1:], solution]
-    return records, computed
+    return ChainResult(records, computed)
 
 
-def _found(chain: Chain, key: str, load: float) -> Record | None:
-    """Return the record of a solution that is on disk; None if there is none that is whole."""
-    path = chain.folder / f"{key}.npz"
-    if not path.is_file():
-        return None
+def name_full_disk(folder: Path, error: NotWritten) -> str:
+    """Return in words why nothing can be written into a folder."""
+    return f"The folder {folder} cannot be written to ({error.strerror})"
+
+
+def name_exception(what: str, error: Exception) -> str:
+    """Return in a sentence what failed, and by which exception."""
+    reason = " ".join(traceback.format_exception_only(_met(error))[-1].split())
+    return f"{what} failed ({reason[:_LONGEST]})."
+
+
+def _find(chain: Chain, key: str, load: Load) -> tuple[Record | None, ContactSolution | None]:
+    """Return the record of a solution on disk, and the solution if it was read; None if there is no intact one."""
     known = chain.known.get(key)
-    if known is not None and set(chain.areas) <= set(known.areas):
-        try:
-            read_header(path)
-        except InputError:
-            return None
-        return attrs.evolve(known, problem=chain.name, seed=chain.seed)
-    solution = _loaded(chain, key)
-    return None if solution is None else _record(chain, key, load, solution)
-
-
-def _loaded(chain: Chain, key: str) -> ContactSolution | None:
+    if known is not None:
+        known = attrs.evolve(known, problem=chain.name, seed=chain.seed, control=load.kind, load=load.value)
     try:
-        return ContactSolution.load(chain.folder / f"{key}.npz")
-    except InputError:
-        # Half a file, from a machine that died: solved again.
+        figures = read_figures(solution_path(chain.folder, key), key)
+        if known is None or not known.agrees_with(figures):
+            known = chain.record(key, load)
+        elif set(chain.areas) <= set(known.areas):
+            return attrs.evolve(known, message=""), None
+        solution = read_solution(chain.folder, key)
+        chain.seeded.verify(solution)
+    # Damaged files fail in many ways: what cannot be read is solved again.
+    except Exception:
+        return None, None
+    return _measure(chain, known, solution), solution
+
+
+def _load(chain: Chain, key: str) -> ContactSolution | None:
+    try:
+        return read_solution(chain.folder, key)
+    except Exception:
+        # Only a start for the next load.
         return None
 
 
-def _solved(
-    chain: Chain, key: str, load: float, before: list[ContactSolution]
-) -> tuple[Record, ContactSolution | None]:
-    empty = Record(problem=chain.name, seed=chain.seed, control=chain.control, load=load, key=key, status="REFUSED")
-    start = predicted(before, chain.control, load)
-    given: dict[str, Any] = {chain.control: load}
-    try:
-        solution = chain.problem.solve(**given, start=start)
-        record = _record(chain, key, load, solution)
-    except NotConverged as error:
-        return attrs.evolve(empty, status=error.solution.status.name, message=str(error)), None
-    except InputError as error:
-        return attrs.evolve(empty, message=str(error)), None
-    solution.save(chain.folder / f"{key}.npz")
-    return record, solution
-
-
-def _record(chain: Chain, key: str, load: float, solution: ContactSolution) -> Record:
-    areas = {name: solution.area(name) for name in chain.areas}
-    return Record(
-        problem=chain.name,
-        seed=chain.seed,
-        control=chain.control,
-        load=load,
-        key=key,
+def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
+    """Return the record of a solution, with the areas that the one before does not have."""
+    areas, failures = dict(record.areas), []
+    for name in chain.areas:
+        if name not in areas:
+            try:
+                area = solution.area(name)
+                areas[name] = float(area.value), float(area.uncertainty)
+            except Exception as error:
+                failures.append(name_exception(f"The area estimator {name!r}", error))
+    return attrs.evolve(
+        record,
         status=solution.status.name,
+        message=" ".join(failures),
         force=solution.force,
         mean_pressure=solution.mean_pressure,
         approach=solution.approach,
-        p_max=float(solution.pressure.max()),
+        p_max=solution.pressure.max(),
         saturated=solution.saturated_area().value,
-        areas={name: (area.value, area.uncertainty) for name, area in areas.items()},
+        areas=areas,
         iterations=solution.iterations,
         convolutions=solution.convolutions,
         seconds=solution.seconds,
     )
+
+
+def _met(error: BaseException) -> BaseException:
+    """Return the exception that was met, where the public call of a worker has translated it."""
+    return error.__cause__ if isinstance(error, RoughContactError) and error.__cause__ is not None else error
+
+
+def _status(error: Exception) -> tuple[str, str]:
+    """Return the status and the message of a load that has no solution."""
+    if isinstance(error, NotConverged):
+        return error.solution.status.name, str(error)
+    if isinstance(error, InputError):
+        return "REFUSED", str(error)
+    # The innermost part of the problem in whose method it was raised.
+    for frame, _ in reversed(list(traceback.walk_tb(_met(error).__traceback__))):
+        owner = frame.f_locals.get("self")
+        for base, kind in _KINDS.items():
+            if isinstance(owner, base):
+                return "FAILED", name_exception(f"The {kind} {type(owner).__name__}", error)
+    return "FAILED", name_exception("The solve", error)

@@ -1,16 +1,39 @@
-"""What a study has found."""
+"""The records of a study, and the file that lists them."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+import hashlib
+import json
+import math
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import attrs
 
-from roughcontact.archive import replacing
-from roughcontact.solution import ContactSolution, Status
+from roughcontact._solution import DEFAULT_AREA, ContactSolution, Status
+from roughcontact._solution.storage import read
+from roughcontact.archive import read_json, replacing
+from roughcontact.description import describe, rebuild
+from roughcontact.errors import InputError
+
+_FORMAT = "roughcontact study, format 1"
+# What a record and the file of its solution both state, under the same name.
+_FIGURES = ("status", "force", "mean_pressure", "approach", "iterations", "convolutions", "seconds")
+# Bytes of the list of records, some 500 each.
+_LONGEST_INDEX = 2**28
+
+
+def _key(value: str) -> str:
+    if re.fullmatch("[0-9a-f]{32}", value) is None:
+        raise InputError.about("The key of a record", value, "32 hexadecimal digits")
+    return value
+
+
+def _areas(value: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+    return {name: (float(area), float(uncertainty)) for name, (area, uncertainty) in value.items()}
 
 
 @attrs.frozen(kw_only=True)
@@ -22,38 +45,48 @@ class Record:
     problem, seed
         The name of the problem, and the seed; None without seeds.
     control, load
-        Which load was given (pressure, Pa; force, N; approach, m), and its value.
+        The kind of load (pressure, Pa; force, N; approach, m), and its value.
     key
-        The name of its file, without ending, made from the content of the problem, the load and the
-        versions.
+        The name of its file without ending, made from the problem, the load and the versions of the packages.
     status
-        The name of the status; ``"REFUSED"`` where the problem or the load cannot be solved at all.
+        The name of the status; ``"REFUSED"`` where the problem or the load cannot be solved at all, ``"FAILED"``
+        where an exception ended the solve.
     message
-        Why, where it was not solved.
+        Why it was not solved, or which areas are missing and why.
     force, mean_pressure, approach, p_max, saturated
-        N; Pa; m; greatest pressure, Pa; saturated area, m2.
+        N; Pa; m; maximum pressure, Pa; saturated area, m2.
     areas
         Area and standard deviation, m2, by the name of the estimator.
     iterations, convolutions, seconds
-        What the solve took.
+        Cost of the solve.
     """
 
-    problem: str
+    problem: str = attrs.field(converter=str)
     seed: int | None
-    control: str
-    load: float
-    key: str
-    status: str
-    message: str = ""
-    force: float = float("nan")
-    mean_pressure: float = float("nan")
-    approach: float = float("nan")
-    p_max: float = float("nan")
-    saturated: float = float("nan")
-    areas: Mapping[str, tuple[float, float]] = attrs.Factory(dict)
-    iterations: int = 0
-    convolutions: int = 0
-    seconds: float = float("nan")
+    control: str = attrs.field(converter=str)
+    load: float = attrs.field(converter=float)
+    key: str = attrs.field(converter=_key)
+    status: str = attrs.field(converter=str)
+    message: str = attrs.field(default="", converter=str)
+    force: float = attrs.field(default=math.nan, converter=float)
+    mean_pressure: float = attrs.field(default=math.nan, converter=float)
+    approach: float = attrs.field(default=math.nan, converter=float)
+    p_max: float = attrs.field(default=math.nan, converter=float)
+    saturated: float = attrs.field(default=math.nan, converter=float)
+    areas: Mapping[str, tuple[float, float]] = attrs.field(factory=dict, converter=_areas)
+    iterations: int = attrs.field(default=0, converter=int)
+    convolutions: int = attrs.field(default=0, converter=int)
+    seconds: float = attrs.field(default=math.nan, converter=float)
+
+    def agrees_with(self, figures: Mapping[str, Any]) -> bool:
+        """Tell whether it states the figures of its file; the areas of other estimators are not in the file."""
+        names = {"p_max": "maximum_pressure", "saturated": "saturated_area"}
+        stated = (*_FIGURES, *names)
+        blend = self.areas.get(DEFAULT_AREA, (figures["area"], figures["area_uncertainty"]))
+        return all(getattr(self, name) == figures[names.get(name, name)] for name in stated) and blend == (
+            figures["area"],
+            figures["area_uncertainty"],
+        )
 
     @property
     def success(self) -> bool:
@@ -76,7 +109,7 @@ class StudyResult:
     Attributes
     ----------
     folder
-        Where the solutions lie.
+        The folder of the solutions.
     records
         One for each problem, seed and load.
     computed
@@ -89,21 +122,15 @@ class StudyResult:
 
     @property
     def failed(self) -> tuple[Record, ...]:
-        """The records without a certified solution."""
-        return tuple(record for record in self.records if not record.success)
+        """The records without a certified solution, or without an area that was asked for: their messages say why."""
+        return tuple(record for record in self.records if record.message or not record.success)
 
     def solution(self, record: Record) -> ContactSolution:
-        """Return the solution of a record from its file.
-
-        Raises
-        ------
-        InputError
-            If there is none, or it is damaged.
-        """
-        return ContactSolution.load(self.folder / f"{record.key}.npz")
+        """Return the solution of a record from its file; `InputError` if there is none, or it is damaged."""
+        return read_solution(self.folder, record.key)
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the records as a table, which appears whole or not at all."""
+        """Write the records as a table, completely or not at all."""
         rows = [record.row() for record in self.records]
         columns = list(dict.fromkeys(name for row in rows for name in row))
         with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
@@ -112,5 +139,53 @@ class StudyResult:
             writer.writerows(rows)
 
     def __str__(self) -> str:
-        bad = f", {len(self.failed)} without a certified solution" if self.failed else ""
+        counts = {
+            "a certified solution": sum(not record.success for record in self.records),
+            "all areas": sum(record.success for record in self.failed),
+        }
+        bad = "".join(f", {count} without {what}" for what, count in counts.items() if count)
         return f"{len(self.records)} solves, {self.computed} of them now{bad}, in {self.folder}"
+
+
+def solution_path(folder: Path, key: str) -> Path:
+    """Return the file of the solution with a key; `InputError` if it is a symbolic link, which leads elsewhere."""
+    path = folder / f"{key}.npz"
+    if path.is_symlink():
+        raise InputError(f"The file {path.name} is a symbolic link, which a study does not follow.")
+    return path
+
+
+def read_solution(folder: Path, key: str) -> ContactSolution:
+    """Return the solution with a key after a check of its digests and its key; residuals are not recomputed.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is a link, damaged or of another solution.
+    """
+    return ContactSolution(**read(solution_path(folder, key), key))
+
+
+def read_index(path: Path) -> dict[str, Record]:
+    """Return the records of a file of `write_index` by key; none if there is no such file, or it is damaged."""
+    try:
+        if path.is_symlink() or not path.is_file() or path.stat().st_size > _LONGEST_INDEX:
+            return {}
+        text = path.read_text(encoding="utf-8")
+        records = [Record(**rebuild(described, {})) for described in read_json(text)["records"]]
+    # It only saves time: whatever is wrong with it, it is made again.
+    except Exception:
+        return {}
+    return {record.key: record for record in records} if _index(records) == text else {}
+
+
+def write_index(path: Path, records: Sequence[Record]) -> None:
+    """Write the records with a checksum, completely or not at all."""
+    with replacing(path) as partial:
+        partial.write_text(_index(records), encoding="utf-8")
+
+
+def _index(records: Sequence[Record]) -> str:
+    lines = ",\n".join(json.dumps(describe(attrs.asdict(record), {})) for record in records)
+    digest = hashlib.sha256(lines.encode()).hexdigest()
+    return f'{{"format": "{_FORMAT}", "sha256": "{digest}", "records": [\n{lines}\n]}}\n'

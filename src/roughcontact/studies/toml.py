@@ -1,11 +1,11 @@
-"""Study files: TOML made into frozen objects by cattrs and the registries."""
+"""Study files: TOML structured into a `Study` by cattrs and the registries."""
 
 from __future__ import annotations
 
 import difflib
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from types import UnionType
@@ -15,27 +15,28 @@ import attrs
 from cattrs import ClassValidationError, Converter, ForbiddenExtraKeysError, IterableValidationError, transform_error
 from cattrs.gen import make_dict_structure_fn
 
-from roughcontact.convolvers import Convolver
+from roughcontact import checks
+from roughcontact._convolvers import convolvers
+from roughcontact._kernels import kernels
+from roughcontact._materials import materials
+from roughcontact._problem.plan import require_memory_of_solve
+from roughcontact._problem.problem import ContactProblem
+from roughcontact._solvers import solvers
+from roughcontact._surfaces import HeightMap, Surface, surfaces
 from roughcontact.errors import InputError
 from roughcontact.files import read_surface
-from roughcontact.kernels import InfluenceKernel
-from roughcontact.materials import Material
-from roughcontact.problem import ContactProblem
-from roughcontact.registry import Registry, convolvers, kernels, materials, solvers, surfaces
-from roughcontact.solvers import Solver
+from roughcontact.grid import Boundary, Grid
+from roughcontact.registry import Registry
 from roughcontact.studies.study import Study
-from roughcontact.surfaces import HeightMap, Surface
-from roughcontact.surfaces.sum import SurfaceSum
 
-_REGISTRIES: dict[type, Registry] = {
-    Surface: surfaces,
-    Material: materials,
-    InfluenceKernel: kernels,
-    Convolver: convolvers,
-    Solver: solvers,
-}
+_REGISTRIES: tuple[Registry[Any], ...] = (surfaces, materials, kernels, convolvers, solvers)
 _TABLES = ("problems", "study")
-_SHAPED = ("detrend", "resample")
+# Errors that are listed, and characters of each.
+_SHOWN, _TEXT = 10, 500
+# A key of more than 64 parts, of words and of texts.
+_LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){64}""")
+_READING = ("size", "non_measured", "unit", "reader")
+_OF_FILE = ("path", *_READING, "detrend", "resample")
 
 
 def read_study(path: str | Path) -> Study:
@@ -43,50 +44,51 @@ def read_study(path: str | Path) -> Study:
 
     The tables ``[problems.NAME]`` hold the arguments of a `ContactProblem`, the table ``[study]`` those of
     a `Study`. Surfaces, materials, kernels, convolvers and solvers are registered names, or tables with
-    the name as ``type`` and the fields of the class. Beyond the registered ones a surface may be a
-    ``file`` (the arguments of `read_surface`, with ``detrend`` and ``resample``; its path is relative to
-    the study file) or a ``sum`` of ``parts``.
+    the name as ``type`` and the fields of the class. A surface may also be a ``file``, with the arguments of
+    `read_surface`, ``detrend`` and ``resample``; its path leads to the folder of the study file or below it.
 
     Raises
     ------
     InputError
-        If there is no such file, it is no TOML, or an entry is wrong; the sentence names its path in the
-        file.
+        If there is no such file, it is not TOML, or an entry is wrong; the sentence gives its place.
     """
-    file = Path(path)
+    file = checks.path(path, "The study file")
     if not file.is_file():
         raise InputError(f"There is no file {str(file)!r}.")
     try:
-        raw = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"The file {file.name} is no TOML: {error}.") from error
-    _require_tables(raw, file)
-    converter = _converter(file.parent)
-    problems = _structured(converter, raw["problems"], dict[str, ContactProblem], "problems", file)
-    study: Study = _structured(converter, {**raw["study"], "problems": problems}, Study, "study", file)
-    return study
-
-
-def _require_tables(raw: Mapping[str, Any], file: Path) -> None:
+        text = file.read_text(encoding="utf-8")
+        # The parser takes the square of its length for a key of many parts.
+        if _LONG_KEY.search(text):
+            raise ValueError("a key has too many parts")
+        raw = tomllib.loads(text)
+    # Beside its own, the parser raises those of numbers with thousands of digits and of deep nesting.
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"The file {file.name} is not TOML: {error}.") from error
     for name in raw:
         if name not in _TABLES:
-            raise InputError(f"In {file.name}: unknown table{_guess(name, _TABLES)} @ {name}")
+            raise InputError(f"In {file.name}: unknown table{_guess(name, _TABLES)} @ {_short(name)}")
     for name in _TABLES:
         if not isinstance(raw.get(name), dict):
             raise InputError(f"In {file.name}: required table missing @ {name}")
+    converter = _converter(file.parent)
+    problems = _structure(converter, raw["problems"], dict[str, ContactProblem], "problems", file)
+    study: Study = _structure(converter, {**raw["study"], "problems": problems}, Study, "study", file)
+    return study
 
 
-def _structured(converter: Converter, raw: Any, kind: Any, where: str, file: Path) -> Any:
+def _structure(converter: Converter, raw: Any, kind: Any, where: str, file: Path) -> Any:
     try:
         return converter.structure(raw, kind)
     except (ClassValidationError, IterableValidationError) as error:
-        lines = [re.sub(r"\['([^']*)'\]", r".\1", line) for line in transform_error(error, where, _said)]
-        raise InputError(f"In {file.name}: " + "; ".join(dict.fromkeys(lines))) from error
+        lines = [re.sub(r"\['([^']*)'\]", r".\1", line) for line in transform_error(error, where, _sentence)]
+        shown = [_short(line) for line in dict.fromkeys(lines)]
+        more = [f"and {len(shown) - _SHOWN} more"] if len(shown) > _SHOWN else []
+        raise InputError(f"In {file.name}: " + "; ".join(shown[:_SHOWN] + more)) from error
     except InputError as error:
         raise InputError(f"In {file.name}: {error} @ {where}") from error
 
 
-def _said(error: BaseException, _: type | None) -> str:
+def _sentence(error: BaseException, _: type | None) -> str:
     if isinstance(error, KeyError):
         return "required field missing"
     if isinstance(error, ForbiddenExtraKeysError):
@@ -94,7 +96,11 @@ def _said(error: BaseException, _: type | None) -> str:
         return ", ".join(f"unknown field {name!r}{_guess(name, known)}" for name in sorted(error.extra_fields))
     if isinstance(error, InputError):
         return str(error)
-    return f"not what it should be ({error})"
+    return f"not accepted ({error})"
+
+
+def _short(text: str) -> str:
+    return (text if text.isprintable() else ascii(text))[:_TEXT]
 
 
 def _guess(name: str, known: Any) -> str:
@@ -104,32 +110,45 @@ def _guess(name: str, known: Any) -> str:
 
 def _converter(folder: Path) -> Converter:
     converter = Converter(prefer_attrib_converters=True, forbid_extra_keys=True)
-    converter.register_structure_hook_factory(
-        attrs.has,
-        lambda cls: make_dict_structure_fn(cls, converter, _cattrs_forbid_extra_keys=True, _cattrs_use_alias=True),
-    )
-    for base, registry in _REGISTRIES.items():
-        special = {"file": _from_file, "sum": _sum} if base is Surface else {}
+    converter.register_structure_hook_factory(attrs.has, partial(_structure_table, converter))
+    for registry in _REGISTRIES:
+        base = registry.base
 
-        def hook(value: Any, _: Any, base: type = base, registry: Registry = registry, special: Any = special) -> Any:
-            name, fields = _named(value, registry)
-            if name in special:
-                return special[name](fields, converter, folder)
+        def hook(value: Any, _: Any, base: type = base, registry: Registry[Any] = registry) -> Any:
+            name, fields = _name_and_fields(value, registry)
+            if name == "file" and base is Surface:
+                return _read_map(fields, folder)
             if name == "auto" and not fields:
                 return name
-            cls = registry.get(name)
-            return converter.structure(fields, cls) if attrs.has(cls) else _made(cls, fields)
+            cls = registry[name]
+            if attrs.has(cls):
+                return converter.structure(fields, cls)
+            try:
+                return cls(**fields)
+            except TypeError as error:
+                raise InputError(f"{cls.__name__} does not take these fields: {error}") from error
 
         converter.register_structure_hook_func(partial(_asks_for, base), hook)
     return converter
 
 
+def _structure_table(converter: Converter, cls: Any) -> Callable[[Any, Any], Any]:
+    make = make_dict_structure_fn(cls, converter, _cattrs_forbid_extra_keys=True, _cattrs_use_alias=True)
+
+    def structure(value: Any, kind: Any) -> Any:
+        if not isinstance(value, dict):
+            raise InputError.about(f"A {cls.__name__}", value, "a table of its fields")
+        return make(value, kind)
+
+    return structure
+
+
 def _asks_for(base: type, kind: Any) -> bool:
-    """Tell whether a field is annotated with a base class, or with it or something else."""
+    """Return whether a field is annotated with a base class, or with it or something else."""
     return kind is base or (get_origin(kind) in (Union, UnionType) and base in get_args(kind))
 
 
-def _named(value: Any, registry: Registry) -> tuple[str, dict[str, Any]]:
+def _name_and_fields(value: Any, registry: Registry[Any]) -> tuple[str, dict[str, Any]]:
     """Return the registered name and the fields of an entry."""
     if isinstance(value, str):
         return value, {}
@@ -138,28 +157,18 @@ def _named(value: Any, registry: Registry) -> tuple[str, dict[str, Any]]:
     return value["type"], {name: item for name, item in value.items() if name != "type"}
 
 
-def _made(cls: type, fields: dict[str, Any]) -> Any:
-    try:
-        return cls(**fields)
-    except TypeError as error:
-        raise InputError(f"{cls.__name__} does not take these fields: {error}") from error
-
-
-def _from_file(fields: dict[str, Any], _: Converter, folder: Path) -> HeightMap:
-    if not isinstance(fields.get("path"), str):
-        raise InputError("A surface from a file needs its path")
-    reading = {name: value for name, value in fields.items() if name not in ("path", *_SHAPED)}
-    unknown = set(reading) - {"size", "missing", "unit", "reader"}
-    if unknown:
-        known = ("path", "size", "missing", "unit", "reader", *_SHAPED)
-        raise InputError(", ".join(f"unknown field {name!r}{_guess(name, known)}" for name in sorted(unknown)))
-    surface = read_surface(folder / fields["path"], **reading)
+def _read_map(fields: dict[str, Any], folder: Path) -> HeightMap:
+    if unknown := set(fields) - set(_OF_FILE):
+        raise InputError(", ".join(f"unknown field {name!r}{_guess(name, _OF_FILE)}" for name in sorted(unknown)))
+    path = fields.get("path")
+    file = (folder / str(path)).resolve()
+    if not isinstance(path, str) or not file.is_relative_to(folder.resolve()):
+        raise InputError.about("The path of a map", path, "that of a file in the folder of the study file")
+    surface = read_surface(file, **{name: fields[name] for name in _READING if name in fields})
     if "detrend" in fields:
         surface = surface.detrend(fields["detrend"])
-    return surface.resample(fields["resample"]) if "resample" in fields else surface
-
-
-def _sum(fields: dict[str, Any], converter: Converter, _: Path) -> SurfaceSum:
-    if set(fields) != {"parts"}:
-        raise InputError(f"A sum of surfaces has one field, parts, but got {', '.join(sorted(fields)) or 'none'}")
-    return SurfaceSum(tuple(converter.structure(fields["parts"], list[Surface])))
+    if "resample" not in fields:
+        return surface
+    # A map that is too large to be solved on is not made; this boundary needs less than the others.
+    require_memory_of_solve(Grid(fields["resample"], surface.size), Boundary.PERIODIC)
+    return surface.resample(fields["resample"])

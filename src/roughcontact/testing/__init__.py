@@ -1,10 +1,40 @@
-"""Conformance: what every kernel, convolver, solver, material, estimator and other part must do, claim by claim.
+"""Conformance tests: what is claimed of every kernel, convolver, solver, material, estimator and other part.
 
-For authors of plug-ins; nothing else of the package needs it. The hypothesis strategies are in
+For authors of plug-ins; the rest of the package does not need it. The hypothesis strategies are in
 `roughcontact.testing.strategies`, which alone needs hypothesis.
 """
 
-from roughcontact.testing.claim import Claim, DoesNotApply, Finding, Report, require
-from roughcontact.testing.kit import KINDS, check, claims, kind_of
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
 
-__all__ = ["KINDS", "Claim", "DoesNotApply", "Finding", "Report", "check", "claims", "kind_of", "require"]
+from roughcontact.registry import Registry, registries
+from roughcontact.testing import convolvers, estimators, inputs, kernels, solvers  # noqa: F401 - they add the claims
+from roughcontact.testing.claim import (
+    Claim,
+    DoesNotApply,
+    Finding,
+    Report,
+    check,
+    claims,
+    kind_of,
+    known_kinds,
+    require,
+)
+from roughcontact.testing.oracle import Judgement, judge
+
+KINDS: Mapping[str, Registry[Any]] = MappingProxyType({kind: registries()[kind] for kind in known_kinds()})
+
+__all__ = [
+    "KINDS",
+    "Claim",
+    "DoesNotApply",
+    "Finding",
+    "Judgement",
+    "Report",
+    "check",
+    "claims",
+    "judge",
+    "kind_of",
+    "require",
+]

@@ -1,93 +1,89 @@
-"""Claims about plug-ins, and the report of what was found."""
+"""Claims about parts, those about parts of every kind, and the report on one part."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeAlias
+import pickle
+import textwrap
+from collections.abc import Callable, Iterable
+from typing import Any, TypeAlias, TypeVar
 
 import attrs
+import numpy as np
 
+from roughcontact.checks import RealArray, choice
+from roughcontact.description import describe, key_of, missing_classes, rebuild
 from roughcontact.errors import InputError
+from roughcontact.registry import registries
 
-Examination: TypeAlias = Callable[[Any], str]
+T = TypeVar("T")
+Test: TypeAlias = Callable[..., str | float | None]
+Cases: TypeAlias = Callable[[Any], Iterable[tuple[Any, ...]]]
 
 
 class DoesNotApply(Exception):
-    """A claim says nothing about this part."""
+    """The claim does not apply to this part."""
 
 
-def require(holds: object, found: str) -> None:
-    """Raise `AssertionError` with what was found unless the condition holds."""
-    if not holds:
-        raise AssertionError(found)
+def require(condition: object, detail: str) -> None:
+    """Raise `AssertionError` with a text unless the condition is true."""
+    if not condition:
+        raise AssertionError(detail)
+
+
+def require_equal(values: object, expected: object, detail: str) -> None:
+    """Raise `AssertionError` with a text unless two arrays are the same bits."""
+    require(np.array_equal(values, expected, equal_nan=True), detail)  # type: ignore[arg-type]
+
+
+def require_close(values: RealArray, expected: RealArray, tolerance: float, detail: str) -> float:
+    """Return the difference of two arrays over the maximum of the second, which must be at most the tolerance."""
+    error = float(np.abs(values - expected).max() / max(float(np.abs(expected).max()), 1e-300))
+    require(error <= tolerance, f"{detail}, by {error:.1e}")
+    return error
 
 
 @attrs.frozen
 class Finding:
-    """What came of one claim.
-
-    Attributes
-    ----------
-    claim
-        Name of the claim.
-    passed
-        Whether it holds; true as well where it says nothing about the part.
-    found
-        What was found, in words.
-    applies
-        Whether the claim says anything about the part.
-    """
+    """The result of one claim about one part."""
 
     claim: str
-    passed: bool
-    found: str
-    applies: bool = True
+    verdict: str
+    """``"holds"``, ``"BROKEN"``, or ``"-"`` where it does not apply."""
+    detail: str
+    """The measured values, or why it is broken or does not apply; may be empty."""
 
     @property
-    def verdict(self) -> str:
-        """Holds, BROKEN, or a dash where the claim does not apply."""
-        if not self.applies:
-            return "-"
-        return "holds" if self.passed else "BROKEN"
+    def passed(self) -> bool:
+        """Whether the claim is not broken."""
+        return self.verdict != "BROKEN"
 
     def __str__(self) -> str:
-        return f"{self.verdict}  {self.claim}: {self.found}"
+        return f"{self.verdict}  {self.claim}: {self.detail}"
 
 
 @attrs.frozen
 class Claim:
-    """Something that every part of one kind must do; `str` of it is its name.
-
-    Attributes
-    ----------
-    kind
-        The kind of part, such as ``"kernel"``.
-    name
-        The claim in a few words.
-    examine
-        Looks at a part and returns what it found, or raises `AssertionError`.
-    """
+    """A property that every part of one kind must have; `str` of it is its name."""
 
     kind: str
     name: str
-    examine: Examination = attrs.field(repr=False)
+    test: Test = attrs.field(repr=False)
+    """Function that takes a part and returns the measured values in words, if any, or raises `AssertionError`."""
 
-    def judge(self, part: object) -> Finding:
-        """Return what was found; nothing is raised."""
+    def evaluate(self, part: object) -> Finding:
+        """Return the result for a part; nothing is raised."""
         try:
-            return Finding(self.name, True, self.examine(part))
+            return Finding(self.name, "holds", str(self.test(part) or ""))
         except DoesNotApply as reason:
-            return Finding(self.name, True, f"does not apply: {reason}", applies=False)
-        except (AssertionError, InputError) as error:
-            return Finding(self.name, False, str(error))
-        # Plug-ins fail in as many ways as there are; a report goes on to the next claim.
+            return Finding(self.name, "-", f"does not apply: {reason}")
+        # A plug-in may fail with any error; the report continues with the next claim.
         except Exception as error:
-            return Finding(self.name, False, f"raised {type(error).__name__}: {error}")
+            return Finding(self.name, "BROKEN", _reason(error))
 
     def check(self, part: object) -> None:
-        """Raise `AssertionError`, with what was found, if the claim is broken."""
-        finding = self.judge(part)
-        require(finding.passed, f"{part!r} breaks the claim {self.name!r}: {finding.found}")
+        """Raise `AssertionError`, with what was measured, if the claim is broken."""
+        finding = self.evaluate(part)
+        require(finding.passed, f"{part!r} breaks the claim {self.name!r}: {finding.detail}")
 
     def __str__(self) -> str:
         return self.name
@@ -95,17 +91,7 @@ class Claim:
 
 @attrs.frozen
 class Report:
-    """The findings of all claims about one part; `str` of it is a table.
-
-    Attributes
-    ----------
-    part
-        What was examined, as it prints.
-    kind
-        The kind of part.
-    findings
-        One for each claim.
-    """
+    """The results of all claims about one part; `str` of it is a table."""
 
     part: str
     kind: str
@@ -114,7 +100,7 @@ class Report:
     @property
     def passed(self) -> bool:
         """Whether no claim is broken."""
-        return all(finding.passed for finding in self.findings)
+        return not self.failures
 
     @property
     def failures(self) -> tuple[Finding, ...]:
@@ -126,12 +112,128 @@ class Report:
         require(self.passed, "\n".join((self._headline(), *(f"  {finding}" for finding in self.failures))))
 
     def _headline(self) -> str:
-        asked = sum(finding.applies for finding in self.findings)
-        others = len(self.findings) - asked
-        silent = f", {others} {'does' if others == 1 else 'do'} not apply" if others else ""
-        return f"{self.kind} {self.part}: {asked - len(self.failures)} of {asked} claims hold{silent}"
+        others = sum(finding.verdict == "-" for finding in self.findings)
+        applied = len(self.findings) - others
+        rest = f", {others} {'does' if others == 1 else 'do'} not apply" if others else ""
+        return f"{self.kind} {self.part}: {applied - len(self.failures)} of {applied} claims hold{rest}"
 
     def __str__(self) -> str:
         width = max((len(finding.claim) for finding in self.findings), default=0)
-        rows = (f"  {finding.verdict:<6}  {finding.claim:<{width}}  {finding.found}" for finding in self.findings)
+        rows = (f"  {one.verdict:<6}  {one.claim:<{width}}  {one.detail}".rstrip() for one in self.findings)
         return "\n".join((self._headline(), *rows))
+
+
+_CLAIMS: dict[str, list[Claim]] = {}
+
+
+def claim(kind: str, name: str, cases: Cases | None = None) -> Callable[[Test], Test]:
+    """Return a decorator that adds a function to the claims about a kind of part.
+
+    With `cases` it is called for each case that these give for a part, a label and further arguments.
+    """
+
+    def add(test: Test) -> Test:
+        _CLAIMS.setdefault(kind, []).append(Claim(kind, name, test if cases is None else _over_cases(test, cases)))
+        return test
+
+    return add
+
+
+def _reason(error: Exception) -> str:
+    return str(error) if isinstance(error, (AssertionError, InputError)) else f"raised {type(error).__name__}: {error}"
+
+
+def _over_cases(test: Test, cases: Cases) -> Test:
+    def repeated(part: object) -> str | None:
+        measured = []
+        for label, *arguments in cases(part):
+            try:
+                measured.append(test(part, *arguments))
+            except DoesNotApply:
+                raise
+            except Exception as error:
+                raise AssertionError(f"{label}: {_reason(error)}") from error
+        numbers = [value for value in measured if isinstance(value, float)]
+        return f"to {max(numbers):.0e}" if numbers else None
+
+    return repeated
+
+
+def known_kinds() -> tuple[str, ...]:
+    """Return the kinds of parts about which there are claims."""
+    return tuple(_CLAIMS)
+
+
+def claims(kind: str) -> tuple[Claim, ...]:
+    """Return what is claimed of every part of a kind, one of `KINDS`.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> import roughcontact.testing as kit
+    >>> [str(claim) for claim in kit.claims("kernel")][4:7]
+    ['input unchanged', 'even in x and y', 'offsets and waves independent']
+    >>> kit.claims("kernel")[5].check(rc.Love())
+    """
+    found = _CLAIMS[choice(kind, "The kind of part", known_kinds())]
+    return (*found, *(Claim(kind, name, test) for name, test in _SHARED.items()))
+
+
+def kind_of(part: object) -> str:
+    """Return the kind of a part, by its base class (see `claims`); `InputError` if it has none of them."""
+    bases = {kind: registries()[kind].base for kind in known_kinds()}
+    for kind, base in bases.items():
+        if isinstance(part, base):
+            return kind
+    allowed = f"an instance of one of {', '.join(base.__name__ for base in bases.values())}"
+    hint = "Pass an instance, not the class." if isinstance(part, type) else ""
+    raise InputError.about("The part to be checked", part, allowed, hint)
+
+
+def check(part: object, kind: str | None = None) -> Report:
+    """Return the results of all claims about a part, of the kind of its base class unless `kind` is given."""
+    known = kind_of(part) if kind is None else kind
+    name = textwrap.shorten(repr(part), 100, placeholder=" ...")
+    return Report(name, known, tuple(claim.evaluate(part) for claim in claims(known)))
+
+
+def pickled(part: T) -> T:
+    """Return the copy of a part that a process pool would work with."""
+    try:
+        copy: T = pickle.loads(pickle.dumps(part))
+    # Pickling fails with errors of many types.
+    except Exception as error:
+        raise AssertionError(f"it cannot be pickled: {error}") from error
+    return copy
+
+
+def _survives_pickling(part: object) -> None:
+    copy = pickled(part)
+    require(type(copy) is type(part), f"the pickle holds a {type(copy).__name__}")
+
+
+def _can_be_saved(part: object) -> None:
+    arrays: dict[str, RealArray] = {}
+    described = describe(part, arrays)
+    require("fields" in described, missing_classes(described))
+    if missing_classes(described):
+        raise DoesNotApply("its class is not registered, so that a file keeps the values of its fields alone")
+    copy = rebuild(described, arrays)
+    require(key_of(copy) == key_of(part), f"from a file it returns as {copy!r}")
+
+
+def _hash_agrees(part: object) -> None:
+    copy = pickled(part)
+    require(part == part, "it is not equal to itself")
+    try:
+        hash(part)
+    except TypeError as error:
+        raise AssertionError(f"{error}: use attrs.frozen, or compare by identity") from error
+    require(copy != part or hash(copy) == hash(part), "its copy is equal, but has another hash")
+
+
+_SHARED = {
+    "survives pickling": _survives_pickling,
+    "can be saved": _can_be_saved,
+    "hash agrees with equality": _hash_agrees,
+}

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from roughcontact.body import Body
+from roughcontact._materials import Elastic, ElasticPerfectlyPlastic, Material
+from roughcontact._problem.body import Body
+from roughcontact._problem.problem import ContactProblem
+from roughcontact._solvers import Solver
+from roughcontact._surfaces import HeightMap
 from roughcontact.checks import Array
 from roughcontact.errors import MissingPackage
 from roughcontact.grid import Grid
-from roughcontact.materials import Elastic, ElasticPerfectlyPlastic, Material
-from roughcontact.problem import ContactProblem
-from roughcontact.solvers import Solver
-from roughcontact.surfaces import HeightMap
 
 try:
     from hypothesis import strategies as st
@@ -61,7 +61,7 @@ def height_maps(draw: st.DrawFn, largest: int = 20) -> HeightMap:
         "bowl": -(grid.x**2 + grid.y**2) / max(grid.size) ** 2 + 1e-2 * noise,
         "lognormal": np.exp(noise),
     }[kind]
-    # A map without relief has no contact problem; one cell a little lower gives it one.
+    # A flat map has no contact problem; one lower cell gives it one.
     if np.ptp(heights) == 0.0:
         heights = heights - np.eye(1, heights.size).reshape(heights.shape)
     return HeightMap(heights * draw(st.floats(1e-3, 1e3)) * min(grid.spacing), size=grid.size)
@@ -71,11 +71,11 @@ def height_maps(draw: st.DrawFn, largest: int = 20) -> HeightMap:
 def problems(
     draw: st.DrawFn, *, limited: bool | None = None, solver: str | Solver = "auto"
 ) -> tuple[ContactProblem, float]:
-    """Contact problems, with or without a pressure limit, each with a mean pressure that it can carry."""
+    """Contact problems, with or without a pressure limit, each with an admissible mean pressure."""
     surface = draw(height_maps())
     young = draw(moduli)
-    relief = np.ptp(surface.values)
-    mean = float(draw(st.floats(1e-4, 10.0)) * young * relief / max(surface.size))
+    peak_to_valley = np.ptp(surface.values)
+    mean = float(draw(st.floats(1e-4, 10.0)) * young * peak_to_valley / max(surface.size))
     material: Material = Elastic(young, 0.3)
     if draw(st.booleans()) if limited is None else limited:
         material = ElasticPerfectlyPlastic(young, 0.3, hardness=mean / draw(st.floats(0.01, 1.0)))

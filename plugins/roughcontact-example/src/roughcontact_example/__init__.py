@@ -1,8 +1,12 @@
-"""The smallest plug-in of each kind."""
+"""One small plug-in of each kind, to copy from."""
 
-from roughcontact_example.between import Between
-from roughcontact_example.foam import Foam
-from roughcontact_example.springback import Springback
-from roughcontact_example.springs import Springs
+from roughcontact_example.area import Between
+from roughcontact_example.convolver import SignalConvolver
+from roughcontact_example.flattening import Springback
+from roughcontact_example.kernel import Springs
+from roughcontact_example.material import Foam
+from roughcontact_example.reader import Raw16
+from roughcontact_example.solver import AcceleratedGradient
+from roughcontact_example.surface import Dimples
 
-__all__ = ["Between", "Foam", "Springback", "Springs"]
+__all__ = ["AcceleratedGradient", "Between", "Dimples", "Foam", "Raw16", "SignalConvolver", "Springback", "Springs"]

@@ -8,12 +8,11 @@ import attrs
 import numpy as np
 import roughcontact as rc
 
-from roughcontact_layered.aliases import Parts, alias_parts, joined
-from roughcontact_layered.cells import cell_integrals
-from roughcontact_layered.radial import radial
-from roughcontact_layered.stack import Array, Layer, waves
+from roughcontact_layered.cells import Aliases, cell_integrals, interpolate_aliases, sum_aliases
+from roughcontact_layered.radial import tabulate
+from roughcontact_layered.stack import Array, Layer, respond
 
-# The substrate may be softer than both bodies together by rounding alone.
+# Fraction of 1/E* by which rounding may make the substrate softer than both bodies together.
 _ROUNDING = 1e-9
 
 
@@ -86,28 +85,27 @@ class LayeredKernel(rc.InfluenceKernel):
             If the substrate is softer than both bodies together.
         """
         q = np.asarray(q, dtype=np.float64)
-        own, _ = waves(self.layers, self.substrate, q.ravel())
+        own, _ = respond(self.layers, self.substrate, q.ravel())
         return (own.reshape(q.shape) + 2.0 * self._other(compliance)) / q
 
-    def modulus_at(self, length: Array, compliance: float) -> Array:
-        """Return 2 / (q u(q)) for waves q = 1 / length, shape (n,), Pa; the estimators of the area read it."""
-        length = np.asarray(length, dtype=np.float64)
-        return np.asarray(2.0 * length / self.response(1.0 / length, compliance))
+    def effective_modulus(self, wavenumber: Array, compliance: float) -> Array:
+        """Return 2 / (q u(q)), the contact modulus at each wave number, shape (n,), Pa."""
+        return np.asarray(2.0 / (wavenumber * self.response(wavenumber, compliance)))
 
     def coefficients(self, shape: tuple[int, int], spacing: tuple[float, float], compliance: float) -> Array:
         """Return the influence coefficients, shape (nx, ny), m/Pa.
 
-        Love's, for half-spaces of the topmost layer and of the other body, and the smooth rest.
+        Love's, for half-spaces of the topmost layer and of the other body, plus a smooth rest.
         """
-        greatest = float(np.hypot(shape[0] * spacing[0], shape[1] * spacing[1]))
-        table = radial(self.layers, self.substrate, 0.4 * min(spacing), greatest)
+        largest = float(np.hypot(shape[0] * spacing[0], shape[1] * spacing[1]))
+        table = tabulate(self.layers, self.substrate, 0.4 * min(spacing), largest)
         singular = rc.Love().coefficients(shape, spacing, self._top(compliance))
         return np.asarray(singular + cell_integrals(table, shape, spacing))
 
     def spectrum(self, qx: Array, qy: Array, spacing: tuple[float, float], compliance: float) -> Array:
         """Return the response at the cell centres to waves of cell pressures, shape (m, n), m/Pa.
 
-        Love's, for half-spaces of the topmost layer and of the other body, and the rest with its aliases.
+        Love's, for half-spaces of the topmost layer and of the other body, plus the rest with its aliases.
         """
         steps, places = zip(
             *(
@@ -121,14 +119,14 @@ class LayeredKernel(rc.InfluenceKernel):
         values = self.rest(q) * half[0][:, np.newaxis] * half[1][np.newaxis, :]
         nearest = np.pi / max(spacing)
         if abs(self.rest(np.array([nearest])).item()) * nearest > np.finfo(np.float64).eps * self._top(compliance):
-            parts = _aliases(self, spacing, steps[0].tobytes(), steps[1].tobytes())
-            values = values + joined(parts, (steps[0], steps[1]))
+            aliases = _sum_aliases(self, spacing, steps[0].tobytes(), steps[1].tobytes())
+            values = values + interpolate_aliases(aliases, (steps[0], steps[1]))
         love = rc.Love().spectrum(qx, qy, spacing, self._top(compliance))
         return np.asarray(love + values[np.ix_(places[0], places[1])])
 
     def rest(self, q: Array) -> Array:
         """Return the response less that of a half-space of the topmost layer, shape of `q` (rad/m, above 0), m/Pa."""
-        _, rest = waves(self.layers, self.substrate, q.ravel())
+        _, rest = respond(self.layers, self.substrate, q.ravel())
         return np.asarray(rest.reshape(q.shape) / q)
 
     def _top(self, compliance: float) -> float:
@@ -146,6 +144,6 @@ class LayeredKernel(rc.InfluenceKernel):
 
 
 @lru_cache(maxsize=64)
-def _aliases(kernel: LayeredKernel, spacing: tuple[float, float], across: bytes, along: bytes) -> Parts:
-    """Return the parts of the alias sum, small beside the grid: a solve asks again for each coarser grid."""
-    return alias_parts(kernel.rest, (np.frombuffer(across), np.frombuffer(along)), spacing)
+def _sum_aliases(kernel: LayeredKernel, spacing: tuple[float, float], across: bytes, along: bytes) -> Aliases:
+    """Return the alias sums at nodes, which are small: the coarse grids of each solve need them again."""
+    return sum_aliases(kernel.rest, (np.frombuffer(across), np.frombuffer(along)), spacing)

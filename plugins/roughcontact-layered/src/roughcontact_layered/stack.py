@@ -12,11 +12,11 @@ import roughcontact as rc
 
 Array: TypeAlias = npt.NDArray[np.float64]
 
-# Layers thinner than this times 1/q are crossed by the matrix exponential less one, thicker ones by reflection.
+# Layers of q h below this are crossed by the matrix exponential less one, thicker ones by reflection.
 _THIN = 1.0
 # Terms of the series of (x cosh x - sinh x) / 2 below _THIN: the next one is below 1e-17.
 _SERIES = 9
-# Waves at a time: their matrices stay in the cache.
+# Waves at a time: their 2 x 2 matrices, 0.5 MiB each, stay in the cache.
 _BLOCK = 1 << 14
 
 
@@ -67,18 +67,18 @@ class Layer:
         return (1.0 - self.poisson**2) / self.young
 
 
-def waves(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
+def respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
     r"""Return q u / p, and the same less that of a half-space of the topmost layer.
 
     With u and t the amplitudes of displacement and traction (along x, along z), t over q, each
-    interface has a compliance matrix, u = C t. It is carried from the substrate upwards. Across a
+    interface has a compliance matrix, u = C t, which is computed from the substrate upwards. Across a
     layer of thickness h, x = q h, the amplitudes y = (u, t) obey dy/d(qz) = A y with
-    (A^2 - 1)^2 = 0. A thin layer is crossed by D = exp(-A x) - 1, where nothing cancels,
+    (A^2 - 1)^2 = 0. A thin layer is crossed by D = exp(-A x) - 1, without cancellation,
 
     .. math:: C' = (C + D_{uu} C + D_{ut})\,(1 + D_{tu} C + D_{tt})^{-1}
 
-    and a thick one by what its lower side reflects, where nothing grows: with the compliances H of
-    waves that decay downwards and V of those that decay upwards
+    and a thick one by the reflection at its lower side, without growing exponentials: with the
+    compliances H of waves that decay downwards and V of those that decay upwards
 
     .. math:: R = e^{-2x} P_V (C - V)^{-1} (H - C) P_H, \quad C' = H + (V - H)\,R\,(1 + R)^{-1}
 
@@ -95,7 +95,7 @@ def waves(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[A
     -------
     tuple[Array, Array]
         Both of shape (n,), 1/Pa. The second falls as exp(-2 q h) with the thickness h of the topmost
-        layer, and each is exact to rounding where the other one is much larger.
+        layer, and each is accurate to rounding where the other one is much larger.
 
     References
     ----------
@@ -104,18 +104,18 @@ def waves(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[A
     own, rest = np.empty(q.size), np.empty(q.size)
     for start in range(0, q.size, _BLOCK):
         block = slice(start, start + _BLOCK)
-        own[block], rest[block] = _waves(layers, substrate, q[block])
+        own[block], rest[block] = _respond(layers, substrate, q[block])
     return own, rest
 
 
-def _waves(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
+def _respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
     scale = layers[0].young
     below = _half_space(substrate.young / scale, substrate.poisson)
     matrix = below[:, :, np.newaxis] * np.ones(q.size)
     difference = matrix
     for layer in reversed(layers):
         own = _half_space(layer.young / scale, layer.poisson)
-        matrix, difference = _through(layer, scale, own, matrix, q * layer.thickness)
+        matrix, difference = _cross(layer, scale, own, matrix, q * layer.thickness)
     return np.asarray(-matrix[1, 1] / scale), np.asarray(-difference[1, 1] / scale)
 
 
@@ -125,14 +125,14 @@ def _half_space(young: float, poisson: float) -> Array:
     return np.array([[along, coupling], [coupling, along]]) / young
 
 
-def _through(layer: Layer, scale: float, own: Array, matrix: Array, x: Array) -> tuple[Array, Array]:
+def _cross(layer: Layer, scale: float, own: Array, matrix: Array, x: Array) -> tuple[Array, Array]:
     """Return the compliance matrix above a layer, and the same less that of its half-space."""
     generator = _generator(layer.young / scale, layer.poisson)
     thin = x < _THIN
     result, difference = np.empty_like(matrix), np.empty_like(matrix)
-    result[..., thin] = _across_thin(generator, matrix[..., thin], x[thin])
+    result[..., thin] = _cross_thin(generator, matrix[..., thin], x[thin])
     difference[..., thin] = result[..., thin] - own[:, :, np.newaxis]
-    difference[..., ~thin] = _across_thick(generator, own, matrix[..., ~thin], x[~thin])
+    difference[..., ~thin] = _cross_thick(generator, own, matrix[..., ~thin], x[~thin])
     result[..., ~thin] = difference[..., ~thin] + own[:, :, np.newaxis]
     return result, difference
 
@@ -151,7 +151,7 @@ def _generator(young: float, poisson: float) -> Array:
     )
 
 
-def _across_thin(generator: Array, matrix: Array, x: Array) -> Array:
+def _cross_thin(generator: Array, matrix: Array, x: Array) -> Array:
     half = 0.5 * x
     second = half * np.sinh(x)
     third = _third(x)
@@ -172,7 +172,7 @@ def _third(x: Array) -> Array:
     return np.asarray(x**3 * np.polynomial.polynomial.polyval(x * x, terms))
 
 
-def _across_thick(generator: Array, own: Array, matrix: Array, x: Array) -> Array:
+def _cross_thick(generator: Array, own: Array, matrix: Array, x: Array) -> Array:
     mirror = own * np.array([[-1.0, 1.0], [1.0, -1.0]])
     one = np.eye(2)
     down = generator[2:, :2] @ own + generator[2:, 2:] + one

@@ -1,0 +1,78 @@
+"""Constants of the traced edge, measured on contacts with closed forms.
+
+    python benchmarks/edge_constants.py [number of contacts of each kind]
+
+Prints each constant of `roughcontact._areas.calibration` beside what is measured again; two minutes.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+
+import roughcontact as rc
+from roughcontact._areas import calibration
+from roughcontact._areas.contour import Contour, trace_contour
+
+RADIUS = 1e4  # of all spheres, in cells; their modulus is one
+SHIFT = rc.Love.edge_shift
+STEEL = rc.Elastic(young=1e11, poisson=0.0)
+
+
+def trace(solution: rc.ContactSolution) -> Contour:
+    """Return the edge between neighbouring cells, none of it sharp."""
+    return trace_contour(solution, np.zeros(solution.grid.shape, dtype=bool))
+
+
+def press_sphere(radius: float, rng: np.random.Generator, cells: int = 0) -> rc.ContactSolution:
+    """Return a contact of so many cells radius, its centre anywhere in a cell."""
+    cells = cells or 2 * int(1.3 * radius + 6)
+    sphere = rc.ParaboloidSurface(RADIUS, center=tuple(rng.random(2) - 0.5))
+    problem = rc.ContactProblem(rc.Body(sphere, rc.Elastic(1.0, 0.0)), grid=rc.Grid((cells, cells), float(cells)))
+    return problem.solve(force=4 * radius**3 / (3 * RADIUS))
+
+
+def measure_spheres(rng: np.random.Generator, count: int) -> dict[str, float]:
+    """Fit true area - polygons = shift * length + c * Euler number; the chords are 0.5 of c."""
+    rows = []
+    for radius in rng.uniform(3.0, 25.0, size=count):
+        edge = trace(press_sphere(radius, rng))
+        rows.append((np.pi * radius**2 - edge.area.sum(), edge.length.sum(), edge.euler.sum()))
+    missing, length, euler = np.array(rows).T
+    weight = 1.0 / np.sqrt(length)
+    terms = np.stack((length, euler), axis=1)
+    fit = np.linalg.lstsq(terms * weight[:, np.newaxis], missing * weight, rcond=None)[0]
+    residual = missing - terms @ fit
+    wander = np.sqrt(np.mean(residual**2 / (4.0 / np.pi * length)))
+    return {"edge shift on spheres": fit[0], "EULER": fit[1] - 0.5, "WANDER": wander}
+
+
+def measure_border(rng: np.random.Generator, count: int) -> dict[str, float]:
+    """Return the rms error of contacts that a free border cuts, against finer grids, over the rms of the cells cut."""
+    errors, low, high = [], (0.35, -0.2, 5.5), (0.5, 0.2, 6.8)
+    for x, y, power in rng.uniform(low, high, size=(count // 4, 3)):
+        body = rc.Body(rc.ParaboloidSurface(1.0, center=(x, y)), rc.Elastic(1e9, 0.3))
+        coarse, fine = (rc.ContactProblem(body, grid=rc.Grid((n, n), 1.0)).solve(force=10**power) for n in (64, 256))
+        cells = coarse.contact
+        cut = sum(np.count_nonzero(edge) for edge in (cells[0], cells[-1], cells[:, 0], cells[:, -1]))
+        if cut:
+            error = (coarse.area("level-set").fraction - fine.area("level-set").fraction) * cells.size
+            errors.append((error, cut))
+    rms, cut = np.sqrt(np.mean(np.square(errors), axis=0))
+    return {"BORDER (rms)": rms / cut}
+
+
+def measure(count: int = 200) -> dict[str, float]:
+    """Return what is measured on so many contacts of each kind."""
+    rng = np.random.default_rng(1)
+    found: dict[str, float] = {}
+    for step in (measure_spheres, measure_border):
+        found |= step(rng, count)
+    return found
+
+
+if __name__ == "__main__":
+    for name, value in measure(*map(int, sys.argv[1:])).items():
+        in_use = getattr(calibration, name.split()[0], None)
+        print(f"{name:24} {value:8.4f}" + (f"   in use: {in_use:g}" if in_use else ""))

@@ -1,0 +1,48 @@
+"""Constants of contacts at a pressure limit, measured on spheres.
+
+    python benchmarks/limit_constants.py [number of spheres of each overload]
+
+Prints the growth of the contact by the overload (Hertz's maximum pressure over the limit) and the error of the traced
+edge beside `roughcontact._areas.calibration`; half a minute.
+"""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+
+import roughcontact as rc
+from roughcontact._areas import calibration
+from roughcontact._areas.edges import trace_edges
+
+RADIUS = 1e4  # of the spheres, in cells; their modulus is one
+LARGE = 40.0  # cells: radius of the elastic contact whose traced area counts as true
+
+
+def press(radius: float, overload: float, rng: np.random.Generator) -> rc.ContactSolution:
+    """Return the contact of a sphere whose elastic contact has this radius, in cells."""
+    cells = 2 * int(1.5 * radius * np.sqrt(max(1.0, 0.7 * overload)) + 6)
+    material = rc.ElasticPerfectlyPlastic(1.0, 0.0, hardness=2.0 * radius / (np.pi * RADIUS * overload))
+    sphere = rc.ParaboloidSurface(RADIUS, center=tuple(rng.random(2) - 0.5))
+    problem = rc.ContactProblem(rc.Body(sphere, material), grid=rc.Grid((cells, cells), float(cells)))
+    return problem.solve(force=4.0 * radius**3 / (3.0 * RADIUS))
+
+
+def measure(count: int = 8) -> tuple[np.ndarray, float]:
+    """Return the growth at each overload of the table, and the rms error of half-saturated edges, in cells."""
+    rng, growth, errors = np.random.default_rng(0), [], []
+    for overload in calibration.OVERLOADS:
+        large = press(LARGE, overload, rng)
+        growth.append(large.area("level-set").value / (np.pi * LARGE**2))
+        for radius in rng.uniform(4.0, 14.0, size=count) if 1.7 <= overload <= 2.2 else ():
+            edges = trace_edges(press(radius, overload, rng))
+            errors.append((edges.area.sum() - growth[-1] * np.pi * radius**2) / edges.strip.sum())
+    return np.array(growth), float(np.sqrt(np.mean(np.square(errors))))
+
+
+if __name__ == "__main__":
+    growth, error = measure(*map(int, sys.argv[1:]))
+    for overload, stated, value in zip(calibration.OVERLOADS, calibration.PLASTIC_GROWTH, growth, strict=True):
+        print(f"PLASTIC_GROWTH at {overload:4}  {value:.4f}   in use: {stated}")
+    print(f"SATURATED (rms)         {error:.4f}   in use: {calibration.SATURATED}")

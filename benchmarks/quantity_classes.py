@@ -1,0 +1,119 @@
+"""Errors and uncertainties of maximum pressure, perimeter, patches, approach and mean gap on the classes of contacts.
+
+    python benchmarks/quantity_classes.py peak-pressure [options of area_classes.py]
+
+The table is that of `benchmarks/area_classes.py`; classes without true values of the quantity are omitted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import area_classes
+import contact_classes as contacts
+import numpy as np
+from area_classes import CLASSES, DIGITS, HEADER, SPLITS, judge, known, print_row, reference_key
+from contact_classes import Case
+
+import roughcontact as rc
+
+NAMES = {
+    "peak-pressure": "p_max",
+    "perimeter": "perimeter",
+    "patches": "patches",
+    "approach": "approach",
+    "mean-gap": "mean_gap",
+}
+# Here the pressure is unbounded at sharp edges or a sharp tip, or each grid has a surface of its own.
+UNBOUNDED = ("run-in", "cone", "border", "holes", "map", "lost", "capped-punch")
+WAVE = 12.5e-6
+
+
+def true_value(name: str, case: Case, solution: rc.ContactSolution, quantity: str) -> tuple[float, float]:
+    """Return the true value and its standard deviation; nan where there is none."""
+    if case.true is not None:
+        return case.true.get(quantity, 1.0 if quantity == "patches" and "force" in case.load else math.nan), 0.0
+    found = known()[reference_key(name, case)]
+    fine, half = found[quantity]
+    side = solution.grid.size[0]
+    if quantity == "perimeter":
+        unit = WAVE if name.startswith("wave") else 5.0 if name == "capped-ball" else side
+        return fine * side**2 / unit if name != "capped-ball" else fine * unit, abs(fine - half) / 3 * side
+    if quantity == "patches":
+        return fine * (round(side / WAVE) ** 2 if name.startswith("wave") else 1), 0.0
+    if quantity in ("mean_gap", "approach"):
+        if name in ("capped-ball", "border"):
+            return (math.nan, math.nan) if quantity == "mean_gap" else (fine, abs(fine - half) / 3)
+        gap, half_gap = found["mean_gap"]
+        gap, std = (4 * gap - half_gap) / 3, abs(gap - half_gap) / 15
+        if quantity == "mean_gap":
+            return gap, std
+        # On a periodic boundary the gap of the highest summit above the mean plane is shared out between both.
+        return _height(case) - gap, std
+    return fine, abs(fine - half) / 3
+
+
+_HEIGHTS: dict[str, float] = {}
+
+
+def _height(case: Case) -> float:
+    """Return the height of the highest summit of a periodic surface above its mean plane, m."""
+    from roughcontact._areas.quantities import find_rise
+
+    if case.key not in _HEIGHTS:
+        gap = case.fine(contacts.FINE).initial_gap
+        _HEIGHTS[case.key] = float(np.mean(gap)) + find_rise(gap, rc.Boundary.PERIODIC)[0]
+    return _HEIGHTS[case.key]
+
+
+def report(
+    names: Sequence[str], split: str, quantity: str, folder: Path | None, groups: bool = False, worst: int = 0
+) -> dict[str, dict[str, float]]:
+    """Print the table and return its rows by class."""
+    print(f"{split}, {quantity}\n{HEADER}")
+    table = {}
+    for name in names:
+        rows = []
+        for solution, _, _, case in area_classes.cases(name, split, folder):
+            true, std = true_value(name, case, solution, NAMES[quantity])
+            if math.isfinite(true) and true > 0.0:
+                found = solution.estimate(quantity)
+                rows.append((found.value / true - 1.0, found.uncertainty / true, std / true, case))
+        if not rows:
+            continue
+        table[name] = judge([row[:3] for row in rows])
+        print_row(name, table[name])
+        if groups:
+            for group in dict.fromkeys(row[3].group for row in rows):
+                print_row(f"    {group}", judge([row[:3] for row in rows if row[3].group == group]))
+        for error, stated, _, case in sorted(rows, key=lambda row: -abs(row[0]) / max(row[1], DIGITS))[:worst]:
+            print(f"    {100 * error:+.3f} +- {100 * stated:.3f} %: {case.label}")
+    return table
+
+
+def list_classes(quantity: str) -> list[str]:
+    """Return the classes whose true values of a quantity are known."""
+    skipped = UNBOUNDED if quantity == "peak-pressure" else ("lost", "holes-kept")
+    return [name for name in CLASSES if not name.startswith(skipped)]
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("quantity", choices=NAMES)
+    parser.add_argument("--classes", default="all")
+    parser.add_argument("--split", default="tuned", choices=SPLITS)
+    parser.add_argument("--cache", type=Path)
+    parser.add_argument("--groups", action="store_true")
+    parser.add_argument("--worst", type=int, default=0)
+    options = parser.parse_args(arguments)
+    wanted = tuple(options.classes.split(","))
+    every = list_classes(options.quantity)
+    names = [name for name in every if options.classes == "all" or name.startswith(wanted)]
+    report(names, options.split, options.quantity, options.cache, options.groups, options.worst)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,97 @@
+"""Whether the uncertainty of the area holds: the held-out classes of benchmarks/area_classes.py.
+
+Writes the table of docs/area.md and docs/figures/reliability.png; the solutions are kept in a folder (15 minutes at
+first, then one).
+
+    python docs/studies/area_uncertainty.py [FOLDER]
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from doc_tables import DocTable, write_tables
+from matplotlib.figure import Figure
+
+FIGURES = Path(__file__).parent.parent / "figures"
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+
+import area_classes
+
+# Groups of classes, by panels of the figure.
+PANELS = {
+    "waves, balls, ellipses": ("wave", "ball", "ellipse"),
+    "rough": ("rough",),
+    "lay": ("lay",),
+    "strips, cones": ("strips", "cone", "cubic"),
+    "pressure limit, run in": ("capped", "run-in"),
+    "borders, measured maps": ("border", "holes", "map"),
+}
+# Classes whose true values are not known well enough.
+WITHOUT = ("holes-kept",)
+
+
+@lru_cache
+def judge(name: str, folder: str | None = None) -> list[tuple[float, float, float]]:
+    """Return the relative errors, stated and true uncertainties of the held-out cases of a class."""
+    place = Path(folder) if folder else None
+    return [row[:3] for row in area_classes.estimate(name, "held-out", "blend", place)]
+
+
+def list_classes() -> list[str]:
+    return [name for name in area_classes.CLASSES if name not in WITHOUT]
+
+
+def make_rows(folder: str | None = None) -> list[list[str]]:
+    heading = [
+        "class",
+        "cases",
+        "error, rms, %",
+        "95 %, %",
+        "median, %",
+        "uncertainty, median, %",
+        "within 1",
+        "within 2",
+    ]
+    rows = [heading]
+    for name in list_classes():
+        found = area_classes.judge(judge(name, folder))
+        parts = ("rms", "95 %", "median error", "median uncertainty")
+        held = [f"{100 * found[key]:.0f} %" for key in ("within 1", "within 2")]
+        rows.append([name, str(found["n"]), *(f"{100 * found[key]:.3g}" for key in parts), *held])
+        print(" | ".join(rows[-1]), flush=True)
+    return rows
+
+
+def draw(folder: str | None = None) -> None:
+    """Draw the fraction of errors within any number of standard deviations beside that of normal ones."""
+    from scipy.special import erf
+
+    figure = Figure(figsize=(11, 6), layout="constrained")
+    z = np.linspace(0.0, 3.0, 121)
+    for axes, (title, starts) in zip(figure.subplots(2, 3, sharex=True, sharey=True).flat, PANELS.items(), strict=True):
+        axes.plot(z, erf(z / np.sqrt(2.0)), "k--", lw=1.0, label="normal errors")
+        for name in list_classes():
+            if name.startswith(starts):
+                errors = np.array(judge(name, folder))
+                found = np.abs(errors[:, 0]) / np.maximum(errors[:, 1], np.finfo(float).tiny)
+                axes.plot(z, np.mean(found[:, np.newaxis] <= z, axis=0), lw=1.4, label=name)
+        axes.axvline(2.0, color="0.7", lw=0.8)
+        axes.set(title=title, xlim=(0.0, 3.0), ylim=(0.0, 1.02))
+        axes.legend(fontsize=7, loc="lower right")
+    for axes in figure.axes[3:]:
+        axes.set_xlabel("error over stated standard deviation")
+    for axes in figure.axes[::3]:
+        axes.set_ylabel("fraction of cases below")
+    figure.savefig(FIGURES / "reliability.png", dpi=110)
+
+
+TABLES = {"area-classes": DocTable(make_rows, seconds=900)}
+
+if __name__ == "__main__":
+    folder = sys.argv[1] if len(sys.argv) > 1 else None
+    write_tables({"area-classes": DocTable(lambda: make_rows(folder), seconds=900)})
+    draw(folder)

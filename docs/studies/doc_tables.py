@@ -1,0 +1,154 @@
+"""Tables of the pages: written by the scripts of this folder, compared with them by tests/test_doc_tables.py.
+
+    python docs/studies/doc_tables.py                  # the tables, their pages and their scripts
+    python docs/studies/doc_tables.py NAME [NAME ...]  # compute these again and write them to their pages
+
+In a page, or in several, a table stands between two comments:
+
+    <!-- table: capped-ball, by docs/studies/capped_ball.py -->
+    <!-- end of table -->
+
+Its script has TABLES = {"capped-ball": DocTable(make_rows, seconds=20)}, where make_rows() returns lines of cells,
+the heading first. The cells are also kept in docs/tables/capped-ball.csv.
+"""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import re
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import attrs
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+STORE = ROOT / "docs" / "tables"
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted(ROOT.glob("plugins/*/README.md"))]
+MARKED = re.compile(
+    r"<!-- table: (?P<name>[\w-]+), by (?P<script>[\w./-]+\.py) -->\n(?P<text>.*?)<!-- end of table -->", re.S
+)
+NUMBER = re.compile(r"[-+]?\d+(?:\.(?P<decimals>\d+))?(?:e(?P<exponent>[-+]?\d+))?")
+
+Rows = Sequence[Sequence[str]]
+
+
+@attrs.frozen
+class DocTable:
+    """A table of the pages: the function that computes its lines of cells, and how it is compared.
+
+    Attributes
+    ----------
+    rows
+        Returns the lines, each a list of cells; the first one is the heading.
+    seconds
+        CPU time it needs. Computed again by the tests up to 10 s, by the slow ones up to 60 s, else by hand.
+    timed
+        Headings of columns that hold times, or depend on the machine: not compared.
+    units
+        By how much a number may differ from the stored one, in units of its last digit.
+    """
+
+    rows: Callable[[], Rows]
+    seconds: float
+    timed: tuple[str, ...] = ()
+    units: float = 1.0
+
+
+def format_rows(rows: Rows) -> str:
+    """Return the lines as a table of Markdown."""
+    heading, *lines = ["| " + " | ".join(row) + " |" for row in rows]
+    return "\n".join([heading, "|---" * len(rows[0]) + "|", *lines])
+
+
+def find_tables() -> dict[str, tuple[str, list[Path]]]:
+    """Return the script and the pages of each table, by its name."""
+    found: dict[str, tuple[str, list[Path]]] = {}
+    for page in PAGES:
+        for match in MARKED.finditer(page.read_text(encoding="utf-8")):
+            script, pages = found.setdefault(match["name"], (match["script"], []))
+            if script != match["script"]:
+                raise SystemExit(f"table {match['name']}: {page.name} names another script than {pages[0].name}")
+            pages.append(page)
+    return found
+
+
+def load_table(name: str) -> DocTable:
+    """Return a table from its script."""
+    script = ROOT / find_tables()[name][0]
+    for folder in (script.parent, *ROOT.glob("plugins/*/src")):
+        if str(folder) not in sys.path:
+            sys.path.insert(0, str(folder))
+    table: DocTable = importlib.import_module(script.stem).TABLES[name]
+    return table
+
+
+def write(name: str, rows: Rows, quiet: bool = False) -> None:
+    """Keep the lines of a table in its file, write them to its pages, and print them."""
+    marked = find_tables()
+    if name not in marked:
+        raise SystemExit(f"no page has a table {name!r}; there are {', '.join(sorted(marked))}")
+    STORE.mkdir(exist_ok=True)
+    with (STORE / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows(rows)
+    for page in marked[name][1]:
+        text = page.read_text(encoding="utf-8")
+        page.write_text(MARKED.sub(lambda match: _renew(match, name, rows), text), encoding="utf-8")
+    if not quiet:
+        print(f"{name}: written to {', '.join(page.name for page in marked[name][1])}\n{format_rows(rows)}")
+
+
+def _renew(match: re.Match[str], name: str, rows: Rows) -> str:
+    if match["name"] != name:
+        return match[0]
+    return f"<!-- table: {name}, by {match['script']} -->\n\n{format_rows(rows)}\n\n<!-- end of table -->"
+
+
+def read(name: str) -> list[list[str]]:
+    """Return the stored lines of a table."""
+    with (STORE / f"{name}.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.reader(file))
+
+
+def compare(rows: Rows, stored: Rows, table: DocTable) -> list[str]:
+    """Return a sentence for each cell in which computed and stored lines differ by more than the table allows."""
+    if [len(row) for row in rows] != [len(row) for row in stored]:
+        return [f"{len(rows)} lines, stored are {len(stored)}, or their cells differ in number"]
+    skipped = {k for k, heading in enumerate(stored[0]) if heading in table.timed}
+    return [
+        f"line {i}, {stored[0][k]!r}: {cell!r}, stored is {kept!r}"
+        for i, (row, old) in enumerate(zip(rows, stored, strict=True))
+        for k, (cell, kept) in enumerate(zip(row, old, strict=True))
+        if k not in skipped and not _alike(cell, kept, table.units)
+    ]
+
+
+def _alike(cell: str, kept: str, units: float) -> bool:
+    """Whether the texts agree and the numbers differ by no more than some units of their last digit."""
+    if NUMBER.sub("#", cell) != NUMBER.sub("#", kept):
+        return False
+    for one, other in zip(NUMBER.finditer(cell), NUMBER.finditer(kept), strict=True):
+        unit = max(10.0 ** (int(m["exponent"] or 0) - len(m["decimals"] or "")) for m in (one, other))
+        if abs(float(one[0]) - float(other[0])) > (units + 1e-6) * unit:
+            return False
+    return True
+
+
+def main(names: Sequence[str]) -> None:
+    """List the tables, or compute some again."""
+    if not names:
+        for name, (script, pages) in sorted(find_tables().items()):
+            print(f"{name:24} {script:40} {', '.join(str(page.relative_to(ROOT)) for page in pages)}")
+    for name in names:
+        write(name, load_table(name).rows())
+
+
+def write_tables(tables: Mapping[str, DocTable]) -> None:
+    """Compute all tables of a script and write them."""
+    for name, table in tables.items():
+        write(name, table.rows())
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

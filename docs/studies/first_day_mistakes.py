@@ -1,0 +1,180 @@
+"""The table of first-day mistakes in docs/mistakes.md: each scene, what is said of it, and the exit status.
+
+Run ``python docs/studies/first_day_mistakes.py`` to write the table; ``tests/test_mistakes.py`` compares it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import attrs
+import numpy as np
+
+import roughcontact as rc
+from roughcontact.__main__ import main as run_command
+
+PAGE = Path(__file__).parent.parent / "mistakes.md"
+HEAD = "| the mistake | what is said | exit status |\n|---|---|---|\n"
+GRID = rc.Grid(shape=(64, 64), size=(64e-6, 64e-6))
+ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.05, shortest=8e-6, longest=32e-6, seed=0)
+STEEL = rc.Elastic(young=210e9, poisson=0.3)
+
+
+@attrs.frozen
+class Mistake:
+    """A mistake, the scene in Python, and the arguments of ``roughcontact solve``; {} is the folder of the maps."""
+
+    name: str
+    solve: Callable[[Path], rc.ContactSolution]
+    command: str = ""
+
+
+def write_maps(folder: Path) -> None:
+    """Write the height maps of the scenes into a folder."""
+    heights = ROUGH.heights(GRID)
+    x, y = np.meshgrid(*(np.arange(64) * 1e-6,) * 2, indexing="ij")
+    np.savez(folder / "rough.npz", heights=heights, size=GRID.size)
+    np.savez(folder / "tilted.npz", heights=heights + 0.1 * y, size=GRID.size)
+    np.save(folder / "micrometres.npy", 1e6 * heights)
+    np.save(folder / "oblong.npy", heights[:, :48])
+    np.savetxt(folder / "points.txt", np.stack((x, y, heights), axis=-1).reshape(-1, 3))
+    noise = 1e-7 * np.random.default_rng(0).standard_normal(GRID.shape)
+    np.savez(folder / "noise.npz", heights=noise, size=GRID.size)
+
+
+def solve(surface: rc.Surface, material: rc.Material = STEEL, grid: rc.Grid | None = GRID, **options: object):
+    """Return the solution on a rigid flat, converged or not; 10 MPa on a periodic boundary unless options differ."""
+    load = {name: options.pop(name) for name in ("pressure", "force") if name in options} or {"pressure": 10e6}
+    problem = rc.ContactProblem(rc.Body(surface, material), grid=grid, **{"boundary": "periodic", **options})
+    return problem.solve(**load, throw=False)
+
+
+def solve_map(file: str, size: float | None = None, **options: object) -> Callable[[Path], rc.ContactSolution]:
+    """Return a function of the folder that solves one of its maps."""
+    return lambda folder: solve(rc.read_surface(folder / file, size=size), grid=None, boundary="free", **options)
+
+
+MISTAKES = [
+    Mistake(
+        "The map is tilted.",
+        solve_map("tilted.npz"),
+        "{}/tilted.npz --pressure 10MPa --young 210GPa",
+    ),
+    Mistake(
+        "The map is tilted, and taken for periodic.",
+        lambda folder: solve(rc.read_surface(folder / "tilted.npz"), grid=None),
+        "{}/tilted.npz --boundary periodic --pressure 10MPa --young 210GPa",
+    ),
+    Mistake(
+        "A text file lists points x y z.",
+        solve_map("points.txt", 64e-6),
+        "{}/points.txt --size 64um --pressure 10MPa --young 210GPa",
+    ),
+    Mistake(
+        "Heights are in µm, and `unit=1e-6` is forgotten.",
+        solve_map("micrometres.npy", 64e-6),
+        "{}/micrometres.npy --size 64um --pressure 10MPa --young 210GPa",
+    ),
+    Mistake(
+        "One size is given for a map of 64 x 48 points.",
+        solve_map("oblong.npy", 64e-6),
+        "{}/oblong.npy --size 64um --pressure 10MPa --young 210GPa",
+    ),
+    Mistake(
+        "`rc.Elastic(210, 0.3)`: GPa taken for Pa.",
+        lambda _: solve(ROUGH, rc.Elastic(210, 0.3)),
+        "{}/rough.npz --boundary periodic --pressure 10MPa --young 210Pa",
+    ),
+    Mistake(
+        "`rc.Elastic(210e3, 0.3)`: MPa taken for Pa.",
+        lambda _: solve(ROUGH, rc.Elastic(210e3, 0.3)),
+        "{}/rough.npz --boundary periodic --pressure 10MPa --young 210kPa",
+    ),
+    Mistake(
+        "All lengths are in µm.",
+        lambda _: solve(rc.WavySurface(amplitude=0.5, wavelength=12.5), grid=rc.Grid((256, 256), 250), pressure=100e6),
+    ),
+    Mistake(
+        "The contact of a ball is cut by the border.",
+        lambda _: solve(rc.SphereSurface(1e-3), boundary="free", force=17.4),
+    ),
+    Mistake(
+        "The map is noise from point to point.",
+        solve_map("noise.npz"),
+        "{}/noise.npz --pressure 10MPa --young 210GPa",
+    ),
+    Mistake(
+        "The grid is too coarse for the wave.",
+        lambda _: solve(rc.WavySurface(amplitude=0.5e-6, wavelength=12.5e-6), grid=rc.Grid((64, 64), 250e-6)),
+    ),
+    Mistake(
+        "The material is elastic, and the pressure beyond its strength.",
+        lambda _: solve(attrs.evolve(ROUGH, rms_slope=0.4), pressure=2e9),
+    ),
+    Mistake(
+        "The surface is too steep for a half-space.",
+        lambda _: solve(
+            attrs.evolve(ROUGH, rms_slope=1.0), rc.ElasticPerfectlyPlastic(210e9, 0.3, 6e9), pressure=500e6
+        ),
+    ),
+    Mistake(
+        "The counterbody has no material.",
+        lambda _: solve(ROUGH),
+        "{}/rough.npz {}/rough.npz --boundary periodic --pressure 10MPa --young 210GPa",
+    ),
+]
+
+
+def list_sentences(mistake: Mistake, folder: Path) -> tuple[str, ...]:
+    """Return what is said of a scene: its refusal, its warnings, or the line that states the materials."""
+    try:
+        solution = mistake.solve(folder)
+    except rc.InputError as refusal:
+        return (str(refusal),)
+    stated = next(line for line in str(solution).splitlines() if "modulus E*" in line)
+    return solution.warnings or (" ".join(stated.split()),)
+
+
+def run(mistake: Mistake, folder: Path) -> tuple[int, str]:
+    """Return the exit status of the command, and what it prints, in one line."""
+    printed = io.StringIO()
+    arguments = mistake.command.format(*[folder] * mistake.command.count("{}")).split()
+    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
+        status = run_command(["solve", *arguments, "-o", str(folder / "results")])
+    return status, " ".join(printed.getvalue().split())
+
+
+def write_row(mistake: Mistake, sentences: tuple[str, ...], status: int | None) -> str:
+    """Return a row of the table."""
+    said = " ".join(sentences).replace("|", "\\|")
+    return f"| {mistake.name} | {said} | {'' if status is None else status} |"
+
+
+def make_table(folder: Path) -> str:
+    """Return the table, from maps in a folder."""
+    write_maps(folder)
+    rows = []
+    for mistake in MISTAKES:
+        status = run(mistake, folder)[0] if mistake.command else None
+        rows.append(write_row(mistake, list_sentences(mistake, folder), status))
+    return HEAD + "\n".join(rows) + "\n"
+
+
+def main() -> None:
+    """Write the table into the page."""
+    with tempfile.TemporaryDirectory() as folder:
+        table = make_table(Path(folder))
+    before, _, rest = PAGE.read_text(encoding="utf-8").partition(HEAD)
+    after = rest[rest.index("\n\n") + 1 :]
+    PAGE.write_text(before + table + after, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("MPLBACKEND", "Agg")
+    sys.exit(main())

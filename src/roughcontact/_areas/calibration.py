@@ -1,0 +1,105 @@
+"""The measured constants of the area estimators: meaning, unit, how each was measured, and the script that repeats it.
+
+The resolution ratio is `curvature_resolution`'s; the width of a patch is in cells of a disc as wide.
+"""
+
+# --- benchmarks/edge_constants.py: spheres against closed forms -------------------------------------------------------
+
+# Area that polygons between the cells lack beside what their chords cut off, cells^2 for each piece less holes.
+# Measured on 200 spheres of 3 to 25 cells radius, fitted together with the kernel's shift of the edge: 0.21 +- 0.07.
+EULER = 0.16
+# Standard deviation of the area of a patch, cells^2 per root of the number of cell sides along its edge: the discrete
+# solution itself wanders. Measured on the same spheres: rms 0.053 about the fit.
+WANDER = 0.05
+# Standard deviation of the area where a free border cuts a contact, cells^2 for each contact cell on the border.
+# Measured on 60 spheres against four times finer grids: rms 0.07; more, up to 0.9, where one to five cells are cut,
+# and on rough contacts.
+BORDER = 0.15
+
+# --- benchmarks/limit_constants.py: spheres at a pressure limit ------------------------------------------------------
+
+# Overloads of the next table: Hertz's maximum pressure over the pressure limit, no unit.
+OVERLOADS = (1.0, 1.05, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 1.85, 2.0, 2.2, 2.6, 3.0)
+# Contact area of a sphere at these overloads over Hertz's, no unit; beyond, two thirds of the overload.
+# Measured on spheres of 40 cells elastic radius: within 0.0015.
+PLASTIC_GROWTH = (1.0, 1.0006, 1.003, 1.0143, 1.034, 1.0625, 1.098, 1.187, 1.267, 1.355, 1.4805, 1.737, 2.0)
+
+# --- benchmarks/rough_constants.py: self-affine surfaces of 2 to 8 cells a shortest wave against 32 cells -------------
+
+# Excess of the area inside the edge, cells along the edge times the resolution ratio.
+# Measured on 4 surfaces at 3 loads: 0.030, scatter 0.009.
+EXCESS = 0.03
+# The same after extrapolation, cells along the edge times the square of the ratio. Measured: 0.011, scatter 0.005.
+EXCESS_REFINED = 0.009
+# Relative standard deviation of the area for summits between the grid points, for the fraction of the area in patches
+# of fewer than four cells, times the square of the ratio. Measured at 2 cells a shortest wave: maximum 0.115.
+UNSEEN = 0.12
+# Relative standard deviation of the area of a patch of few cells, times the ratio over cells^(3/2).
+# Measured for 1, 2 and 3 cells, by the parts of the fine contact in each: median 0.15, 0.30, 0.37.
+FLUCTUATION = 0.3
+# Terms a, b, c of Hertz's relative standard deviation a + b v^2 + c v^4 where the curvature spreads by v, no unit.
+# Measured on patches of at least 150 cells: rms 0.009, 0.015, 0.06, 0.16, 0.29 (in use: 0.016, 0.03, 0.06, 0.12, 0.32)
+# at v of 0.15 to 0.3, to 0.4, to 0.6, to 0.8, to 1.2.
+HERTZ_ERROR = (0.0003, 0.2, 0.1)
+# Fraction of that standard deviation which all patches share, no unit.
+# Measured: 0.23 at v below 0.3, before HERTZ_DEFICIT took most of what is common away.
+HERTZ_COMMON = 1.0 / 3.0
+
+# --- benchmarks/area_classes.py: the tuned half of the classes of contacts --------------------------------------------
+
+# Standard deviation of the position of all edges, cells. Set on rough contacts of 6 to 12 cells a shortest wave.
+SHIFT = 0.0008
+# Patches of width n have 1 + (this / n)^2 times the standard deviation WANDER, cells. Set on rough contacts: the area
+# inside the edge of patches of 1, 2, 4, 9, 18 cells errs by 0.48, 0.11, 0.06, 0.025, 0.017.
+SMALL_PATCH = 2.0
+# Number of parts of an edge that err alike, over those that are the same, beyond one. Set on waves of whole cells,
+# whose errors follow no normal distribution, and on strips.
+ALIKE = 2.5
+# Standard deviation of the position of the edge of a slender patch, cells, times one less the ratio of its width to its
+# cells, to the sixth. Set on surfaces with a lay.
+SLENDER = 0.03
+# Curvature along the edge over that inside above which it has a sharp rim, the largest excess over that that counts,
+# and the standard deviation of the position of such edges over it, cells. Set on flats that were run in.
+RIM = (1.3, 1.5, 0.05)
+# Excess of the mean of both areas inside the edge, cells along it times the ratio and its square.
+# Measured patch by patch: 0.006, 0.016 and 0.05 cells with 8, 4 and 2 cells a shortest wave, with a lay and without.
+EXCESS_HALF = (0.016, 0.004)
+# Standard deviation of the position of an edge where half of the patch or more is saturated, cells.
+# Set on rough contacts with a pressure limit; spheres at an overload of 1.7 to 2.2 measured 0.057.
+SATURATED = 0.03
+# Relative standard deviation of Hertz's area of a patch at its pressure limit: constant, and over its cells. Set on
+# spheres of 1 to 12 cells radius.
+PLASTIC = (0.0015, 0.05)
+# Approach that the larger patches of a discrete solution lack, over their curvature times the area of a cell.
+# Measured: 0.04 on spheres of 4 to 40 cells, 0.02 to 0.03 for the loads of the small patches of rough contacts.
+LACKING = 0.026
+# Standard deviation of that, for the part of the load on patches whose load does not follow from the approach. Set on
+# the small patches of rough contacts.
+LACKING_STD = 0.04
+# Relative standard deviation of the area of a patch of n cells by its load, times n^(3/2), where it does not follow
+# from the approach. Measured on rough contacts: 0.24, 0.19, 0.25, 0.3 with 1, 2, 3 to 4, 5 to 8 cells.
+LOAD = 0.25
+# Standard deviation of an area whose load was corrected, over the correction. Set on waves of 12.5 cells.
+SHARED = 0.02
+# Relative standard deviation of Hertz's area for heights that the grid hardly resolves, times the ratio to the fourth
+# power, and the cells of a patch that halve it. Set on cones of one to four cells.
+HERTZ_RESOLUTION = (0.008, 10.0)
+# Relative standard deviation of the areas of contacts that have no cell. Set on rough contacts.
+HIDDEN = 0.2
+# Terms a, b, c of the deficit of Hertz's area a v^4 / ((b + v^2) (1 + c v^2)), relative. Measured on rough contacts of
+# 8 cells a shortest wave: 0.013, 0.02, 0.03, 0.04 at a spread v of 0.35, 0.45, 0.6, 0.85.
+HERTZ_DEFICIT = (0.15, 0.02, 2.5)
+
+# --- benchmarks/layer_constants.py: spheres on layers, where E* depends on the wavelength ----------------------------
+
+# Inverse wave number at which the edge meets E*, cells.
+# Measured: rms error of the edge 0.025, 0.018, 0.057 cells with 0.25, 0.5 and 1.
+EDGE_LENGTH = 0.5
+# Standard deviation of the position of the edge, cells times the logarithm of the change of E* over two octaves.
+# Measured on layers of 0.2 and 0.4 cells thickness: rms 0.093.
+LAYERED_SHIFT = 0.1
+# Inverse wave number at which a contact meets E*, radii of the contact.
+# Measured on layers of 1 and 3 cells: rms relative error of the area 0.18, 0.14, 0.34 with 0.25, 0.5 and 1.
+HERTZ_LENGTH = 0.5
+# Relative standard deviation of Hertz's area, times the logarithm of the change of E* over two octaves. Measured: 0.31.
+HERTZ_LAYERED = 0.4

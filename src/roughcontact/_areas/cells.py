@@ -1,0 +1,115 @@
+"""Cells at the edge of the contact: the sides between contact and open cells, and sharp edges."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact._solution import ContactSolution
+from roughcontact.checks import IntArray, Mask
+from roughcontact.grid import Boundary
+
+# Cells of the smallest patch that may have a sharp edge: in a smaller one three cells in a row rise outward by chance.
+_SHARP_PATCH = 9
+# Cells over which the pressure is compared inwards from a sharp edge, beside the cell itself.
+_INWARD = 2
+# Height of a step over the differences of height before and behind it.
+_STEPPED = 4.0
+# Steps, in cells, from a cell to its eight neighbours.
+_NEIGHBOURS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
+
+
+def extend(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArray[Any]:
+    """Return a field with `width` cells more on each side: periodic images, or the outermost cells repeated."""
+    return np.pad(field, width, mode="edge" if boundary is Boundary.FREE else "wrap")
+
+
+def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
+    """Return a mask with all cells up to `width` cells from a marked one marked, along rows, columns and diagonals."""
+    from scipy import ndimage
+
+    extended = extend(mask, width, boundary)
+    grown = ndimage.binary_dilation(extended, np.ones((3, 3), dtype=bool), iterations=width)
+    return np.asarray(grown[width:-width, width:-width])
+
+
+def count_sides(contact: Mask, boundary: Boundary, of: Mask | None = None) -> int:
+    """Return the number of cell sides between contact and open cells (of some cells only), without a free border."""
+    return sum(int(np.count_nonzero(sides)) for sides in _mark_sides(contact, boundary, of))
+
+
+def measure_sides(solution: ContactSolution) -> float:
+    """Return the total length of the cell sides between contact and open cells, m."""
+    across, along = _mark_sides(solution.contact, solution.boundary, None)
+    dx, dy = solution.grid.spacing
+    return float(np.count_nonzero(across) * dy + np.count_nonzero(along) * dx)
+
+
+def find_straight_rows(contact: Mask, boundary: Boundary) -> IntArray:
+    """Return the lengths, in sides, of the straight rows of sides that form the edge of the contact."""
+    lengths = []
+    for axis, sides in enumerate(_mark_sides(contact, boundary, None)):
+        lines = sides if axis == 0 else np.ascontiguousarray(sides.T)
+        if boundary is not Boundary.FREE:
+            # A row that crosses the border is one row: rotate its line so that it begins at a gap.
+            crossing = np.flatnonzero(lines[:, 0] & lines[:, -1] & ~lines.all(axis=1))
+            first = np.argmin(lines[crossing], axis=1)[:, np.newaxis]
+            order = (np.arange(lines.shape[1]) + first) % lines.shape[1]
+            lines[crossing] = np.take_along_axis(lines[crossing], order, axis=1)
+        changes = np.diff(np.pad(lines.astype(np.int8), ((0, 0), (1, 1))), axis=1)
+        lengths.append(np.nonzero(changes == -1)[1] - np.nonzero(changes == 1)[1])
+    return np.concatenate(lengths)
+
+
+def _mark_sides(contact: Mask, boundary: Boundary, of: Mask | None) -> tuple[Mask, Mask]:
+    """Mark the sides of the edge between each cell and the next along x, then along y."""
+    marked = []
+    for axis in (0, 1):
+        sides = contact != np.roll(contact, -1, axis=axis)
+        if of is not None:
+            sides &= of | np.roll(of, -1, axis=axis)
+        if boundary is Boundary.FREE:
+            sides[(-1,) if axis == 0 else (slice(None), -1)] = False
+        marked.append(sides)
+    return marked[0], marked[1]
+
+
+def find_sharp_edges(solution: ContactSolution) -> Mask:
+    """Return the cells of the contact at a sharp edge, as of a flat punch, shape (nx, ny).
+
+    There the pressure does not decay towards the edge over three cells. Along an axis both lateral
+    neighbours must be in contact, along a diagonal both cells beside the outer one must be open:
+    other cells lie beside an edge that runs past them at an angle. The pressure of saturated cells does
+    not depend on the distance from the edge: they are marked where the heights have a step.
+    """
+    contact, patches = solution.contact, solution.patches
+    extended = extend(contact, _INWARD, solution.boundary)
+    pressure = extend(solution.pressure, _INWARD, solution.boundary).ravel()
+    width, (nx, ny) = extended.shape[1], contact.shape
+    interior = np.ones_like(contact)
+    for dx in (1, 2, 3):
+        for dy in (1, 2, 3):
+            interior &= extended[dx : dx + nx, dy : dy + ny]
+    sharp = np.zeros(contact.size, dtype=bool)
+    edge = np.flatnonzero(contact & ~interior)
+    large = np.concatenate(([False], patches.cells >= _SHARP_PATCH))[patches.labels.ravel()[edge]]
+    edge = edge[large]
+    saturated = solution.saturated.ravel()[edge]
+    gap = extend(solution.initial_gap, _INWARD, solution.boundary).ravel() if saturated.any() else pressure
+    at = (edge // ny + _INWARD) * width + edge % ny + _INWARD
+    touching = extended.ravel()
+    for dx, dy in _NEIGHBOURS:
+        step, side = dx * width + dy, dy * width + dx
+        if dx == 0 or dy == 0:
+            sides = touching.take(at + side) & touching.take(at - side)
+        else:
+            sides = ~(touching.take(at + dx * width) | touching.take(at + dy))
+        facing = np.flatnonzero(sides & ~touching.take(at + step))
+        outer, inner, innermost = (pressure.take(at[facing] - k * step) for k in (0, 1, 2))
+        rising = (outer >= inner) & (inner >= innermost) & (innermost > 0.0)
+        before, here, beside, beyond = (gap.take(at[facing] + k * step) for k in (-1, 0, 1, 2))
+        stepped = beside - here > _STEPPED * np.maximum(np.abs(beyond - beside), np.abs(here - before))
+        sharp[edge[facing[np.where(saturated[facing], stepped, rising)]]] = True
+    return sharp.reshape(contact.shape)

@@ -1,0 +1,187 @@
+"""Perimeter, number of patches, approach and mean gap, each with its uncertainty."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+
+from roughcontact._areas import quantity_calibration as calibration
+from roughcontact._areas.calibration import EULER
+from roughcontact._areas.cells import extend, find_straight_rows, measure_sides
+from roughcontact._areas.curvature import average_curvature, curvature_resolution
+from roughcontact._areas.edges import trace_edges
+from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, quantities
+from roughcontact.checks import Array
+from roughcontact.grid import Boundary
+
+# Area that polygons lack inside a smooth convex edge, which `trace_edges` adds, cells: chords and corners.
+_CUT_OFF = 0.5 + EULER
+# Cells of a patch from which its traced length needs no correction.
+_LARGE = 100
+# Smallest ratio of the curvatures of a single summit: longer contacts are strips.
+_SLENDEREST = 0.05
+# Patches of fewer cells may be parts of others, or others may be missing beside them.
+_SMALL = (4, 9)
+# Sum of squares over sum of the lengths of the rows of sides below which a long edge is a diagonal of the grid, sides.
+_DIAGONAL = 1.9
+# Cell sides for each patch from which an edge is long: that of a disc of six cells radius.
+_LONG = 48
+# Weights of central differences of fourth order, no unit.
+# First difference.
+_FIRST = np.array((1.0, -8.0, 0.0, 8.0, -1.0)) / 12.0
+# Second difference.
+_SECOND = np.array((-1.0, 16.0, -30.0, 16.0, -1.0)) / 12.0
+# Distance of a summit from the highest cell, in cells along an axis.
+_FURTHEST = 0.75
+
+
+@quantities.register("perimeter")
+@attrs.frozen
+class EdgeLength(QuantityEstimator):
+    r"""Length of the edge of the contact, m.
+
+    Each patch has the length :math:`2\sqrt{\pi A q}` with its area A and the isoperimetric quotient q of
+    Hertz's ellipse if it is a single summit, else of its traced edge.
+    """
+
+    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the length; see `QuantityEstimator.estimate`."""
+        count = solution.patches.count
+        if count == 0 or solution.contact.all():
+            return Estimate(0.0, 0.0, "m", area.warnings)
+        if area.patches is None:
+            length = measure_sides(solution) * math.pi / 4.0
+            return Estimate(length, calibration.COUNTED_LENGTH * length, "m", area.warnings)
+        edges, cell = trace_edges(solution), solution.grid.cell_area
+        mean, difference, spread = (part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact)))
+        # Single summits have the ellipse of their curvature, others the shape of their traced edge.
+        even = (1.0 - _SLENDEREST) * mean > (1.0 + _SLENDEREST) * difference
+        single = np.where(even, 1.0 / (1.0 + (spread / calibration.UNEVEN) ** 4), 0.0)
+        # Large patches may have holes or span the domain, so that no smooth convex edge bounds their quotient.
+        large = solution.patches.cells >= _LARGE
+        inside = np.maximum(edges.area[1:] - np.where(large, 0.0, _CUT_OFF) * cell, 0.3 * cell)
+        traced = np.maximum(edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large, 0.0, 1.0))
+        around = 2.0 * np.sqrt(np.pi * area.patches)
+        lobed = (1.0 - single) * np.sqrt(traced) * around
+        lost = calibration.LOST_LENGTH * edges.curvature_resolution**1.5 * float(np.sum(lobed))
+        length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
+        uneven = calibration.UNEVEN_LENGTH * edges.curvature_resolution + calibration.LOBED_LENGTH
+        uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
+        relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
+        diagonal = calibration.ZIGZAG * length if _is_diagonal(solution) else 0.0
+        return Estimate(length, math.hypot(relative * length, uneven, diagonal), "m", area.warnings)
+
+
+@quantities.register("patches")
+@attrs.frozen
+class PatchCount(QuantityEstimator):
+    """Number of contact patches: cells that share a side or a corner are one."""
+
+    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the number; see `QuantityEstimator.estimate`."""
+        patches = solution.patches
+        if patches.count == 0:
+            return Estimate(0.0, 0.0, "")
+        _, _, spread = average_curvature(solution, np.flatnonzero(solution.contact))
+        uneven, cells = spread[1:] > calibration.UNEVEN, patches.cells
+        small, few = (int(np.count_nonzero(uneven & (cells < limit))) for limit in _SMALL)
+        many, ratio = int(np.count_nonzero(uneven)), min(curvature_resolution(solution), 2.0)
+        each, unresolved, of_all = calibration.MISSING_PATCHES
+        variance = each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
+        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many)
+        return Estimate(float(patches.count), std, "", area.warnings)
+
+
+@quantities.register("approach")
+@attrs.frozen
+class SummitApproach(QuantityEstimator):
+    """Approach of the bodies since the first touch of the summits between the cells, m.
+
+    The attribute `approach` of a solution counts from the highest cell. Added are the height of the summit above that
+    cell and what uniform pressure on each cell subtracts: see `MeanGap`.
+    """
+
+    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the approach; see `QuantityEstimator.estimate`."""
+        rise, rise_std = find_rise(solution.initial_gap, solution.boundary)
+        shift, shift_std = _find_shift(solution)
+        warnings = area.warnings if solution.status.success else (str(solution.status),)
+        return Estimate(solution.approach + rise + shift, math.hypot(rise_std, shift_std), "m", warnings)
+
+
+@quantities.register("mean-gap")
+@attrs.frozen
+class MeanGap(QuantityEstimator):
+    r"""Mean gap over the domain, m.
+
+    With uniform pressure on each cell the approach is too small by :math:`h^2 \kappa / 36`, with the mean curvature
+    :math:`\kappa` under the contact, and the mean gap too large (measured; zero for `fourier`).
+    """
+
+    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the mean gap; see `QuantityEstimator.estimate`."""
+        shift, std = _find_shift(solution)
+        gap = float(np.mean(solution.gap))
+        outside = 1.0 if solution.boundary is not Boundary.FREE else 1.0 - area.fraction
+        return Estimate(max(gap - shift * outside, 0.0), std * outside, "m", area.warnings)
+
+
+def _elliptic_quotient(mean: Array, difference: Array) -> Array:
+    """Return L^2 / (4 pi A) of Hertz's ellipse of these curvatures: axes in their ratio to the power 2/3; Ramanujan."""
+    known = mean > difference
+    ratio = np.where(known, (mean - difference) / np.where(known, mean + difference, 1.0), 1.0)
+    axes = np.maximum(ratio, _SLENDEREST) ** (2.0 / 3.0)
+    half = 3.0 * (1.0 + axes) - np.sqrt((3.0 + axes) * (1.0 + 3.0 * axes))
+    return np.asarray(half**2 / (4.0 * axes))
+
+
+def _is_diagonal(solution: ContactSolution) -> bool:
+    """Return whether long edges run along a diagonal of the grid."""
+    rows = find_straight_rows(solution.contact, solution.boundary).astype(np.float64)
+    long = rows.sum() > _LONG * solution.patches.count
+    return bool(long and np.sum(rows**2) < _DIAGONAL * rows.sum())
+
+
+def _find_shift(solution: ContactSolution) -> tuple[float, float]:
+    """Return how much the approach is too small, and the standard deviation of that, m."""
+    patches = solution.patches
+    if patches.count == 0:
+        return 0.0, 0.0
+    mean, _, spread = (part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact)))
+    load = patches.forces / patches.forces.sum()
+    bend = float(np.sum(load * np.maximum(mean, 0.0))) * solution.grid.cell_area
+    cells = np.maximum(patches.cells, 1)
+    held = cells / (cells + calibration.SHIFTED_CELLS)
+    shift = calibration.SHIFT_OF_GAP * solution.edge_shift * float(np.sum(load * held))
+    # Alike patches err alike; others average out.
+    number = 1.0 + (1.0 / float(np.sum(load**2)) - 1.0) * min(1.0, float(np.sum(load * spread)) ** 2)
+    few = calibration.SMALL_PATCH_GAP * float(np.sum(load / np.sqrt(cells)))
+    ratio = min(curvature_resolution(solution), 1.0)
+    saturated = float(np.sum(solution.pressure, where=solution.saturated) / np.sum(solution.pressure))
+    own = (calibration.GAP_ERROR + few * (1.0 + ratio)) / math.sqrt(number) + calibration.SATURATED_GAP * saturated
+    return shift * bend, math.hypot(calibration.COMMON_GAP, own, calibration.UNRESOLVED_GAP * ratio) * bend
+
+
+def find_rise(gap: Array, boundary: Boundary) -> tuple[float, float]:
+    """Return the height of the summit above the highest cell, and its standard deviation, m."""
+    if min(gap.shape) < 5:
+        return 0.0, float(np.ptp(gap))
+    i, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
+    near = extend(gap, 2, boundary)[i : i + 5, j : j + 5]
+    rises = []
+    for first, second in (
+        (np.array((0.0, -0.5, 0.0, 0.5, 0.0)), np.array((0.0, 1.0, -2.0, 1.0, 0.0))),
+        (_FIRST, _SECOND),
+    ):
+        slope = np.array((first @ near[:, 2], first @ near[2]))
+        twist = first @ near @ first
+        hessian = np.array(((second @ near[:, 2], twist), (twist, second @ near[2])))
+        if np.linalg.det(hessian) <= 0.0 or hessian[0, 0] <= 0.0:
+            rises.append(0.0)
+            continue
+        place = np.clip(-np.linalg.solve(hessian, slope), -_FURTHEST, _FURTHEST)
+        rises.append(float(-slope @ place - 0.5 * place @ hessian @ place))
+    second_order, fourth_order = rises
+    return max(fourth_order, 0.0), calibration.RISE_ERROR * abs(fourth_order - second_order)

@@ -1,0 +1,47 @@
+"""The constants of maximum pressure, perimeter, patches, approach and mean gap: meaning and unit.
+
+Fitted to the tuned classes of `benchmarks/quantity_classes.py`, which judges them again on those held out. The
+resolution ratio is `curvature_resolution`'s; a bend is less the laplacian of p^2 over itself, in cells.
+"""
+
+# Excess of the square of the discrete maximum pressure for its bend (less h^2 times its laplacian over itself), over
+# the shift of the edge, cells. Measured: 0.027 for Love's kernel, whose shift is 0.018, and none for "fourier".
+PEAK_EXCESS = 1.5
+# Largest bend in that, no unit: beyond it a parabola through the cells has no meaning.
+LARGEST_BEND = 1.0
+# Terms a, b, c of the relative standard deviation a w + b w^2 + c w^4 of a quadratic through p^2 of bend w, no unit.
+PEAK_ERROR = (0.006, 0.005, 0.0012)
+# Factor of that along strips, whose cells err alike, no unit.
+PEAK_ALIKE = 4.0
+# The same where a neighbour is open, times the geometric mean of the bends along both axes, and times the larger one.
+PEAK_EDGE, PEAK_STRIP = 0.5, 0.05
+# Relative standard deviation of a summit's maximum pressure: without cause, times the square of the spread of the
+# curvature, times the change by the fourth derivative; no unit.
+SUMMIT_ERROR = (0.001, 0.6, 0.2)
+# Length lost along an edge of several summits, relative, times the resolution ratio to the power 3/2; half of it is
+# uncertain.
+LOST_LENGTH = 0.05
+# Relative standard deviation of the length of smooth edges, and of edges of several summits times the ratio, no unit.
+LENGTH_ERROR, UNEVEN_LENGTH = 0.003, 0.02
+# The same of edges of several summits whatever the ratio, no unit.
+LOBED_LENGTH = 0.007
+# Relative standard deviation of the length of an edge along the diagonals of the grid, no unit.
+ZIGZAG = 0.05
+# Relative standard deviation of the length by the sides of cells, no unit.
+COUNTED_LENGTH = 0.1
+# Spread of the curvature above which a patch may be part of another one, no unit.
+UNEVEN = 0.3
+# Number of patches, no unit: variance for each of fewer than nine cells; standard deviation for each of fewer than four
+# cells and for each of all, times the resolution ratio.
+MISSING_PATCHES = (0.15, 0.2, 0.1)
+# Excess of the mean gap over h^2 times the mean curvature under the contact, over the shift of the edge, 1/cells.
+SHIFT_OF_GAP = 1.7
+# Cells of a patch that has half of that excess.
+SHIFTED_CELLS = 10.0
+# Standard deviation of the mean gap over h^2 times that curvature: of all patches, of one, of one times the root of its
+# cells, and times the resolution ratio; no unit.
+COMMON_GAP, GAP_ERROR, SMALL_PATCH_GAP, UNRESOLVED_GAP = 0.002, 0.012, 0.15, 0.008
+# The same times the fraction of the load on saturated cells, no unit.
+SATURATED_GAP = 0.06
+# Standard deviation of the height of a summit over the difference of that by second and by fourth order, no unit.
+RISE_ERROR = 0.7

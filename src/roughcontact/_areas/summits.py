@@ -1,0 +1,191 @@
+"""The summits under the patches: place, curvature and contact ellipse of each, from the heights between the cells."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+
+from roughcontact._areas import calibration
+from roughcontact._areas.cells import grow
+from roughcontact._areas.ellipse import find_area_factor, find_axes_ratio, points_of_hertz
+from roughcontact._areas.far_field import FarField, find_far_field
+from roughcontact._areas.spline import Spline
+from roughcontact._solution import ContactSolution
+from roughcontact.checks import Array, Mask
+from roughcontact.grid import Boundary
+
+# Smallest ratio of the principal curvatures of a summit: longer contacts are not elliptic on a rough surface.
+SLENDEREST = 0.05
+# Rounds of place and ellipse, and the one from which the far field is known.
+_ROUNDS, _FAR = 3, 1
+# Rounds of the fixed point for the modulus at the size of a contact: each halves the logarithmic error at least.
+_MODULUS_ROUNDS = 20
+# Cells between an ellipse and a free border, which the spline needs.
+_MARGIN = 2.0
+# Cells between a patch and a non-measured point, which the spline needs.
+_REACH = 3
+
+
+@attrs.frozen(eq=False)
+class Summits:
+    """The ellipse of each patch after Hertz, arrays of shape (count,).
+
+    Attributes
+    ----------
+    known
+        Whether there is a summit with an ellipse that is not too slender.
+    row, column
+        Centre, in cells from the first centre of a cell.
+    area
+        Contact area, m2; of no meaning where `known` is false, as all that follows.
+    axes_ratio, angle
+        Ratio of the axes, at least one, and angle of the longer one from the x axis, rad.
+    curvature
+        Half the sum of the principal curvatures, far field included, 1/m.
+    spread
+        Standard deviation of the curvature over the ellipse, relative to its mean.
+    change
+        Logarithm of the change of the modulus over two octaves at the size of the contact.
+    far
+        Slope and curvature of the displacement by the other patches.
+    """
+
+    known: Mask
+    row: Array
+    column: Array
+    area: Array
+    axes_ratio: Array
+    angle: Array
+    curvature: Array
+    spread: Array
+    change: Array
+    far: FarField
+
+    @property
+    def semi_axis(self) -> Array:
+        """Major semi-axis, m."""
+        return np.asarray(np.sqrt(self.area * self.axes_ratio / np.pi))
+
+    def place(self, u: Array, v: Array) -> tuple[Array, Array]:
+        """Return points (u, v) of the unit circle, shape (n,), on the ellipses: from their centres, m."""
+        major = self.semi_axis[:, np.newaxis]
+        along, across = major * u, major / self.axes_ratio[:, np.newaxis] * v
+        cos, sin = np.cos(self.angle)[:, np.newaxis], np.sin(self.angle)[:, np.newaxis]
+        return cos * along - sin * across, sin * along + cos * across
+
+
+def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
+    """Return the summits of all patches.
+
+    The curvature of the initial gap and of the far field is averaged over the ellipse with Hertz's pressure as
+    weight, which is exact to first order for summits that are not paraboloids, and the centre lies where the slopes
+    balance.
+    """
+    patches, (dx, dy) = solution.patches, solution.grid.spacing
+    row, column = find_centroids(solution)
+    ones, zeros = np.ones(patches.count), np.zeros(patches.count)
+    far = FarField.zero(patches.count)
+    found = Summits(ones > 0.0, row, column, patches.areas, ones, zeros, ones, zeros, zeros, far)
+    u, v, weights = points_of_hertz()
+    for turn in range(_ROUNDS):
+        if turn == _FAR:
+            found = attrs.evolve(found, far=find_far_field(solution, found.row * dx, found.column * dy))
+        x, y = found.place(u, v)
+        _, *slopes, xx, yy, xy = spline.derivatives(found.row[:, None] + x / dx, found.column[:, None] + y / dy)
+        mean = np.stack([part @ weights for part in (xx, yy, xy)])
+        variance = sum(
+            factor * ((part - middle[:, np.newaxis]) ** 2 @ weights)
+            for factor, part, middle in zip((1.0, 1.0, 2.0), (xx, yy, xy), mean, strict=True)
+        )
+        found = _fit_ellipse(solution, found, mean + found.far.curvature, variance)
+        if turn < _ROUNDS - 1:
+            slope = np.stack([part @ weights for part in slopes]) + found.far.slope
+            found = _move(found, slope, mean + found.far.curvature, (dx, dy))
+    return attrs.evolve(found, known=found.known & ~_near_border(solution, found) & ~_near_non_measured(solution))
+
+
+def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
+    """Return the centre of the pressure of each patch, in cells, shape (count,)."""
+    patches = solution.patches
+    members = np.flatnonzero(patches.labels)
+    label, weight = patches.labels.ravel()[members] - 1, solution.pressure.ravel()[members]
+    # Around the first cell of each patch, for a patch may cross the border.
+    _, first = np.unique(label, return_index=True)
+    total = np.bincount(label, weights=weight, minlength=patches.count)
+    centres = []
+    for at, n in zip(np.divmod(members, solution.grid.shape[1]), solution.grid.shape, strict=True):
+        origin = at[first]
+        step = unwrap(at - origin[label], n, solution.boundary)
+        centres.append(origin + np.bincount(label, weights=weight * step, minlength=patches.count) / total)
+    return centres[0], centres[1]
+
+
+def unwrap(steps: Array, cells: int, boundary: Boundary) -> Array:
+    """Return steps between cells along an axis, by the shorter way around a periodic or wrapped domain."""
+    if boundary is Boundary.FREE:
+        return np.asarray(steps, dtype=np.float64)
+    return np.asarray(steps - cells * np.round(steps / cells))
+
+
+def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array, variance: Array) -> Summits:
+    xx, yy, xy = curvature
+    middle, difference = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
+    known = found.known & (middle > 0.0) & (middle - difference > SLENDEREST * (middle + difference))
+    middle, difference = np.where(known, middle, 1.0), np.where(known, difference, 0.0)
+    ratio = (middle - difference) / (middle + difference)
+    area, change = solve_for_area(solution, solution.patches.forces, middle, ratio)
+    return attrs.evolve(
+        found,
+        known=known,
+        area=area,
+        axes_ratio=find_axes_ratio(ratio),
+        angle=0.5 * np.arctan2(2.0 * xy, xx - yy) + 0.5 * np.pi,
+        curvature=middle,
+        spread=np.sqrt(variance) / middle,
+        change=change,
+    )
+
+
+def _move(found: Summits, slope: Array, curvature: Array, spacing: tuple[float, float]) -> Summits:
+    """Move the centres to where the slopes would balance, by one semi-axis at most."""
+    xx, yy, xy = curvature
+    determinant = np.where(found.known, xx * yy - xy**2, 1.0)
+    x, y = (
+        np.where(found.known, (one * a - xy * b) / determinant, 0.0)
+        for one, a, b in ((yy, slope[0], slope[1]), (xx, slope[1], slope[0]))
+    )
+    length = np.hypot(x, y)
+    part = np.where(length > found.semi_axis, found.semi_axis / np.where(length > 0.0, length, 1.0), 1.0)
+    return attrs.evolve(found, row=found.row - part * x / spacing[0], column=found.column - part * y / spacing[1])
+
+
+def solve_for_area(solution: ContactSolution, force: Array, curvature: Array, ratio: Array) -> tuple[Array, Array]:
+    """Return Hertz's areas, m2, with E* at the size of each contact, and the logarithm of how E* changes there."""
+    loaded = 0.75 * np.pi**1.5 * force * find_area_factor(ratio) ** 1.5 / curvature
+    area = (loaded / solution.modulus) ** (2.0 / 3.0)
+    if solution.moduli is None:
+        return area, np.zeros_like(area)
+    shortest = solution.moduli[0][0]
+    for _ in range(_MODULUS_ROUNDS):
+        length = np.maximum(calibration.HERTZ_LENGTH * np.sqrt(area / np.pi), shortest)
+        area = np.sqrt(area * (loaded / solution.effective_modulus(1.0 / length)) ** (2.0 / 3.0))
+    change = np.abs(np.log(solution.effective_modulus(0.5 / length) / solution.effective_modulus(2.0 / length)))
+    return area, np.asarray(change)
+
+
+def _near_border(solution: ContactSolution, found: Summits) -> Mask:
+    """Mark the ellipses that a free border cuts, or nearly so."""
+    near = np.zeros(found.known.shape, dtype=bool)
+    if solution.boundary is Boundary.FREE:
+        for at, n, step in zip((found.row, found.column), solution.grid.shape, solution.grid.spacing, strict=True):
+            reach = found.semi_axis / step + _MARGIN
+            near |= (at < reach) | (at > n - 1 - reach)
+    return near
+
+
+def _near_non_measured(solution: ContactSolution) -> Mask:
+    """Mark the patches beside non-measured points, whose heights are not known there, shape (count,)."""
+    near = np.zeros(solution.patches.count + 1, dtype=bool)
+    if solution.non_measured is not None:
+        near[solution.patches.labels[grow(solution.non_measured, _REACH, solution.boundary)]] = True
+    return near[1:]

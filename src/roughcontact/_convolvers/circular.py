@@ -1,0 +1,129 @@
+"""Circular convolution by FFT on periodic and wrapped boundaries, and its approximate inverse."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+import scipy.fft
+
+from roughcontact._convolvers.base import ConvolutionSetup, Convolver, PreparedConvolution, worker_count
+from roughcontact._kernels import BoundKernel, SupportsSpectrum
+from roughcontact.checks import Array, Pair, RealArray
+from roughcontact.grid import Boundary, Grid
+
+# Sides of the padded grid of the inverse on a free boundary: at least this multiple of the domain's, and this
+# many cells more, so that opposite borders hardly interact. 1.125 and 1.5, 8 and 32 cells change the products of
+# the default solver by less than 1 % (docs/studies/solver_constants.py).
+_PADDED, _PADDING = 1.25, 16
+# Amplitudes below this fraction of the mean are rounding, or ringing of the kernel: their inverse is bounded.
+_SMALLEST = 1e-6
+
+
+@attrs.frozen
+class CircularFFT(Convolver):
+    """Multiplication in Fourier space, without padding.
+
+    ``periodic``: the domain repeats without end and every image counts; the kernel's spectrum is used,
+    and the mean displacement, which is arbitrary, is zero. ``wrapped``: only the nearest image of
+    each cell counts, as in many codes that forget the padding; the kernel's coefficients are used.
+
+    Parameters
+    ----------
+    workers
+        Threads of each transform.
+    """
+
+    workers: int = attrs.field(converter=worker_count, default=1)
+
+    boundaries = frozenset({Boundary.PERIODIC, Boundary.WRAPPED})
+
+    def prepare(self, kernel: BoundKernel, grid: Grid, boundary: Boundary) -> PreparedConvolution:
+        setup = ConvolutionSetup(self, kernel, grid, boundary)
+        spectrum = periodic_spectrum if boundary is Boundary.PERIODIC else wrapped_spectrum
+        symbol = np.ascontiguousarray(spectrum(kernel, grid.shape, grid.spacing))
+        return _CircularConvolution(setup, symbol, self.workers)
+
+
+@attrs.frozen(eq=False)
+class _CircularConvolution(PreparedConvolution):
+    """Transform, multiply by the real symbol, transform back."""
+
+    setup: ConvolutionSetup
+    symbol: Array
+    workers: int
+
+    @cached_property
+    def symbol_float32(self) -> RealArray:
+        """The symbol in float32."""
+        return self.symbol.astype(np.float32)
+
+    def apply(self, pressure: RealArray) -> RealArray:
+        symbol = self.symbol_float32 if pressure.dtype == np.float32 else self.symbol
+        return multiply_waves(pressure, symbol, pressure.shape, self.workers)
+
+
+@attrs.frozen(eq=False)
+class InverseConvolution:
+    """Division by the kernel's spectrum on a periodic grid: a good preconditioner, not an exact inverse.
+
+    Attributes
+    ----------
+    stiffness
+        Pressure amplitude per displacement amplitude of each wave, not negative, zero for the mean,
+        shape (mx, my // 2 + 1).
+    padded
+        Cells (mx, my) of the periodic grid.
+    """
+
+    stiffness: RealArray
+    padded: tuple[int, int]
+
+    def apply(self, displacement: RealArray) -> RealArray:
+        """Return the pressure, of the shape and precision of `displacement` (float32 or float64)."""
+        return multiply_waves(displacement, self.stiffness, self.padded)
+
+
+def multiply_waves(values: RealArray, symbol: RealArray, padded: tuple[int, int], workers: int = 1) -> RealArray:
+    """Return a field, padded with zeros, with each of its waves multiplied by a real symbol, shape of `values`."""
+    nx, ny = values.shape
+    # Two one-dimensional transforms are twice as fast as scipy's two-dimensional inverse.
+    waves = scipy.fft.rfft(values, n=padded[1], axis=1, workers=workers)
+    waves = scipy.fft.fft(waves, n=padded[0], axis=0, overwrite_x=True, workers=workers)
+    waves *= symbol
+    waves = scipy.fft.ifft(waves, axis=0, overwrite_x=True, workers=workers)[:nx]
+    return np.asarray(scipy.fft.irfft(waves, n=padded[1], axis=1, overwrite_x=True, workers=workers)[:, :ny])
+
+
+def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float64) -> InverseConvolution:
+    """Return the approximate inverse of a convolution, its stiffness in the given precision."""
+    shape = setup.grid.shape
+    if setup.boundary is Boundary.FREE:
+        mx, my = (scipy.fft.next_fast_len(max(math.ceil(_PADDED * n), n + _PADDING), real=True) for n in shape)
+        shape = mx, my
+    known = isinstance(setup.kernel.kernel, SupportsSpectrum)
+    spectrum = periodic_spectrum if known else wrapped_spectrum
+    response = np.abs(spectrum(setup.kernel, shape, setup.grid.spacing))
+    response[0, 0] = 0.0
+    floor = _SMALLEST * float(response.mean())
+    stiffness = np.zeros_like(response)
+    np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
+    stiffness[0, 0] = 0.0
+    return InverseConvolution(stiffness.astype(dtype, copy=False), shape)
+
+
+def periodic_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
+    """Return the kernel's spectrum at the waves of a periodic grid, shape (nx, ny // 2 + 1)."""
+    qx = 2 * np.pi / spacing[0] * scipy.fft.fftfreq(shape[0])[:, np.newaxis]
+    qy = 2 * np.pi / spacing[1] * scipy.fft.rfftfreq(shape[1])[np.newaxis, :]
+    return kernel.spectrum(qx, qy, spacing)
+
+
+def wrapped_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
+    """Return the transform of the coefficients of the nearest images, shape (nx, ny // 2 + 1)."""
+    nearest = kernel.coefficients((shape[0] // 2 + 1, shape[1] // 2 + 1), spacing)
+    i, j = (np.minimum(np.arange(n), n - np.arange(n)) for n in shape)
+    return np.ascontiguousarray(scipy.fft.rfft2(nearest[np.ix_(i, j)]).real)

@@ -1,0 +1,29 @@
+"""The half-space in Fourier space."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import attrs
+import numpy as np
+
+from roughcontact._kernels.base import InfluenceKernel
+from roughcontact.checks import Array, Pair
+
+
+@attrs.frozen
+class FourierHalfSpace(InfluenceKernel):
+    r"""Homogeneous half-space whose pressure is the trigonometric polynomial through the cell centres.
+
+    .. math:: \hat u(q) = \frac{2}{E^*\,|q|}\,\hat p(q)
+
+    References
+    ----------
+    Stanley, Kato, J. Tribol. 119 (1997) 481-485, https://doi.org/10.1115/1.2833523
+    """
+
+    edge_shift: ClassVar[float] = 0.0
+
+    def spectrum(self, qx: Array, qy: Array, spacing: Pair, compliance: float) -> Array:
+        """Return ``2 / (E* |q|)``, shape (m, n), m/Pa; see `SupportsSpectrum`."""
+        return np.asarray(2.0 * compliance / np.hypot(qx, qy), dtype=np.float64)

@@ -1,0 +1,75 @@
+"""One solve: the solver's outcome, certified."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import attrs
+import numpy as np
+
+from roughcontact._problem.body import InitialGap
+from roughcontact._problem.certificate import certify
+from roughcontact._problem.task import LOAD_TOLERANCE, make_task
+from roughcontact._solution import ContactSolution
+from roughcontact._solvers import Step
+from roughcontact.checks import Array
+from roughcontact.errors import NotConverged
+from roughcontact.load import Load
+
+if TYPE_CHECKING:
+    from roughcontact._problem.problem import ContactProblem
+
+# Depth of non-measured points that touch, over the sum of the last depth and the approach, and the exponent that it
+# gets in the last round: after eight rounds they are 4^36 = 5e21 times deeper.
+_DEEPER, _MAXIMUM_DEEPENED = 4.0, 8
+
+
+def run_solve(
+    problem: ContactProblem,
+    gap: InitialGap,
+    load: Load,
+    start: Array | None,
+    on_step: Callable[[Step], None] | None,
+) -> ContactSolution:
+    """Return the certified solution at a load, which may be unfinished, without its origin."""
+    started, plan = time.perf_counter(), problem.plan
+    deepened = 0
+    while True:
+        task = attrs.evolve(make_task(plan, gap.values, load, start), on_step=on_step)
+        outcome = plan.solver.solve(problem.convolution, task)
+        # A clock may be set back, as on a machine that was suspended.
+        seconds = max(0.0, time.perf_counter() - started)
+        solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
+        excess = gap.sum_non_measured(solution.pressure)
+        touch = LOAD_TOLERANCE * float(solution.pressure.sum()) < excess < math.inf if excess else False
+        if not touch or deepened == _MAXIMUM_DEEPENED:
+            break
+        # Non-measured points do not touch, however large the approach.
+        deepened += 1
+        gap = gap.with_depth(_DEEPER**deepened * (float(gap.values.max()) + abs(solution.approach)))
+    if excess > 0.0:
+        # The load of the measured points alone: the certificate tells whether it lacks more than rounding.
+        outcome = attrs.evolve(outcome, pressure=np.where(np.asarray(gap.non_measured), 0.0, outcome.pressure))
+        solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
+    return solution
+
+
+def require_success(solution: ContactSolution) -> ContactSolution:
+    """Return the solution, or raise `NotConverged` if it is not certified or not as accurate as was asked."""
+    if not solution.status.success:
+        likely = "".join(f"{warning} " for warning in solution.warnings)
+        raise NotConverged(
+            f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals}). {likely}"
+            "The unfinished solution is in .solution of this error; solve(..., throw=False) returns it.",
+            solution,
+        )
+    if solution.accuracy is not None and not solution.accuracy.met:
+        raise NotConverged(
+            f"{solution.accuracy.explain()} "
+            "The solution is in .solution of this error; solve(..., throw=False) returns it.",
+            solution,
+        )
+    return solution

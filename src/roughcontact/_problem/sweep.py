@@ -1,0 +1,154 @@
+"""Several loads in a row."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import attrs
+import numpy as np
+
+from roughcontact._solution import AreaEstimator, ContactSolution
+from roughcontact.checks import Array, number
+from roughcontact.errors import InputError
+from roughcontact.load import Load
+from roughcontact.units import si
+
+# Relative error of the area at which the search for its load ends; where the area jumps from cell to cell,
+# the search ends at its uncertainty.
+_AREA_TOLERANCE = 1e-3
+# The search halves its bracket in the worst case: 40 halvings narrow any bracket below the criterion for jumps.
+_MAXIMUM_TRIES = 40
+# Relative width of the bracket at which the area is taken to jump.
+_NARROW = 1e-6
+# Mean pressure, over that of a large area, below which the area cannot follow the load: single cells are in contact.
+_LIGHTEST = 1e-20
+
+
+@attrs.frozen(eq=False)
+class Sweep:
+    """Solutions at several loads, and their results as columns of a table.
+
+    Attributes
+    ----------
+    solutions
+        In the order of the loads.
+    """
+
+    solutions: tuple[ContactSolution, ...]
+
+    @property
+    def force(self) -> Array:
+        """Normal forces, N."""
+        return np.array([solution.force for solution in self.solutions])
+
+    @property
+    def mean_pressure(self) -> Array:
+        """Nominal mean pressures, Pa."""
+        return np.array([solution.mean_pressure for solution in self.solutions])
+
+    @property
+    def approach(self) -> Array:
+        """Approaches since first touch, m."""
+        return np.array([solution.approach for solution in self.solutions])
+
+    @property
+    def area(self) -> Array:
+        """Real contact areas by the default estimator, m2."""
+        return np.array([solution.area().value for solution in self.solutions])
+
+    @property
+    def stiffness(self) -> Array:
+        """Slopes dF/d(approach) through neighbouring loads, N/m; nan where there is no neighbour."""
+        if len(self.solutions) < 2 or np.unique(self.approach).size < len(self.solutions):
+            return np.full(len(self.solutions), np.nan)
+        return np.gradient(self.force, self.approach)
+
+    @property
+    def convolutions(self) -> int:
+        """Convolutions of all solves together."""
+        return sum(solution.convolutions for solution in self.solutions)
+
+    def __str__(self) -> str:
+        rows = zip(self.mean_pressure, self.force, self.approach, self.area, self.stiffness, strict=True)
+        nominal = self.solutions[0].grid.area
+        lines = [f"{'mean pressure':>14} {'force':>12} {'approach':>12} {'area, %':>10} {'stiffness':>14}"]
+        lines += [
+            f"{si(p, 'Pa'):>14} {si(f, 'N'):>12} {si(d, 'm'):>12} {100 * a / nominal:>10.4g} {si(k, 'N/m'):>14}"
+            for p, f, d, a, k in rows
+        ]
+        return "\n".join(lines)
+
+
+def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tuple[Load, ...]) -> Sweep:
+    """Return the solutions at all loads; each solve starts from a pressure extrapolated from those before."""
+    solutions: list[ContactSolution] = []
+    for load in loads:
+        solutions.append(solve(load, predict_pressure(solutions, load)))
+    return Sweep(tuple(solutions))
+
+
+def find_load_of_area(
+    solve: Callable[[Load, Array | None], ContactSolution],
+    fraction: float,
+    estimator: str | AreaEstimator,
+    guess: float,
+    maximum: float,
+) -> ContactSolution:
+    """Return the solution at the mean pressure that gives an area; see `ContactProblem.solve_area`.
+
+    Parameters
+    ----------
+    solve
+        Solves for a load and a pressure to start from.
+    fraction, estimator
+        Real over nominal contact area, and the estimator of the area.
+    guess, maximum
+        A mean pressure that gives a large part of the area, and the maximum that can be carried, Pa.
+    """
+    fraction = number(fraction, "The fraction of the area", above=0.0)
+    if fraction >= 1.0:
+        raise InputError.about("The fraction of the area", fraction, "below 1", "Full contact is given by many loads.")
+    low, high = 0.0, maximum
+    pressure = min(0.5 * fraction * guess, 0.5 * maximum)
+    solution = None
+    for _ in range(_MAXIMUM_TRIES):
+        start = None
+        if solution is not None:
+            start = np.minimum(solution.pressure * (pressure / solution.mean_pressure), solution.pressure_limit)
+        solution = solve(Load("pressure", pressure), start)
+        area = solution.area(estimator)
+        if abs(area.fraction / fraction - 1.0) <= _AREA_TOLERANCE:
+            return solution
+        narrow = high - low <= _NARROW * low
+        if narrow and abs(area.fraction - fraction) * solution.grid.area <= area.uncertainty:
+            return solution
+        if narrow or pressure < _LIGHTEST * guess:
+            break
+        low, high = (pressure, high) if area.fraction < fraction else (low, pressure)
+        # At light load the area is nearly in proportion to the load.
+        pressure = pressure * fraction / area.fraction if area.fraction > 0.0 else 2.0 * pressure
+        if not low < pressure < high:
+            pressure = 0.5 * (low + high) if math.isfinite(high) else 2.0 * low
+    raise InputError(
+        f"No load gives an area of {fraction:g} of nominal: near {si(pressure, 'Pa')} the area jumps across it. "
+        "Refine the grid or choose another estimator."
+    )
+
+
+def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | None:
+    """Return the pressure extrapolated from the last two solutions, within its bounds; None for the first load."""
+    if not solutions:
+        return None
+    last = solutions[-1]
+    name = {"pressure": "mean_pressure"}.get(load.kind, load.kind)
+    now = getattr(last, name)
+    if len(solutions) == 1:
+        start = last.pressure * (load.value / now)
+    else:
+        before = getattr(solutions[-2], name)
+        step = (load.value - now) / (now - before) if now != before else 0.0
+        start = last.pressure + step * (last.pressure - solutions[-2].pressure)
+        if not start.max() > 0.0:
+            return None
+    return np.asarray(np.clip(start, 0.0, last.pressure_limit))

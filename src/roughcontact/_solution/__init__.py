@@ -1,0 +1,31 @@
+"""What a solve returns."""
+
+from roughcontact._solution.contact import ContactSolution
+from roughcontact._solution.origin import Origin
+from roughcontact._solution.results import (
+    DEFAULT_AREA,
+    Area,
+    AreaEstimator,
+    Estimate,
+    GridLevel,
+    QuantityEstimator,
+    Residuals,
+    Status,
+    areas,
+    quantities,
+)
+
+__all__ = [
+    "DEFAULT_AREA",
+    "Area",
+    "AreaEstimator",
+    "ContactSolution",
+    "Estimate",
+    "GridLevel",
+    "Origin",
+    "QuantityEstimator",
+    "Residuals",
+    "Status",
+    "areas",
+    "quantities",
+]

@@ -1,0 +1,83 @@
+"""When a measured property of a contact is good, admissible, or neither."""
+
+from __future__ import annotations
+
+import attrs
+
+
+@attrs.frozen
+class Rule:
+    """When a measured value passes.
+
+    Attributes
+    ----------
+    good, admissible
+        Up to `good` it passes, up to `admissible` it needs attention; down to them where `good` is the larger one.
+    reason
+        Why these values.
+    advice
+        What to do about a value that does not pass.
+    """
+
+    good: float
+    admissible: float
+    reason: str
+    advice: str
+
+
+# Rules whose values cost no further solve and no convolution: beyond `admissible` the solution gets a warning.
+PLAUSIBILITY_RULES = {
+    "units": Rule(
+        0,
+        0,
+        "quantities that no contact has: a modulus below 1 MPa without the Poisson's ratio of a gel, or above that of "
+        "diamond; heights that exceed the domain, or an rms slope above 10; a domain above 10 m; cells or heights "
+        "below an atom",
+        "Lengths are in m and moduli in Pa: 5 µm is 5e-6, 210 GPa is 210e9.",
+    ),
+    "border jump": Rule(
+        3,
+        3,
+        "rms step across the border over that between neighbours; waves of eight cells have one",
+        "Beyond the border the domain repeats: subtract the tilt, use a surface that repeats, or boundary='free'.",
+    ),
+    "edge contact": Rule(
+        0,
+        0.25,
+        "fraction of the load on contacts that reach a free border: all of it for a ball that is cut; from a quarter "
+        "on rough surfaces have their maximum pressure there (benchmarks/border_constants.py)",
+        "Nothing lies beyond it, so that the pressure rises as under the edge of a punch: enlarge the domain, or make "
+        "it periodic if the surface repeats; what is near the border must not be used.",
+    ),
+    "tilt": Rule(
+        0.1,
+        0.5,
+        "fraction of the variance of the heights that is a plane, where a contact reaches a free border",
+        "Subtract the plane: surface.detrend('plane'), on the command line --detrend plane.",
+    ),
+    "cells per contact": Rule(
+        0.05,
+        0.5,
+        "fraction of the load on contacts of one cell, whose pressure is no more than their load over the cell's area",
+        "The grid does not resolve their pressure: refine it; a measured map needs a finer pitch, or a filter.",
+    ),
+    "slope": Rule(
+        0.2,
+        0.5,
+        "a half-space neglects the square of the slope: 4 % at 0.2, a quarter at 0.5",
+        "A half-space is a model for small slopes: check that heights and sizes are in metres; filter noise.",
+    ),
+    "peak pressure": Rule(
+        0.1,
+        0.3,
+        "strains are about p / E*; linear elasticity holds up to a tenth",
+        "Linear elasticity holds up to about a tenth: give a hardness (ElasticPerfectlyPlastic, on the command line "
+        "--hardness), or a lower load.",
+    ),
+    "approach": Rule(
+        0.1,
+        0.3,
+        "as for the peak pressure: the mean strain of the domain is about approach over side",
+        "Linear elasticity holds up to about a tenth: check modulus, load and size.",
+    ),
+}

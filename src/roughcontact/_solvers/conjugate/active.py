@@ -1,0 +1,160 @@
+"""The active cells, whose pressure may change, and vectors on them."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TypeAlias
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact.checks import Array, IntArray, Mask, RealArray
+
+# Fraction of active cells above which fields with zeros are faster than lists of cells; 0.2 and 0.8 change the
+# CPU time by less than 3 % (docs/studies/solver_constants.py).
+_DENSE = 0.4
+
+
+@attrs.frozen(eq=False)
+class Partition:
+    """A division of cells (nx, ny) into rectangular blocks (bx, by) of nearly equal size, by rows and columns."""
+
+    shape: tuple[int, int]
+    blocks: tuple[int, int]
+    rows: npt.NDArray[np.int32]
+    columns: npt.NDArray[np.int32]
+
+
+@attrs.frozen(eq=False)
+class ListedCells:
+    """Few active cells, by a flat mask and by their indices: a vector has one entry for each."""
+
+    mask: Mask
+    cells: IntArray
+
+    @property
+    def count(self) -> int:
+        """Number of active cells."""
+        return self.cells.size
+
+    @cached_property
+    def ones(self) -> RealArray:
+        """The vector of ones, float32."""
+        return np.ones(self.cells.size, dtype=np.float32)
+
+    def gather(self, field: RealArray) -> RealArray:
+        """Return the vector of a flat field."""
+        # All cells lie within the field; of the modes of numpy this one checks it fastest.
+        return field.take(self.cells, mode="wrap")
+
+    def scatter(self, vector: RealArray) -> RealArray:
+        """Return the flat field that is the vector on the active cells and zero elsewhere."""
+        field = np.zeros(self.mask.size, dtype=vector.dtype)
+        field[self.cells] = vector
+        return field
+
+    def store(self, field: RealArray, vector: RealArray) -> None:
+        """Set a flat field on the active cells."""
+        field[self.cells] = vector
+
+    def limits(self, limit: Array) -> Array:
+        """Return the pressure limits, one entry or a flat field, in a form that broadcasts to vectors."""
+        return limit if limit.size == 1 else self.gather(limit)
+
+    def positions(self, mask: Mask) -> IntArray:
+        """Return the positions in a vector of the marked cells, all of them active."""
+        return np.flatnonzero(self.gather(mask))
+
+    def blocks(self, partition: Partition) -> _ListedBlocks:
+        """Return the active cells by blocks of a partition."""
+        i, j = np.divmod(self.cells, partition.shape[1])
+        return _ListedBlocks(partition.rows[i] * partition.blocks[1] + partition.columns[j], partition)
+
+
+@attrs.frozen(eq=False)
+class MaskedCells:
+    """Many active cells: vectors are flat fields, zero on all others; see `ListedCells`."""
+
+    mask: Mask
+    count: int
+
+    @cached_property
+    def ones(self) -> RealArray:
+        """The vector of ones, which is the mask, float32."""
+        return self.mask.astype(np.float32)
+
+    def gather(self, field: RealArray) -> RealArray:
+        """Return the field, zero where it is not active."""
+        factor = self.ones if field.dtype == np.float32 else self.mask
+        return np.multiply(field, factor, dtype=field.dtype)
+
+    def scatter(self, vector: RealArray) -> RealArray:
+        """Return the vector itself."""
+        return vector
+
+    def store(self, field: RealArray, vector: RealArray) -> None:
+        """Set a flat field on the active cells."""
+        np.copyto(field, vector, where=self.mask)
+
+    def limits(self, limit: Array) -> Array:
+        """Return the limit itself: where a cell is not active the pressure in a vector is zero."""
+        return limit
+
+    def positions(self, mask: Mask) -> IntArray:
+        """Return the marked cells."""
+        return np.flatnonzero(mask)
+
+    def blocks(self, partition: Partition) -> _MaskedBlocks:
+        """Return the active cells by blocks of a partition."""
+        return _MaskedBlocks(self, partition)
+
+
+ActiveCells: TypeAlias = ListedCells | MaskedCells
+
+
+@attrs.frozen(eq=False)
+class _ListedBlocks:
+    """Listed cells with the number of the block of each."""
+
+    numbers: IntArray
+    partition: Partition
+
+    def sums(self, vector: RealArray) -> RealArray:
+        """Return the sum over each block, shape (bx, by)."""
+        bx, by = self.partition.blocks
+        return np.bincount(self.numbers, weights=vector, minlength=bx * by).reshape(bx, by)
+
+    def spread(self, values: RealArray) -> RealArray:
+        """Return the vector that has the value of its block, shape (bx, by), on each cell."""
+        return values.ravel().take(self.numbers, mode="wrap")
+
+
+@attrs.frozen(eq=False)
+class _MaskedBlocks:
+    """Masked cells by blocks; see `_ListedBlocks`."""
+
+    active: MaskedCells
+    partition: Partition
+
+    def sums(self, vector: RealArray) -> RealArray:
+        """Return the sum over each block, shape (bx, by)."""
+        parts = (self.partition.rows, self.partition.columns)
+        rows, columns = (np.flatnonzero(np.diff(part, prepend=-1)) for part in parts)
+        # Sums along the first axis add rows at a time; for the second axis the array is transposed.
+        strips = np.add.reduceat(vector.reshape(self.partition.shape), rows, axis=0)
+        found = np.add.reduceat(np.ascontiguousarray(strips.T), columns, axis=0).T
+        # A padded domain has blocks beyond the last cell, which stay empty.
+        sums = np.zeros(self.partition.blocks, dtype=vector.dtype)
+        sums[: rows.size, : columns.size] = found
+        return sums
+
+    def spread(self, values: RealArray) -> RealArray:
+        """Return the vector that has the value of its block on each cell."""
+        return self.active.gather(np.take(values[self.partition.rows], self.partition.columns, axis=1).ravel())
+
+
+def active_cells(mask: Mask) -> ActiveCells:
+    """Return the marked cells of a flat mask, in the form that is faster."""
+    count = int(np.count_nonzero(mask))
+    return MaskedCells(mask, count) if count > _DENSE * mask.size else ListedCells(mask, np.flatnonzero(mask))

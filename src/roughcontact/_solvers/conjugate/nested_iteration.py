@@ -1,0 +1,214 @@
+"""Smaller grids: nested iteration from coarse grids to fine ones, and the part of a free domain that can touch."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+
+from roughcontact._convolvers import PreparedConvolution
+from roughcontact._convolvers.circular import approximate_inverse
+from roughcontact._solution import GridLevel
+from roughcontact._solvers.base import Monitor, Task, starting_pressure
+from roughcontact._solvers.conjugate.refinement import Refinement
+from roughcontact.checks import Array, IntArray
+from roughcontact.grid import Boundary, Grid
+
+# Axes are halved down to this many cells, and to the second number where only the approach is wanted.
+_COARSEST, _ESTIMATE = 32, 64
+# Error and iterations at which a coarse solve ends: its grid makes it no better than that.
+_TOLERANCE, _ITERATIONS = 1e-2, 60
+# Factor on the estimated approach, for its error; a window that proves too small is enlarged.
+_MARGIN = 1.02
+# Sides of a window are multiples of so many cells, so that they can be halved.
+_ROUND = 32
+# Fraction of the domain above which a window saves nothing.
+_WORTH = 0.7
+
+
+@attrs.frozen(eq=False)
+class InitialGuess:
+    """A pressure to start from, within the bounds, shape (nx, ny), and the work on coarser grids.
+
+    Attributes
+    ----------
+    products
+        Cost in convolutions on the grid of the pressure.
+    closed
+        Whether the pressure closes every gap, so that it is the solution.
+    met_limit
+        Whether the pressure limit shortened a step on any coarser grid.
+    """
+
+    pressure: Array
+    products: float
+    levels: tuple[GridLevel, ...] = ()
+    closed: bool = False
+    met_limit: bool = False
+
+
+def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGuess:
+    """Return the pressure of the next coarser grid, itself solved so, interpolated to the grid of the task."""
+    grid = convolution.setup.grid
+    halved = coarsen(grid, task)
+    if halved is None:
+        return _guess_without_grids(convolution, task)
+    coarse_grid, coarse_task = halved
+    coarse = convolution.on(coarse_grid)
+    fx, fy = (n // m for n, m in zip(grid.shape, coarse_grid.shape, strict=True))
+    guess = nested_iteration(coarse, coarse_task)
+    pressure, products, levels, met_limit = guess.pressure, guess.products, guess.levels, guess.met_limit
+    if not guess.closed:
+        refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
+        pressure, _, _ = refinement.run(guess.pressure)
+        products += refinement.products
+        levels = (*levels, refinement.level)
+        met_limit |= refinement.met_limit
+    products /= fx * fy
+    if pressure.min() > 0.0:
+        full = full_contact(convolution, task)
+        products += 1
+        if full is not None:
+            return InitialGuess(full, products, levels, closed=True)
+    return InitialGuess(
+        np.minimum(_interpolate(pressure, fx, fy), task.pressure_limit), products, levels, met_limit=met_limit
+    )
+
+
+def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
+    """Return the grid with every axis halved that is even and long enough, and its task; None if there is none."""
+    shape = tuple(n // 2 if n % 2 == 0 and n // 2 >= _COARSEST else n for n in grid.shape)
+    if shape == grid.shape:
+        return None
+    half = Grid(shape, grid.size)
+    gap, limit = (_average(values, half.shape) for values in (task.initial_gap, task.pressure_limit))
+    return half, attrs.evolve(task, initial_gap=gap, pressure_limit=limit)
+
+
+def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[float | None, bool]:
+    """Return the approach at the load of a task, from a coarse grid, and whether the limit shortened a step.
+
+    The approach is None if there is no coarse grid.
+    """
+    if task.approach is not None:
+        return task.approach, False
+    half = coarsen(convolution.setup.grid, attrs.evolve(task, start=None))
+    if half is None:
+        return None, False
+    while max(half[0].shape) > _ESTIMATE and (coarser := coarsen(*half)) is not None:
+        half = coarser
+    coarse, coarse_task = convolution.on(half[0]), half[1]
+    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
+    _, violation, _ = refinement.run(_guess_without_grids(coarse, coarse_task).pressure)
+    return violation.approach, refinement.met_limit
+
+
+def full_contact(convolution: PreparedConvolution, task: Task) -> Array | None:
+    """Return the pressure that closes every gap of a periodic surface, if it is within the bounds."""
+    if convolution.setup.boundary is not Boundary.PERIODIC or task.mean_pressure is None:
+        return None
+    pressure = task.mean_pressure - approximate_inverse(convolution.setup).apply(task.initial_gap)
+    within = pressure.min() >= 0.0 and not (pressure > task.pressure_limit).any()
+    return pressure if within else None
+
+
+def _guess_without_grids(convolution: PreparedConvolution, task: Task) -> InitialGuess:
+    full = full_contact(convolution, task)
+    tried = 1 if convolution.setup.boundary is Boundary.PERIODIC else 0
+    return InitialGuess(starting_pressure(task) if full is None else full, tried, closed=full is not None)
+
+
+def _average(values: Array, shape: tuple[int, int]) -> Array:
+    """Return the means of fine cells on a grid of `shape`, with one or both axes halved; one entry stays."""
+    if values.size == 1:
+        return values
+    cells = values.size
+    if values.shape[0] > shape[0]:
+        values = values[0::2] + values[1::2]
+    if values.shape[1] > shape[1]:
+        values = values[:, 0::2] + values[:, 1::2]
+    return np.ascontiguousarray(values) / (cells // values.size)
+
+
+def _interpolate(values: Array, fx: int, fy: int) -> Array:
+    """Interpolate linearly between cell centres along the axes that were halved."""
+    # The second axis first, while there are fewer rows: its steps are not contiguous.
+    for axis, factor in ((1, fy), (0, fx)):
+        if factor == 2:
+            coarse = np.moveaxis(values, axis, 0)
+            fine = np.moveaxis(np.empty([n * (1 + (k == axis)) for k, n in enumerate(values.shape)]), axis, 0)
+            quarter = 0.25 * coarse
+            np.multiply(coarse, 0.75, out=fine[0::2])
+            fine[1::2] = fine[0::2]
+            fine[2::2] += quarter[:-1]
+            fine[0] += quarter[-1]
+            fine[1:-1:2] += quarter[1:]
+            fine[-1] += quarter[0]
+            values = np.moveaxis(fine, 0, axis)
+    return values
+
+
+@attrs.frozen(eq=False)
+class Window:
+    """A rectangle of cells outside which a free domain cannot touch.
+
+    Pressure displaces every other cell away: with K and p not negative the gap is at least h - approach,
+    so that contact lies where the initial gap h is below the approach.
+    """
+
+    rows: slice
+    columns: slice
+
+    def restrict(self, values: Array) -> Array:
+        """Return the part of a field inside the window."""
+        return np.ascontiguousarray(values[self.rows, self.columns])
+
+    def embed(self, values: Array, shape: tuple[int, int]) -> Array:
+        """Return a field of the grid's shape that is zero outside the window."""
+        field = np.zeros(shape)
+        field[self.rows, self.columns] = values
+        return field
+
+    def task(self, task: Task) -> Task:
+        """Return the same task for the cells inside: the same load, limit and start."""
+        inside, mean, limit = self.restrict(task.initial_gap), task.mean_pressure, task.pressure_limit
+        return attrs.evolve(
+            task,
+            initial_gap=inside,
+            mean_pressure=None if mean is None else mean * (task.initial_gap.size / inside.size),
+            pressure_limit=limit if limit.size == 1 else self.restrict(limit),
+            start=None if task.start is None else self.restrict(task.start),
+        )
+
+    def convolution(self, convolution: PreparedConvolution) -> PreparedConvolution:
+        """Return the convolution of the cells inside."""
+        (dx, dy), (nx, ny) = convolution.setup.grid.spacing, (s.stop - s.start for s in (self.rows, self.columns))
+        return convolution.on(Grid((nx, ny), (nx * dx, ny * dy)))
+
+    def contains_contact(self, initial_gap: Array, approach: float) -> bool:
+        """Return whether no cell outside can touch at an approach."""
+        touching = initial_gap < approach
+        inside = np.count_nonzero(touching[self.rows, self.columns])
+        return bool(np.count_nonzero(touching) == inside)
+
+
+def find_window(convolution: PreparedConvolution, task: Task, approach: float) -> Window | None:
+    """Return the window of the cells that can touch at about this approach; None if it saves nothing."""
+    if convolution.setup.boundary is not Boundary.FREE:
+        return None
+    touching = task.initial_gap <= _MARGIN * approach
+    if not touching.any():
+        return None
+    rows, columns = (_extent(np.flatnonzero(touching.any(axis=axis)), touching.shape[1 - axis]) for axis in (1, 0))
+    if touching[rows, columns].size > _WORTH * touching.size:
+        return None
+    capacity = np.sum(np.broadcast_to(task.pressure_limit, touching.shape)[rows, columns])
+    mean = task.mean_pressure
+    return Window(rows, columns) if mean is None or mean * task.initial_gap.size <= capacity else None
+
+
+def _extent(marked: IntArray, count: int) -> slice:
+    """Return a range that contains the marked of `count` cells and is a multiple of `_ROUND` long."""
+    first, last = int(marked[0]), int(marked[-1]) + 1
+    length = min(-(-(last - first + 2) // _ROUND) * _ROUND, count)
+    start = min(max(first - (length - (last - first)) // 2, 0), count - length)
+    return slice(start, start + length)

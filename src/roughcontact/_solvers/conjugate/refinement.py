@@ -1,0 +1,113 @@
+"""Verification in float64 around the descent in float32."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+
+from roughcontact._convolvers import PreparedConvolution
+from roughcontact._convolvers.circular import approximate_inverse
+from roughcontact._solution import GridLevel, Status
+from roughcontact._solution.conditions import Violation
+from roughcontact._solvers.base import Monitor, Task
+from roughcontact._solvers.conjugate.descent import Descent
+from roughcontact._solvers.conjugate.preconditioner import Preconditioner
+from roughcontact._solvers.projection import ApproachControl, Control, LoadControl
+from roughcontact.checks import Array
+
+# Factor by which one pass in float32 may lower the error: its own rounding, 6e-8, leaves a margin of 300.
+_GAIN = 2e-5
+# The estimate aims at this fraction of the tolerance, which the verification has to meet.
+_MARGIN = 0.7
+# Below the first factor of its error a pass ends after three iterations that do not lower the error to a third.
+_LATE, _SLOW, _PATIENCE = 3e-3, 1.0 / 3.0, 3
+# Iterations of a pass, and verifications of a solve, that may go by without the error being halved.
+_IDLE, _STALLED = 30, 5
+
+
+class Refinement:
+    """Solves one task on one grid from a start.
+
+    The gap of the pressure is computed in float64, and its increments in float32: they shrink with
+    the error, so that float32 is enough. Only the float64 gap, which the monitor judges, decides.
+    """
+
+    def __init__(self, convolution: PreparedConvolution, task: Task, monitor: Monitor) -> None:
+        self._convolution = convolution
+        self._task = task
+        self._monitor = monitor
+        self._limit = task.pressure_limit.ravel()
+        mean = task.mean_pressure
+        self._control: Control = ApproachControl() if mean is None else LoadControl(mean * task.initial_gap.size)
+        self.verifications = 0
+
+    @cached_property
+    def _preconditioner(self) -> Preconditioner:
+        # A start that needs no descent, such as full contact, needs no preconditioner either.
+        inverse = approximate_inverse(self._convolution.setup, np.float32)
+        return Preconditioner(inverse, self._convolution, rigid=self._task.mean_pressure is None)
+
+    @cached_property
+    def _descent(self) -> Descent:
+        return Descent(self._convolution, self._preconditioner, self._control, self._limit)
+
+    @property
+    def met_limit(self) -> bool:
+        """Whether the pressure limit has shortened any step so far."""
+        return len(self._monitor.history) > 1 and self._descent.met_limit
+
+    @property
+    def products(self) -> int:
+        """Convolutions and inverse convolutions so far, in either precision."""
+        level = self.level
+        return level.double + level.single + level.inverse
+
+    @property
+    def level(self) -> GridLevel:
+        """The work so far."""
+        shape, iterations = self._task.initial_gap.shape, len(self._monitor.history) - 1
+        if iterations == 0:
+            return GridLevel(shape, 0, self.verifications)
+        return GridLevel(shape, iterations, self.verifications, self._descent.products, self._preconditioner.products)
+
+    def run(self, pressure: Array) -> tuple[Array, Violation, Status]:
+        """Return the solution from a start, shape (nx, ny), changed in place, its violation and how the solve ended."""
+        shape, flat = pressure.shape, pressure.reshape(-1)
+        best, idle = math.inf, 0
+        while True:
+            flat = self._control.restore(flat, self._limit)
+            displacement = self._convolution.apply(flat.reshape(shape))
+            self.verifications += 1
+            if self._monitor.history:
+                # An estimate, which the verified error replaces.
+                self._monitor.history.pop()
+            violation, status = self._monitor.judge(flat.reshape(shape), displacement)
+            if status is None:
+                idle = 0 if violation.error < 0.5 * best else idle + 1
+                best = min(best, violation.error)
+                if idle > _STALLED:
+                    status = Status.STALLED
+            if status is not None:
+                return flat.reshape(shape), violation, status
+            displacement += self._task.initial_gap
+            displacement -= violation.approach
+            self._descent.start(flat, displacement.ravel().astype(np.float32))
+            del displacement
+            self._descend(violation)
+            self._descent.stop()
+
+    def _descend(self, violation: Violation) -> None:
+        """Iterate until the estimate of the error makes a verification worth its convolution."""
+        goal = max(_MARGIN * self._monitor.tolerance, _GAIN * violation.error)
+        error, slow, best, idle = violation.error, 0, violation.error, 0
+        while self._monitor.has_iterations_left and self._descent.iterate():
+            previous, error = error, self._descent.error() / violation.scale
+            self._monitor.record(error)
+            late = error < _LATE * violation.error
+            slow = slow + 1 if late and error > _SLOW * previous else 0
+            idle = 0 if error < 0.5 * best else idle + 1
+            best = min(best, error)
+            if error <= goal or slow >= _PATIENCE or idle >= _IDLE:
+                return

@@ -1,0 +1,202 @@
+"""Checks of input values: each returns the clean value or raises an `InputError`."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact.errors import InputError
+from roughcontact.errors.door import outside
+
+Array: TypeAlias = npt.NDArray[np.float64]
+RealArray: TypeAlias = npt.NDArray[Any]
+IntArray: TypeAlias = npt.NDArray[np.intp]
+Mask: TypeAlias = npt.NDArray[np.bool_]
+Pair: TypeAlias = tuple[float, float]
+# Magnitudes of quantities in SI units; products of a few of them stay within float64.
+SMALLEST, LARGEST = 1e-60, 1e60
+# Characters of a path: PATH_MAX of Linux, the largest of the systems.
+_LONGEST_PATH = 4096
+
+
+def number(
+    value: object,
+    what: str,
+    unit: str = "",
+    *,
+    above: float | None = None,
+    at_least: float | None = None,
+    at_most: float | None = None,
+) -> float:
+    """Return `value` as a finite float inside the given bounds.
+
+    Parameters
+    ----------
+    value
+        What the user gave.
+    what, unit
+        The name of the quantity and its SI unit, for the sentence.
+    above, at_least, at_most
+        Bounds: exclusive lower, inclusive lower, inclusive upper.
+
+    Raises
+    ------
+    InputError
+        If `value` is not a real finite number or is out of bounds.
+    """
+    bounds = [
+        f"above {above:g}" if above is not None else "",
+        f"at least {at_least:g}" if at_least is not None else "",
+        f"at most {at_most:g}" if at_most is not None else "",
+    ]
+    limits = " and ".join(filter(None, bounds))
+    allowed = "a finite number" + (f", {limits}" if limits else "") + (f" ({unit})" if unit else "")
+    kind = getattr(getattr(value, "dtype", None), "kind", "f")
+    if kind not in "fiu" or isinstance(value, (bool, complex)) or not hasattr(value, "__float__"):
+        raise InputError.about(what, value, allowed)
+    try:
+        result = math.nan if np.ma.is_masked(value) or np.ndim(value) else float(value)  # type: ignore[arg-type]
+    # A class of the caller's may fail in any way.
+    except Exception:
+        raise InputError.about(what, value, allowed) from None
+    inside = (
+        math.isfinite(result)
+        and (above is None or result > above)
+        and (at_least is None or result >= at_least)
+        and (at_most is None or result <= at_most)
+    )
+    if not inside:
+        raise InputError.about(what, value, allowed)
+    if abs(result) > LARGEST or (above == 0.0 and result < SMALLEST):
+        raise InputError.about(what, result, f"between {SMALLEST:g} and {LARGEST:g} in magnitude", "Check its unit.")
+    return result
+
+
+def integer(value: object, what: str, *, at_least: int) -> int:
+    """Return `value` as an int of at least `at_least`, or raise `InputError`."""
+    allowed = f"a whole number of at least {at_least}"
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < at_least:
+        raise InputError.about(what, value, allowed)
+    return int(value)
+
+
+def flag(value: object, what: str) -> bool:
+    """Return `value` as a bool, or raise `InputError` if it is something else."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError.about(what, value, "True or False")
+    return bool(value)
+
+
+def pair(
+    value: float | Sequence[float],
+    what: str,
+    unit: str = "",
+    *,
+    above: float | None = None,
+    at_least: float | None = None,
+) -> Pair:
+    """Return one value or two as an (x, y) pair of finite floats, or raise `InputError`."""
+    is_list = isinstance(value, (tuple, list, np.ndarray)) and np.ndim(value)
+    items: list[Any] = list(value) if is_list else [value, value]  # type: ignore[arg-type]
+    if len(items) != 2:
+        raise InputError.about(what, value, f"one value or two, (x, y) ({unit or 'no unit'})")
+    x, y = (number(item, what, unit, above=above, at_least=at_least) for item in items)
+    return x, y
+
+
+def choice(value: object, what: str, allowed: Sequence[str]) -> str:
+    """Return `value` if it is one of the words in `allowed`, or raise `InputError`."""
+    if not isinstance(value, str) or value not in allowed:
+        words = ", ".join(repr(word) for word in allowed)
+        raise InputError.about(what, value, f"one of {words}")
+    return str(value)
+
+
+def instance_of(base: type, what: str, allowed: str) -> Callable[[Any, Any, Any], None]:
+    """Return an attrs validator that asks for an instance of `base`, in words."""
+
+    def check(_: Any, __: Any, value: Any) -> None:
+        if not isinstance(value, base):
+            raise InputError.about(what, value, allowed)
+
+    return check
+
+
+def path(value: object, what: str) -> Path:
+    """Return `value`, a text or a path, as a path that the system can take, or raise `InputError`."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise InputError.about(what, value, "a str or a path")
+    name = os.fspath(value)
+    if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_PATH or "\0" in name:
+        raise InputError.about(what, name, f"a path of 1 to {_LONGEST_PATH} characters, without the character NUL")
+    return Path(name)
+
+
+def callback(value: object, what: str, *given: str) -> Callable[..., Any] | None:
+    """Return a user's function of the arguments `given`, or None, in a form whose errors reach the user as they are."""
+    if value is None:
+        return None
+    allowed = f"a function of {len(given)} argument{'s'[: len(given) > 1]}, {', '.join(given)}"
+    if not callable(value):
+        raise InputError.about(what, value, allowed)
+    try:
+        inspect.signature(value).bind(*given)
+    except TypeError:
+        raise InputError.about(what, value, allowed) from None
+    # Functions written in C have no signature.
+    except ValueError:
+        pass
+    return outside(value)
+
+
+def frozen_array(values: Array) -> Array:
+    """Return `values` as a C-ordered, read-only float64 array."""
+    array = np.ascontiguousarray(values, dtype=np.float64)
+    array.flags.writeable = False
+    return array
+
+
+def read_only(values: RealArray) -> RealArray:
+    """Return a view of an array, or the array made from other values, that cannot be written to."""
+    array = np.asarray(values).view()
+    array.flags.writeable = False
+    return array
+
+
+def heights_array(values: npt.ArrayLike) -> Array:
+    """Return a private, read-only copy of a height map after checking it.
+
+    Raises
+    ------
+    InputError
+        If the array is not two-dimensional, holds fewer than two cells, no numbers, or values
+        that are not finite (missing points of a measurement, usually).
+    """
+    what = "The height map"
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        values = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)
+    try:
+        array = np.array(values)
+    except ValueError:
+        raise InputError(f"{what} must be a rectangular array, but its rows differ in length.") from None
+    if array.dtype.kind not in "fiu":
+        raise InputError.about(what, array, "an array of real numbers (m)")
+    if array.ndim != 2 or array.size < 2:
+        raise InputError.about(what, array.shape, "a two-dimensional array [x, y] of at least two cells")
+    array = np.ascontiguousarray(array, dtype=np.float64)
+    missing = array.size - int(np.count_nonzero(np.isfinite(array)))
+    if missing:
+        raise InputError(
+            f"{what} must be finite everywhere, but {missing} of {array.size} points are NaN or infinite. "
+            "Fill them first, for instance with read_surface(path, non_measured='fill')."
+        )
+    if max(array.max(), -array.min()) > LARGEST:
+        raise InputError(f"{what} must hold heights of at most {LARGEST:g} m: check the unit.")
+    return frozen_array(array)

@@ -1,0 +1,108 @@
+"""The errors that roughcontact raises, a small tree with one root."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+# Characters of a value that a sentence repeats.
+_VALUE = 80
+
+
+class RoughContactError(Exception):
+    """The root of every error raised on purpose by this package."""
+
+
+class InputError(RoughContactError, ValueError):
+    """Bad input: the sentence says which value, what was given, what is allowed and what to do."""
+
+    @classmethod
+    def about(cls, what: str, got: object, allowed: str, advice: str = "") -> InputError:
+        """Compose the sentence from its four parts.
+
+        Parameters
+        ----------
+        what
+            The quantity, in the words of the field.
+        got
+            The value that was given.
+        allowed
+            What would have been accepted.
+        advice
+            What to do, when that is not plain from `allowed`.
+        """
+        sentence = f"{what} must be {allowed}, but got {short(got)}."
+        return cls(f"{sentence} {advice}" if advice else sentence)
+
+    @classmethod
+    def unknown(cls, kind: str, name: object, known: Iterable[str]) -> InputError:
+        """Compose the sentence for a name that is not known, with the closest known one."""
+        names = sorted(known)
+        close = difflib.get_close_matches(str(name)[:_VALUE].lower(), names, n=1, cutoff=0.5)
+        guess = f" Did you mean {close[0]!r}?" if close else ""
+        return cls(f"There is no {kind} named {short(name)}.{guess} Known: {', '.join(names) or 'none'}.")
+
+
+class MissingPackage(RoughContactError, ImportError):
+    """An optional package is needed for what was asked, and is not installed."""
+
+
+class FileError(RoughContactError, OSError):
+    """A file or folder could not be read or written."""
+
+
+class NotWritten(FileError):
+    """A file could not be written; what stood under its name is unchanged."""
+
+    def __str__(self) -> str:
+        return f"The file {self.filename!r} cannot be written: {self.strerror}."
+
+
+class NotConverged(RoughContactError, RuntimeError):
+    """The solver stopped without a certified solution.
+
+    Attributes
+    ----------
+    solution
+        The unfinished `ContactSolution`, with its `status` and `residuals`.
+    """
+
+    def __init__(self, message: str, solution: Any) -> None:
+        super().__init__(message, solution)
+        self.solution = solution
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class StudyStopped(RoughContactError, RuntimeError):
+    """A study could not continue; what was solved is on disk, and the study, run again, continues from there."""
+
+
+class OutOfMemory(RoughContactError, MemoryError):
+    """What was asked for needs more memory than there is."""
+
+
+class UnexpectedError(RoughContactError, RuntimeError):
+    """A call failed for a reason that no check has foreseen; its `__cause__` is the error that was met."""
+
+
+def short(value: object) -> str:
+    """Return a value in a few words."""
+    if isinstance(value, (np.ndarray, np.dtype)):
+        return f"an array of shape {getattr(value, 'shape', '?')} and type {getattr(value, 'dtype', '?')}"
+    try:
+        text = " ".join(repr(value).split())
+    # A class of the caller's may fail to describe itself.
+    except Exception:
+        text = f"a {type(value).__name__}"
+    is_own = type(value).__module__ != "builtins" and len(text) > _VALUE
+    return f"a {type(value).__name__}" if is_own or "array(" in text else shorten(text, _VALUE)
+
+
+def shorten(text: str, longest: int) -> str:
+    """Return a text, cut to its first characters."""
+    return text if len(text) <= longest else text[: longest - 3] + "..."

@@ -1,0 +1,242 @@
+"""The door: every error that a public call meets becomes a `RoughContactError`, in one place."""
+
+from __future__ import annotations
+
+import collections.abc
+import enum
+import functools
+import inspect
+import numbers
+import re
+import sys
+import threading
+import types
+import typing
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
+
+import numpy as np
+
+from roughcontact.errors import (
+    FileError,
+    InputError,
+    MissingPackage,
+    OutOfMemory,
+    RoughContactError,
+    UnexpectedError,
+    short,
+    shorten,
+)
+
+T = TypeVar("T")
+# Characters of another package's message that a sentence repeats.
+_MESSAGE = 240
+
+
+class _Thread(threading.local):
+    """Whether a thread is inside a public call."""
+
+    inside = False
+
+
+_THREAD = _Thread()
+# The special methods that are public operations; the others belong to Python.
+_OPERATIONS = (
+    "__init__",
+    "__str__",
+    "__repr__",
+    "__add__",
+    "__getitem__",
+    "__iter__",
+    "__len__",
+    "__contains__",
+    "__call__",
+    "__getattr__",
+)
+_GUARDED: set[type] = set()
+
+
+def guarded(public: T) -> T:
+    """Return a public function or class, every call of which ends in a result or in a `RoughContactError`.
+
+    The outermost call translates what it meets. Inside it nothing changes, so that this package sees all errors as they
+    are, and the errors of a user's callback pass (see `outside`). A class is changed in place.
+    """
+    value: Any = public
+    if isinstance(public, type):
+        for cls in (*public.__mro__, *_descendants(public)):
+            if cls.__module__.partition(".")[0] == "roughcontact" and cls not in _GUARDED:
+                _GUARDED.add(cls)
+                _guard_class(cls)
+        return public
+    return typing.cast(T, _guard_function(value, value.__name__))
+
+
+def outside(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a user's function for calls from inside: its errors pass as they are."""
+
+    @functools.wraps(function)
+    def call(*args: Any, **kwargs: Any) -> Any:
+        before, _THREAD.inside = _THREAD.inside, False
+        try:
+            return function(*args, **kwargs)
+        except Exception as error:
+            error.__dict__["of_callback"] = True
+            raise
+        finally:
+            _THREAD.inside = before
+
+    return call
+
+
+def translated(error: Exception, call: str) -> Exception:
+    """Return the `RoughContactError` for an error that a call met; warnings and a callback's errors are not changed."""
+    if isinstance(error, (RoughContactError, Warning)) or "of_callback" in error.__dict__:
+        return error
+    text = shorten(_message(error).rstrip("."), _MESSAGE)
+    reason = f"{type(error).__name__}: {text}" if text else type(error).__name__
+    if isinstance(error, MemoryError):
+        return OutOfMemory(f"{call} needs more memory than there is{': ' if text else ''}{text}.")
+    if isinstance(error, ModuleNotFoundError) and error.name:
+        return MissingPackage(f"{call} needs the package {error.name}, which is not installed.")
+    if isinstance(error, OSError):
+        where = f" {short(error.filename)}" if error.filename is not None else ""
+        return FileError(f"{call} failed at the file{where}: {error.strerror or text or type(error).__name__}.")
+    if isinstance(error, TypeError) and (method := re.match(r"([\w.<>]+)\(\) (takes|missing|got) ", text)):
+        return InputError(f"{call} failed: {text}. The method {method[1]} must take the arguments of its base class.")
+    if part := _foreign_part(error):
+        return UnexpectedError(f"{call} failed in {part}: {reason}.")
+    advice = "If its arguments are as documented, please report this as a fault of roughcontact."
+    return UnexpectedError(f"{call} failed: {reason}. {advice}")
+
+
+def _message(error: Exception) -> str:
+    try:
+        return " ".join(str(error).split())
+    # An exception class of the caller's may fail to describe itself.
+    except Exception:
+        return ""
+
+
+def _descendants(cls: type) -> Iterator[type]:
+    found: list[type] = cls.__subclasses__()
+    for derived in found:
+        yield from (derived, *_descendants(derived))
+
+
+def _guard_class(cls: type) -> None:
+    if issubclass(cls, enum.Enum):
+        if "_missing_" not in vars(cls):
+            cls._missing_ = classmethod(_refuse_member)  # type: ignore[assignment, method-assign]
+        return
+    for name, member in list(vars(cls).items()):
+        if (name.startswith("_") and name not in _OPERATIONS) or getattr(member, "__isabstractmethod__", False):
+            continue
+        call = cls.__name__ if name == "__init__" else f"{cls.__name__}.{name}"
+        if isinstance(member, types.FunctionType):
+            setattr(cls, name, _guard_function(member, call))
+        elif isinstance(member, (classmethod, staticmethod)):
+            setattr(cls, name, type(member)(_guard_function(member.__func__, call)))
+        elif isinstance(member, property) and member.fget is not None:
+            setattr(cls, name, member.getter(_guard_function(member.fget, call)))
+        elif isinstance(member, functools.cached_property):
+            member.func = _guard_function(member.func, call)
+
+
+def _refuse_member(cls: Any, value: object) -> None:
+    if not _THREAD.inside:
+        raise InputError.about(cls.__name__, value, " or ".join(repr(member.value) for member in cls))
+
+
+def _guard_function(function: Callable[..., Any], call: str) -> Callable[..., Any]:
+    if inspect.isgeneratorfunction(function):
+        return _guard_generator(function, call)
+
+    @functools.wraps(function)
+    def guard(*args: Any, **kwargs: Any) -> Any:
+        if _THREAD.inside:
+            return function(*args, **kwargs)
+        _THREAD.inside = True
+        try:
+            return function(*args, **kwargs)
+        except Exception as error:
+            if isinstance(error, AttributeError) and function.__name__ == "__getattr__":
+                raise
+            changed = _explained(error, call, function, args, kwargs)
+            if changed is error:
+                raise
+            raise changed from error
+        finally:
+            _THREAD.inside = False
+
+    return guard
+
+
+def _guard_generator(function: Callable[..., Iterator[Any]], call: str) -> Callable[..., Iterator[Any]]:
+    @functools.wraps(function)
+    def guard(*args: Any, **kwargs: Any) -> Iterator[Any]:
+        try:
+            yield from function(*args, **kwargs)
+        except Exception as error:
+            changed = _explained(error, call, function, args, kwargs)
+            if changed is error:
+                raise
+            raise changed from error
+
+    return guard
+
+
+def _explained(error: Exception, call: str, function: Any, args: Any, kwargs: Any) -> Exception:
+    """Return the error of a call: an `InputError` for an argument of a wrong type, or the translated one."""
+    changed = translated(error, call)
+    if not isinstance(changed, UnexpectedError) and not isinstance(error, TypeError):
+        return changed
+    signature = inspect.signature(function)
+    try:
+        given = signature.bind(*args, **kwargs).arguments
+    except TypeError as wrong:
+        names = [name for name in signature.parameters if name not in ("self", "cls")]
+        return InputError(f"{call}({', '.join(names)}): {wrong}.")
+    try:
+        hints = typing.get_type_hints(function, vars(sys.modules[function.__module__]))
+    # A name that is imported for annotations alone.
+    except NameError:
+        return changed
+    for name, value in given.items():
+        if name in hints and not _is_a(value, hints[name]):
+            kind = signature.parameters[name].annotation
+            return InputError.about(f"{name}= of {call}", value, f"of type {getattr(kind, '__name__', kind)}")
+    return changed
+
+
+def _is_a(value: object, hint: Any) -> bool:
+    """Return whether a value may stand where a type is asked for."""
+    kind, of = typing.get_origin(hint) or hint, typing.get_args(hint)
+    if kind in (typing.Union, types.UnionType):
+        return any(_is_a(value, one) for one in of)
+    if kind in (float, int):
+        number = numbers.Real if kind is float else numbers.Integral
+        return isinstance(value, number) and not isinstance(value, bool)
+    if kind is collections.abc.Callable:
+        return callable(value)
+    if kind is np.ndarray:
+        try:
+            return isinstance(value, (kind, list, tuple)) and np.asarray(value).dtype.kind in "biuf"
+        except ValueError:
+            return False
+    if kind in (collections.abc.Sequence, collections.abc.Iterable, tuple) and of:
+        is_list = hasattr(value, "__iter__") and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) > 0
+        return is_list and (not isinstance(value, (list, tuple)) or all(_is_a(item, of[0]) for item in value))
+    return not isinstance(kind, type) or isinstance(value, kind)
+
+
+def _foreign_part(error: Exception) -> str:
+    """Return the innermost method of a class from outside this package that an error came through, or nothing."""
+    found, trace = "", error.__traceback__
+    while trace is not None:
+        cls = type(trace.tb_frame.f_locals.get("self"))
+        is_ours = cls.__module__.partition(".")[0] == "roughcontact"
+        if not is_ours and any(base in _GUARDED for base in cls.__mro__):
+            found = f"{cls.__name__}.{trace.tb_frame.f_code.co_name}"
+        trace = trace.tb_next
+    return found

@@ -1,0 +1,200 @@
+"""Claims about parts that read a solution: area estimators and flattening models."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+
+import attrs
+import numpy as np
+
+from roughcontact._flattening import FlatteningModel
+from roughcontact._solution import Area, AreaEstimator, ContactSolution
+from roughcontact.grid import Boundary, Grid
+from roughcontact.testing.claim import claim, require, require_close, require_equal
+from roughcontact.testing.problems import (
+    full_contact,
+    mirror,
+    rough_contact,
+    scale_units,
+    shift,
+    sphere_contact,
+)
+
+# Mean pressures over E* times the rms slope.
+_LOADS = (0.002, 0.005, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
+# Relative difference of two areas that is rounding.
+_CLOSE = 1e-9
+# Axes along which a contact is mirrored.
+_MIRRORS = ((0,), (1,), (0, 1))
+
+
+def _elastic() -> Iterator[tuple[str, ContactSolution]]:
+    yield "a rough surface", rough_contact(0.05)
+    yield "a rough surface on a free boundary", rough_contact(0.05, Boundary.FREE)
+    yield "a sphere", sphere_contact(5.0, (0.3, 0.1))
+    yield "full contact", full_contact()
+
+
+def _plastic() -> Iterator[tuple[str, ContactSolution]]:
+    yield "a plastic rough surface", rough_contact(0.05, Boundary.PERIODIC, True)
+    yield "a plastic rough surface on a free boundary", rough_contact(0.02, Boundary.FREE, True)
+
+
+def _solutions(_: object) -> Iterator[tuple[str, ContactSolution]]:
+    yield from _elastic()
+    yield from _plastic()
+
+
+def _require_same(estimator: AreaEstimator, one: ContactSolution, other: ContactSolution, factor: float = 1.0) -> float:
+    """Require that the area and the uncertainty of the second solution are `factor` times those of the first."""
+    a, b = estimator.estimate(one), estimator.estimate(other)
+    error = max(abs(b.value / factor - a.value), abs(b.uncertainty / factor - a.uncertainty))
+    error /= a.value or one.grid.area
+    require(error <= _CLOSE, f"the area differs by {error:.1e}")
+    return error
+
+
+@claim("area estimator", "valid areas and uncertainties", _solutions)
+def _valid(estimator: AreaEstimator, solution: ContactSolution) -> None:
+    area, nominal = estimator.estimate(solution), solution.grid.area
+    require(isinstance(area, Area), f"it returns a {type(area).__name__}, not an Area")
+    require(0.0 <= area.value <= nominal * (1 + _CLOSE), f"{area.value} m2 of {nominal} m2")
+    consistent = math.isclose(area.fraction, area.value / nominal, rel_tol=_CLOSE)
+    require(consistent, f"the fraction {area.fraction:g} is not the value over the nominal area")
+    require(0.0 <= area.uncertainty < math.inf, f"an uncertainty of {area.uncertainty} m2")
+    require(isinstance(area.estimator, str) and area.estimator, "`estimator` must be its name")
+
+
+@claim("area estimator", "areas of patches", _solutions)
+def _patches(estimator: AreaEstimator, solution: ContactSolution) -> None:
+    area = estimator.estimate(solution)
+    if area.patches is not None:
+        require(area.patches.shape == (solution.patches.count,), "not one area for each contact patch")
+        total = float(area.patches.sum())
+        require(math.isclose(total, area.value, rel_tol=1e-6), f"the patches add up to {total:g} m2")
+
+
+@claim("area estimator", "full contact")
+def _full(estimator: AreaEstimator) -> None:
+    area = estimator.estimate(full_contact())
+    require(abs(area.fraction - 1.0) <= 1e-12, f"full contact is {100 * area.fraction:.6g} % of the domain")
+
+
+@claim("area estimator", "no contact", _solutions)
+def _empty(estimator: AreaEstimator, solution: ContactSolution) -> None:
+    zero, approach = np.zeros_like(solution.pressure), -float(np.std(solution.initial_gap))
+    area = estimator.estimate(attrs.evolve(solution, pressure=zero, displacement=zero, approach=approach))
+    require(area.value == 0.0, f"separated, an area of {area.value:g} m2")
+    require(area.uncertainty >= 0.0, f"separated, an uncertainty of {area.uncertainty} m2")
+
+
+@claim("area estimator", "monotone in the load")
+def _monotone(estimator: AreaEstimator) -> str:
+    for boundary in (Boundary.PERIODIC, Boundary.FREE):
+        found = [(load, estimator.estimate(rough_contact(load, boundary)).fraction) for load in _LOADS]
+        for (light, less), (heavy, more) in itertools.pairwise(found):
+            require(
+                more >= less,
+                f"boundary {boundary}: the area falls from {100 * less:.4g} to {100 * more:.4g} % as the load "
+                f"rises from {light:g} to {heavy:g} of E* slope",
+            )
+    return f"from {100 * found[0][1]:.3g} to {100 * found[-1][1]:.3g} % over {len(_LOADS)} loads"
+
+
+@claim("area estimator", "uncertainty covers Hertz")
+def _hertz(estimator: AreaEstimator) -> str:
+    rng, covered, worst = np.random.default_rng(2), [], 0.0
+    for cells in (2.5, 4.0, 6.5, 11.0):
+        for x, y in rng.uniform(-0.5, 0.5, (4, 2)):
+            solution = sphere_contact(cells, (float(x), float(y)))
+            exact = math.pi * (cells * solution.grid.spacing[0]) ** 2
+            area = estimator.estimate(solution)
+            covered.append(abs(area.value - exact) <= 2 * area.uncertainty)
+            worst = max(worst, abs(area.value / exact - 1.0))
+    fraction = float(np.mean(covered))
+    detail = f"{100 * fraction:.0f} % of the spheres lie within two standard deviations; errors reach {worst:.2g}"
+    require(fraction >= 0.9, f"{detail}; at least 90 % are needed")
+    return detail
+
+
+@claim("area estimator", "mirror images", _solutions)
+def _mirrored(estimator: AreaEstimator, solution: ContactSolution) -> float:
+    return max(_require_same(estimator, solution, mirror(solution, axes)) for axes in _MIRRORS)
+
+
+@claim("area estimator", "shifted contacts", _solutions)
+def _shifted(estimator: AreaEstimator, solution: ContactSolution) -> float | None:
+    shifts = ((1, 0), (0, 1), (17, 23)) if solution.boundary is Boundary.PERIODIC else ()
+    return max((_require_same(estimator, solution, shift(solution, cells)) for cells in shifts), default=None)
+
+
+@claim("area estimator", "scales with units", _solutions)
+def _units(estimator: AreaEstimator, solution: ContactSolution) -> float:
+    return max(
+        _require_same(estimator, solution, scale_units(solution, length, stiffness), length**2)
+        for length, stiffness in ((2.0**10, 1.0), (3e-4, 1.0), (1.0, 7e4))
+    )
+
+
+@claim("area estimator", "repeatable", _solutions)
+def _repeatable(estimator: AreaEstimator, solution: ContactSolution) -> None:
+    one, two = estimator.estimate(solution), estimator.estimate(solution)
+    require((one.value, one.uncertainty) == (two.value, two.uncertainty), "a second call gives another area")
+
+
+@claim("area estimator", "grids of few cells")
+def _small_patches(estimator: AreaEstimator) -> None:
+    for shape in ((2, 1), (1, 2), (1, 9), (3, 2)):
+        for count in range(shape[0] * shape[1] + 1):
+            contact = np.arange(shape[0] * shape[1]).reshape(shape) < count
+            solution = attrs.evolve(
+                full_contact(),
+                grid=Grid(shape, (shape[0] * 1e-6, shape[1] * 1e-6)),
+                pressure=np.where(contact, 1e6, 0.0),
+                displacement=np.zeros(shape),
+                initial_gap=np.where(contact, 0.0, 1e-8),
+                approach=0.0,
+                origin=None,
+            )
+            value = estimator.estimate(solution).value
+            require(math.isfinite(value), f"{count} cells in contact of {shape} have {value} m2")
+
+
+@claim("flattening model", "shapes and types", _solutions)
+def _shapes(model: FlatteningModel, solution: ContactSolution) -> None:
+    loss = model.height_loss(solution)
+    require(loss.shape == solution.grid.shape, f"an array of shape {loss.shape} on {solution.grid.shape} cells")
+    require(loss.dtype == np.float64, f"numbers of type {loss.dtype} where float64 is needed")
+    require(np.isfinite(loss).all(), "values that are not finite")
+
+
+@claim("flattening model", "no loss in elastic contact", lambda _: _elastic())
+def _no_loss(model: FlatteningModel, solution: ContactSolution) -> None:
+    loss = float(np.abs(model.height_loss(solution)).max())
+    require(loss == 0.0, f"a height loss of {loss:.2g} m in an elastic contact")
+
+
+@claim("flattening model", "volume not increased", lambda _: _plastic())
+def _volume(model: FlatteningModel, solution: ContactSolution) -> None:
+    loss = model.height_loss(solution)
+    rise = -float(loss.mean()) / float(np.abs(loss).max(initial=1e-300))
+    require(rise <= 1e-12, "the volume under the surfaces increases")
+    deep = float(loss[solution.saturated].min())
+    require(deep >= 0.0, f"saturated cells rise by {-deep:.2g} m")
+
+
+@claim("flattening model", "mirrored and shifted contacts", lambda _: _plastic())
+def _moved(model: FlatteningModel, solution: ContactSolution) -> None:
+    loss = model.height_loss(solution)
+    others = [np.flip(model.height_loss(mirror(solution, axes)), axes) for axes in _MIRRORS]
+    if solution.boundary is Boundary.PERIODIC:
+        others.append(np.roll(model.height_loss(shift(solution, (7, 5))), (-7, -5), axis=(0, 1)))
+    for other in others:
+        require_close(other, loss, 1e-12, "the height loss of a mirrored or shifted contact differs")
+
+
+@claim("flattening model", "repeatable", lambda _: _plastic())
+def _model_repeatable(model: FlatteningModel, solution: ContactSolution) -> None:
+    require_equal(model.height_loss(solution), model.height_loss(solution), "a second call gives another height loss")

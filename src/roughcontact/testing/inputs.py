@@ -1,0 +1,200 @@
+"""Claims about materials, surfaces and surface readers."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import attrs
+import numpy as np
+
+from roughcontact._materials import Elastic, Material, Rigid, combined_pressure_limit, contact_modulus
+from roughcontact._problem.body import Body
+from roughcontact._problem.problem import ContactProblem
+from roughcontact._surfaces import ParaboloidSurface, Surface
+from roughcontact.checks import Array, number
+from roughcontact.errors import InputError
+from roughcontact.files import SurfaceReader
+from roughcontact.grid import Grid
+from roughcontact.testing.claim import DoesNotApply, claim, pickled, require, require_equal
+
+_OTHER = Elastic(1e9, 0.3)
+
+
+@claim("material", "compliance")
+def _compliance(material: Material) -> str:
+    found = number(material.compliance, "The compliance", "1/Pa", at_least=0.0)
+    require(material.compliance == found, "a second reading gives another value")
+    stiffer = contact_modulus(material, _OTHER) <= contact_modulus(Rigid(), _OTHER)
+    require(stiffer, "a pair with it is stiffer than one with a rigid body")
+    return f"{found:g} 1/Pa" if found else "rigid"
+
+
+@claim("material", "pressure limit")
+def _limit(material: Material) -> str:
+    limit = material.pressure_limit
+    require(np.ndim(limit) in (0, 2), f"an array of {np.ndim(limit)} dimensions is neither a number nor a map")
+    softer = combined_pressure_limit(material, Rigid())
+    require_equal(softer, combined_pressure_limit(Rigid(), material), "it depends on the order of the bodies")
+    return "none" if np.isinf(softer).all() else f"{np.min(softer):g} to {np.max(softer):g} Pa"
+
+
+@claim("material", "immutable")
+def _immutable(material: Material) -> None:
+    # A solution refers to its material: one that changes later would falsify it.
+    kind: type = type(material)
+    fields = [field.name for field in attrs.fields(kind)] if attrs.has(kind) else []
+    for name in ("compliance", "pressure_limit", *fields):
+        try:
+            setattr(material, name, getattr(material, name))
+        except (AttributeError, TypeError):
+            continue
+        require(False, f"{name} can be set")
+    limit = material.pressure_limit
+    require(not isinstance(limit, np.ndarray) or not limit.flags.writeable, "the map of limits can be written to")
+
+
+@claim("material", "same values after pickling")
+def _same_values(material: Material) -> None:
+    copy = pickled(material)
+    require_equal(copy.compliance, material.compliance, "its copy has another compliance")
+    require_equal(copy.pressure_limit, material.pressure_limit, "its copy has another pressure limit")
+
+
+@claim("material", "contact")
+def _contact(material: Material) -> str:
+    limit = material.pressure_limit
+    shape = limit.shape if isinstance(limit, np.ndarray) else (16, 16)
+    grid = Grid((shape[0], shape[1]), (shape[0] * 1e-6, shape[1] * 1e-6))
+    body, other = Body(ParaboloidSurface(1e-4), material), Body(ParaboloidSurface(1e-3), _OTHER)
+    problem = ContactProblem(body, other, grid=grid)
+    solution = problem.solve(approach=0.1 * float(problem.initial_gap.max()))
+    require((solution.pressure <= limit).all(), "a contact has pressures above the limit")
+    require(problem.plan.modulus == contact_modulus(_OTHER, material), "it depends on the order of the bodies")
+    return f"solved at {solution.mean_pressure:.3g} Pa, {np.count_nonzero(solution.saturated)} saturated cells"
+
+
+def _heights(surface: Surface) -> tuple[Grid, Array]:
+    """Return heights on a grid on which the surface is known, and the grid."""
+    own = surface.own_grid
+    others = Grid((24, 20), (24e-6, 20e-6)), Grid((24, 20), 1e-3), Grid((9, 8), 1.0)
+    reasons = []
+    for grid in others if own is None else (own,):
+        try:
+            return grid, surface.heights(grid)
+        except InputError as error:
+            reasons.append(str(error))
+    raise AssertionError(f"it is known on none of the grids: {reasons[0]}")
+
+
+@claim("surface", "shapes and types")
+def _shapes(surface: Surface) -> str:
+    grid, heights = _heights(surface)
+    require(heights.shape == grid.shape, f"heights of shape {heights.shape} on a grid of {grid.shape} cells")
+    require(heights.dtype == np.float64, f"heights of type {heights.dtype} where float64 is needed")
+    require(np.isfinite(heights).all(), "heights that are not finite")
+    mask = surface.non_measured_on(grid)
+    boolean = mask is None or (mask.shape == grid.shape and mask.dtype == np.bool_)
+    require(boolean, "the non-measured points are not booleans of the grid's shape")
+    words = surface.provenance
+    require(isinstance(words, tuple) and all(isinstance(text, str) for text in words), f"its provenance is {words!r}")
+    return f"{np.ptp(heights):.3g} m from peak to valley on {grid}"
+
+
+@claim("surface", "repeatable")
+def _repeatable(surface: Surface) -> None:
+    grid, first = _heights(surface)
+    kept = first.copy()
+    if first.flags.writeable:
+        first[...] = 7.0
+    require_equal(surface.heights(grid), kept, "a second call gives other heights")
+
+
+@claim("surface", "own grid")
+def _own_grid(surface: Surface) -> str:
+    own = surface.own_grid
+    if own is None:
+        raise DoesNotApply("it has no grid of its own")
+    other = Grid((own.shape[0] + 1, own.shape[1]), own.size)
+    try:
+        surface.heights(other)
+    except InputError:
+        return str(own)
+    raise AssertionError(f"its own grid is {own}, but it has heights on {other}")
+
+
+@claim("surface", "parts")
+def _parts(surface: Surface) -> str:
+    if not surface.parts:
+        raise DoesNotApply("it is not made of other surfaces")
+    grid, heights = _heights(surface)
+    copy = surface.with_parts(surface.parts)
+    require_equal(copy.heights(grid), heights, "made of the same parts, it has other heights")
+    return f"made of {len(surface.parts)}"
+
+
+def _require_similar(found: Surface, grid: Grid, heights: Array) -> None:
+    """Require heights on a grid, within the range of given heights and half of it more."""
+    others = found.heights(grid)
+    require(others.shape == grid.shape and np.isfinite(others).all(), f"no finite heights of shape {grid.shape}")
+    margin = 0.5 * float(np.ptp(heights))
+    inside = others.min() >= heights.min() - margin and others.max() <= heights.max() + margin
+    require(inside, f"heights from {others.min():g} to {others.max():g} m, out of range")
+
+
+@claim("surface", "resampled")
+def _resampled(surface: Surface) -> None:
+    grid, heights = _heights(surface)
+    require_equal(surface.resample_to(grid).heights(grid), heights, "resampled to its own grid it has other heights")
+    finer = Grid((2 * grid.shape[0], 2 * grid.shape[1]), grid.size)
+    try:
+        found = surface.resample_to(finer)
+    except InputError as error:
+        raise DoesNotApply(str(error)) from error
+    _require_similar(found, finer, heights)
+
+
+@claim("surface", "shifted by half a cell")
+def _shifted(surface: Surface) -> None:
+    grid, heights = _heights(surface)
+    try:
+        found = surface.shift_half_cell(grid, periodic=True)
+    except InputError as error:
+        raise DoesNotApply(str(error)) from error
+    _require_similar(found, grid, heights)
+
+
+@claim("surface", "reseeded")
+def _reseeded(surface: Surface) -> None:
+    grid, heights = _heights(surface)
+    other = surface.reseed(1)
+    if other is None:
+        raise DoesNotApply("it has no random seed")
+    require(not np.array_equal(other.heights(grid), heights), "another seed gives the same heights")
+    back = other.reseed(-1)
+    require_equal(back and back.heights(grid), heights, "the same seed gives other heights")
+
+
+@claim("surface reader", "file endings")
+def _endings(reader: SurfaceReader) -> str:
+    suffixes = reader.suffixes
+    require(isinstance(suffixes, frozenset), f"`suffixes` is a {type(suffixes).__name__}, not a frozenset")
+    wrong = [suffix for suffix in suffixes if not suffix.startswith(".") or suffix != suffix.lower()]
+    require(not wrong, f"the endings {wrong} are not in lower case with a dot")
+    return " ".join(sorted(suffixes)) or "none: it is chosen by name, or last"
+
+
+@claim("surface reader", "damaged files refused")
+def _damaged(reader: SurfaceReader) -> None:
+    noise = np.random.default_rng(0).bytes(999)
+    with tempfile.TemporaryDirectory() as folder:
+        for suffix in sorted(reader.suffixes) or [".unknown"]:
+            for number_of_file, content in enumerate((b"", b"\0" * 64, noise)):
+                path = Path(folder) / f"damaged{number_of_file}{suffix}"
+                path.write_bytes(content)
+                try:
+                    found = reader.read(path)
+                # Any error is allowed: `read_surface` says which file it was.
+                except Exception:
+                    continue
+                require(False, f"{len(content)} bytes of noise with the ending {suffix} were read as {found!r:.60}")

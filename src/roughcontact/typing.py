@@ -1,0 +1,95 @@
+"""The types that plug-ins, callbacks and annotations name, but scripts seldom construct, and a solver's helpers.
+
+===========  ==========================================================================================================
+for          types
+===========  ==========================================================================================================
+kernels      `SupportsCoefficients`, `SupportsSpectrum`
+convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`
+solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
+             `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`
+readers      `RawMap`
+commands     the function `replacing`
+results      `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`, `Sweep`, `Ladder`,
+             `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`, `ReportRow`, `Timing`,
+             `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`, `Separated`
+arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
+===========  ==========================================================================================================
+"""
+
+from roughcontact._convolvers import ConvolutionSetup, PreparedConvolution
+from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
+from roughcontact._problem import SolvePlan, Sweep
+from roughcontact._solution import GridLevel, Origin, Residuals
+from roughcontact._solution.accuracy import Accuracy, Trial
+from roughcontact._solution.conditions import ContactConditions, Violation
+from roughcontact._solution.patches import ContactPatches
+from roughcontact._solvers import (
+    Monitor,
+    Outcome,
+    Step,
+    Task,
+    nearest_pressure,
+    project_to_load,
+    rescale_to_load,
+    starting_pressure,
+)
+from roughcontact._surfaces import MatchedPair, Separated
+from roughcontact.archive import replacing
+from roughcontact.checks import Array, IntArray, Mask, Pair, RealArray
+from roughcontact.diagnostics import Check, Gallery, GalleryRow, StabilityReport, Verdict
+from roughcontact.files import RawMap
+from roughcontact.load import Load
+from roughcontact.refinement import BeyondResolution, Ladder
+from roughcontact.report import ErrorReport, ReportRow, Timing
+from roughcontact.running_in import Cycle, RunIn
+from roughcontact.studies import Record, StudyResult
+
+__all__ = [
+    "Accuracy",
+    "Array",
+    "BeyondResolution",
+    "BoundKernel",
+    "Check",
+    "ContactConditions",
+    "ContactPatches",
+    "ConvolutionSetup",
+    "Cycle",
+    "ErrorReport",
+    "Gallery",
+    "GalleryRow",
+    "GridLevel",
+    "IntArray",
+    "Ladder",
+    "Load",
+    "Mask",
+    "MatchedPair",
+    "Monitor",
+    "Origin",
+    "Outcome",
+    "Pair",
+    "PreparedConvolution",
+    "RawMap",
+    "RealArray",
+    "Record",
+    "ReportRow",
+    "Residuals",
+    "RunIn",
+    "Separated",
+    "SolvePlan",
+    "StabilityReport",
+    "Step",
+    "StudyResult",
+    "SupportsCoefficients",
+    "SupportsSpectrum",
+    "Sweep",
+    "Task",
+    "Timing",
+    "Trial",
+    "Verdict",
+    "Violation",
+    "nearest_pressure",
+    "project_to_load",
+    "replacing",
+    "rescale_to_load",
+    "starting_pressure",
+]

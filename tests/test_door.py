@@ -1,0 +1,233 @@
+"""Every public call ends in a result or in one sentence: what stands behind the door, and what passes it."""
+
+from __future__ import annotations
+
+import copy
+import functools
+import inspect
+import pickle
+import types
+import typing
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact import extrapolation, reference
+from roughcontact import typing as types_of_rc
+from roughcontact.errors import door
+
+GRID = rc.Grid((8, 8), 1e-3)
+WAVE = rc.WavySurface(1e-6, 1e-3)
+STEEL = rc.Elastic(210e9, 0.3)
+PUBLIC = {f"rc.{name}": getattr(rc, name) for name in rc.__all__}
+PUBLIC |= {f"rc.typing.{name}": getattr(types_of_rc, name) for name in types_of_rc.__all__}
+for module in (reference, extrapolation):
+    own = {name: value for name, value in vars(module).items() if getattr(value, "__module__", "") == module.__name__}
+    PUBLIC |= {f"{module.__name__}.{name}": value for name, value in own.items() if name[0] != "_"}
+# Aliases of array types are not ours.
+PUBLIC = {name: value for name, value in PUBLIC.items() if getattr(value, "__module__", "").startswith("roughcontact")}
+
+
+def problem(**options):
+    return rc.ContactProblem(rc.Body(WAVE, STEEL), **{"grid": GRID, **options})
+
+
+def is_guarded(function):
+    return getattr(function, "__code__", None) in GUARDS
+
+
+def sample(x: int) -> int:
+    return x
+
+
+def generate():
+    yield
+
+
+GUARDS = {door.guarded(sample).__code__, door.guarded(generate).__code__}
+
+
+def functions_of(cls):
+    """Return the functions that make up the public operations of a class and of its bases in this package."""
+    for base in cls.__mro__:
+        if not base.__module__.startswith("roughcontact"):
+            continue
+        for name, member in vars(base).items():
+            if name.startswith("_") and name not in door._OPERATIONS:
+                continue
+            if getattr(member, "__isabstractmethod__", False):
+                continue
+            match member:
+                case classmethod() | staticmethod():
+                    yield name, member.__func__
+                case property():
+                    yield name, member.fget
+                case functools.cached_property():
+                    yield name, member.func
+                case types.FunctionType():
+                    yield name, member
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_every_public_call_stands_behind_the_door(name):
+    value = PUBLIC[name]
+    # A context manager only runs the user's own block.
+    if inspect.isgeneratorfunction(inspect.unwrap(value)):
+        return
+    if inspect.isfunction(value):
+        assert is_guarded(value), f"{name} lacks @guarded"
+        return
+    cls = value if isinstance(value, type) else type(value)
+    if issubclass(cls, (BaseException, rc.Boundary, rc.Status)) or cls.__module__ == "roughcontact.errors":
+        return
+    for method, function in functions_of(cls):
+        assert is_guarded(function), f"{name}.{method} is not guarded"
+
+
+class Shifted(rc.WavySurface):
+    """A user's class, made by the inherited constructor."""
+
+
+class Failing(rc.Surface):
+    def heights(self, grid):
+        return {}["no such key"]
+
+
+class Wrong(rc.Surface):
+    def heights(self):
+        return np.zeros((8, 8))
+
+
+class Nameless:
+    def __repr__(self):
+        raise RuntimeError("no name")
+
+
+class Wordless(Exception):
+    def __str__(self):
+        raise RuntimeError("no words")
+
+
+def solve(**options):
+    return problem().solve(pressure=1e6, **options)
+
+
+def of(surface):
+    return rc.ContactProblem(rc.Body(surface, STEEL), grid=GRID)
+
+
+BAD_CALLS = {
+    "an argument omitted": (lambda: rc.Grid((4, 4)), rc.InputError, "Grid(shape, size): missing"),
+    "an argument too many": (lambda: rc.Grid((4, 4), 1.0, foo=2), rc.InputError, "'foo'"),
+    "an argument of another type": (
+        lambda: WAVE.heights(5),
+        rc.InputError,
+        "grid= of WavySurface.heights must be of type Grid",
+    ),
+    "a path that is a number": (lambda: rc.read_surface(5), rc.InputError, "a str or a path"),
+    "an executor that is a number": (
+        lambda: rc.Study(problems=problem(), pressure=[1e6]).run("/tmp", executor=5),
+        rc.InputError,
+        "The executor must be",
+    ),
+    "a callback that is a number": (lambda: solve(on_step=5), rc.InputError, "on_step="),
+    "a callback without arguments": (
+        lambda: solve(on_step=lambda: None),
+        rc.InputError,
+        "a function of 1 argument, step",
+    ),
+    "a choice that is a number": (lambda: solve(throw=1), rc.InputError, "throw= must be True or False"),
+    "a word that is none": (lambda: rc.Boundary("open"), rc.InputError, "'free'"),
+    "a value without a name": (lambda: rc.Elastic(Nameless(), 0.3), rc.InputError, "a Nameless"),
+    "a folder that cannot be": (
+        lambda: rc.Study(problems=problem(), pressure=[1e6]).run("/dev/null/x"),
+        rc.RoughContactError,
+        "'/dev/null/x'",
+    ),
+    "a plug-in part that fails": (
+        lambda: of(Failing()),
+        rc.UnexpectedError,
+        "ContactProblem failed in Failing.heights",
+    ),
+    "a plug-in part of wrong signature": (lambda: of(Wrong()), rc.InputError, "Wrong.heights"),
+    "a key that cannot be": (lambda: rc.kernels[[]], rc.InputError, "must be of type str"),
+}
+
+
+@pytest.mark.parametrize(("call", "kind", "words"), BAD_CALLS.values(), ids=BAD_CALLS)
+def test_a_bad_call_is_answered_by_a_sentence(call, kind, words):
+    with pytest.raises(kind) as caught:
+        call()
+    assert isinstance(caught.value, rc.RoughContactError)
+    assert words in str(caught.value)
+    assert str(caught.value).endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("raised", "kind"),
+    [
+        (MemoryError(), rc.OutOfMemory),
+        (OSError(28, "No space left on device", "x.npz"), rc.FileError),
+        (ModuleNotFoundError("No module named 'pint'", name="pint"), rc.MissingPackage),
+        (OverflowError("too large"), rc.UnexpectedError),
+        (RecursionError("too deep"), rc.UnexpectedError),
+        (Wordless(), rc.UnexpectedError),
+    ],
+)
+def test_what_no_check_has_foreseen_is_translated_and_chained(monkeypatch, raised, kind):
+    def fail(*_, **__):
+        raise raised
+
+    monkeypatch.setattr("roughcontact._problem.run.certify", fail)
+    with pytest.raises(kind, match=r"ContactProblem\.solve .*\.$") as caught:
+        solve()
+    assert caught.value.__cause__ is raised
+    assert isinstance(raised, OSError) == isinstance(caught.value, OSError)
+
+
+@pytest.mark.parametrize("raised", [ValueError("mine"), KeyboardInterrupt(), SystemExit(3), StopIteration()])
+def test_what_a_callback_raises_reaches_the_user_as_it_is(raised):
+    def stop(step):
+        raise raised
+
+    with pytest.raises(type(raised)) as caught:
+        solve(on_step=stop)
+    assert caught.value is raised
+
+
+def test_a_call_from_a_callback_is_answered_by_a_sentence():
+    def ask(step):
+        WAVE.heights(5)
+
+    with pytest.raises(rc.InputError, match=r"WavySurface\.heights"):
+        solve(on_step=ask)
+
+
+def test_every_thread_has_its_own_door():
+    def ask(step):
+        with ThreadPoolExecutor(1) as pool:
+            pool.submit(WAVE.heights, 5).result()
+
+    with pytest.raises(rc.InputError, match=r"WavySurface\.heights"):
+        solve(on_step=ask)
+
+
+def test_the_door_stays_closed_after_an_error():
+    for _ in range(2):
+        with pytest.raises(rc.InputError):
+            WAVE.heights(5)
+
+
+def test_guarded_classes_and_functions_stay_what_they_were():
+    assert list(inspect.signature(rc.Grid).parameters) == ["shape", "size"]
+    assert "problem" in inspect.signature(rc.extrapolate).parameters
+    assert rc.extrapolate.__doc__
+    assert rc.Grid.cells.__doc__ == "Number of cells."
+    for value in (GRID, WAVE, rc.extrapolate, rc.match):
+        assert pickle.loads(pickle.dumps(value)) == value
+        assert copy.copy(value) == value
+    assert Shifted(1e-6, 1e-3).heights(GRID).shape == (8, 8)
+    assert not hasattr(problem(), "no_such_attribute")
+    assert typing.get_type_hints(rc.Grid.matches)["other"] is rc.Grid

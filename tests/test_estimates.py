@@ -1,0 +1,125 @@
+"""Maximum pressure, perimeter, patches, approach and mean gap below the cell, with uncertainties that hold."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.reference import hertz_elliptic, hertz_sphere
+
+ELASTIC = rc.Elastic(1.0, 0.0)
+NAMES = ("peak-pressure", "perimeter", "patches", "approach", "mean-gap")
+
+
+def press_ball(radius, cells=32, center=(0.0, 0.0), material=ELASTIC):
+    """Return a ball of this radius of contact, in cells, and Hertz's solution."""
+    blunt, force = 1e3 * radius, 4e-3 * radius**2 / 3
+    surface = rc.ParaboloidSurface(blunt, center=center)
+    problem = rc.ContactProblem(rc.Body(surface, material), grid=rc.Grid((cells, cells), float(cells)))
+    return problem.solve(force=force), hertz_sphere(force, blunt, 1.0)
+
+
+def press_wave(cells, phase, waves=20, pressure=100e6):
+    surface = rc.WavySurface(amplitude=0.5e-6, wavelength=12.5e-6, phase=phase)
+    body = rc.Body(surface, rc.Elastic(200e9, 0.3))
+    grid = rc.Grid((cells, cells), waves * 12.5e-6)
+    return rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=pressure)
+
+
+@pytest.mark.parametrize("radius", [0.6, 0.9, 1.4, 2.3, 3.7, 6.0, 9.0])
+@pytest.mark.parametrize("center", [(0.0, 0.0), (0.31, -0.17)])
+def test_hertz_below_the_cell(radius, center):
+    solution, exact = press_ball(radius, center=center)
+    true = {"peak-pressure": exact.p_max, "perimeter": 2 * np.pi * radius, "approach": exact.approach, "patches": 1.0}
+    for name, value in true.items():
+        found = solution.estimate(name)
+        assert abs(found.value - value) <= 2 * found.uncertainty + 1e-12 * value, name
+    assert solution.peak_pressure().value == pytest.approx(exact.p_max, rel=0.004)
+    assert solution.estimate("perimeter").value == pytest.approx(2 * np.pi * radius, rel=0.01)
+    if radius > 1:
+        # The highest cell is up to 0.7 cells from the summit.
+        assert solution.estimate("approach").value == pytest.approx(exact.approach, rel=0.06)
+
+
+def test_ellipse_along_the_grid():
+    exact = hertz_elliptic(0.05, (12e3, 3e3), 1.0)
+    body = rc.Body(rc.ParaboloidSurface((12e3, 3e3)), ELASTIC)
+    solution = rc.ContactProblem(body, grid=rc.Grid((64, 64), 64.0)).solve(force=0.05)
+    assert solution.peak_pressure().value == pytest.approx(exact.p_max, rel=0.005)
+
+
+@pytest.mark.parametrize("cells", [256, 320, 500])
+def test_maximum_pressure_of_the_papers_wave(cells):
+    # 13.220 GPa by solves of one wave on up to 4096 x 4096 cells.
+    found = press_wave(cells, (1.0, 2.0)).peak_pressure()
+    assert found.value == pytest.approx(13.220e9, rel=0.01)
+    assert found.unit == "Pa"
+    assert abs(found.value - 13.220e9) <= 2 * found.uncertainty
+
+
+def test_grids_agree_within_their_uncertainties():
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=1.05, longest=16.0, rolloff=8.0, seed=77)
+
+    def press(cells):
+        grid = rc.Grid((cells, cells), 16.0)
+        return rc.ContactProblem(rc.Body(surface, ELASTIC), grid=grid, boundary="periodic").solve(pressure=3e-3)
+
+    fine, coarse = press(512), press(128)
+    for name in NAMES:
+        one, other = coarse.estimate(name), fine.estimate(name)
+        assert abs(one.value - other.value) <= 2 * np.hypot(one.uncertainty, other.uncertainty), name
+    # Mean gap and approach of one surface are complementary: the corrections must not break that.
+    assert coarse.estimate("mean-gap").value == pytest.approx(fine.estimate("mean-gap").value, rel=3e-3)
+
+
+def test_limited_pressure_has_the_limit_as_its_maximum():
+    solution, exact = press_ball(5.0, material=rc.ElasticPerfectlyPlastic(1.0, 0.0, 4e-4))
+    assert exact.p_max > 4e-4
+    found = solution.peak_pressure()
+    assert (found.value, found.uncertainty) == (4e-4, 0.0)
+
+
+def test_sharp_edge_has_no_maximum():
+    grid = rc.Grid((48, 48), 48.0)
+    heights = np.where(np.hypot(grid.x, grid.y) < 12.0, 0.0, -1.0)
+    solution = rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=48.0), ELASTIC)).solve(force=1e-3)
+    found = solution.peak_pressure()
+    assert found.uncertainty == found.value
+    assert any("unbounded" in warning for warning in found.warnings)
+
+
+def test_area_estimators_without_patches_serve():
+    solution, exact = press_ball(6.0)
+    for name in NAMES:
+        found = solution.estimate(name, area="cell-count")
+        assert np.isfinite((found.value, found.uncertainty)).all()
+    assert solution.estimate("peak-pressure", area="cell-count").value == pytest.approx(exact.p_max, rel=0.01)
+
+
+def test_no_contact_and_full_contact():
+    wave = rc.Body(rc.WavySurface(amplitude=1e-3, wavelength=8.0), ELASTIC)
+    full = rc.ContactProblem(wave, grid=rc.Grid((8, 8), 8.0), boundary="periodic").solve(pressure=0.1)
+    none = attrs.evolve(full, pressure=np.zeros((8, 8)), displacement=np.ones((8, 8)))
+    for solution in (full, none):
+        for name in NAMES:
+            found = solution.estimate(name)
+            assert np.isfinite((found.value, found.uncertainty)).all()
+    assert full.peak_pressure().value == pytest.approx(0.1 + 0.5 * 2 * np.pi / 8e3 * 2, rel=1e-3)
+    assert none.peak_pressure().value == none.estimate("patches").value == 0.0
+
+
+def test_estimates_are_printed_and_checked():
+    solution, _ = press_ball(3.0)
+    assert str(solution.peak_pressure()).startswith(f"{1e6 * solution.peak_pressure().value:.5g} µPa +- ")
+    assert str(solution.estimate("patches")).startswith("1 +- 0")
+    with pytest.raises(rc.InputError, match="peak-pressure"):
+        solution.estimate("peak-presure")
+
+    class Wrong(rc.QuantityEstimator):
+        def estimate(self, solution, area):
+            return 1.0
+
+    with pytest.raises(rc.InputError, match="not an Estimate"):
+        solution.estimate(Wrong())

@@ -1,0 +1,771 @@
+"""What the project writes is complete or absent, whatever ends the run; what a study has solved is not lost."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import ctypes
+import multiprocessing
+import os
+import random
+import re
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+
+import attrs
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import roughcontact as rc
+from roughcontact.__main__ import main as command
+from roughcontact.archive import remove_stale, replacing
+from roughcontact.cli.picture import draw_solution
+from roughcontact.errors import NotWritten
+from roughcontact.studies.record import read_index, write_index
+
+# SIGKILLs at random moments of a study, by how it runs and what is killed. docs/trust.md states their sum.
+KILLS = {"serial": 40, "worker of a pool": 20, "parent of a pool": 20, "worker of dask": 20}
+# Kills in one test, which takes less than a minute.
+BLOCK = {"serial": 10, "worker of a pool": 10, "parent of a pool": 10, "worker of dask": 5}
+SEED = 13
+
+ROOT = Path(__file__).parent.parent
+SOURCES = sorted([*ROOT.glob("src/**/*.py"), *ROOT.glob("plugins/*/src/**/*.py")])
+STEEL = rc.Elastic(200e9, 0.3)
+GRID = rc.Grid((24, 24), 1e-4)
+ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortest=16e-6, seed=5)
+
+
+def problem(surface=ROUGH, **parts):
+    return rc.ContactProblem(rc.Body(surface, STEEL), grid=GRID, **parts)
+
+
+def study(**changes):
+    parts = {"problems": problem(), "force": [0.1, 0.3], "seeds": [0, 1, 2], "areas": ["blend", "cell-count"]}
+    return rc.Study(**{**parts, **changes})
+
+
+def without_seconds(records):
+    return [attrs.evolve(record, seconds=0.0) for record in records]
+
+
+def partials(folder):
+    return sorted(path.name for path in folder.rglob("*.partial"))
+
+
+@attrs.frozen
+class Trouble(rc.Surface):
+    """A rough surface that fails for one seed."""
+
+    trouble: str
+    seed: int = 0
+
+    def reseed(self, seed):
+        return attrs.evolve(self, seed=seed)
+
+    def heights(self, grid):
+        if self.seed == 1:
+            TROUBLES[self.trouble](grid)
+            if self.trouble in FIELDS:
+                return FIELDS[self.trouble](grid)
+        return attrs.evolve(ROUGH, seed=self.seed).heights(grid)
+
+
+class Locked(Trouble):
+    """A surface that holds what another process cannot have."""
+
+    def __reduce__(self):
+        raise TypeError("locked")
+
+
+def raise_(error):
+    raise error
+
+
+class Unprintable(Exception):
+    def __str__(self):
+        raise ValueError("no text")
+
+
+TROUBLES = {
+    "a key": lambda _: {}["absent"],
+    "no memory": lambda _: raise_(MemoryError()),
+    "no file": lambda _: Path("/nowhere/map.txt").read_text(),
+    "a full disk": lambda _: raise_(OSError(28, "No space left on device")),
+    "endless recursion": lambda grid: TROUBLES["endless recursion"](grid),
+    "an error without a text": lambda _: raise_(Unprintable()),
+    "NaN": lambda _: None,
+    "another shape": lambda _: None,
+    "texts": lambda _: None,
+    "killed": lambda _: os.kill(os.getpid(), signal.SIGKILL),
+    "ends the process": lambda _: os._exit(3),
+}
+FIELDS = {
+    "NaN": lambda grid: np.full(grid.shape, np.nan),
+    "another shape": lambda _: np.zeros((2, 2)),
+    "texts": lambda grid: np.full(grid.shape, "high"),
+}
+EXCEPTIONS = {
+    "a key": r"The surface Trouble failed \(KeyError: 'absent'\)",
+    "no memory": r"The surface Trouble failed \(MemoryError\)",
+    "no file": "The surface Trouble failed .*No such file",
+    "a full disk": "The surface Trouble failed .*No space left",
+    "endless recursion": "The surface Trouble failed .*RecursionError",
+    "an error without a text": "The surface Trouble failed .*Unprintable",
+    "NaN": "finite|NaN|nan",
+    "another shape": "shape",
+    "texts": ".",
+}
+
+
+@pytest.mark.filterwarnings("ignore:.*must be registered")
+class TestOneFailingPart:
+    """It is the record of its solves, and the others go on."""
+
+    @pytest.mark.parametrize("trouble", EXCEPTIONS)
+    def test_a_surface(self, tmp_path, trouble):
+        troubled = study(problems=problem(Trouble(trouble)))
+        result = troubled.run(tmp_path)
+        assert [record.success for record in result.records] == [True, True, False, False, True, True]
+        for record in result.failed:
+            assert record.seed == 1
+            assert record.status in ("FAILED", "REFUSED")
+            assert record.message.endswith(".")
+            assert "\n" not in record.message
+        assert "2 without a certified solution" in str(result)
+        assert re.search(EXCEPTIONS[trouble], result.failed[0].message)
+        # Run again, only what failed is tried.
+        assert troubled.run(tmp_path).computed == 2
+        assert not partials(tmp_path)
+
+    @pytest.mark.parametrize("part", ["kernel", "convolver", "solver"])
+    def test_any_part_of_one_problem(self, tmp_path, part):
+        broken = {
+            "kernel": {"kernel": BrokenKernel()},
+            "convolver": {"convolver": BrokenConvolver()},
+            "solver": {"solver": BrokenSolver()},
+        }[part]
+        result = study(problems={"broken": problem(**broken), "good": problem()}, seeds=[]).run(tmp_path)
+        assert [record.problem for record in result.failed] == ["broken", "broken"]
+        assert result.failed[0].message.startswith(f"The {part} ")
+        assert "KeyError: 'absent'" in result.failed[0].message
+
+    def test_an_estimator(self, tmp_path, monkeypatch):
+        with monkeypatch.context() as broken:
+            broken.setattr(rc.CellCount, "estimate", lambda *_: {}["absent"])
+            result = study().run(tmp_path)
+            assert result.computed == 6
+            assert "6 without all areas" in str(result)
+            for record in result.records:
+                assert record.success
+                assert set(record.areas) == {"blend"}
+                assert record.message == "The area estimator 'cell-count' failed (KeyError: 'absent')."
+            # What is known is not estimated again.
+            broken.setattr(rc.Blend, "estimate", lambda *_: pytest.fail("estimated again"))
+            assert without_seconds(study().run(tmp_path).records) == without_seconds(result.records)
+        monkeypatch.setattr(rc.ContactProblem, "solve", lambda *_, **__: pytest.fail("solved again"))
+        again = study().run(tmp_path)
+        assert again.computed == 0
+        assert not again.failed
+        assert all(set(record.areas) == {"blend", "cell-count"} for record in again.records)
+
+    def test_the_default_estimator(self, tmp_path, monkeypatch):
+        with monkeypatch.context() as broken:
+            broken.setattr(rc.Blend, "estimate", lambda *_: raise_(MemoryError("blend")))
+            result = study(areas=["blend"]).run(tmp_path)
+            assert "'blend' failed (MemoryError: blend)" in result.records[0].message
+            assert result.solution(result.records[0]).force == pytest.approx(0.1)
+        monkeypatch.setattr(rc.ContactProblem, "solve", lambda *_, **__: pytest.fail("solved again"))
+        again = study(areas=["blend"]).run(tmp_path)
+        assert not again.failed
+        assert all(record.areas["blend"][0] > 0.0 for record in again.records)
+
+    def test_a_problem_that_cannot_be_sent_to_a_worker(self, tmp_path):
+        problems = {"locked": problem(Locked("NaN")), "good": problem(), "broken": problem(Trouble("a key"))}
+        with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
+            result = study(problems=problems, seeds=[1]).run(tmp_path, executor=executor)
+        assert [record.success for record in result.records] == [False] * 2 + [True] * 2 + [False] * 2
+        assert re.fullmatch(EXCEPTIONS["a key"] + r"\.", result.records[-1].message)
+        assert "Sending the problem to a worker failed (TypeError: locked)" in result.records[0].message
+
+
+@attrs.frozen
+class BrokenKernel(rc.InfluenceKernel):
+    name = "broken"
+
+    def coefficients(self, *_, **__):
+        return {}["absent"]
+
+
+@attrs.frozen
+class BrokenConvolver(rc.Convolver):
+    boundaries = frozenset(rc.Boundary)
+
+    def prepare(self, *_):
+        return {}["absent"]
+
+
+@attrs.frozen
+class BrokenSolver(rc.Solver):
+    tolerance = 1e-6
+
+    def solve(self, *_):
+        return {}["absent"]
+
+
+class TestInterruption:
+    """A study ends in order."""
+
+    def test_from_the_keyboard(self, tmp_path, monkeypatch):
+        solve, count = rc.ContactProblem.solve, []
+
+        def interrupt(self, **arguments):
+            count.append(1)
+            return raise_(KeyboardInterrupt()) if len(count) == 4 else solve(self, **arguments)
+
+        with monkeypatch.context() as patched:
+            patched.setattr(rc.ContactProblem, "solve", interrupt)
+            with pytest.raises(KeyboardInterrupt):
+                study().run(tmp_path)
+        (index,) = tmp_path.glob("study-*.json")
+        assert len(read_index(index)) == 2
+        assert not partials(tmp_path)
+        assert study().run(tmp_path).computed == 3
+
+    def test_of_a_worker(self, tmp_path, monkeypatch):
+        monkeypatch.setattr(rc.ContactProblem, "solve", lambda *_, **__: raise_(KeyboardInterrupt()))
+        with ThreadPoolExecutor(1) as executor:
+            with pytest.raises(KeyboardInterrupt):
+                study(seeds=range(50)).run(tmp_path, executor=executor)
+            # What had not begun was cancelled.
+            assert executor._work_queue.qsize() <= 50
+        assert not list(tmp_path.glob("*.npz"))
+
+    def test_by_the_caller(self, tmp_path):
+        with ThreadPoolExecutor(1) as executor:
+            with pytest.raises(ZeroDivisionError):
+                study(seeds=range(30)).run(tmp_path, executor=executor, on_records=lambda _: 1 / 0)
+            executor.shutdown()
+        assert len(list(tmp_path.glob("*.npz"))) < 20
+
+    def test_an_executor_that_takes_no_tasks(self, tmp_path):
+        executor = ThreadPoolExecutor(1)
+        executor.shutdown()
+        with pytest.raises(rc.StudyStopped, match=r"The executor broke \(cannot schedule.*: 0 of 6 solves"):
+            study().run(tmp_path, executor=executor)
+
+    @pytest.mark.filterwarnings("ignore:.*must be registered")
+    @pytest.mark.parametrize("trouble", ["killed", pytest.param("ends the process", marks=pytest.mark.slow)])
+    def test_a_worker_that_its_task_kills(self, tmp_path, trouble):
+        deadly, seen = study(problems=problem(Trouble(trouble)), seeds=[0, 1, 2]), []
+        with (
+            ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor,
+            pytest.raises(rc.StudyStopped, match=r"The executor broke.*2 of 6 solves are reported"),
+        ):
+            deadly.run(tmp_path, executor=executor, on_records=seen.extend)
+        (index,) = tmp_path.glob("study-*.json")
+        assert sorted(read_index(index)) == sorted(record.key for record in seen)
+        assert len(seen) == 2
+        assert not partials(tmp_path)
+
+
+class TestUnfinishedFiles:
+    """What a killed process leaves, and only that, is removed."""
+
+    def test_of_a_killed_process(self, tmp_path):
+        kill = "import os, sys; from roughcontact.archive import replacing\n"
+        kill += "with replacing(sys.argv[1]) as partial: partial.write_text('half'); os.kill(os.getpid(), 9)"
+        for name in ["b" * 250]:
+            subprocess.run([sys.executable, "-c", kill, str(tmp_path / name)], check=False)
+            # The next process removes what the one before has left.
+            assert len(partials(tmp_path)) == 1
+        study(seeds=[0]).run(tmp_path)
+        assert not partials(tmp_path)
+
+    def test_by_the_next_that_writes_into_the_folder(self, tmp_path):
+        with replacing(tmp_path / "x") as partial:
+            partial.write_text("mine")
+            machine = partial.name.split(".")[-3].split("-")[0]
+            (tmp_path / f".x.{machine}-{dead_process()}.{'0' * 12}.partial").write_text("left")
+            assert len(partials(tmp_path)) == 2
+            remove_stale(tmp_path)
+            assert partials(tmp_path) == [partial.name]
+        assert (tmp_path / "x").read_text() == "mine"
+
+    def test_what_stays(self, tmp_path):
+        """Files of running processes, of other machines, of other programs; and what a link leads to."""
+        with replacing(tmp_path / "x") as partial:
+            partial.write_text("")
+            machine = partial.name.split(".")[-3].split("-")[0]
+        dead = dead_process()
+        kept = [
+            f".x.{machine}-{os.getppid()}.{'0' * 12}.partial",
+            f".x.00000000-{dead}.{'0' * 12}.partial",
+            f".x.{machine}-{dead}.partial",
+            f"x.{machine}-{dead}.{'0' * 12}.partial",
+            f".x.{machine}-{10**30}.{'0' * 12}.partial",
+        ]
+        for name in kept:
+            (tmp_path / name).write_text("")
+        outside = tmp_path.parent / "outside"
+        outside.write_text("here")
+        (tmp_path / f".link.{machine}-{dead}.{'0' * 12}.partial").symlink_to(outside)
+        (tmp_path / f".folder.{machine}-{dead}.{'0' * 12}.partial").mkdir()
+        before = partials(tmp_path)
+        remove_stale(tmp_path)
+        assert partials(tmp_path) == before
+        assert outside.read_text() == "here"
+        # Those of other machines are removed after a week.
+        old = tmp_path / kept[1]
+        os.utime(old, (0, time.time() - 8 * 86400))
+        remove_stale(tmp_path)
+        assert sorted({*partials(tmp_path), old.name}) == before
+        assert not old.exists()
+
+    def test_a_file_is_on_the_disk_before_it_has_its_name(self, tmp_path, monkeypatch):
+        done, fsync, replace = [], os.fsync, Path.replace
+        monkeypatch.setattr(os, "fsync", lambda fd: done.append(name_of_descriptor(fd)) or fsync(fd))
+        monkeypatch.setattr(Path, "replace", lambda one, other: done.append(other.name) or replace(one, other))
+        with replacing(tmp_path / "x.csv") as partial:
+            partial.write_text("1")
+        assert done == [partial.name, "x.csv", tmp_path.name]
+
+
+def name_of_descriptor(descriptor):
+    return Path(os.readlink(f"/proc/self/fd/{descriptor}")).name
+
+
+def dead_process():
+    process = subprocess.Popen(["true"])
+    process.wait()
+    return process.pid
+
+
+# Ways to write a file of each format, by its name.
+FORMATS = {
+    "solution.npz": lambda path, made: made["solution"].save(path),
+    "solution.nc": lambda path, made: made["solution"].save(path),
+    "records.csv": lambda path, made: made["result"].to_csv(path),
+    "report.csv": lambda path, made: made["report"].to_csv(path),
+    **{f"report.{ending}": lambda path, made: made["report"].draw(path) for ending in ("png", "svg", "pdf")},
+    "solution.png": lambda path, made: draw_solution(made["solution"], path),
+    "study.json": lambda path, made: write_index(path, made["result"].records),
+    "table.csv": lambda path, made: paper_output().write_results([made["table"]], {}, path.parent),
+    "figure.png": lambda path, made: paper_output().write_results([], {"figure": Figure()}, path.parent),
+    "maps.npz": lambda path, made: paper_maps()._write(path, "key", (made["maps"], 0.0, True)),
+}
+
+
+def paper_output():
+    return pytest.importorskip("roughcontact_paper.output")
+
+
+def paper_maps():
+    return pytest.importorskip("roughcontact_paper.synthetic_pair")
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """What there is to write, and whole files of it."""
+    folder = tmp_path_factory.mktemp("whole")
+    pytest.importorskip("h5netcdf")
+    table = paper_output().Table("table", "title", tuple("abcd" * 20), (tuple("1234" * 20),) * 9)
+    rough = rc.HeightMap(ROUGH.heights(GRID), 264.2e-6)
+    found = {
+        "solution": problem().solve(force=0.1),
+        "result": study(seeds=[0]).run(folder / "study"),
+        "report": rc.error_vs_time(problem(), force=0.1, reference={"area": 1e-9}, cells=[12, 24], repeats=1),
+        "table": table,
+        "maps": rc.ContactProblem(rc.Body(rough, STEEL), rc.Body(rough, STEEL)),
+    }
+    for name, write in FORMATS.items():
+        write(folder / name, found)
+    return {**found, "folder": folder}
+
+
+@contextlib.contextmanager
+def full_disk(size):
+    """Let files grow to a size only: writing more fails as on a full disk, in the same calls of the system."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@contextlib.contextmanager
+def without_privileges():
+    """Obey the permissions of files, as root does not: give up its capability to override them, for a while."""
+    libc, header = ctypes.CDLL(None), (ctypes.c_uint32 * 2)(0x20080522, 0)
+    held = (ctypes.c_uint32 * 6)()
+    assert libc.capget(header, held) == 0
+    fewer = (ctypes.c_uint32 * 6)(held[0] & ~0b110, *held[1:])
+    assert libc.capset(header, fewer) == 0
+    try:
+        yield
+    finally:
+        assert libc.capset(header, held) == 0
+
+
+class TestDisk:
+    """A full disk, a folder that cannot be written to: a sentence, and what was there stays as it was."""
+
+    @pytest.mark.parametrize("name", FORMATS)
+    def test_full(self, tmp_path, made, name):
+        (tmp_path / name).write_text("what was there")
+        size = (made["folder"] / name).stat().st_size
+        for part in (0.0, 0.5, 0.99) if name.endswith(("npz", "csv")) else (0.5,):
+            # The size of a file may change by a few digits of a time.
+            with (
+                full_disk(int(part * size)),
+                pytest.raises(NotWritten, match=f"{name}' cannot be written: File too large"),
+            ):
+                FORMATS[name](tmp_path / name, made)
+            assert (tmp_path / name).read_text() == "what was there"
+            assert not partials(tmp_path)
+
+    @pytest.mark.parametrize("name", [name for name in FORMATS if not name.endswith(("png", "svg", "pdf"))])
+    def test_read_only(self, tmp_path, made, name):
+        (tmp_path / name).write_text("what was there")
+        tmp_path.chmod(0o555)
+        with without_privileges(), pytest.raises(NotWritten, match=f"{name}' cannot be written: Permission denied"):
+            FORMATS[name](tmp_path / name, made)
+        assert os.listdir(tmp_path) == [name]
+        assert (tmp_path / name).read_text() == "what was there"
+
+    def test_a_full_disk_keeps_what_is_finished(self, tmp_path):
+        """The solutions of the larger problem do not fit."""
+        large = rc.ContactProblem(rc.Body(ROUGH, STEEL), grid=rc.Grid((64, 64), 1e-4))
+        both, seen = study(problems={"small": problem(), "large": large}, seeds=[0]), []
+        with (
+            full_disk(60_000),
+            pytest.raises(rc.StudyStopped, match=r"cannot be written to .*: 2 of 4 solves"),
+        ):
+            both.run(tmp_path, on_records=seen.extend)
+        (index,) = tmp_path.glob("study-*.json")
+        assert set(read_index(index)) == {record.key for record in seen}
+        assert len(seen) == 2
+        assert both.run(tmp_path).computed == 2
+        assert not partials(tmp_path)
+
+    def test_a_full_disk_ends_the_tasks_of_an_executor(self, tmp_path):
+        with (
+            full_disk(1000),
+            ThreadPoolExecutor(2) as executor,
+            pytest.raises(rc.StudyStopped, match="File too large"),
+        ):
+            study(seeds=range(6)).run(tmp_path, executor=executor)
+        assert study(seeds=range(6)).run(tmp_path).computed == 12
+
+    def test_a_folder_that_cannot_be_made_or_written_to(self, tmp_path):
+        (tmp_path / "file").write_text("")
+        with pytest.raises(rc.InputError, match=r"folder .*file/deep' of the study cannot be made"):
+            study().run(tmp_path / "file" / "deep")
+        (tmp_path / "closed").mkdir(mode=0o555)
+        with without_privileges(), pytest.raises(rc.StudyStopped, match=r"\(Permission denied\): 0 of 6 solves"):
+            study().run(tmp_path / "closed")
+
+    def test_a_finished_study_is_read_where_nothing_can_be_written(self, tmp_path):
+        first = study().run(tmp_path)
+        tmp_path.chmod(0o555)
+        with without_privileges():
+            again = study().run(tmp_path)
+        assert again.records == first.records
+
+    def test_a_device_is_not_replaced(self):
+        with pytest.raises(rc.InputError, match="something else than a file at '/dev/null'"), replacing("/dev/null"):
+            pass
+
+    def test_the_command(self, tmp_path, made, capsys, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        np.savez(tmp_path / "map.npz", heights=ROUGH.heights(GRID), size=1e-4)
+        solve = ["solve", "map.npz", "--force", "0.1N", "--young", "200GPa", "-o", "out"]
+        with full_disk(500):
+            assert command(solve) == 2
+        assert "cannot be written: File too large" in capsys.readouterr().err
+        assert os.listdir(tmp_path / "out") == []
+        with full_disk((made["folder"] / "solution.npz").stat().st_size + 5000):
+            assert command(solve) == 2
+        assert "solution.png' cannot be written" in capsys.readouterr().err
+        assert os.listdir(tmp_path / "out") == ["solution.npz"]
+
+
+def test_nothing_depends_on_the_clocks(tmp_path, monkeypatch):
+    """They jump by a year, forwards and backwards, at each call."""
+    first = study().run(tmp_path / "steady")
+    rng = random.Random(SEED)
+    for name in ("time", "monotonic", "perf_counter", "process_time", "thread_time"):
+        monkeypatch.setattr(time, name, lambda: rng.uniform(-3e7, 3e7))
+    result = study().run(tmp_path / "jumps")
+    assert study().run(tmp_path / "jumps").computed == 0
+    monkeypatch.undo()
+    assert without_seconds(first.records) == without_seconds(result.records)
+    for record in result.records:
+        assert (result.solution(record).pressure == first.solution(record).pressure).all()
+    assert study().run(tmp_path / "jumps").computed == 0
+
+
+def test_too_little_memory_for_one_problem(tmp_path):
+    """The address space is limited: the large problem fails, the others are solved."""
+    script = (
+        "import resource, sys\n"
+        f"sys.path.insert(0, {os.path.dirname(__file__)!r})\n"
+        "from test_faults import *\n"
+        "large = rc.ContactProblem(rc.Body(rc.SphereSurface(1e-3), STEEL), grid=rc.Grid((4000, 4000), 1e-4))\n"
+        "problems = {'first': problem(), 'large': large, 'last': problem(rc.SphereSurface(1e-3))}\n"
+        # Libraries of linear algebra take buffers at their first use, and end the process where they cannot.
+        "study(problems={'before': problem()}, seeds=[]).run(sys.argv[1] + '/before')\n"
+        "pages = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (pages + 2**27, pages + 2**27))\n"
+        "for record in study(problems=problems, seeds=[]).run(sys.argv[1]).records:\n"
+        "    print(record.problem, record.success, record.message)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script, str(tmp_path)], capture_output=True, text=True, check=True)
+    lines = done.stdout.splitlines()
+    assert [line.split()[:2] for line in lines] == [
+        [name, str(name != "large")] for name in ("first", "large", "last") for _ in range(2)
+    ]
+    assert all("emory" in line for line in lines[2:4])
+    assert not partials(tmp_path)
+
+
+# Calls that write a file, in numpy, pathlib, matplotlib, pandas, shutil and os.
+WRITERS = {"savefig", "imsave", "write_text", "write_bytes", "to_netcdf", "to_excel", "to_parquet", "savez", "savetxt"}
+WRITERS |= {"savez_compressed", "np.save", "copyfile", "copy2", "tofile", "touch", "os.replace", "os.rename"}
+OPENERS = {"open", "File", "ZipFile", "memmap"}
+# Functions that write elsewhere, and why.
+ELSEWHERE = {
+    ("replacement.py", "replacing"): "the door itself",
+    ("__init__.py", "seal"): "is given the unfinished file",
+    ("netcdf.py", "write_netcdf"): "writes to memory first",
+    ("picture.py", "draw_report"): "draws in memory first",
+    ("picture.py", "draw_solution"): "draws in memory first",
+    ("output.py", "write_results"): "draws in memory first",
+    ("inputs.py", "_damaged"): "writes to a temporary folder",
+}
+
+
+def writes(call):
+    text = ast.unparse(call.func)
+    name = text.rpartition(".")[2]
+    if name in OPENERS:
+        texts = [*call.args, *(keyword.value for keyword in call.keywords if keyword.arg == "mode")]
+        modes = [node.value for node in texts if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+        return any(set(mode) <= set("rwaxbt+") and set(mode) & set("wax+") for mode in modes)
+    return name in WRITERS or text in WRITERS
+
+
+def is_door(node):
+    return isinstance(node, ast.With) and any(
+        isinstance(item.context_expr, ast.Call) and ast.unparse(item.context_expr.func) == "replacing"
+        for item in node.items
+    )
+
+
+def writers_outside(tree, function="", inside=False):
+    """Yield the function and the call of whatever writes outside of a `with replacing(...)`."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.Call) and writes(node) and not inside:
+            yield function, ast.unparse(node)
+        name = node.name if isinstance(node, ast.FunctionDef) else function
+        yield from writers_outside(node, name, inside or is_door(node))
+
+
+def test_every_file_is_written_through_the_one_door():
+    assert SOURCES
+    for path in SOURCES:
+        found = writers_outside(ast.parse(path.read_text(encoding="utf-8")))
+        assert [(path, name, call) for name, call in found if (path.name, name) not in ELSEWHERE] == []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        'open("x", "w")',
+        'Path("x").open(mode="ab")',
+        "figure.savefig(path)",
+        'with opened(path) as file: path.write_text("")',
+        "np.savez(path, x=x)",
+        "numpy.save(path, x)\nnp.save(path, x)",
+        'def draw():\n    zipfile.ZipFile(path, "a")',
+    ],
+)
+def test_a_writer_outside_of_the_door_is_seen(line):
+    assert list(writers_outside(ast.parse(line)))
+    inside = "with replacing(path) as partial:\n" + "\n".join(f"    {part}" for part in line.split("\n"))
+    assert not list(writers_outside(ast.parse(inside)))
+
+
+def kill_study():
+    """A study of 12 solves in 4 chains, which takes about half a second."""
+    problems = {"free": problem(), "periodic": problem(boundary="periodic")}
+    return study(problems=problems, force=[0.05, 0.2, 0.5], seeds=[0, 1])
+
+
+def run_serially(folder):
+    kill_study().run(folder)
+
+
+def run_on_pool(folder):
+    # A group of its own, so that its workers can be killed with it.
+    os.setsid()
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("fork")) as executor:
+        kill_study().run(folder, executor=executor)
+
+
+@pytest.fixture(scope="module")
+def forks():
+    """Processes that have the package already."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["roughcontact", "numpy.testing", "scipy.fft", "scipy.ndimage"])
+    return context
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    result = kill_study().run(tmp_path_factory.mktemp("undisturbed"))
+    return result, [result.solution(record) for record in result.records]
+
+
+def require_no_loss(folder, undisturbed):
+    """Finish a study in the folder of a killed one, and compare all of it with the undisturbed one, bit by bit."""
+    finished = len(list(folder.glob("*.npz")))
+    wanted, solutions = undisturbed
+    result = kill_study().run(folder)
+    assert result.computed == len(wanted.records) - finished
+    assert without_seconds(result.records) == without_seconds(wanted.records)
+    for record, solution in zip(result.records, solutions, strict=True):
+        found = result.solution(record)
+        for name in ("pressure", "displacement", "initial_gap"):
+            assert getattr(found, name).tobytes() == getattr(solution, name).tobytes()
+        assert found.approach == solution.approach
+    assert not partials(folder)
+    assert kill_study().run(folder).computed == 0
+
+
+def blocks(name):
+    return [pytest.param(block, id=f"{name} {block}") for block in range(KILLS[name] // BLOCK[name])]
+
+
+def folders_of_kills(tmp_path, name, block):
+    """Yield a folder and a moment, in units of the time of a run, for each kill; what came too late is not counted."""
+    rng = random.Random(f"{SEED} {name} {block}")
+    for count in range(10 * BLOCK[name]):
+        if len(list(tmp_path.glob("*/killed"))) >= BLOCK[name]:
+            return
+        folder = tmp_path / str(count)
+        folder.mkdir()
+        yield folder, rng.random()
+    pytest.fail("the study was faster than its kills")
+
+
+@pytest.mark.slow
+class TestKills:
+    """SIGKILL at random moments: nothing that was finished is lost, solved again or changed."""
+
+    @pytest.mark.parametrize("block", blocks("serial"))
+    def test_a_serial_study(self, tmp_path, forks, undisturbed, block):
+        self.kill_process(tmp_path, forks, undisturbed, run_serially, "serial", block)
+
+    @pytest.mark.parametrize("block", blocks("parent of a pool"))
+    def test_the_parent_of_a_pool(self, tmp_path, forks, undisturbed, block):
+        self.kill_process(tmp_path, forks, undisturbed, run_on_pool, "parent of a pool", block)
+
+    def kill_process(self, tmp_path, forks, undisturbed, run, name, block):
+        duration = None
+        for folder, moment in folders_of_kills(tmp_path, name, block):
+            process, started = forks.Process(target=run, args=(folder / "study",)), time.monotonic()
+            process.start()
+            process.join(None if duration is None else moment * duration)
+            duration = duration or time.monotonic() - started
+            if process.is_alive():
+                process.kill()
+                (folder / "killed").touch()
+            process.join()
+            with contextlib.suppress(ProcessLookupError):
+                # Workers without a parent go on for a while.
+                time.sleep(0.1 * moment)
+                os.killpg(process.pid, signal.SIGKILL)
+                time.sleep(0.1)
+            (folder / "study").mkdir(exist_ok=True)
+            require_no_loss(folder / "study", undisturbed)
+
+    @pytest.mark.parametrize("block", blocks("worker of a pool"))
+    def test_a_worker_of_a_pool(self, tmp_path, forks, undisturbed, block):
+        duration = None
+        for folder, moment in folders_of_kills(tmp_path, "worker of a pool", block):
+            seen, stopped, started = [], "", time.monotonic()
+            with ProcessPoolExecutor(2, mp_context=forks) as executor:
+                list(executor.map(abs, range(4)))
+                workers = list(executor._processes)
+                timer = threading.Timer(
+                    60 if duration is None else moment * duration, kill_one, (workers, moment, folder)
+                )
+                timer.start()
+                try:
+                    kill_study().run(folder / "study", executor=executor, on_records=seen.extend)
+                except rc.StudyStopped as error:
+                    stopped = str(error)
+                timer.cancel()
+                timer.join()
+            duration = duration or time.monotonic() - started
+            assert not stopped or f"{len(seen)} of 12 solves are reported" in stopped
+            indices = list((folder / "study").glob("study-*.json"))
+            assert {record.key for record in seen} == {key for index in indices for key in read_index(index)}
+            require_no_loss(folder / "study", undisturbed)
+
+    @pytest.mark.parametrize("block", blocks("worker of dask"))
+    def test_a_worker_of_dask(self, tmp_path, undisturbed, block):
+        distributed = pytest.importorskip("distributed")
+        duration = None
+        with (
+            distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+            distributed.Client(cluster) as client,
+        ):
+            client.run(run_serially, tmp_path / "warm")
+            for folder, moment in folders_of_kills(tmp_path, "worker of dask", block):
+                client.wait_for_workers(2)
+                workers, started = sorted(client.run(os.getpid).values()), time.monotonic()
+                timer = threading.Timer(
+                    60 if duration is None else moment * duration, kill_one, (workers, moment, folder)
+                )
+                timer.start()
+                result = kill_study().run(folder / "study", executor=client.get_executor())
+                timer.cancel()
+                timer.join()
+                duration = duration or time.monotonic() - started
+                # The other worker has done the rest.
+                assert len(result.records) == 12
+                assert not result.failed
+                require_no_loss(folder / "study", undisturbed)
+
+    def test_dask_gives_up_a_task_that_kills_its_workers(self, tmp_path):
+        distributed = pytest.importorskip("distributed")
+        deadly = study(problems={"good": problem(), "deadly": problem(Trouble("killed"))}, seeds=[0, 1])
+        with (
+            distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+            distributed.Client(cluster) as client,
+            pytest.raises(rc.StudyStopped, match=r"Every worker .*'deadly'.*KilledWorker.*6 of 8"),
+        ):
+            deadly.run(tmp_path, executor=client.get_executor())
+        (index,) = tmp_path.glob("study-*.json")
+        assert len(read_index(index)) == 6
+
+
+def kill_one(workers, moment, folder):
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(workers[int(1000 * moment) % len(workers)], signal.SIGKILL)
+        (folder / "killed").touch()
+
+
+def test_all_kills_are_in_blocks():
+    assert sum(KILLS.values()) == 100
+    assert all(KILLS[name] % BLOCK[name] == 0 for name in KILLS)

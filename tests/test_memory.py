@@ -1,0 +1,338 @@
+"""Memory is asked for before it is taken, and no solve takes more than its plan says."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import subprocess
+import sys
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.__main__ import main
+from roughcontact.checks.memory import available_memory, require_memory
+from roughcontact.units import binary
+
+linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits and figures are those of Linux")
+STEEL = rc.Elastic(1e9, 0.0)
+WAVY = rc.WavySurface(1e-7, 1e-4)
+SPHERE = rc.SphereSurface(1.0)
+# The largest grid: an array of it takes 2 GiB.
+LARGEST = 2**14
+GRID = rc.Grid((LARGEST, LARGEST), 1e-2)
+
+
+def write(root, **files):
+    """Write files below a folder that stands for the root of the file system."""
+    for name, text in files.items():
+        path = root / name.replace("__", "/")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+
+MEMINFO = (
+    "MemTotal: 9000 kB\nMemFree: 1 kB\nMemAvailable: 1000 kB\nSwapTotal: 0 kB\nSwapFree: 24 kB\nHugePages_Total: 0\n"
+)
+
+
+def limited(root, folder, name, used, limit, stat=""):
+    group = root / "sys/fs/cgroup" / folder
+    group.mkdir(parents=True, exist_ok=True)
+    second = name == "memory.max"
+    (group / name).write_text(f"{limit}\n")
+    (group / ("memory.current" if second else "memory.usage_in_bytes")).write_text(f"{used}\n")
+    (group / "memory.stat").write_text(stat)
+
+
+def test_nothing_is_known_of_an_unknown_machine(tmp_path, monkeypatch):
+    assert available_memory(tmp_path) is None
+    monkeypatch.setattr("roughcontact.checks.memory.available_memory", lambda: None)
+    require_memory(1e30, "A solve", "choose fewer cells")
+
+
+def test_the_memory_of_the_machine(tmp_path):
+    write(tmp_path, proc__meminfo=MEMINFO)
+    assert available_memory(tmp_path) == 1024 * 1024
+
+
+def test_the_limit_of_a_control_group_of_version_2_or_of_one_above_it(tmp_path):
+    write(tmp_path, proc__meminfo=MEMINFO, proc__self__cgroup="0::/user.slice/job\n")
+    limited(tmp_path, "user.slice/job", "memory.max", 500, "max")
+    assert available_memory(tmp_path) == 1024 * 1024
+    limited(
+        tmp_path,
+        "user.slice",
+        "memory.max",
+        60_000,
+        100_000,
+        "anon 1\ninactive_file 5000\nactive_file 300\nfile 5300\n",
+    )
+    assert available_memory(tmp_path) == 45_300
+    limited(tmp_path, "user.slice/job", "memory.max", 900, 1000)
+    assert available_memory(tmp_path) == 100
+    limited(tmp_path, "user.slice/job", "memory.max", 1100, 1000)
+    assert available_memory(tmp_path) == 0
+
+
+def test_the_limit_of_a_container_that_sees_only_its_own_groups(tmp_path):
+    write(
+        tmp_path, proc__meminfo=MEMINFO, proc__self__cgroup="5:cpu,memory:/docker/4711\n1:name=systemd:/docker/4711\n"
+    )
+    limited(tmp_path, "memory", "memory.limit_in_bytes", 60_000, 100_000, "inactive_file 7\ntotal_inactive_file 1000\n")
+    assert available_memory(tmp_path) == 41_000
+    (tmp_path / "sys/fs/cgroup/memory/memory.stat").unlink()
+    assert available_memory(tmp_path) == 40_000
+    write(tmp_path, proc__self__cgroup="0::/../../elsewhere\n")
+    assert available_memory(tmp_path) == 1024 * 1024
+
+
+def test_the_sentence_says_how_much_there_is_and_what_to_do(monkeypatch):
+    monkeypatch.setattr("roughcontact.checks.memory.available_memory", lambda: 3 * 2**30)
+    with pytest.raises(rc.InputError) as caught:
+        rc.ContactProblem(rc.Body(WAVY, STEEL), grid=GRID)
+    assert str(caught.value) == (
+        "A solve on 16384 x 16384 cells, boundary free, needs 23 GiB of memory, but this process may take only 3 GiB "
+        "more: choose fewer cells, or a periodic boundary, which needs less."
+    )
+    # Memory that was taken since the problem was made.
+    problem = rc.ContactProblem(rc.Body(WAVY, STEEL), grid=rc.Grid((512, 512), 1e-2))
+    monkeypatch.setattr("roughcontact.checks.memory.available_memory", lambda: 2**23)
+    with pytest.raises(rc.InputError, match=r"needs 23 MiB of memory, but this process may take only 8 MiB more"):
+        problem.solve(pressure=1e5)
+
+
+def test_what_is_small_is_not_asked_for(monkeypatch):
+    monkeypatch.setattr("roughcontact.checks.memory.available_memory", lambda: 0)
+    assert rc.ContactProblem(rc.Body(WAVY, STEEL), grid=rc.Grid((64, 64), 1e-2)).solve(pressure=1e5).status.success
+
+
+def test_numbers_of_bytes():
+    words = [binary(size) for size in (0, 1023, 1024, 1.5 * 2**30, 2**50)]
+    assert words == ["0 bytes", "1023 bytes", "1 KiB", "1.5 GiB", "1024 TiB"]
+
+
+def read_status(name):
+    lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
+    return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(name))
+
+
+def contact(surface=WAVY, **others):
+    return rc.ContactProblem(rc.Body(surface, STEEL), **{"grid": GRID, **others})
+
+
+def command(*arguments):
+    """Run a command; an exit with a sentence becomes an error with it."""
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
+        status = main([str(argument) for argument in arguments])
+    if status == 2 or "failed [1]" in said.getvalue():
+        raise rc.InputError(said.getvalue())
+
+
+STUDY = """
+[problems.large]
+{grid}
+body.surface = {{ {surface} }}
+body.material = {{ type = "elastic", young = 1e9, poisson = 0.3 }}
+[study]
+pressure = [1e5]
+"""
+OF_FILE = {"grid": "", "surface": f'type = "file", path = "map.npz", resample = [{LARGEST}, {LARGEST}]'}
+OF_GRID = {
+    "grid": f"grid = {{ shape = [{LARGEST}, {LARGEST}], size = 1e-2 }}",
+    "surface": 'type = "wavy", amplitude = 1e-7, wavelength = 1e-4',
+}
+
+
+def large_cases(folder):
+    """Return what asks for a grid of 2^28 cells, by name."""
+    heights = rc.HeightMap(1e-7 * np.random.default_rng(0).random((64, 64)), 1e-2, periodic=True)
+    np.savez(folder / "map.npz", heights=heights.values, size=1e-2)
+    for name, parts in (("file", OF_FILE), ("grid", OF_GRID)):
+        (folder / f"{name}.toml").write_text(STUDY.format(**parts), encoding="utf-8")
+    small = contact(SPHERE, grid=rc.Grid((64, 64), 1e-2))
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, longest=1e-3, shortest=2e-2 / LARGEST)
+    of_map = [folder / "map.npz", "--young", "1GPa", "--pressure", "1kPa", "-o", folder / "out"]
+    many = (LARGEST, LARGEST)
+    return {
+        **{boundary: lambda boundary=boundary: contact(boundary=boundary) for boundary in rc.Boundary},
+        "direct": lambda: contact(convolver="direct"),
+        "fourier": lambda: contact(kernel="fourier", boundary="periodic"),
+        "rough": lambda: contact(rough),
+        "strip": lambda: contact(grid=rc.Grid((2, 2**27), 1e-2)),
+        "matched": lambda: contact(rc.match(heights, heights, shape=many).body),
+        **{f"heights {type(s).__name__}": lambda s=s: s.heights(GRID) for s in (rough, SPHERE)},
+        **{f"resampled {how}": lambda how=how: heights.resample(many, how) for how in ("bilinear", "cubic", "fourier")},
+        "extrapolate": lambda: rc.extrapolate(small, force=0.1, levels=9),
+        "beyond_resolution": lambda: rc.beyond_resolution(contact(heights), force=0.1, cutoffs=[64 / LARGEST]),
+        "on_grid": lambda: rc.on_grid(small, many),
+        "report": lambda: rc.error_vs_time(small, force=0.1, cells=[LARGEST]),
+        **{
+            f"dry run of a {name}": lambda name=name: command("run", folder / f"{name}.toml", "--dry-run")
+            for name in ("file", "grid")
+        },
+        "command solve": lambda: command("solve", *of_map, "--resample", LARGEST, LARGEST),
+        "command report": lambda: command("report", *of_map, "--cells", LARGEST),
+    }
+
+
+def try_large_cases(folder):
+    """Print the sentence of each case and how much the resident memory rose, in a process that may take 1 GiB more."""
+    import resource
+
+    cases = large_cases(folder)
+    contact(SPHERE, grid=rc.Grid((64, 64), 1e-2)).solve(force=0.1).area()
+    limit = read_status("VmSize") + 2**30
+    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    result = {}
+    for name, case in cases.items():
+        before = read_status("VmRSS")
+        # This resets the peak.
+        Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")
+        try:
+            said = f"not refused: {case()!r:.80}"
+        except rc.RoughContactError as error:
+            said = str(error)
+        result[name] = said, read_status("VmHWM") - before
+    print(json.dumps(result))
+
+
+@linux
+def test_the_largest_grid_is_refused_before_anything_is_taken(tmp_path):
+    code = f"import pathlib, test_memory; test_memory.try_large_cases(pathlib.Path({str(tmp_path)!r}))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout.splitlines()[-1])
+    assert len(result) == 21
+    for name, (said, risen) in result.items():
+        asked = "GiB of memory, but this process may take only" in said
+        assert asked or "needs more memory than there is" in said, (name, said)
+        # The command line imports the figures' package.
+        assert risen < 2**20 * (100 if name.startswith("command") else 16), (name, risen)
+
+
+@linux
+def test_maps_of_files_are_compared_with_the_memory(tmp_path, monkeypatch):
+    np.save(tmp_path / "map.npy", np.zeros((1200, 1200)))
+    np.savez(tmp_path / "map.npz", heights=np.zeros((1200, 1200)), size=1.0)
+    row = b"0.000000000000000000e+00 " * 1200 + b"\n"
+    (tmp_path / "map.txt").write_bytes(row * 1200)
+    monkeypatch.setattr("roughcontact.checks.memory.available_memory", lambda: 2**24)
+    for name, needed in (("map.npy", 21.97), ("map.npz", 21.97), ("map.txt", 21.97)):
+        with pytest.raises(rc.InputError, match=rf"{name} cannot be used: it needs {needed} MiB of memory, but"):
+            rc.read_surface(tmp_path / name, size=1.0)
+
+
+def test_a_text_map_takes_little_more_than_its_numbers(tmp_path):
+    """Three arrays of them at most."""
+    heights = np.random.default_rng(0).integers(100, 999, (700, 750))
+    np.savetxt(tmp_path / "map.csv", heights, fmt="%d", delimiter=",")
+    tracemalloc.start()
+    values = rc.read_surface(tmp_path / "map.csv", size=(1e-3, 1e-3), unit=1e-9).values
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    np.testing.assert_array_equal(values, heights * 1e-9)
+    assert peak < 3.2 * heights.nbytes
+
+
+def test_a_small_file_does_not_expand_to_a_large_map(tmp_path):
+    np.savez_compressed(tmp_path / "map.npz", heights=np.zeros((1500, 1500)), size=1.0)
+    assert (tmp_path / "map.npz").stat().st_size < 100_000
+    with pytest.raises(rc.InputError, match=r"write it again without compression \(numpy.savez\)"):
+        rc.read_surface(tmp_path / "map.npz")
+
+
+def rough_problem(cells, **parts):
+    side = 1e-4
+    surface = rc.SelfAffineSurface(
+        hurst=0.8,
+        rms_slope=0.1,
+        longest=side,
+        rolloff=max(side / 8, 8 * side / cells),
+        shortest=8 * side / cells,
+        seed=3,
+    )
+    material = parts.pop("material", STEEL)
+    return rc.ContactProblem(rc.Body(surface, material), grid=rc.Grid((cells, cells), side), **parts)
+
+
+def measure(cells, load, hardness=0.0, **parts):
+    """Return the peak memory of a solve, and that of its plan, bytes."""
+    material = rc.ElasticPerfectlyPlastic(1e9, 0.0, hardness) if hardness else STEEL
+    problem = rough_problem(cells, material=material, **parts)
+    tracemalloc.start()
+    solution = problem.solve(pressure=load, throw=False)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak, problem.plan.memory_at(float((solution.contact & ~solution.saturated).mean()))
+
+
+CASES = [
+    ({"boundary": boundary, "solver": solver}, load, hardness)
+    for boundary in ("free", "periodic", "wrapped")
+    for solver in ("projected-cg", "polonsky-keer", "spectral-gradient")
+    for load, hardness in ((5e5, 0.0), (5e6, 0.0), (5e7, 0.0), (5e6, 3e7))
+    if not (hardness and solver == "polonsky-keer")
+]
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_no_solve_takes_more_than_its_plan_says(boundary):
+    for cells in (32, 256):
+        # Once for the imports.
+        peak, stated = measure(cells, 5e6, boundary=boundary)
+    assert peak < stated
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("parts", "load", "hardness"), CASES)
+def test_no_solve_takes_more_than_its_plan_says_with_any_part(parts, load, hardness):
+    for cells in (32, 256):
+        peak, stated = measure(cells, load, hardness, **parts)
+    assert peak < stated
+
+
+def solve_in(boundary, fraction):
+    """Print how a solve near full contact ends in a process that may take a fraction of what the plan says at most."""
+    import resource
+
+    rough_problem(64, boundary=boundary).solve(pressure=5e7)
+    problem = rough_problem(1024, boundary=boundary)
+    limit = read_status("VmSize") + int(fraction * problem.plan.memory)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    try:
+        print(problem.solve(pressure=5e7).status)
+    except rc.RoughContactError as error:
+        print(error)
+
+
+@linux
+@pytest.mark.slow
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_a_solve_ends_well_in_the_memory_of_its_plan_and_with_a_sentence_in_less(boundary):
+    words = {1.05: "converged", 0.8: "needs more memory than there is", 0.3: "this process may take only"}
+    for fraction, said in words.items():
+        code = f"import test_memory; test_memory.solve_in({boundary!r}, {fraction})"
+        done = subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parent, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        assert said in done.stdout, (fraction, done.stdout)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("boundary", ["free", "wrapped"])
+def test_the_direct_sum_takes_no_more_than_the_plan_says(boundary):
+    for cells in (32, 64):
+        peak, stated = measure(cells, 5e6, boundary=boundary, convolver="direct")
+    assert peak < stated
+
+
+def test_the_direct_sum_of_a_long_strip_is_made_in_parts(monkeypatch):
+    strip = contact(SPHERE, grid=rc.Grid((3, 40), (3e-3, 4e-2)), convolver="direct")
+    whole = strip.convolution.apply(strip.initial_gap)
+    monkeypatch.setattr("roughcontact._convolvers.direct._LARGEST_MATRIX", 300)
+    np.testing.assert_allclose(strip.convolution.apply(strip.initial_gap), whole, rtol=1e-13)

@@ -1,0 +1,156 @@
+"""One number and one unit: what the command line and study files take for a quantity, and what not."""
+
+from __future__ import annotations
+
+import argparse
+import math
+
+import pytest
+
+import roughcontact as rc
+from roughcontact.__main__ import main
+from roughcontact.cli import commands
+from roughcontact.cli.options import quantity, whole_number
+
+GOOD = {
+    "N": {
+        "2.5N": 2.5,
+        "2.5 N": 2.5,
+        " 2.5 N ": 2.5,
+        "2.5\u00a0N": 2.5,
+        "+1N": 1.0,
+        "-1N": -1.0,
+        ".5N": 0.5,
+        "5.N": 5.0,
+        "1e-3 N": 1e-3,
+        "1E3 N": 1e3,
+        "1e+3N": 1e3,
+        "5uN": 5e-6,
+        "5 \u00b5N": 5e-6,
+        "5 \u03bcN": 5e-6,
+        "5 kN": 5e3,
+        "1 kgf": 9.80665,
+        "5 kg*m/s^2": 5.0,
+    },
+    "m": {"1.5mm": 1.5e-3, "250um": 250e-6, "2 \u00b5m": 2e-6, "2 \u03bcm": 2e-6, "1 \u00c5": 1e-10, "1in": 25.4e-3},
+    "Pa": {"5 MPa": 5e6, "210GPa": 210e9, "5 N/mm^2": 5e6, "5 N/mm**2": 5e6, "5N/mm²": 5e6, "1 bar": 1e5},
+    "rad": {"180deg": math.pi, "180°": math.pi, "5 mrad": 5e-3},
+    "dimensionless": {"0.3": 0.3, "3e-1": 0.3, "30%": 0.3, "30 %": 0.3, "-1": -1.0},
+}
+# A decimal comma, groups of digits, arithmetic, two quantities, no number, no unit, a wrong or unknown unit, what
+# Python takes beside numbers, and numbers without end.
+ALWAYS_BAD = (
+    *("2,5N", "2,5 N", "2 500mN", "2'500mN", "2.500.000N", "9**9**9**9N", "2+3N", "2*3N", "5**2N", "1/2 N", "(5N)"),
+    *("nanN", "nan", "inf N", "-infN", "1e999N", "1e400 N", "1e9999N", "1e308 GN", "0x10N", "1_000N", "5jN", "1e N"),
+    *("\uff15N", "\u0665N", "\u22125N", "5N\0", "5N;1", "5 N*rad", "__import__('os')", "N" * 10**6, "9" * 10**6 + "N"),
+    *("5N 3", "5N 3N", "5 N N", "3 5N", "N", "", " ", "lots", "5 MPa 3", "1,5mm", "1 5mm"),
+)
+BAD = {
+    "N": (*ALWAYS_BAD, "5", "1e3", "5 Pa", "5 Nm", "5 q", "5 n", "5/N"),
+    "m": ("1,5mm", "1.5 mm mm", "1 5mm", "1um2", "1 m2", "5 deg"),
+    "Pa": ("5 MPa 3", "210", "5 mpa", "5 N/mm2", "1 MPa^2", "5 kg", "1e5 degC"),
+    "rad": ("30", "0.5", "30 %", "1,5rad"),
+    "dimensionless": ("0,3", ",3", "0.3.1", "1/3", "30 deg", "0.3 m", "nan", "inf", "1e999", "0x1", "1_0"),
+}
+
+
+@pytest.mark.parametrize(("unit", "text", "value"), [(u, t, v) for u, row in GOOD.items() for t, v in row.items()])
+def test_one_number_and_one_unit(unit, text, value):
+    assert quantity(unit)(text) == pytest.approx(value, rel=1e-14)
+
+
+@pytest.mark.parametrize("unit", BAD)
+def test_anything_else_is_refused_and_shown(unit):
+    for text in BAD[unit]:
+        with pytest.raises(argparse.ArgumentTypeError, match=r"; write it like [0-9]") as caught:
+            quantity(unit)(text)
+        assert str(caught.value).startswith(repr(text[:80])), text[:80]
+        assert len(str(caught.value)) < 250
+
+
+def test_whole_numbers():
+    assert whole_number("256") == 256
+    assert whole_number("-1") == -1
+    for text in ("2,5", "2.0", "1_000", "\uff12", " 2", "1e3", "0x10", "", "nan", "9" * 5000):
+        with pytest.raises(argparse.ArgumentTypeError, match="is not a whole number; write it like 256"):
+            whole_number(text)
+
+
+def typed_options():
+    """Return the converter of every option, of every command, that converts its text."""
+    options = []
+    for name in commands:
+        parser = argparse.ArgumentParser()
+        commands.create(name).declare(parser)
+        # A form may also be a word.
+        typed = [action for action in parser._actions if action.type is not None and "detrend" not in action.dest]
+        options += [pytest.param(action.type, id=f"{name} {action.dest}") for action in typed]
+    return options
+
+
+@pytest.mark.parametrize("convert", typed_options())
+def test_every_option_of_every_command_is_strict(convert):
+    for text in (*ALWAYS_BAD, *BAD["dimensionless"][:3]):
+        with pytest.raises(argparse.ArgumentTypeError, match="write it like"):
+            convert(text)
+
+
+def test_a_decimal_comma_solves_nothing(tmp_path, capsys):
+    arguments = ["map.npz", "--young", "210GPa", "--force", "2,5N", "-o", str(tmp_path / "out")]
+    with pytest.raises(SystemExit):
+        main(["solve", *arguments])
+    assert "--force: '2,5N' is not one number with a decimal point and one unit; write it like 2.5N" in (
+        capsys.readouterr().err
+    )
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("young", ["2,5e9", "210GPa", "9**9**9**9", "nan", "1e999", "1_0_"])
+def test_fields_of_a_part_are_plain_numbers(young, capsys):
+    assert main(["check", "elastic", "--with", f"young={young}", "poisson=0.3"]) == 2
+    assert "Young's modulus must be a finite number, above 0 (Pa), but got" in capsys.readouterr().err
+
+
+STUDY = """
+[problems.a]
+grid = {{ shape = [16, 16], size = {size} }}
+boundary = "periodic"
+body.surface = {{ type = "wavy", amplitude = 1e-7, wavelength = 1e-4 }}
+body.material = {{ type = "elastic", young = {young}, poisson = {poisson} }}
+[study]
+{load}
+"""
+PLAIN = {"size": "1e-4", "young": "1e9", "poisson": "0.3", "load": "pressure = [1e6]"}
+
+
+def study(tmp_path, **changes):
+    from roughcontact.studies.toml import read_study
+
+    (tmp_path / "study.toml").write_text(STUDY.format(**PLAIN | changes), encoding="utf-8")
+    return read_study(tmp_path / "study.toml")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"size": '"1,5mm"'}, "The size of the domain must be a finite number, above 0 .m., but got '1,5mm'"),
+        ({"young": '"5 MPa 3"'}, "Young's modulus must be a finite number.* but got '5 MPa 3'"),
+        ({"young": '"210 GPa"'}, "Young's modulus must be a finite number.* but got '210 GPa'"),
+        ({"young": "[2, 5]"}, "Young's modulus must be"),
+        ({"young": "inf"}, "Young's modulus must be"),
+        ({"young": "1e999"}, "Young's modulus must be"),
+        ({"poisson": '"0,3"'}, "Poisson's ratio must be"),
+        ({"poisson": "nan"}, "Poisson's ratio must be"),
+        ({"poisson": "0,3"}, "is not TOML"),
+        ({"load": 'pressure = ["5 MPa"]'}, "must be a finite number.* but got '5 MPa'"),
+        ({"load": 'pressure = "5e6"'}, "pressure"),
+        ({"load": 'force = "2,5N"'}, "force"),
+    ],
+)
+def test_in_study_files_quantities_are_plain_numbers(tmp_path, changes, words):
+    with pytest.raises(rc.InputError, match=words):
+        study(tmp_path, **changes)
+
+
+def test_the_study_file_itself_is_read(tmp_path):
+    assert study(tmp_path).loads[0].value == 1e6
