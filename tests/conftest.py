@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import contextlib
 import os
 from pathlib import Path
 
@@ -17,3 +18,17 @@ def measured_maps():
     if not folder or not Path(folder).is_dir():
         pytest.skip("no measured maps: set ROUGHCONTACT_MAPS to their folder")
     return Path(folder)
+
+
+@pytest.fixture
+def start_dask():
+    """Start a cluster of the given number of processes and return its client; both end with the test."""
+    distributed = pytest.importorskip("distributed")
+    with contextlib.ExitStack() as stack:
+
+        def start(workers):
+            # Any free port: two tests at once may not ask for the same one.
+            cluster = distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=":0")
+            return stack.enter_context(distributed.Client(stack.enter_context(cluster)))
+
+        yield start

@@ -723,39 +723,29 @@ class TestKills:
             require_no_loss(folder / "study", undisturbed)
 
     @pytest.mark.parametrize("block", blocks("worker of dask"))
-    def test_a_worker_of_dask(self, tmp_path, undisturbed, block):
-        distributed = pytest.importorskip("distributed")
+    def test_a_worker_of_dask(self, tmp_path, undisturbed, start_dask, block):
         duration = None
-        with (
-            distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
-            distributed.Client(cluster) as client,
-        ):
-            client.run(run_serially, tmp_path / "warm")
-            for folder, moment in folders_of_kills(tmp_path, "worker of dask", block):
-                client.wait_for_workers(2)
-                workers, started = sorted(client.run(os.getpid).values()), time.monotonic()
-                timer = threading.Timer(
-                    60 if duration is None else moment * duration, kill_one, (workers, moment, folder)
-                )
-                timer.start()
-                result = kill_study().run(folder / "study", executor=client.get_executor())
-                timer.cancel()
-                timer.join()
-                duration = duration or time.monotonic() - started
-                # The other worker has done the rest.
-                assert len(result.records) == 12
-                assert not result.failed
-                require_no_loss(folder / "study", undisturbed)
+        client = start_dask(2)
+        client.run(run_serially, tmp_path / "warm")
+        for folder, moment in folders_of_kills(tmp_path, "worker of dask", block):
+            client.wait_for_workers(2, timeout=60)
+            workers, started = sorted(client.run(os.getpid).values()), time.monotonic()
+            timer = threading.Timer(60 if duration is None else moment * duration, kill_one, (workers, moment, folder))
+            timer.start()
+            result = kill_study().run(folder / "study", executor=client.get_executor())
+            timer.cancel()
+            timer.join()
+            duration = duration or time.monotonic() - started
+            # The other worker has done the rest.
+            assert len(result.records) == 12
+            assert not result.failed
+            require_no_loss(folder / "study", undisturbed)
 
-    def test_dask_gives_up_a_task_that_kills_its_workers(self, tmp_path):
-        distributed = pytest.importorskip("distributed")
+    def test_dask_gives_up_a_task_that_kills_its_workers(self, tmp_path, start_dask):
         deadly = study(problems={"good": problem(), "deadly": problem(Trouble("killed"))}, seeds=[0, 1])
-        with (
-            distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
-            distributed.Client(cluster) as client,
-            pytest.raises(rc.StudyStopped, match=r"Every worker .*'deadly'.*KilledWorker.*6 of 8"),
-        ):
-            deadly.run(tmp_path, executor=client.get_executor())
+        executor = start_dask(2).get_executor()
+        with pytest.raises(rc.StudyStopped, match=r"Every worker .*'deadly'.*KilledWorker.*6 of 8"):
+            deadly.run(tmp_path, executor=executor)
         (index,) = tmp_path.glob("study-*.json")
         assert len(read_index(index)) == 6
 
