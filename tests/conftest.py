@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import contextlib
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import hypothesis
@@ -20,15 +22,32 @@ def measured_maps():
     return Path(folder)
 
 
+class DaskCluster:
+    """A scheduler of dask in this process, and workers, processes of their own that nobody starts again."""
+
+    def __init__(self, distributed, stack):
+        # Any free port: two tests at once may not ask for the same one.
+        cluster = distributed.LocalCluster(n_workers=0, dashboard_address=":0")
+        self.client = stack.enter_context(distributed.Client(stack.enter_context(cluster)))
+        self.command = [sys.executable, "-m", "distributed.cli.dask_worker", cluster.scheduler_address, "--no-nanny"]
+        self.command += ["--nthreads", "1", "--memory-limit", "0", "--dashboard-address", ":0"]
+        # What the workers are sent may be of a module of tests.
+        self.environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+        self.stack, self.workers = stack, []
+
+    def start(self, count):
+        """Bring the number of running workers to `count`."""
+        self.workers = [worker for worker in self.workers if worker.poll() is None]
+        for _ in range(count - len(self.workers)):
+            worker = subprocess.Popen(self.command, env=self.environment, stderr=subprocess.DEVNULL)
+            self.stack.callback(worker.wait)
+            self.stack.callback(worker.kill)
+            self.workers.append(worker)
+        self.client.wait_for_workers(count, timeout=60)
+
+
 @pytest.fixture
-def start_dask():
-    """Start a cluster of the given number of processes and return its client; both end with the test."""
+def dask_cluster():
     distributed = pytest.importorskip("distributed")
     with contextlib.ExitStack() as stack:
-
-        def start(workers):
-            # Any free port: two tests at once may not ask for the same one.
-            cluster = distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=":0")
-            return stack.enter_context(distributed.Client(stack.enter_context(cluster)))
-
-        yield start
+        yield DaskCluster(distributed, stack)

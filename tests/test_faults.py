@@ -723,13 +723,13 @@ class TestKills:
             require_no_loss(folder / "study", undisturbed)
 
     @pytest.mark.parametrize("block", blocks("worker of dask"))
-    def test_a_worker_of_dask(self, tmp_path, undisturbed, start_dask, block):
+    def test_a_worker_of_dask(self, tmp_path, undisturbed, dask_cluster, block):
         duration = None
-        client = start_dask(2)
-        client.run(run_serially, tmp_path / "warm")
+        client = dask_cluster.client
         for folder, moment in folders_of_kills(tmp_path, "worker of dask", block):
-            client.wait_for_workers(2, timeout=60)
-            workers, started = sorted(client.run(os.getpid).values()), time.monotonic()
+            dask_cluster.start(2)
+            client.run(run_serially, tmp_path / "warm")
+            workers, started = [worker.pid for worker in dask_cluster.workers], time.monotonic()
             timer = threading.Timer(60 if duration is None else moment * duration, kill_one, (workers, moment, folder))
             timer.start()
             result = kill_study().run(folder / "study", executor=client.get_executor())
@@ -741,11 +741,12 @@ class TestKills:
             assert not result.failed
             require_no_loss(folder / "study", undisturbed)
 
-    def test_dask_gives_up_a_task_that_kills_its_workers(self, tmp_path, start_dask):
+    def test_dask_gives_up_a_task_that_kills_its_workers(self, tmp_path, dask_cluster):
         deadly = study(problems={"good": problem(), "deadly": problem(Trouble("killed"))}, seeds=[0, 1])
-        executor = start_dask(2).get_executor()
+        # Dask gives a task up when it has ended four.
+        dask_cluster.start(5)
         with pytest.raises(rc.StudyStopped, match=r"Every worker .*'deadly'.*KilledWorker.*6 of 8"):
-            deadly.run(tmp_path, executor=executor)
+            deadly.run(tmp_path, executor=dask_cluster.client.get_executor())
         (index,) = tmp_path.glob("study-*.json")
         assert len(read_index(index)) == 6
 

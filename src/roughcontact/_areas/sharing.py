@@ -202,5 +202,7 @@ def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
     for di in (-1, 0, 1):
         for dj in (-1, 0, 1):
             beside = (i + di) % nx, (j + dj) % ny
-            lowest &= (gap[beside] >= gap.ravel()[chosen]) & ~contact[beside]
+            # Of equal neighbours only the first: they have the summit between them in common.
+            higher = gap[beside] > gap.ravel()[chosen] if (di, dj) < (0, 0) else gap[beside] >= gap.ravel()[chosen]
+            lowest &= higher & ~contact[beside]
     return chosen[lowest]
