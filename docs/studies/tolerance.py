@@ -46,7 +46,7 @@ def rough(cells: int, shortest: float, seed: int, material: rc.Material) -> rc.C
 
 
 def make_rows() -> list[list[str]]:
-    """Return the largest changes of area and pressure at each tolerance, and the mean share of the convolutions."""
+    """Return the largest changes of area and pressure at each tolerance, and the mean fraction of the convolutions."""
     found = []
     for problem, load in contacts():
         exact = problem.solve(**load)
