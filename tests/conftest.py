@@ -4,6 +4,7 @@ import contextlib
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import hypothesis
@@ -36,8 +37,12 @@ class DaskCluster:
         self.stack, self.workers = stack, []
 
     def start(self, count):
-        """Bring the number of running workers to `count`."""
+        """Bring the number of running workers to `count`, when the scheduler has seen which ones have ended."""
         self.workers = [worker for worker in self.workers if worker.poll() is None]
+        deadline = time.monotonic() + 60
+        while len(self.client.scheduler_info(n_workers=-1)["workers"]) > len(self.workers):
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
         for _ in range(count - len(self.workers)):
             worker = subprocess.Popen(self.command, env=self.environment, stderr=subprocess.DEVNULL)
             self.stack.callback(worker.wait)

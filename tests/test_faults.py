@@ -685,10 +685,11 @@ class TestKills:
             process, started = forks.Process(target=run, args=(folder / "study",)), time.monotonic()
             process.start()
             process.join(None if duration is None else moment * duration)
-            duration = duration or time.monotonic() - started
             if process.is_alive():
                 process.kill()
                 (folder / "killed").touch()
+            else:
+                duration = time.monotonic() - started
             process.join()
             with contextlib.suppress(ProcessLookupError):
                 # Workers without a parent go on for a while.
@@ -702,7 +703,7 @@ class TestKills:
     def test_a_worker_of_a_pool(self, tmp_path, forks, undisturbed, block):
         duration = None
         for folder, moment in folders_of_kills(tmp_path, "worker of a pool", block):
-            seen, stopped, started = [], "", time.monotonic()
+            seen, stopped = [], ""
             with ProcessPoolExecutor(2, mp_context=forks) as executor:
                 list(executor.map(abs, range(4)))
                 workers = list(executor._processes)
@@ -710,13 +711,16 @@ class TestKills:
                     60 if duration is None else moment * duration, kill_one, (workers, moment, folder)
                 )
                 timer.start()
+                started = time.monotonic()
                 try:
                     kill_study().run(folder / "study", executor=executor, on_records=seen.extend)
                 except rc.StudyStopped as error:
                     stopped = str(error)
+                finished = time.monotonic()
                 timer.cancel()
                 timer.join()
-            duration = duration or time.monotonic() - started
+            if not (folder / "killed").exists():
+                duration = finished - started
             assert not stopped or f"{len(seen)} of 12 solves are reported" in stopped
             indices = list((folder / "study").glob("study-*.json"))
             assert {record.key for record in seen} == {key for index in indices for key in read_index(index)}
@@ -729,13 +733,18 @@ class TestKills:
         for folder, moment in folders_of_kills(tmp_path, "worker of dask", block):
             dask_cluster.start(2)
             client.run(run_serially, tmp_path / "warm")
-            workers, started = [worker.pid for worker in dask_cluster.workers], time.monotonic()
+            workers = [worker.pid for worker in dask_cluster.workers]
             timer = threading.Timer(60 if duration is None else moment * duration, kill_one, (workers, moment, folder))
             timer.start()
+            started = time.monotonic()
             result = kill_study().run(folder / "study", executor=client.get_executor())
+            finished = time.monotonic()
             timer.cancel()
             timer.join()
-            duration = duration or time.monotonic() - started
+            if (folder / "killed").exists():
+                dask_cluster.workers[choose(workers, moment)].wait(timeout=60)
+            else:
+                duration = finished - started
             # The other worker has done the rest.
             assert len(result.records) == 12
             assert not result.failed
@@ -751,9 +760,13 @@ class TestKills:
         assert len(read_index(index)) == 6
 
 
+def choose(workers, moment):
+    return int(1000 * moment) % len(workers)
+
+
 def kill_one(workers, moment, folder):
     with contextlib.suppress(ProcessLookupError):
-        os.kill(workers[int(1000 * moment) % len(workers)], signal.SIGKILL)
+        os.kill(workers[choose(workers, moment)], signal.SIGKILL)
         (folder / "killed").touch()
 
 
