@@ -97,7 +97,8 @@ def _find_tip_error(solution: ContactSolution) -> Array:
     def curvature(step: int) -> Array:
         ends = gap[(i + step) % nx, j], gap[(i - step) % nx, j], gap[i, (j + step) % ny], gap[i, (j - step) % ny]
         dx, dy = (step * length for length in solution.grid.spacing)
-        return (ends[0] + ends[1] - 2.0 * gap[i, j]) / dx**2 + (ends[2] + ends[3] - 2.0 * gap[i, j]) / dy**2
+        sums = ends[0] + ends[1], ends[2] + ends[3]
+        return np.asarray((sums[0] - 2.0 * gap[i, j]) / dx**2 + (sums[1] - 2.0 * gap[i, j]) / dy**2)
 
     near, far = curvature(1), curvature(2)
     rounded = (near > 0.0) & (far > 0.0)
