@@ -196,5 +196,8 @@ def _border_std(solution: ContactSolution) -> float:
 def _saturated_weight(solution: ContactSolution) -> Array:
     """Return the weight of the saturated error in each patch, shape (count + 1,): one from half its cells saturated."""
     patches = solution.patches
-    saturated = np.bincount(patches.labels[solution.saturated], minlength=patches.count + 1)
+    if not solution.capped:
+        return np.zeros(patches.count + 1)
+    saturated = patches.member_labels[solution.saturated.ravel()[patches.members]]
+    saturated = np.bincount(saturated, minlength=patches.count + 1)
     return np.minimum(2.0 * saturated / np.concatenate(([1], patches.cells)), 1.0)

@@ -14,6 +14,8 @@ from roughcontact.grid import Boundary
 
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
 _DEGREE: Literal[5] = 5
+# Orders of derivatives along x and y.
+SLOPES, CURVATURES = ((1, 0), (0, 1)), ((2, 0), (0, 2), (1, 1))
 # Offsets of the centres whose B-splines cover a point.
 _OFFSETS = np.arange(-2, 4)
 # The pieces of the quintic B-spline there, in powers of the fraction of a cell, with first and second derivatives.
@@ -35,6 +37,10 @@ _PIECES = (
 _BEYOND = 8
 _SLOPES = np.pad(_PIECES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
 _BENDS = np.pad(_SLOPES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
+# The B-spline at the centres from 0 to 2 cells from its own.
+_CENTRES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
+# Points at a time: their coefficients stay in a core's cache.
+_CHUNK = 512
 
 
 @attrs.frozen(eq=False)
@@ -72,49 +78,65 @@ class Spline:
     @classmethod
     def through(cls, values: Array, spacing: Pair, boundary: Boundary) -> Spline:
         """Return the spline through values of shape (nx, ny)."""
+        if boundary is not Boundary.FREE:
+            return cls(_solve_periodic(values), spacing, True, (0, 0))
         from scipy import ndimage
 
-        periodic = boundary is not Boundary.FREE
-        reach = (0, 0) if periodic else (_count_beyond(values.shape[0]), _count_beyond(values.shape[1]))
+        reach = _count_beyond(values.shape[0]), _count_beyond(values.shape[1])
         continued = _continue(_continue(values, reach[0]).T, reach[1]).T
-        mode: Literal["grid-wrap", "mirror"] = "grid-wrap" if periodic else "mirror"
-        return cls(ndimage.spline_filter(continued, _DEGREE, np.float64, mode), spacing, periodic, reach)
+        return cls(ndimage.spline_filter(continued, _DEGREE, np.float64, "mirror"), spacing, False, reach)
 
     def values(self, i: Array, j: Array) -> Array:
         """Return the values at points given in cells from the first centre."""
-        (total,) = self._evaluate(i, j, ((0, 0),))
-        return total
+        return np.asarray(self._evaluate(i, j, ((0, 0),))[0])
 
-    def derivatives(self, i: Array, j: Array) -> list[Array]:
-        """Return the value and the x, y, xx, yy and xy derivatives at points given in cells from the first centre."""
+    def derivatives(self, i: Array, j: Array, orders: Sequence[tuple[int, int]]) -> list[Array]:
+        """Return derivatives of orders (m, n) along x and y at points given in cells from the first centre."""
         dx, dy = self.spacing
-        orders = ((0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1))
         return [part / (dx**m * dy**n) for part, (m, n) in zip(self._evaluate(i, j, orders), orders, strict=True)]
 
-    def _evaluate(self, i: Array, j: Array, orders: Sequence[tuple[int, int]]) -> list[Array]:
+    def _evaluate(self, i: Array, j: Array, orders: Sequence[tuple[int, int]]) -> Array:
         """Return derivatives of some orders along x and y, per cell."""
-        highest = max(max(pair) for pair in orders)
-        (rows, along_x), (columns, along_y) = (self._weigh(at, axis, highest) for axis, at in enumerate((i, j)))
-        flat, width = self.coefficients.ravel(), self.coefficients.shape[1]
-        sums = [np.zeros(i.size) for _ in orders]
-        for column, y in zip(columns, along_y, strict=True):
-            parts = np.zeros((highest + 1, i.size))
-            for row, x in zip(rows, along_x, strict=True):
-                parts += x * flat.take(row * width + column)
+        highest, flat = max(max(pair) for pair in orders), self.coefficients.ravel()
+        sums = np.empty((len(orders), i.size))
+        for begin in range(0, i.size, _CHUNK):
+            part = slice(begin, begin + _CHUNK)
+            (rows, along_x), (columns, along_y) = (
+                self._weigh(at.ravel()[part], axis, highest) for axis, at in enumerate((i, j))
+            )
+            near = flat.take((rows * self.coefficients.shape[1])[:, np.newaxis] + columns)
+            lines = np.einsum("man,abn->mbn", along_x, near)
             for total, (m, n) in zip(sums, orders, strict=True):
-                total += y[n] * parts[m]
-        return [total.reshape(i.shape) for total in sums]
+                np.einsum("bn,bn->n", along_y[n], lines[m], out=total[part])
+        return sums.reshape(len(orders), *i.shape)
 
     def _weigh(self, at: Array, axis: int, highest: int) -> tuple[IntArray, Array]:
-        """Return the centres around n points along an axis, shape (6, n), and their factors, shape (6, orders, n)."""
-        at = at.ravel() + self.beyond[axis]
+        """Return the centres around n points along an axis, shape (6, n), and their factors, shape (orders, 6, n)."""
+        at = at + self.beyond[axis]
         first = np.floor(at)
-        powers = np.vander(at - first, _DEGREE + 1, increasing=True).T
-        factors = np.stack([piece @ powers for piece in (_PIECES, _SLOPES, _BENDS)[: highest + 1]], axis=1)
+        powers = np.empty((_DEGREE + 1, at.size))
+        powers[0] = 1.0
+        for degree in range(_DEGREE):
+            np.multiply(powers[degree], at - first, out=powers[degree + 1])
+        pieces = np.concatenate((_PIECES, _SLOPES, _BENDS)[: highest + 1])
+        factors = (pieces @ powers).reshape(highest + 1, _DEGREE + 1, -1)
         near, n = first.astype(np.intp) + _OFFSETS[:, np.newaxis], self.coefficients.shape[axis]
         if self.periodic:
             return near % n, factors
         return np.abs((near + n - 1) % max(2 * (n - 1), 1) - (n - 1)), factors
+
+
+def _solve_periodic(values: Array) -> Array:
+    """Return the coefficients of the B-splines of a spline that repeats beyond the border."""
+    from scipy import fft
+
+    (nx, ny), (own, first, second) = values.shape, _CENTRES
+    angles = 2.0 * np.pi * np.arange(nx) / nx, 2.0 * np.pi * np.arange(ny // 2 + 1) / ny
+    rows, columns = (1.0 / (own + 2.0 * first * np.cos(one) + 2.0 * second * np.cos(2.0 * one)) for one in angles)
+    spectrum = fft.rfft2(values)
+    spectrum *= rows[:, np.newaxis]
+    spectrum *= columns
+    return np.asarray(fft.irfft2(spectrum, values.shape))
 
 
 def _count_beyond(cells: int) -> int:

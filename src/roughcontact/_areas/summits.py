@@ -9,7 +9,7 @@ from roughcontact._areas import calibration
 from roughcontact._areas.cells import grow
 from roughcontact._areas.ellipse import find_area_factor, find_axes_ratio, points_of_hertz
 from roughcontact._areas.far_field import FarField, find_far_field
-from roughcontact._areas.spline import Spline
+from roughcontact._areas.spline import CURVATURES, SLOPES, Spline
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array, Mask
 from roughcontact.grid import Boundary
@@ -91,26 +91,30 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
         if turn == _FAR:
             found = attrs.evolve(found, far=find_far_field(solution, found.row * dx, found.column * dy))
         x, y = found.place(u, v)
-        _, *slopes, xx, yy, xy = spline.derivatives(found.row[:, None] + x / dx, found.column[:, None] + y / dy)
-        mean = np.stack([part @ weights for part in (xx, yy, xy)])
-        variance = sum(
-            factor * ((part - middle[:, np.newaxis]) ** 2 @ weights)
-            for factor, part, middle in zip((1.0, 1.0, 2.0), (xx, yy, xy), mean, strict=True)
-        )
-        found = _fit_ellipse(solution, found, mean + found.far.curvature, variance)
-        if turn < _ROUNDS - 1:
-            slope = np.stack([part @ weights for part in slopes]) + found.far.slope
-            found = _move(found, slope, mean + found.far.curvature, (dx, dy))
+        last = turn == _ROUNDS - 1
+        orders = CURVATURES if last else (*CURVATURES, *SLOPES)
+        parts = spline.derivatives(found.row[:, None] + x / dx, found.column[:, None] + y / dy, orders)
+        mean = np.stack([part @ weights for part in parts])
+        curvature = mean[:3] + found.far.curvature
+        found = _fit_ellipse(solution, found, curvature)
+        if not last:
+            found = _move(found, mean[3:] + found.far.slope, curvature, (dx, dy))
+    variance = sum(
+        factor * ((part - middle[:, np.newaxis]) ** 2 @ weights)
+        for factor, part, middle in zip((1.0, 1.0, 2.0), parts, mean, strict=True)
+    )
+    found = attrs.evolve(found, spread=np.sqrt(variance) / found.curvature)
     return attrs.evolve(found, known=found.known & ~_near_border(solution, found) & ~_near_non_measured(solution))
 
 
 def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
     """Return the centre of the pressure of each patch, in cells, shape (count,)."""
     patches = solution.patches
-    members = np.flatnonzero(patches.labels)
-    label, weight = patches.labels.ravel()[members] - 1, solution.pressure.ravel()[members]
+    members = patches.members
+    label, weight = patches.member_labels - 1, solution.pressure.ravel()[members]
     # Around the first cell of each patch, for a patch may cross the border.
-    _, first = np.unique(label, return_index=True)
+    first = np.empty(patches.count, dtype=np.intp)
+    first[label[::-1]] = np.arange(members.size)[::-1]
     total = np.bincount(label, weights=weight, minlength=patches.count)
     centres = []
     for at, n in zip(np.divmod(members, solution.grid.shape[1]), solution.grid.shape, strict=True):
@@ -127,7 +131,7 @@ def unwrap(steps: Array, cells: int, boundary: Boundary) -> Array:
     return np.asarray(steps - cells * np.round(steps / cells))
 
 
-def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array, variance: Array) -> Summits:
+def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) -> Summits:
     xx, yy, xy = curvature
     middle, difference = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
     known = found.known & (middle > 0.0) & (middle - difference > SLENDEREST * (middle + difference))
@@ -141,7 +145,6 @@ def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array, va
         axes_ratio=find_axes_ratio(ratio),
         angle=0.5 * np.arctan2(2.0 * xy, xx - yy) + 0.5 * np.pi,
         curvature=middle,
-        spread=np.sqrt(variance) / middle,
         change=change,
     )
 
