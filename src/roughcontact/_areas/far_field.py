@@ -40,10 +40,11 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
     forces, count = solution.patches.forces, x.size
     if solution.moduli is not None or count == 0:
         return FarField.zero(count)
-    one, other, dx, dy, radius = _pair(solution, x, y)
-    r = np.hypot(dx, dy)
-    load = forces[other] / (np.pi * solution.modulus)
-    parts = (-dx / r**3, -dy / r**3, 3 * dx**2 / r**5 - 1 / r**3, 3 * dy**2 / r**5 - 1 / r**3, 3 * dx * dy / r**5)
+    radius = math.sqrt(_NEAR * solution.grid.area / (np.pi * count))
+    one, other, dx, dy = _pair(solution, np.stack((x, y), axis=1), radius)
+    square = dx * dx + dy * dy
+    load = forces[other] / (np.pi * solution.modulus * square * np.sqrt(square))
+    parts = (-dx, -dy, 3.0 * dx * dx / square - 1.0, 3.0 * dy * dy / square - 1.0, 3.0 * dx * dy / square)
     sums = np.stack([np.bincount(one, load * part, minlength=count).astype(np.float64) for part in parts])
     if solution.boundary is Boundary.PERIODIC:
         # A uniform pressure outside of a circle bends the surface alike in all directions.
@@ -51,23 +52,37 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
     return FarField(sums[:2], sums[2:])
 
 
-def _pair(solution: ContactSolution, x: Array, y: Array) -> tuple[IntArray, IntArray, Array, Array, float]:
-    """Return the contacts and those near them, with periodic images: both numbers, dx and dy, m, and the radius."""
+def _pair(solution: ContactSolution, points: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
+    """Return the contacts and those within a radius of them, with periodic images: both numbers, dx and dy, m."""
     from scipy.spatial import cKDTree
 
     size = np.array(solution.grid.size)
-    points = np.stack((x, y), axis=1)
-    radius = math.sqrt(_NEAR * solution.grid.area / (np.pi * x.size))
-    places, numbers = points, np.arange(x.size)
-    if solution.boundary is Boundary.PERIODIC:
+    periodic = solution.boundary is Boundary.PERIODIC
+    if periodic:
         points = points % size
-        reach = [range(-math.ceil(radius / side), math.ceil(radius / side) + 1) for side in size]
-        shifts = size * np.array([(i, j) for i in reach[0] for j in reach[1]])
-        places = (points + shifts[:, np.newaxis]).reshape(-1, 2)
-        numbers = np.tile(numbers, len(shifts))
-        near = ((places >= -radius) & (places <= size + radius)).all(axis=1)
-        places, numbers = places[near], numbers[near]
-    pairs = cKDTree(points).sparse_distance_matrix(cKDTree(places), radius, output_type="ndarray")
-    pairs = pairs[pairs["v"] > _SAME * radius]
-    step = points[pairs["i"]] - places[pairs["j"]]
-    return pairs["i"], numbers[pairs["j"]], step[:, 0], step[:, 1], radius
+        # Rounding may leave the size itself.
+        points = np.where(points < size, points, 0.0)
+    if periodic and 2.0 * radius >= size.min():
+        one, other, step = _pair_images(points, size, radius)
+    else:
+        tree = cKDTree(points, boxsize=size if periodic else None)
+        pairs = tree.query_pairs(radius, output_type="ndarray")
+        one, other = np.concatenate((pairs, pairs[:, ::-1])).T
+        step = points[one] - points[other]
+        if periodic:
+            step -= size * np.round(step / size)
+    apart = np.hypot(step[:, 0], step[:, 1]) > _SAME * radius
+    return one[apart], other[apart], step[apart, 0], step[apart, 1]
+
+
+def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, IntArray, Array]:
+    """Return the same for the few contacts of a small domain, which may have several images within the radius."""
+    from scipy.spatial import cKDTree
+
+    reach = [range(-math.ceil(radius / side), math.ceil(radius / side) + 1) for side in size]
+    shifts = size * np.array([(i, j) for i in reach[0] for j in reach[1]])
+    places = (points + shifts[:, np.newaxis]).reshape(-1, 2)
+    near = np.flatnonzero(((places >= -radius) & (places <= size + radius)).all(axis=1))
+    pairs = cKDTree(points).sparse_distance_matrix(cKDTree(places[near]), radius, output_type="ndarray")
+    image = near[pairs["j"]]
+    return pairs["i"], image % len(points), points[pairs["i"]] - places[image]

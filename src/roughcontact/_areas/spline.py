@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Literal
 
 import attrs
@@ -37,6 +38,7 @@ _PIECES = (
 _BEYOND = 8
 _SLOPES = np.pad(_PIECES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
 _BENDS = np.pad(_SLOPES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
+_FACTORS = np.concatenate((_PIECES, _SLOPES, _BENDS))
 # The B-spline at the centres from 0 to 2 cells from its own.
 _CENTRES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
 # Points at a time: their coefficients stay in a core's cache.
@@ -101,29 +103,42 @@ class Spline:
         sums = np.empty((len(orders), i.size))
         for begin in range(0, i.size, _CHUNK):
             part = slice(begin, begin + _CHUNK)
-            (rows, along_x), (columns, along_y) = (
-                self._weigh(at.ravel()[part], axis, highest) for axis, at in enumerate((i, j))
-            )
-            near = flat.take((rows * self.coefficients.shape[1])[:, np.newaxis] + columns)
+            (rows, columns), (along_x, along_y) = self._weigh(np.stack((i.ravel()[part], j.ravel()[part])), highest)
+            near = flat.take(rows[:, np.newaxis] + columns)
             lines = np.einsum("man,abn->mbn", along_x, near)
             for total, (m, n) in zip(sums, orders, strict=True):
                 np.einsum("bn,bn->n", along_y[n], lines[m], out=total[part])
         return sums.reshape(len(orders), *i.shape)
 
-    def _weigh(self, at: Array, axis: int, highest: int) -> tuple[IntArray, Array]:
-        """Return the centres around n points along an axis, shape (6, n), and their factors, shape (orders, 6, n)."""
-        at = at + self.beyond[axis]
+    def _weigh(self, at: Array, highest: int) -> tuple[IntArray, Array]:
+        """Return the centres around points, shape (2, n), and their factors by the order of the derivative.
+
+        The centres, shape (2, 6, n), are numbered so that the sum of those along both axes is the flat index of a
+        coefficient; the factors have the shape (2, orders, 6, n).
+        """
+        at = at + np.array(self.beyond)[:, np.newaxis]
         first = np.floor(at)
-        powers = np.empty((_DEGREE + 1, at.size))
-        powers[0] = 1.0
+        fraction, powers = (at - first).ravel(), np.ones((_DEGREE + 1, at.size))
         for degree in range(_DEGREE):
-            np.multiply(powers[degree], at - first, out=powers[degree + 1])
-        pieces = np.concatenate((_PIECES, _SLOPES, _BENDS)[: highest + 1])
-        factors = (pieces @ powers).reshape(highest + 1, _DEGREE + 1, -1)
-        near, n = first.astype(np.intp) + _OFFSETS[:, np.newaxis], self.coefficients.shape[axis]
-        if self.periodic:
-            return near % n, factors
-        return np.abs((near + n - 1) % max(2 * (n - 1), 1) - (n - 1)), factors
+            np.multiply(powers[degree], fraction, out=powers[degree + 1])
+        factors = _FACTORS[: (highest + 1) * _OFFSETS.size] @ powers
+        steps = np.arange(_OFFSETS.size)[:, np.newaxis]
+        near = [
+            table.take(one % (table.size - _OFFSETS.size) + steps)
+            for one, table in zip(first.astype(np.intp), self._tables, strict=True)
+        ]
+        return np.stack(near), factors.reshape(highest + 1, _OFFSETS.size, 2, -1).transpose(2, 0, 1, 3)
+
+    @cached_property
+    def _tables(self) -> tuple[IntArray, IntArray]:
+        """The centres from the first offset to the last one around a period, along x and along y; see `_weigh`."""
+        tables = []
+        for n, step in zip(self.coefficients.shape, (self.coefficients.shape[1], 1), strict=True):
+            period = n if self.periodic else max(2 * (n - 1), 1)
+            ahead = np.arange(_OFFSETS[0], period + _OFFSETS[-1] + 1)
+            centres = ahead % n if self.periodic else np.abs((ahead + n - 1) % period - (n - 1))
+            tables.append(centres * step)
+        return tables[0], tables[1]
 
 
 def _solve_periodic(values: Array) -> Array:
