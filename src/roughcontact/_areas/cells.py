@@ -33,35 +33,48 @@ class Surroundings:
 
     Attributes
     ----------
+    cells
+        Flat indices of the cells, shape (n,).
+    width
+        Cells in a row.
+    near
+        Which of them lie near the border, shape (m,).
     rows, columns
-        Flat indices of the rows and numbers of the columns from `reach` cells before each cell to as many behind it,
-        shape (2 reach + 1, n).
+        Flat indices of the rows and numbers of the columns from `reach` cells before these to as many behind them,
+        shape (2 reach + 1, m).
     reach
         Their furthest distance, in cells.
     """
 
+    cells: IntArray
+    width: int
+    near: IntArray
     rows: IntArray
     columns: IntArray
     reach: int
 
     @classmethod
-    def of(cls, cells: IntArray, shape: tuple[int, int], boundary: Boundary, reach: int) -> Surroundings:
-        """Return the surroundings of cells that are given by flat indices, shape (n,)."""
-        return cls.around(*np.divmod(cells, shape[1]), shape, boundary, reach)
-
-    @classmethod
-    def around(cls, i: IntArray, j: IntArray, shape: tuple[int, int], boundary: Boundary, reach: int) -> Surroundings:
+    def of(cls, i: IntArray, j: IntArray, shape: tuple[int, int], boundary: Boundary, reach: int) -> Surroundings:
         """Return the surroundings of the cells (i, j), shape (n,)."""
-        steps = np.arange(2 * reach + 1)[:, np.newaxis]
-        tables = []
-        for n in shape:
-            ahead = np.arange(-reach, n + reach)
-            tables.append(np.clip(ahead, 0, n - 1) if boundary is Boundary.FREE else ahead % n)
-        return cls((tables[0] * shape[1])[steps + i], tables[1][steps + j], reach)
+        nx, ny = shape
+        near = np.flatnonzero((i < reach) | (i >= nx - reach) | (j < reach) | (j >= ny - reach))
+        steps, ends = np.arange(-reach, reach + 1)[:, np.newaxis], []
+        for at, n in ((i, nx), (j, ny)):
+            around = at[near] + steps
+            ends.append(np.clip(around, 0, n - 1) if boundary is Boundary.FREE else around % n)
+        return cls(i * ny + j, ny, near, ends[0] * ny, ends[1], reach)
 
-    def at(self, i: int, j: int, of: IntArray | slice = slice(None)) -> IntArray:
-        """Return the flat indices of the cells so many steps from each, or from some of them, shape (n,)."""
-        return np.asarray(self.rows[self.reach + i][of] + self.columns[self.reach + j][of])
+    def at(self, i: int, j: int) -> IntArray:
+        """Return the flat indices of the cells so many steps from each, shape (n,)."""
+        found = self.cells + (i * self.width + j)
+        found[self.near] = self.rows[self.reach + i] + self.columns[self.reach + j]
+        return np.asarray(found)
+
+
+def split(cells: IntArray, width: int) -> tuple[IntArray, IntArray]:
+    """Return the rows and columns of flat indices; faster than `numpy.divmod`."""
+    i = cells // width
+    return i, cells - i * width
 
 
 def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
@@ -134,7 +147,7 @@ def find_sharp_edges(solution: ContactSolution) -> Mask:
     saturated = solution.saturated.ravel()[edge] if solution.capped else np.zeros(edge.size, dtype=bool)
     pressure, touching = solution.pressure.ravel(), contact.ravel()
     gap = solution.initial_gap.ravel() if saturated.any() else pressure
-    near = Surroundings.of(edge, contact.shape, solution.boundary, _INWARD)
+    near = Surroundings.of(*split(edge, contact.shape[1]), contact.shape, solution.boundary, _INWARD)
     beside = {step: touching[near.at(*step)] for step in _NEIGHBOURS}
     for dx, dy in _NEIGHBOURS:
         straight = dx == 0 or dy == 0
@@ -151,7 +164,7 @@ def _find_sharp(
     """Return which of the cells that face the open side in a direction lie at a sharp edge."""
 
     def take(field: Array, steps: int) -> Array:
-        return field[near.at(steps * step[0], steps * step[1], facing)]
+        return field[near.at(steps * step[0], steps * step[1])[facing]]
 
     outer, inner, innermost = (take(pressure, -k) for k in (0, 1, 2))
     rising = (outer >= inner) & (inner >= innermost) & (innermost > 0.0)

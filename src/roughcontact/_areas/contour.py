@@ -71,11 +71,11 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     dual, patches, cell = find_dual_cells(solution, stride), solution.patches, solution.grid.cell_area
     i, j = dual.find_edge(solution.contact)
     k = dual.corners(i, j)
-    label = patches.labels.ravel()[k]
+    label = patches.labels.ravel().take(k)
     touching = label > 0
     kind = find_kinds(touching)
     inside = INSIDE[kind]
-    jagged = sharp.ravel()[k].any(axis=0)
+    jagged = sharp.ravel().take(k).any(axis=0) if sharp.any() else np.zeros(kind.size, dtype=bool)
     # Beside non-measured points the contact ends with the cells.
     counted = jagged
     if solution.non_measured is not None:
@@ -111,9 +111,9 @@ def _count_alike(parts: Array, chords: Array, distance: Corners) -> Array:
     Where the contact repeats on the grid, or is symmetric in it, the errors of its parts are the same.
     """
     highest = np.abs(distance).max(axis=0)
-    features = np.stack((parts, chords, highest / np.maximum(highest.max(initial=0.0), np.finfo(float).tiny)))
-    keys = np.floor(features / _ALIKE + _OFFSET).astype(np.int64)
-    keys = (keys[0] * _KEYS + keys[1]) * _KEYS + keys[2]
+    highest = highest / np.maximum(highest.max(initial=0.0), np.finfo(float).tiny)
+    first, second, third = (np.floor(part / _ALIKE + _OFFSET).astype(np.int64) for part in (parts, chords, highest))
+    keys = (first * _KEYS + second) * _KEYS + third
     order = np.argsort(keys)
     ends = np.flatnonzero(np.diff(keys[order], append=np.iinfo(np.int64).max)) + 1
     counts = np.diff(ends, prepend=0)
@@ -145,12 +145,11 @@ def find_modulus_change(solution: ContactSolution) -> float:
 def _find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: tuple[float, float]) -> Corners:
     """Return the signed distance from the edge at the corners `k` of dual cells, shape (4, n), m."""
     step = np.sqrt(size[0] * size[1])
-    inside = np.square(
-        solution.pressure.ravel()[k] / solution.effective_modulus(1.0 / (calibration.EDGE_LENGTH * step))
-    )
+    modulus = solution.effective_modulus(1.0 / (calibration.EDGE_LENGTH * step))
+    inside = np.square(solution.pressure.ravel().take(k) / modulus)
     outside = np.zeros_like(inside)
     open_ = np.flatnonzero(~contact)
-    outside.ravel()[open_] = np.cbrt(np.square(0.75 * np.maximum(solution.gap.ravel()[k.ravel()[open_]], 0.0)))
+    outside.ravel()[open_] = np.cbrt(np.square(0.75 * np.maximum(solution.gap.ravel().take(k.ravel()[open_]), 0.0)))
     ax, ay = _differentiate(inside, size)
     bx, by = _differentiate(outside, size)
     # |grad phi|^2 is a cubic in w = y^2.

@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from roughcontact._areas.cells import Surroundings, grow
+from roughcontact._areas.cells import Surroundings, grow, split
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array, IntArray, Mask
 from roughcontact.grid import Boundary
@@ -95,10 +95,10 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float]:
 
 def _find_inner(solution: ContactSolution, chosen: IntArray) -> Mask:
     """Return which cells have neighbours in contact on all four sides."""
-    (nx, ny), contact = solution.grid.shape, solution.contact
-    i, j = np.divmod(chosen, ny)
-    sides = (((i + 1) % nx, j), (i - 1, j), (i, (j + 1) % ny), (i, j - 1))
-    return np.asarray(np.logical_and.reduce([contact[side] for side in sides]))
+    (nx, ny), contact = solution.grid.shape, solution.contact.ravel()
+    # The outermost cells of any domain have neighbours beyond its border.
+    near = Surroundings.of(*split(chosen, ny), (nx, ny), Boundary.PERIODIC, 1)
+    return np.asarray(np.logical_and.reduce([contact[near.at(*step)] for step in ((1, 0), (-1, 0), (0, 1), (0, -1))]))
 
 
 def _average(hessian: list[Array], label: IntArray, weights: Array, count: int) -> tuple[Array, Array]:
@@ -143,11 +143,11 @@ def _gather_lines(
     Only for the first so many of these lines.
     """
     nx, ny = solution.grid.shape
-    i, j = np.divmod(chosen, ny)
+    i, j = split(chosen, ny)
     if solution.boundary is Boundary.FREE:
         # At a free border the stencil is moved inside.
         i, j = (np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k for k, n in ((i, nx), (j, ny)))
-    near = Surroundings.around(i, j, solution.grid.shape, solution.boundary, reach)
+    near = Surroundings.of(i, j, solution.grid.shape, solution.boundary, reach)
     heights = solution.initial_gap.ravel()
     here, steps = heights.take(near.at(0, 0)), range(1, reach + 1)
     return [

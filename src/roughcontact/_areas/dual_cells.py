@@ -6,6 +6,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
+from roughcontact._areas.cells import split
 from roughcontact._areas.polygons import INSIDE
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array, IntArray, Mask
@@ -43,14 +44,18 @@ class DualCells:
 
     def find_edge(self, contact: Mask) -> tuple[IntArray, IntArray]:
         """Return the row and the column of the dual cells with corners in contact and others."""
-        i, j = np.divmod(np.flatnonzero((self.count_inside(contact) - np.uint8(1)) < 3), self.columns.shape[1])
-        return i, j
+        return split(np.flatnonzero((self.count_inside(contact) - np.uint8(1)) < 3), self.columns.shape[1])
 
     def corners(self, i: IntArray, j: IntArray) -> IntArray:
         """Return the flat indices of the cells at the corners of dual cells, in order around them, shape (4, n)."""
-        ny = self.columns.shape[1] - self.before
-        (low, high), (left, right) = self.rows[:, i] * ny, self.columns[:, j]
-        return np.stack((low + left, high + left, high + right, low + right))
+        (m, n), s = (self.rows.shape[1], self.columns.shape[1]), self.stride
+        ny = n - self.before
+        steps = np.array((0, s * ny, s * ny + s, s))[:, np.newaxis]
+        found = (i - self.before) * ny + (j - self.before) + steps
+        border = np.flatnonzero((i < self.before) | (j < self.before) | (i >= m - s) | (j >= n - s))
+        (low, high), (left, right) = self.rows[:, i[border]] * ny, self.columns[:, j[border]]
+        found[:, border] = low + left, high + left, high + right, low + right
+        return np.asarray(found)
 
     def cover(self, solution: ContactSolution) -> Array:
         """Return the number of dual cells whose corners are in each patch, by quarters, shape (count + 1,)."""
@@ -73,12 +78,12 @@ class Owners:
     Attributes
     ----------
     cell, patch, fraction
-        Dual cells, patches and how much of the one belongs to the other, shape (m,).
+        Dual cells (all, if none is divided), patches and how much of the one belongs to the other, shape (m,).
     count
         Number of patches.
     """
 
-    cell: IntArray
+    cell: IntArray | slice
     patch: IntArray
     fraction: Array
     count: int
@@ -88,6 +93,8 @@ class Owners:
         """Return the owners of dual cells from the labels at their corners, shape (4, n)."""
         highest = label.max(axis=0)
         divided = ((label != highest) & (label > 0)).any(axis=0)
+        if not divided.any():
+            return cls(slice(None), highest, np.ones(1), count)
         alone, several = np.flatnonzero(~divided), np.flatnonzero(divided)
         which, corner = np.nonzero(label[:, several].T)
         cell, patch = several[which], label[corner, several[which]]

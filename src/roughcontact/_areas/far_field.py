@@ -41,41 +41,44 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
     if solution.moduli is not None or count == 0:
         return FarField.zero(count)
     radius = math.sqrt(_NEAR * solution.grid.area / (np.pi * count))
-    one, other, dx, dy = _pair(solution, np.stack((x, y), axis=1), radius)
+    one, other, dx, dy = _pair(solution, x, y, radius)
     square = dx * dx + dy * dy
-    load = forces[other] / (np.pi * solution.modulus * square * np.sqrt(square))
+    cube = 1.0 / (np.pi * solution.modulus * square * np.sqrt(square))
     parts = (-dx, -dy, 3.0 * dx * dx / square - 1.0, 3.0 * dy * dy / square - 1.0, 3.0 * dx * dy / square)
-    sums = np.stack([np.bincount(one, load * part, minlength=count).astype(np.float64) for part in parts])
+    sums = np.zeros((len(parts), count))
+    # Each pair counts from both sides; from the other one the slope has the opposite sign.
+    for here, there, sign in ((one, other, 1.0), (other, one, -1.0)):
+        load = forces[there] * cube
+        for k, part in enumerate(parts):
+            sums[k] += np.bincount(here, load * part, minlength=count) * (sign if k < 2 else 1.0)
     if solution.boundary is Boundary.PERIODIC:
         # A uniform pressure outside of a circle bends the surface alike in all directions.
         sums[2:4] += solution.mean_pressure / (radius * solution.modulus)
     return FarField(sums[:2], sums[2:])
 
 
-def _pair(solution: ContactSolution, points: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
-    """Return the contacts and those within a radius of them, with periodic images: both numbers, dx and dy, m."""
+def _pair(solution: ContactSolution, x: Array, y: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
+    """Return the pairs of contacts within a radius, with periodic images: both numbers, dx and dy, m."""
     from scipy.spatial import cKDTree
 
-    size = np.array(solution.grid.size)
+    size, points = np.array(solution.grid.size), np.stack((x, y), axis=1)
     periodic = solution.boundary is Boundary.PERIODIC
     if periodic:
         points = points % size
         # Rounding may leave the size itself.
         points = np.where(points < size, points, 0.0)
     if periodic and 2.0 * radius >= size.min():
-        one, other, step = _pair_images(points, size, radius)
-    else:
-        tree = cKDTree(points, boxsize=size if periodic else None)
-        pairs = tree.query_pairs(radius, output_type="ndarray")
-        one, other = np.concatenate((pairs, pairs[:, ::-1])).T
-        step = points[one] - points[other]
-        if periodic:
-            step -= size * np.round(step / size)
-    apart = np.hypot(step[:, 0], step[:, 1]) > _SAME * radius
-    return one[apart], other[apart], step[apart, 0], step[apart, 1]
+        return _pair_images(points, size, radius)
+    pairs = cKDTree(points, boxsize=size if periodic else None).query_pairs(radius, output_type="ndarray")
+    one, other = np.ascontiguousarray(pairs.T)
+    dx, dy = (at[one] - at[other] for at in np.ascontiguousarray(points.T))
+    if periodic:
+        dx, dy = (step - side * np.round(step / side) for step, side in zip((dx, dy), size, strict=True))
+    apart = np.maximum(np.abs(dx), np.abs(dy)) > _SAME * radius
+    return (one, other, dx, dy) if apart.all() else (one[apart], other[apart], dx[apart], dy[apart])
 
 
-def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, IntArray, Array]:
+def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
     """Return the same for the few contacts of a small domain, which may have several images within the radius."""
     from scipy.spatial import cKDTree
 
@@ -84,5 +87,10 @@ def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, I
     places = (points + shifts[:, np.newaxis]).reshape(-1, 2)
     near = np.flatnonzero(((places >= -radius) & (places <= size + radius)).all(axis=1))
     pairs = cKDTree(points).sparse_distance_matrix(cKDTree(places[near]), radius, output_type="ndarray")
-    image = near[pairs["j"]]
-    return pairs["i"], image % len(points), points[pairs["i"]] - places[image]
+    pairs = pairs[pairs["v"] > _SAME * radius]
+    one, image = pairs["i"], near[pairs["j"]]
+    other, shift = image % len(points), image // len(points)
+    # Once each: of a contact's own images those on one side.
+    once = (one < other) | ((one == other) & (shift > len(shifts) // 2))
+    step = (points[one] - places[image])[once]
+    return one[once], other[once], step[:, 0], step[:, 1]

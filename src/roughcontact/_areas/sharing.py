@@ -19,7 +19,7 @@ import attrs
 import numpy as np
 
 from roughcontact._areas import calibration
-from roughcontact._areas.cells import Surroundings, grow
+from roughcontact._areas.cells import Surroundings, grow, split
 from roughcontact._areas.ellipse import find_axes_ratio, find_depth, points_of_punch
 from roughcontact._areas.spline import CURVATURES, SLOPES, Spline
 from roughcontact._areas.summits import SLENDEREST, Summits, solve_for_area, unwrap
@@ -202,7 +202,7 @@ def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
         low[:2] = low[-2:] = False
         low[:, :2] = low[:, -2:] = False
     chosen = np.flatnonzero(low)
-    near = Surroundings.of(chosen, (nx, ny), solution.boundary, 1)
+    near = Surroundings.of(*split(chosen, ny), (nx, ny), solution.boundary, 1)
     gap, contact = solution.gap.ravel(), solution.contact.ravel()
     lowest, here = np.ones(chosen.size, dtype=bool), gap[chosen]
     for i in (-1, 0, 1):
