@@ -19,7 +19,7 @@ _SAME = 1e-6
 
 @attrs.frozen(eq=False)
 class FarField:
-    """Slope, shape (2, count), and xx, yy and xy curvature, shape (3, count), 1/m, of the displacement by others."""
+    """Slope, shape (2, count), and xx, xy and yy curvature, shape (3, count), 1/m, of the displacement by others."""
 
     slope: Array
     curvature: Array
@@ -44,7 +44,7 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
     one, other, dx, dy = _pair(solution, x, y, radius)
     square = dx * dx + dy * dy
     cube = 1.0 / (np.pi * solution.modulus * square * np.sqrt(square))
-    parts = (-dx, -dy, 3.0 * dx * dx / square - 1.0, 3.0 * dy * dy / square - 1.0, 3.0 * dx * dy / square)
+    parts = (-dx, -dy, 3.0 * dx * dx / square - 1.0, 3.0 * dx * dy / square, 3.0 * dy * dy / square - 1.0)
     sums = np.zeros((len(parts), count))
     # Each pair counts from both sides; from the other one the slope has the opposite sign.
     for here, there, sign in ((one, other, 1.0), (other, one, -1.0)):
@@ -53,7 +53,7 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
             sums[k] += np.bincount(here, load * part, minlength=count) * (sign if k < 2 else 1.0)
     if solution.boundary is Boundary.PERIODIC:
         # A uniform pressure outside of a circle bends the surface alike in all directions.
-        sums[2:4] += solution.mean_pressure / (radius * solution.modulus)
+        sums[2::2] += solution.mean_pressure / (radius * solution.modulus)
     return FarField(sums[:2], sums[2:])
 
 

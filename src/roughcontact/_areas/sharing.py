@@ -21,7 +21,7 @@ import numpy as np
 from roughcontact._areas import calibration
 from roughcontact._areas.cells import Surroundings, grow, split
 from roughcontact._areas.ellipse import find_axes_ratio, find_depth, points_of_punch
-from roughcontact._areas.spline import CURVATURES, SLOPES, Spline
+from roughcontact._areas.spline import Spline
 from roughcontact._areas.summits import SLENDEREST, Summits, solve_for_area, unwrap
 from roughcontact._kernels import Love
 from roughcontact._solution import ContactSolution
@@ -112,19 +112,19 @@ def _find_excess(solution: ContactSolution, summits: Summits, spline: Spline, ch
     (dx, dy), far = solution.grid.spacing, summits.far
     u, v, flat = points_of_punch()
     x, y = summits.place(u, v)
-    gap = spline.values(summits.row[:, np.newaxis] + x / dx, summits.column[:, np.newaxis] + y / dy) @ flat
+    gap = spline.derivatives(summits.row[:, np.newaxis] + x / dx, summits.column[:, np.newaxis] + y / dy, 0)[0] @ flat
     moments, displaced = _average_cells(solution, summits, chosen)
-    squares = np.stack([(part * flat).sum(axis=1) for part in (x * x, y * y, x * y)])
+    squares = np.stack([(part * flat).sum(axis=1) for part in (x * x, x * y, y * y)])
     # From the mean over the cells, weighted by their pressure, to that of the flat punch around the centre.
     step = np.sum(far.slope * -moments[:2], axis=0)
     bend = far.curvature * (squares - moments[2:])
-    return np.asarray(solution.approach - gap - displaced - step - 0.5 * (bend[0] + bend[1]) - bend[2])
+    return np.asarray(solution.approach - gap - displaced - step - 0.5 * (bend[0] + bend[2]) - bend[1])
 
 
 def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) -> tuple[Array, Array]:
     """Return means over the cells of chosen patches, weighted by their pressure, shapes (5, count) and (count,).
 
-    They are x, y, x^2, y^2 and x y from the centre of the patch, m and m2, and the displacement by the others, m.
+    They are x, y, x^2, x y and y^2 from the centre of the patch, m and m2, and the displacement by the others, m.
     """
     patches, (nx, ny) = solution.patches, solution.grid.shape
     label = patches.member_labels - 1
@@ -149,7 +149,7 @@ def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) ->
     love = Love().coefficients(reach, solution.grid.spacing, 1.0 / solution.modulus)
     own = mean(love[di, dj] * pressure[one] * pressure[other], label[one])
     displaced = mean(pressure * solution.displacement.ravel()[members]) - own
-    return np.stack([mean(pressure * part) for part in (x, y, x * x, y * y, x * y)]), displaced
+    return np.stack([mean(pressure * part) for part in (x, y, x * x, x * y, y * y)]), displaced
 
 
 def _pair_cells(label: IntArray) -> tuple[IntArray, IntArray]:
@@ -172,14 +172,14 @@ def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> 
     along_y = (u[i, (j + 1) % ny] - u[i, j - 1]) / (2.0 * dy)
     x, y = np.zeros(i.size), np.zeros(i.size)
     for _ in range(_STEPS):
-        gx, gy, xx, yy, xy = spline.derivatives(i + x / dx, j + y / dy, (*SLOPES, *CURVATURES))
+        gx, gy, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 1, 2)
         determinant = xx * yy - xy**2
         summit = (determinant > 0.0) & (xx + yy > 0.0)
         determinant = np.where(summit, determinant, 1.0)
         gx, gy = gx + along_x, gy + along_y
         x = np.where(summit, np.clip(x - (yy * gx - xy * gy) / determinant, -dx, dx), x)
         y = np.where(summit, np.clip(y - (xx * gy - xy * gx) / determinant, -dy, dy), y)
-    value, xx, yy, xy = spline.derivatives(i + x / dx, j + y / dy, ((0, 0), *CURVATURES))
+    value, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 0, 2)
     middle, difference = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
     summit = middle - difference > SLENDEREST * (middle + difference)
     overlap = solution.approach - value - solution.displacement.ravel()[chosen] - along_x * x - along_y * y

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Literal
 
 import attrs
 import numpy as np
 
 from roughcontact._solution import ContactSolution
-from roughcontact.checks import Array, IntArray, Pair
+from roughcontact.checks import Array, Pair
 from roughcontact.grid import Boundary
 
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
 _DEGREE: Literal[5] = 5
-# Orders of derivatives along x and y.
-SLOPES, CURVATURES = ((1, 0), (0, 1)), ((2, 0), (0, 2), (1, 1))
-# Offsets of the centres whose B-splines cover a point.
-_OFFSETS = np.arange(-2, 4)
+# Centres before and behind a point whose B-splines cover it, the one before it included.
+_BEFORE, _BEHIND = 3, 3
 # The pieces of the quintic B-spline there, in powers of the fraction of a cell, with first and second derivatives.
 _PIECES = (
     np.array(
@@ -52,7 +49,7 @@ class Spline:
     Attributes
     ----------
     coefficients
-        Of the B-splines, shape (nx, ny).
+        Of the B-splines, with those beyond the border whose B-splines cover points inside it.
     spacing
         Distances of the centres, m.
     periodic
@@ -80,65 +77,58 @@ class Spline:
     @classmethod
     def through(cls, values: Array, spacing: Pair, boundary: Boundary) -> Spline:
         """Return the spline through values of shape (nx, ny)."""
+        ends = (_BEFORE - 1, _BEHIND)
         if boundary is not Boundary.FREE:
-            return cls(_solve_periodic(values), spacing, True, (0, 0))
+            return cls(np.pad(_solve_periodic(values), ends, mode="wrap"), spacing, True, (0, 0))
         from scipy import ndimage
 
         reach = _count_beyond(values.shape[0]), _count_beyond(values.shape[1])
         continued = _continue(_continue(values, reach[0]).T, reach[1]).T
-        return cls(ndimage.spline_filter(continued, _DEGREE, np.float64, "mirror"), spacing, False, reach)
+        coefficients = ndimage.spline_filter(continued, _DEGREE, np.float64, "mirror")
+        return cls(np.pad(coefficients, ends, mode="reflect"), spacing, False, reach)
 
-    def values(self, i: Array, j: Array) -> Array:
-        """Return the values at points given in cells from the first centre."""
-        return np.asarray(self._evaluate(i, j, ((0, 0),))[0])
+    def derivatives(self, i: Array, j: Array, *degrees: int) -> Array:
+        """Return derivatives at points given in cells from the first centre.
 
-    def derivatives(self, i: Array, j: Array, orders: Sequence[tuple[int, int]]) -> list[Array]:
-        """Return derivatives of orders (m, n) along x and y at points given in cells from the first centre."""
-        dx, dy = self.spacing
-        return [part / (dx**m * dy**n) for part, (m, n) in zip(self._evaluate(i, j, orders), orders, strict=True)]
-
-    def _evaluate(self, i: Array, j: Array, orders: Sequence[tuple[int, int]]) -> Array:
-        """Return derivatives of some orders along x and y, per cell."""
-        highest, flat = max(max(pair) for pair in orders), self.coefficients.ravel()
-        sums = np.empty((len(orders), i.size))
-        for begin in range(0, i.size, _CHUNK):
-            part = slice(begin, begin + _CHUNK)
-            (rows, columns), (along_x, along_y) = self._weigh(np.stack((i.ravel()[part], j.ravel()[part])), highest)
-            near = flat.take(rows[:, np.newaxis] + columns)
-            lines = np.einsum("man,abn->mbn", along_x, near)
-            for total, (m, n) in zip(sums, orders, strict=True):
-                np.einsum("bn,bn->n", along_y[n], lines[m], out=total[part])
-        return sums.reshape(len(orders), *i.shape)
-
-    def _weigh(self, at: Array, highest: int) -> tuple[IntArray, Array]:
-        """Return the centres around points, shape (2, n), and their factors by the order of the derivative.
-
-        The centres, shape (2, 6, n), are numbered so that the sum of those along both axes is the flat index of a
-        coefficient; the factors have the shape (2, orders, 6, n).
+        Those of degree 0 are the value, of degree 1 along x and y, of degree 2 along xx, xy and yy.
         """
+        dx, dy = self.spacing
+        orders = [(degree - n, n) for degree in degrees for n in range(degree + 1)]
+        units = np.array([dx**m * dy**n for m, n in orders])
+        parts = self._evaluate(np.stack((i.ravel(), j.ravel())), degrees) / units[:, np.newaxis]
+        return np.asarray(parts.reshape(-1, *i.shape))
+
+    def _evaluate(self, at: Array, degrees: Sequence[int]) -> Array:
+        """Return derivatives, per cell, at points of shape (2, n)."""
+        width, flat = self.coefficients.shape[1], self.coefficients.ravel()
         at = at + np.array(self.beyond)[:, np.newaxis]
         first = np.floor(at)
-        fraction, powers = (at - first).ravel(), np.ones((_DEGREE + 1, at.size))
-        for degree in range(_DEGREE):
-            np.multiply(powers[degree], fraction, out=powers[degree + 1])
-        factors = _FACTORS[: (highest + 1) * _OFFSETS.size] @ powers
-        steps = np.arange(_OFFSETS.size)[:, np.newaxis]
-        near = [
-            table.take(one % (table.size - _OFFSETS.size) + steps)
-            for one, table in zip(first.astype(np.intp), self._tables, strict=True)
-        ]
-        return np.stack(near), factors.reshape(highest + 1, _OFFSETS.size, 2, -1).transpose(2, 0, 1, 3)
+        fraction, (i, j) = at - first, first.astype(np.intp)
+        nx, ny = (n - (_BEFORE - 1) - _BEHIND for n in self.coefficients.shape)
+        # A free domain is continued by more cells than an ellipse inside it needs.
+        cell = (i % nx) * width + j % ny if self.periodic else np.clip(i, 0, nx - 1) * width + np.clip(j, 0, ny - 1)
+        around = np.arange(_BEFORE + _BEHIND)
+        around = (around[:, np.newaxis] * width + around)[..., np.newaxis]
+        highest, sums = max(degrees), np.empty((sum(degree + 1 for degree in degrees), cell.size))
+        for begin in range(0, cell.size, _CHUNK):
+            part = slice(begin, begin + _CHUNK)
+            along_x, along_y = _weigh(fraction[:, part], highest)
+            lines = np.einsum("man,abn->mbn", along_x, flat.take(cell[part] + around))
+            row = 0
+            for degree in degrees:
+                rows = slice(row, row + degree + 1)
+                np.einsum("kbn,kbn->kn", lines[degree::-1], along_y[: degree + 1], out=sums[rows, part])
+                row = rows.stop
+        return sums
 
-    @cached_property
-    def _tables(self) -> tuple[IntArray, IntArray]:
-        """The centres from the first offset to the last one around a period, along x and along y; see `_weigh`."""
-        tables = []
-        for n, step in zip(self.coefficients.shape, (self.coefficients.shape[1], 1), strict=True):
-            period = n if self.periodic else max(2 * (n - 1), 1)
-            ahead = np.arange(_OFFSETS[0], period + _OFFSETS[-1] + 1)
-            centres = ahead % n if self.periodic else np.abs((ahead + n - 1) % period - (n - 1))
-            tables.append(centres * step)
-        return tables[0], tables[1]
+
+def _weigh(fraction: Array, highest: int) -> Array:
+    """Return the factors of the B-splines around points, shape (2, n), by derivative: (2, orders, centres, n)."""
+    powers = np.ones((_DEGREE + 1, fraction.size))
+    for degree in range(_DEGREE):
+        np.multiply(powers[degree], fraction.ravel(), out=powers[degree + 1])
+    factors = _FACTORS[: (highest + 1) * len(_PIECES)] @ powers
+    return factors.reshape(highest + 1, len(_PIECES), 2, -1).transpose(2, 0, 1, 3)
 
 
 def _solve_periodic(values: Array) -> Array:

@@ -9,7 +9,7 @@ from roughcontact._areas import calibration
 from roughcontact._areas.cells import grow
 from roughcontact._areas.ellipse import find_area_factor, find_axes_ratio, points_of_hertz
 from roughcontact._areas.far_field import FarField, find_far_field
-from roughcontact._areas.spline import CURVATURES, SLOPES, Spline
+from roughcontact._areas.spline import Spline
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array, Mask
 from roughcontact.grid import Boundary
@@ -92,17 +92,15 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
             found = attrs.evolve(found, far=find_far_field(solution, found.row * dx, found.column * dy))
         x, y = found.place(u, v)
         last = turn == _ROUNDS - 1
-        orders = CURVATURES if last else (*CURVATURES, *SLOPES)
-        parts = spline.derivatives(found.row[:, None] + x / dx, found.column[:, None] + y / dy, orders)
-        mean = np.stack([part @ weights for part in parts])
+        degrees = (2,) if last else (2, 1)
+        parts = spline.derivatives(found.row[:, None] + x / dx, found.column[:, None] + y / dy, *degrees)
+        mean = parts @ weights
         curvature = mean[:3] + found.far.curvature
         found = _fit_ellipse(solution, found, curvature)
         if not last:
             found = _move(found, mean[3:] + found.far.slope, curvature, (dx, dy))
-    variance = sum(
-        factor * ((part - middle[:, np.newaxis]) ** 2 @ weights)
-        for factor, part, middle in zip((1.0, 1.0, 2.0), parts, mean, strict=True)
-    )
+    squares = (parts - mean[..., np.newaxis]) ** 2 @ weights
+    variance = squares[0] + 2.0 * squares[1] + squares[2]
     found = attrs.evolve(found, spread=np.sqrt(variance) / found.curvature)
     return attrs.evolve(found, known=found.known & ~_near_border(solution, found) & ~_near_non_measured(solution))
 
@@ -132,7 +130,7 @@ def unwrap(steps: Array, cells: int, boundary: Boundary) -> Array:
 
 
 def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) -> Summits:
-    xx, yy, xy = curvature
+    xx, xy, yy = curvature
     middle, difference = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
     known = found.known & (middle > 0.0) & (middle - difference > SLENDEREST * (middle + difference))
     middle, difference = np.where(known, middle, 1.0), np.where(known, difference, 0.0)
@@ -151,7 +149,7 @@ def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) ->
 
 def _move(found: Summits, slope: Array, curvature: Array, spacing: tuple[float, float]) -> Summits:
     """Move the centres to where the slopes would balance, by one semi-axis at most."""
-    xx, yy, xy = curvature
+    xx, xy, yy = curvature
     determinant = np.where(found.known, xx * yy - xy**2, 1.0)
     x, y = (
         np.where(found.known, (one * a - xy * b) / determinant, 0.0)
