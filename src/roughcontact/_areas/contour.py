@@ -112,10 +112,10 @@ def _count_alike(parts: Array, chords: Array, distance: Corners) -> Array:
     """
     highest = np.abs(distance).max(axis=0)
     highest = highest / np.maximum(highest.max(initial=0.0), np.finfo(float).tiny)
-    first, second, third = (np.floor(part / _ALIKE + _OFFSET).astype(np.int64) for part in (parts, chords, highest))
+    first, second, third = (np.floor(part / _ALIKE + _OFFSET) for part in (parts, chords, highest))
     keys = (first * _KEYS + second) * _KEYS + third
     order = np.argsort(keys)
-    ends = np.flatnonzero(np.diff(keys[order], append=np.iinfo(np.int64).max)) + 1
+    ends = np.flatnonzero(np.diff(keys[order], append=np.inf)) + 1
     counts = np.diff(ends, prepend=0)
     alike = np.empty(keys.size)
     alike[order] = np.repeat(counts, counts)

@@ -35,11 +35,8 @@ def find_kinds(contact: Mask) -> npt.NDArray[np.uint8]:
 
 def find_crossings(distance: Corners) -> Corners:
     """Return where the edge crosses each side, as a fraction of the side from its first corner."""
-    size = np.abs(distance)
-    with np.errstate(invalid="ignore"):
-        crossing = size / (size + size[[1, 2, 3, 0]])
-    np.copyto(crossing, 0.5, where=np.isnan(crossing))
-    return np.asarray(crossing)
+    away = np.abs(distance)
+    return _divide(away, away[[1, 2, 3, 0]])
 
 
 def find_segments(crossing: Corners, contact: Mask) -> tuple[IntArray, Array]:
@@ -56,22 +53,30 @@ def measure_polygons(
     distance: Corners, contact: Mask, kind: npt.NDArray[np.uint8], size: tuple[float, float]
 ) -> tuple[Array, Array, Array]:
     """Return the area inside (m2), the length (m) and the Euler number of the edge in each dual cell."""
-    crossing = find_crossings(distance)
-    columns, begin = np.arange(kind.size), np.arange(-1, 3) % 4 * kind.size
-    # The sides before and behind the corner to begin at, and the next one.
-    flat, first = crossing.ravel(), _BEGIN[kind]
-    rest = 1.0 - flat[begin[first] + columns]
-    here, after = (flat[np.roll(begin, -step)[first] + columns] for step in (1, 2))
-    along, across = np.where(_BEGIN % 2 == 0, size[0], size[1]), np.where(_BEGIN % 2 == 0, size[1], size[0])
-    pair, triangle = _TWO[kind], 0.5 * rest * here
-    chord = np.hypot(np.where(pair, 1.0, here) * along[kind], np.where(pair, after - rest, rest) * across[kind])
-    area = np.where(pair, 0.5 * (rest + after), np.where(_THREE[kind], 1.0 - triangle, triangle))
+    away, columns, n = np.abs(distance).ravel(), np.arange(kind.size), kind.size
+    kind = kind.astype(np.intp)
+    # Distances at the corner to begin at, the one before it and both behind it.
+    before, here, after, last = (away.take((_BEGIN + step & 3).take(kind) * n + columns) for step in (-1, 0, 1, 2))
+    rest, middle, end = _divide(here, before), _divide(here, after), _divide(after, last)
+    even = _BEGIN % 2 == 0
+    along, across = (np.where(even, *sides).take(kind) for sides in (size, size[::-1]))
+    pair, triangle = _TWO.take(kind), 0.5 * rest * middle
+    chord = np.hypot(np.where(pair, 1.0, middle) * along, np.where(pair, end - rest, rest) * across)
+    area = np.where(pair, 0.5 * (rest + end), np.where(_THREE.take(kind), 1.0 - triangle, triangle))
     area *= size[0] * size[1]
-    diagonal = np.flatnonzero(_DIAGONAL[kind])
+    diagonal = np.flatnonzero(_DIAGONAL.take(kind))
     if diagonal.size:
-        parts = (distance[:, diagonal], contact[:, diagonal], crossing[:, diagonal])
-        area[diagonal], chord[diagonal] = _measure_saddles(*parts, size)
-    return area, chord, _EULER[kind]
+        saddles = distance[:, diagonal]
+        area[diagonal], chord[diagonal] = _measure_saddles(saddles, contact[:, diagonal], find_crossings(saddles), size)
+    return area, chord, _EULER.take(kind)
+
+
+def _divide(one: Array, other: Array) -> Array:
+    """Return the part of a side from one corner to the edge, of the distances of both of its corners from the edge."""
+    with np.errstate(invalid="ignore"):
+        part = one / (one + other)
+    np.copyto(part, 0.5, where=np.isnan(part))
+    return np.asarray(part)
 
 
 def _measure_saddles(

@@ -80,9 +80,9 @@ def share_load(solution: ContactSolution, summits: Summits, spline: Spline) -> S
 
     def loads(shift: float) -> tuple[Array, Array]:
         # A paraboloid's load grows as depth^(3/2); a large patch is stiff as a flat punch of its area.
-        small = patches.forces * np.maximum(1.0 + (excess + shift) / (1.5 * flat), 0.0) ** 1.5
+        small = patches.forces * _grow(1.0 + (excess + shift) / (1.5 * flat))
         large = np.maximum(patches.forces + stiffness * (excess + shift), 0.0)
-        return np.where(even, small, large), (np.maximum(depth + shift, 0.0) / unit_depth) ** 1.5
+        return np.where(even, small, large), _grow((depth + shift) / unit_depth)
 
     def surplus(shift: float) -> float:
         return float(sum(part.sum() for part in loads(shift)) - patches.forces.sum())
@@ -96,6 +96,12 @@ def share_load(solution: ContactSolution, summits: Summits, spline: Spline) -> S
     error = calibration.LACKING_STD * np.median(curved) * solution.grid.cell_area * others / (1.5 * flat)
     error = np.where(even, np.minimum(error, unknown), unknown)
     return Sharing(factor, error, unit_area[hidden > 0.0] * hidden[hidden > 0.0] ** (2.0 / 3.0))
+
+
+def _grow(depth: Array) -> Array:
+    """Return depth^(3/2), zero for negative depths; faster than the power."""
+    positive = np.maximum(depth, 0.0)
+    return np.asarray(positive * np.sqrt(positive))
 
 
 def _find_saturated(solution: ContactSolution) -> Mask:

@@ -96,7 +96,7 @@ class Spline:
         orders = [(degree - n, n) for degree in degrees for n in range(degree + 1)]
         units = np.array([dx**m * dy**n for m, n in orders])
         parts = self._evaluate(np.stack((i.ravel(), j.ravel())), degrees) / units[:, np.newaxis]
-        return np.asarray(parts.reshape(-1, *i.shape))
+        return np.asarray(parts.reshape(len(orders), *i.shape))
 
     def _evaluate(self, at: Array, degrees: Sequence[int]) -> Array:
         """Return derivatives, per cell, at points of shape (2, n)."""

@@ -6,12 +6,12 @@ import attrs
 import numpy as np
 
 from roughcontact._areas import calibration
-from roughcontact._areas.cells import grow
+from roughcontact._areas.cells import grow, split
 from roughcontact._areas.ellipse import find_area_factor, find_axes_ratio, points_of_hertz
 from roughcontact._areas.far_field import FarField, find_far_field
 from roughcontact._areas.spline import Spline
 from roughcontact._solution import ContactSolution
-from roughcontact.checks import Array, Mask
+from roughcontact.checks import Array, IntArray, Mask
 from roughcontact.grid import Boundary
 
 # Smallest ratio of the principal curvatures of a summit: longer contacts are not elliptic on a rough surface.
@@ -115,14 +115,14 @@ def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
     first[label[::-1]] = np.arange(members.size)[::-1]
     total = np.bincount(label, weights=weight, minlength=patches.count)
     centres = []
-    for at, n in zip(np.divmod(members, solution.grid.shape[1]), solution.grid.shape, strict=True):
+    for at, n in zip(split(members, solution.grid.shape[1]), solution.grid.shape, strict=True):
         origin = at[first]
         step = unwrap(at - origin[label], n, solution.boundary)
         centres.append(origin + np.bincount(label, weights=weight * step, minlength=patches.count) / total)
     return centres[0], centres[1]
 
 
-def unwrap(steps: Array, cells: int, boundary: Boundary) -> Array:
+def unwrap(steps: Array | IntArray, cells: int, boundary: Boundary) -> Array:
     """Return steps between cells along an axis, by the shorter way around a periodic or wrapped domain."""
     if boundary is Boundary.FREE:
         return np.asarray(steps, dtype=np.float64)
