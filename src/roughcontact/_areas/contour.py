@@ -35,8 +35,8 @@ _SADDLE = 0.7
 _ALIKE, _KEYS = 1e-3, 10_000
 # So that a half of a cell is not a limit between two steps.
 _OFFSET = 0.382
-# Newton steps for y^2 from an upper bound (quadratic convergence, rounding after 5), and inside a bracket.
-_NEWTON, _BRACKETED = 6, 16
+# Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
+_NEWTON, _BRACKETED = 4, 16
 
 
 @attrs.frozen(eq=False)
@@ -179,14 +179,11 @@ def _differentiate(values: Corners, size: tuple[float, float]) -> tuple[Array, A
 def _find_root(cubic: Array, square: Array, linear: Array, highest: Array, value: float = 1.0) -> Array:
     """Return w in [0, highest] where the polynomial reaches a value, by Newton's method."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        # Where no coefficient is negative, each term alone gives an upper bound, from which the steps descend.
-        w = np.minimum(np.minimum(np.cbrt(value / cubic), value / linear), highest)
+        # Each term alone reaches the value at the inverse of one of these; all together near that of their norm.
+        w = 1.0 / np.sqrt(np.cbrt(cubic / value) ** 2 + square / value + (linear / value) ** 2)
         for _ in range(_NEWTON):
-            excess, slope = (
-                ((cubic * w + square) * w + linear) * w - value,
-                (3.0 * cubic * w + 2.0 * square) * w + linear,
-            )
-            w = w - excess / slope
+            excess = ((cubic * w + square) * w + linear) * w - value
+            w = w - excess / ((3.0 * cubic * w + 2.0 * square) * w + linear)
     wild = (square < 0.0) | ~((w >= 0.0) & (w < np.inf))
     if wild.any():
         w[wild] = _find_bracketed_root(cubic[wild], square[wild], linear[wild], highest[wild], value)

@@ -39,7 +39,7 @@ _FACTORS = np.concatenate((_PIECES, _SLOPES, _BENDS))
 # The B-spline at the centres from 0 to 2 cells from its own.
 _CENTRES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
 # Points at a time: their coefficients stay in a core's cache.
-_CHUNK = 512
+_CHUNK = 1024
 
 
 @attrs.frozen(eq=False)
