@@ -30,8 +30,6 @@ PANELS = {
     "pressure limit, run in": ("capped", "run-in"),
     "borders, measured maps": ("border", "holes", "map"),
 }
-# Classes whose true values are not known well enough.
-WITHOUT = ("holes-kept",)
 
 
 @lru_cache
@@ -42,7 +40,7 @@ def judge(name: str, folder: str | None = None) -> list[tuple[float, float, floa
 
 
 def list_classes() -> list[str]:
-    return [name for name in area_classes.CLASSES if name not in WITHOUT]
+    return list(area_classes.CLASSES)
 
 
 def make_rows(folder: str | None = None) -> list[list[str]]:
