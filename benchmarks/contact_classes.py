@@ -1,7 +1,8 @@
 """The classes of contacts on which areas and their uncertainties are judged; `benchmarks/area_classes.py` judges.
 
 Each class has a tuned, a held-out and a fresh split, of other seeds, places and loads. E* = 1 Pa and lengths of about
-1 m, but for the paper's wave. A true value is a closed form, or that of the same surface on a grid of up to 1024 x 1024 cells.
+1 m, but for the paper's wave. A true value is a closed form, or that of the same surface on a grid of up to 1024 x 1024
+cells.
 """
 
 from __future__ import annotations

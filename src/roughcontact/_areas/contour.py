@@ -79,12 +79,9 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     kind = find_kinds(touching)
     inside = INSIDE[kind]
     jagged = sharp.ravel().take(k).any(axis=0) if sharp.any() else np.zeros(kind.size, dtype=bool)
+    beside, meeting = _find_non_measured(solution, k, touching)
     # Beside non-measured points the contact ends with the cells.
-    counted, meeting = jagged, np.zeros(kind.size)
-    if solution.non_measured is not None:
-        unknown = solution.non_measured.ravel()[k]
-        counted = jagged | unknown.any(axis=0)
-        meeting = (unknown.any(axis=0) & ~(unknown | touching).all(axis=0)).astype(np.float64)
+    counted = jagged | beside
     size = (stride * solution.grid.spacing[0], stride * solution.grid.spacing[1])
     distance = _find_distances(solution, k, touching, size)
     parts, chords, euler = measure_polygons(distance, touching, kind, size)
@@ -105,6 +102,16 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
         alike=_divide(owners.sum(alike * weight), total),
         meeting=owners.sum(meeting * weight),
     )
+
+
+def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -> tuple[Mask, Mask]:
+    """Mark the dual cells with non-measured corners, and those of them that have open ones too, shape (n,)."""
+    if solution.non_measured is None:
+        none = np.zeros(k.shape[1], dtype=bool)
+        return none, none
+    unknown = solution.non_measured.ravel()[k]
+    beside = unknown.any(axis=0)
+    return beside, beside & ~(unknown | touching).all(axis=0)
 
 
 def _divide(sums: Array, counts: Array) -> Array:
