@@ -110,8 +110,8 @@ def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -
         none = np.zeros(k.shape[1], dtype=bool)
         return none, none
     unknown = solution.non_measured.ravel()[k]
-    beside = unknown.any(axis=0)
-    return beside, beside & ~(unknown | touching).all(axis=0)
+    beside = np.asarray(unknown.any(axis=0))
+    return beside, np.asarray(beside & ~(unknown | touching).all(axis=0))
 
 
 def _divide(sums: Array, counts: Array) -> Array:
