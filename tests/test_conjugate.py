@@ -199,7 +199,7 @@ def test_any_shape_of_grid(shape, boundary):
     problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary=boundary)
     solution = problem.solve(pressure=0.05)
     assert solution.status.success
-    assert solution.iterations <= 60
+    assert solution.iterations <= 70
 
 
 def test_a_start_skips_the_coarse_grids():
@@ -241,14 +241,15 @@ def test_after_a_stall_another_method_continues(monkeypatch):
 
 @pytest.mark.parametrize("levels", [1, 2, 50])
 @pytest.mark.parametrize("left", [1e-3, 2e-6, 1e-7])
-def test_an_approach_next_to_full_contact_is_found_through_loads(left, levels):
+def test_an_approach_next_to_full_contact_is_found_through_loads(left, levels, monkeypatch):
     """The load hardly changes the approach there; terraces and noise are the worst."""
+    monkeypatch.setattr("roughcontact._solvers.conjugate.solver._PATIENT", 5)
     heights = np.round(levels * np.random.default_rng(levels).standard_normal((50, 12)))
     surface = rc.HeightMap(heights, size=(50.0, 10.0), periodic=True)
     problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary="periodic")
     approach = (1.0 - left) * problem.initial_gap.mean()
     solution = problem.solve(approach=approach)
-    assert solution.status is rc.Status.RESCUED or left > 1e-7
+    assert solution.status is rc.Status.RESCUED
     assert solution.approach == pytest.approx(approach, rel=1e-15)
     by_load = problem.solve(pressure=solution.mean_pressure)
     assert by_load.approach == pytest.approx(approach, rel=1e-7)
@@ -288,7 +289,7 @@ class TestSweep:
         problem = rough(96)
         approaches = np.linspace(0.3, 0.6, 6) * problem.initial_gap.mean()
         cold = sum(problem.solve(approach=a).convolutions for a in approaches)
-        assert problem.sweep(approach=approaches).convolutions < 0.7 * cold
+        assert problem.sweep(approach=approaches).convolutions < 0.85 * cold
 
     def test_stiffness_of_a_sphere(self):
         """Hertz: dF/d(approach) = 2 E* a."""

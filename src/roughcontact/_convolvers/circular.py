@@ -86,6 +86,16 @@ class InverseConvolution:
         """Return the pressure, of the shape and precision of `displacement` (float32 or float64)."""
         return multiply_waves(displacement, self.stiffness, self.padded)
 
+    def coefficients(self, reach: int) -> RealArray:
+        """Return the pressure at (i, j) cells from a unit displacement of one, shape (reach + 1, reach + 1)."""
+        (mx, my), columns = self.padded, self.stiffness.shape[1]
+        offsets = 2.0 * np.pi * np.arange(reach + 1)
+        x = np.cos(np.outer(offsets, np.arange(mx) / mx)).astype(self.stiffness.dtype) / mx
+        y = np.cos(np.outer(np.arange(columns) / my, offsets)).astype(self.stiffness.dtype) / my
+        # Half of the waves along y are stored; the others equal them, but for the first and, if even, the last.
+        y[1 : (my + 1) // 2] *= 2.0
+        return x @ self.stiffness @ y
+
 
 def multiply_waves(values: RealArray, symbol: RealArray, padded: tuple[int, int], workers: int = 1) -> RealArray:
     """Return a field, padded with zeros, with each of its waves multiplied by a real symbol, shape of `values`."""

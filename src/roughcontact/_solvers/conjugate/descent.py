@@ -15,12 +15,12 @@ from roughcontact.checks import Array, IntArray, Mask, RealArray
 
 # Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient,
 # which is also the factor that shortens a rejected step.
-_FIRST, _LONGEST, _CAREFUL = 0.8, 1.5, 0.3
+_FIRST, _LONGEST, _CAREFUL = 0.65, 1.5, 0.3
 # Rejected steps before the descent ends: 0.3^40 = 1e-21 of the first is below any rounding.
 _BACKTRACKS = 40
 # A clipped step on which the energy has its minimum at a part above the first is taken in full, above the second
 # up to the minimum; else it is rejected.
-_FULL, _SHORTENED = 0.8, 0.1
+_FULL, _SHORTENED = 0.75, 0.1
 _NO_CELLS: IntArray = np.zeros(0, dtype=np.intp)
 
 
@@ -60,14 +60,17 @@ class Descent:
 
     def start(self, pressure: Array, gap: RealArray) -> None:
         """Continue from a pressure and its gap, both flat; the gap, float32, is updated in place."""
-        self.pressure, self.gap = pressure, gap
+        self.pressure, self.gap, self._level = pressure, gap, 0.0
         active = active_cells(self._inside(pressure, self._limit))
-        weights = active.gather(self._preconditioner.field)
+        weights = self._preconditioner.weights(active) if active.count else active.ones
         self._state = ActiveState(active, active.gather(pressure), active.gather(gap), weights)
 
-    def stop(self) -> None:
-        """Free the arrays that the next start sets."""
+    def stop(self) -> RealArray:
+        """Return the gap from its level, flat, and free the arrays that the next start sets."""
+        gap = self.gap
+        gap -= np.float32(self._level)
         del self.gap, self._state
+        return gap
 
     def iterate(self) -> bool:
         """Make one step; return whether the energy fell."""
@@ -85,7 +88,7 @@ class Descent:
         state = self._state
         limit = state.active.limits(self._limit)
         elastic = np.where(state.pressure < limit, state.pressure, 0.0) if self._capped else state.pressure
-        level = self._control.level(state.gap, elastic)
+        self._level = level = self._control.level(state.gap, elastic)
         gap = state.gap - np.float32(level)
         if self._capped:
             np.maximum(gap, 0.0, out=gap, where=state.pressure >= limit)
@@ -179,7 +182,7 @@ class Descent:
                 return part, full
             part = min(part, 1.0)
         elif part > _FULL:
-            self._length = min(_LONGEST, self._length * min(max(part, 0.8), 4.0))
+            self._length = min(_LONGEST, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
             return 1.0, trial
         elif part > _SHORTENED:
             self._length *= max(part, 0.5)

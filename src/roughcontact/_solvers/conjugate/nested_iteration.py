@@ -10,13 +10,15 @@ from roughcontact._convolvers.circular import approximate_inverse
 from roughcontact._solution import GridLevel
 from roughcontact._solvers.base import Monitor, Task, starting_pressure
 from roughcontact._solvers.conjugate.refinement import Refinement
-from roughcontact.checks import Array, IntArray
+from roughcontact.checks import Array, IntArray, Mask, RealArray
 from roughcontact.grid import Boundary, Grid
 
 # Axes are halved down to this many cells, and to the second number where only the approach is wanted.
 _COARSEST, _ESTIMATE = 32, 64
 # Error and iterations at which a coarse solve ends: its grid makes it no better than that.
-_TOLERANCE, _ITERATIONS = 1e-2, 60
+_TOLERANCE, _ITERATIONS = 4e-2, 5
+# ... and one from which an approach is estimated.
+_ESTIMATED, _ESTIMATES = 1e-2, 60
 # Factor on the estimated approach, for its error; a window that proves too small is enlarged.
 _MARGIN = 1.02
 # Sides of a window are multiples of so many cells, so that they can be halved.
@@ -57,9 +59,10 @@ def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGue
     fx, fy = (n // m for n, m in zip(grid.shape, coarse_grid.shape, strict=True))
     guess = nested_iteration(coarse, coarse_task)
     pressure, products, levels, met_limit = guess.pressure, guess.products, guess.levels, guess.met_limit
+    gap = np.zeros(coarse_grid.shape, dtype=np.float32)
     if not guess.closed:
         refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
-        pressure, _, _ = refinement.run(guess.pressure)
+        pressure, gap = refinement.approximate(guess.pressure)
         products += refinement.products
         levels = (*levels, refinement.level)
         met_limit |= refinement.met_limit
@@ -69,9 +72,26 @@ def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGue
         products += 1
         if full is not None:
             return InitialGuess(full, products, levels, closed=True)
-    return InitialGuess(
-        np.minimum(_interpolate(pressure, fx, fy), task.pressure_limit), products, levels, met_limit=met_limit
-    )
+    return InitialGuess(_refine(pressure, gap, coarse_task, task), products, levels, met_limit=met_limit)
+
+
+def _refine(pressure: Array, gap: RealArray, coarse: Task, task: Task) -> Array:
+    """Return the pressure on the finer grid: interpolated where it bears on the coarse one, or the heights interfere."""
+    fx, fy = (n // m for n, m in zip(task.initial_gap.shape, pressure.shape, strict=True))
+    fine = _interpolate(pressure, fx, fy)
+    gap -= coarse.initial_gap
+    predicted = _interpolate(gap, fx, fy)
+    predicted += task.initial_gap
+    fine[(predicted >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)] = 0.0
+    if task.capped:
+        np.copyto(fine, task.pressure_limit, where=_repeat(pressure >= coarse.pressure_limit, fx, fy))
+        np.minimum(fine, task.pressure_limit, out=fine)
+    return fine
+
+
+def _repeat(mask: Mask, fx: int, fy: int) -> Mask:
+    """Return the mask on the finer grid, in which a cell is fx x fy."""
+    return np.repeat(np.repeat(mask, fy, axis=1), fx, axis=0)
 
 
 def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
@@ -97,7 +117,7 @@ def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[flo
     while max(half[0].shape) > _ESTIMATE and (coarser := coarsen(*half)) is not None:
         half = coarser
     coarse, coarse_task = convolution.on(half[0]), half[1]
-    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
+    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _ESTIMATED, _ESTIMATES))
     _, violation, _ = refinement.run(_guess_without_grids(coarse, coarse_task).pressure)
     return violation.approach, refinement.met_limit
 
@@ -129,13 +149,15 @@ def _average(values: Array, shape: tuple[int, int]) -> Array:
     return np.ascontiguousarray(values) / (cells // values.size)
 
 
-def _interpolate(values: Array, fx: int, fy: int) -> Array:
+def _interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
     """Interpolate linearly between cell centres along the axes that were halved."""
     # The second axis first, while there are fewer rows: its steps are not contiguous.
     for axis, factor in ((1, fy), (0, fx)):
         if factor == 2:
             coarse = np.moveaxis(values, axis, 0)
-            fine = np.moveaxis(np.empty([n * (1 + (k == axis)) for k, n in enumerate(values.shape)]), axis, 0)
+            fine = np.moveaxis(
+                np.empty([n * (1 + (k == axis)) for k, n in enumerate(values.shape)], dtype=values.dtype), axis, 0
+            )
             quarter = 0.25 * coarse
             np.multiply(coarse, 0.75, out=fine[0::2])
             fine[1::2] = fine[0::2]

@@ -15,10 +15,12 @@ from roughcontact._solvers.base import Monitor, Task
 from roughcontact._solvers.conjugate.descent import Descent
 from roughcontact._solvers.conjugate.preconditioner import Preconditioner
 from roughcontact._solvers.projection import ApproachControl, Control, LoadControl
-from roughcontact.checks import Array
+from roughcontact.checks import Array, RealArray
 
 # Factor by which one pass in float32 may lower the error: its own rounding, 6e-8, leaves a margin of 300.
 _GAIN = 2e-5
+# Error to which float32 tells an elastic displacement of the size of the scale.
+_SINGLE = 1e-6
 # The estimate aims at this fraction of the tolerance, which the verification has to meet.
 _MARGIN = 0.7
 # Below the first factor of its error a pass ends after three iterations that do not lower the error to a third.
@@ -41,7 +43,7 @@ class Refinement:
         self._limit = task.pressure_limit.ravel()
         mean = task.mean_pressure
         self._control: Control = ApproachControl() if mean is None else LoadControl(mean * task.initial_gap.size)
-        self.verifications = 0
+        self.verifications = self.estimates = 0
 
     @cached_property
     def _preconditioner(self) -> Preconditioner:
@@ -69,8 +71,25 @@ class Refinement:
         """The work so far."""
         shape, iterations = self._task.initial_gap.shape, len(self._monitor.history) - 1
         if iterations == 0:
-            return GridLevel(shape, 0, self.verifications)
-        return GridLevel(shape, iterations, self.verifications, self._descent.products, self._preconditioner.products)
+            return GridLevel(shape, 0, self.verifications, self.estimates)
+        single = self.estimates + self._descent.products
+        return GridLevel(shape, iterations, self.verifications, single, self._preconditioner.products)
+
+    def approximate(self, pressure: Array) -> tuple[Array, RealArray]:
+        """Return an improved pressure, shape (nx, ny), and its gap, from one pass in float32 alone.
+
+        It starts from a pressure that is changed in place, and aims at the tolerance without verifying it.
+        """
+        shape, flat = pressure.shape, self._control.restore(pressure.reshape(-1), self._limit)
+        displacement = self._convolution.apply(flat.astype(np.float32).reshape(shape))
+        self.estimates += 1
+        violation, _ = self._monitor.judge(flat.reshape(shape), displacement)
+        largest = float(max(displacement.max(), -displacement.min())) / violation.scale
+        goal = max(_MARGIN * self._monitor.tolerance, _SINGLE * max(1.0, largest))
+        gap = self._find_gap(displacement, violation)
+        if violation.error > goal:
+            gap = self._descend(flat, gap, violation, goal)
+        return flat.reshape(shape), gap.reshape(shape)
 
     def run(self, pressure: Array) -> tuple[Array, Violation, Status]:
         """Return the solution from a start, shape (nx, ny), changed in place, its violation and how the solve ended."""
@@ -91,16 +110,19 @@ class Refinement:
                     status = Status.STALLED
             if status is not None:
                 return flat.reshape(shape), violation, status
-            displacement += self._task.initial_gap
-            displacement -= violation.approach
-            self._descent.start(flat, displacement.ravel().astype(np.float32))
+            gap = self._find_gap(displacement, violation)
             del displacement
-            self._descend(violation)
-            self._descent.stop()
+            self._descend(flat, gap, violation, max(_MARGIN * self._monitor.tolerance, _GAIN * violation.error))
 
-    def _descend(self, violation: Violation) -> None:
-        """Iterate until the estimate of the error makes a verification worth its convolution."""
-        goal = max(_MARGIN * self._monitor.tolerance, _GAIN * violation.error)
+    def _find_gap(self, displacement: RealArray, violation: Violation) -> RealArray:
+        """Return the gap, flat, in float32."""
+        gap = displacement + self._task.initial_gap
+        gap -= violation.approach
+        return gap.ravel().astype(np.float32)
+
+    def _descend(self, pressure: Array, gap: RealArray, violation: Violation, goal: float) -> RealArray:
+        """Iterate until the estimate of the error makes a verification worth its convolution; return the gap."""
+        self._descent.start(pressure, gap)
         error, slow, best, idle = violation.error, 0, violation.error, 0
         while self._monitor.has_iterations_left and self._descent.iterate():
             previous, error = error, self._descent.error() / violation.scale
@@ -110,4 +132,5 @@ class Refinement:
             idle = 0 if error < 0.5 * best else idle + 1
             best = min(best, error)
             if error <= goal or slow >= _PATIENCE or idle >= _IDLE:
-                return
+                break
+        return self._descent.stop()
