@@ -77,10 +77,13 @@ class InverseConvolution:
         shape (mx, my // 2 + 1).
     padded
         Cells (mx, my) of the periodic grid.
+    exact
+        Whether it inverts the convolution, but for the mean.
     """
 
     stiffness: RealArray
     padded: tuple[int, int]
+    exact: bool = False
 
     def apply(self, displacement: RealArray) -> RealArray:
         """Return the pressure, of the shape and precision of `displacement` (float32 or float64)."""
@@ -116,13 +119,15 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
         shape = mx, my
     known = isinstance(setup.kernel.kernel, SupportsSpectrum)
     spectrum = periodic_spectrum if known else wrapped_spectrum
-    response = np.abs(spectrum(setup.kernel, shape, setup.grid.spacing))
+    response = spectrum(setup.kernel, shape, setup.grid.spacing)
     response[0, 0] = 0.0
-    floor = _SMALLEST * float(response.mean())
+    floor = _SMALLEST * float(np.abs(response).mean())
+    exact = setup.boundary is Boundary.PERIODIC and bool((response.ravel()[1:] > floor).all())
+    response = np.abs(response)
     stiffness = np.zeros_like(response)
     np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
     stiffness[0, 0] = 0.0
-    return InverseConvolution(stiffness.astype(dtype, copy=False), shape)
+    return InverseConvolution(stiffness.astype(dtype, copy=False), shape, exact)
 
 
 def periodic_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
 import attrs
 import numpy as np
 
-from roughcontact._convolvers import PreparedConvolution
 from roughcontact._solvers.conjugate.active import ActiveCells, active_cells
-from roughcontact._solvers.conjugate.preconditioner import Preconditioner
 from roughcontact._solvers.projection import Control, ReleasedCells, dot
 from roughcontact.checks import Array, IntArray, Mask, RealArray
 
@@ -34,6 +33,23 @@ class ActiveState:
     weights: RealArray
 
 
+class Operator(Protocol):
+    """A symmetric linear map of fields."""
+
+    def apply(self, values: RealArray, /) -> RealArray:
+        """Return the image of a field, both of one shape and precision."""
+
+
+class SupportsPreconditioning(Protocol):
+    """An approximate inverse of an operator on the active cells."""
+
+    def weights(self, active: ActiveCells) -> RealArray:
+        """Return the vector of the metric, above zero."""
+
+    def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
+        """Return the vector of the preconditioned residual."""
+
+
 class Descent:
     """Lowers the energy p.Kp/2 + h.p within the bounds by preconditioned conjugate gradients.
 
@@ -43,14 +59,21 @@ class Descent:
     """
 
     def __init__(
-        self, convolution: PreparedConvolution, preconditioner: Preconditioner, control: Control, limit: Array
+        self,
+        operator: Operator,
+        shape: tuple[int, int],
+        preconditioner: SupportsPreconditioning,
+        control: Control,
+        limit: Array,
+        longest: float = _LONGEST,
     ) -> None:
-        self._convolution = convolution
+        self._operator = operator
         self._preconditioner = preconditioner
         self._control = control
         self._limit = limit
         self._capped = bool(np.isfinite(limit).any())
-        self._shape = convolution.setup.grid.shape
+        self._shape = shape
+        self._longest = longest
         self._length = _FIRST
         self._step: RealArray | None = None
         self._change: RealArray | None = None
@@ -151,7 +174,7 @@ class Descent:
                 trial = self._control.feasible(trial, state.pressure, state.weights, limit)
             step = (trial - state.pressure).astype(np.float32)
             field = state.active.scatter(step)
-            change = self._convolution.apply(field.reshape(self._shape)).ravel()
+            change = self._operator.apply(field.reshape(self._shape)).ravel()
             self.products += 1
             curvature = dot(step, state.active.gather(change))
             if not math.isfinite(curvature):
@@ -176,13 +199,13 @@ class Descent:
         `part` is where along the step the energy has its minimum.
         """
         if not clipped:
-            self._length = min(_LONGEST, self._length * min(max(part, 0.25), 4.0))
+            self._length = min(self._longest, self._length * min(max(part, 0.25), 4.0))
             full = _between(before, trial, part)
             if not self._is_outside(full, limit):
                 return part, full
             part = min(part, 1.0)
         elif part > _FULL:
-            self._length = min(_LONGEST, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
+            self._length = min(self._longest, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
             return 1.0, trial
         elif part > _SHORTENED:
             self._length *= max(part, 0.5)

@@ -6,9 +6,10 @@ import attrs
 import numpy as np
 
 from roughcontact._convolvers import PreparedConvolution
-from roughcontact._convolvers.circular import approximate_inverse
+from roughcontact._convolvers.circular import InverseConvolution, approximate_inverse
 from roughcontact._solution import GridLevel
 from roughcontact._solvers.base import Monitor, Task, starting_pressure
+from roughcontact._solvers.conjugate.openings import NearlyFull
 from roughcontact._solvers.conjugate.refinement import Refinement
 from roughcontact.checks import Array, IntArray, Mask, RealArray
 from roughcontact.grid import Boundary, Grid
@@ -25,6 +26,8 @@ _MARGIN = 1.02
 _ROUND = 32
 # Fraction of the domain above which a window saves nothing.
 _WORTH = 0.7
+# Fraction of the coarser grid in contact above which the gap is sought instead of the pressure.
+_NEARLY_FULL = 0.6
 
 
 @attrs.frozen(eq=False)
@@ -39,6 +42,8 @@ class InitialGuess:
         Whether the pressure closes every gap, so that it is the solution.
     met_limit
         Whether the pressure limit shortened a step on any coarser grid.
+    nearly_full
+        The same start by its gap, near full contact.
     """
 
     pressure: Array
@@ -46,6 +51,7 @@ class InitialGuess:
     levels: tuple[GridLevel, ...] = ()
     closed: bool = False
     met_limit: bool = False
+    nearly_full: NearlyFull | None = None
 
 
 def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGuess:
@@ -61,27 +67,41 @@ def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGue
     pressure, products, levels, met_limit = guess.pressure, guess.products, guess.levels, guess.met_limit
     gap = np.zeros(coarse_grid.shape, dtype=np.float32)
     if not guess.closed:
-        refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
+        monitor = Monitor(coarse_task, _TOLERANCE, _ITERATIONS)
+        refinement = Refinement(coarse, coarse_task, monitor, guess.nearly_full)
         pressure, gap = refinement.approximate(guess.pressure)
         products += refinement.products
         levels = (*levels, refinement.level)
         met_limit |= refinement.met_limit
     products /= fx * fy
-    if pressure.min() > 0.0:
-        full = full_contact(convolution, task)
-        products += 1
-        if full is not None:
-            return InitialGuess(full, products, levels, closed=True)
-    return InitialGuess(_refine(pressure, gap, coarse_task, task), products, levels, met_limit=met_limit)
-
-
-def _refine(pressure: Array, gap: RealArray, coarse: Task, task: Task) -> Array:
-    """Return the pressure on the finer grid: interpolated where it bears on the coarse one, or the heights interfere."""
-    fx, fy = (n // m for n, m in zip(task.initial_gap.shape, pressure.shape, strict=True))
-    fine = _interpolate(pressure, fx, fy)
-    gap -= coarse.initial_gap
+    gap -= coarse_task.initial_gap
     predicted = _interpolate(gap, fx, fy)
     predicted += task.initial_gap
+    contact = np.count_nonzero(pressure) / pressure.size
+    nearly_full = None
+    if contact > _NEARLY_FULL and (inverse := _closing_inverse(convolution, task)) is not None:
+        closing = task.mean_pressure - inverse.apply(task.initial_gap)
+        products += 1
+        if closing.min() >= 0.0 and not (closing > task.pressure_limit).any():
+            return InitialGuess(closing, products, levels, closed=True)
+        if inverse.exact and not task.capped:
+            opened = predicted * (_refine(pressure, predicted, coarse_task, task) == 0.0)
+            nearly_full = NearlyFull(inverse, closing, np.maximum(opened, 0.0, out=opened))
+    fine = _refine(pressure, predicted, coarse_task, task)
+    return InitialGuess(fine, products, levels, met_limit=met_limit, nearly_full=nearly_full)
+
+
+def _closing_inverse(convolution: PreparedConvolution, task: Task) -> InverseConvolution | None:
+    """Return the inverse that gives the pressure of full contact; None if there is no such pressure."""
+    if convolution.setup.boundary is not Boundary.PERIODIC or task.mean_pressure is None:
+        return None
+    return approximate_inverse(convolution.setup)
+
+
+def _refine(pressure: Array, predicted: RealArray, coarse: Task, task: Task) -> Array:
+    """Return the pressure on the finer grid: interpolated where it bears on the coarse one, or the gap is negative."""
+    fx, fy = (n // m for n, m in zip(task.initial_gap.shape, pressure.shape, strict=True))
+    fine = _interpolate(pressure, fx, fy)
     fine[(predicted >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)] = 0.0
     if task.capped:
         np.copyto(fine, task.pressure_limit, where=_repeat(pressure >= coarse.pressure_limit, fx, fy))

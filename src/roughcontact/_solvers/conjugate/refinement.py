@@ -13,6 +13,7 @@ from roughcontact._solution import GridLevel, Status
 from roughcontact._solution.conditions import Violation
 from roughcontact._solvers.base import Monitor, Task
 from roughcontact._solvers.conjugate.descent import Descent
+from roughcontact._solvers.conjugate.openings import NearlyFull, Openings
 from roughcontact._solvers.conjugate.preconditioner import Preconditioner
 from roughcontact._solvers.projection import ApproachControl, Control, LoadControl
 from roughcontact.checks import Array, RealArray
@@ -36,14 +37,18 @@ class Refinement:
     the error, so that float32 is enough. Only the float64 gap, which the monitor judges, decides.
     """
 
-    def __init__(self, convolution: PreparedConvolution, task: Task, monitor: Monitor) -> None:
+    def __init__(
+        self, convolution: PreparedConvolution, task: Task, monitor: Monitor, nearly_full: NearlyFull | None = None
+    ) -> None:
         self._convolution = convolution
         self._task = task
         self._monitor = monitor
         self._limit = task.pressure_limit.ravel()
         mean = task.mean_pressure
         self._control: Control = ApproachControl() if mean is None else LoadControl(mean * task.initial_gap.size)
-        self.verifications = self.estimates = 0
+        self._openings = None if nearly_full is None else Openings(nearly_full, monitor)
+        self._started = False
+        self._verifications = self._estimates = self._others = 0
 
     @cached_property
     def _preconditioner(self) -> Preconditioner:
@@ -53,12 +58,13 @@ class Refinement:
 
     @cached_property
     def _descent(self) -> Descent:
-        return Descent(self._convolution, self._preconditioner, self._control, self._limit)
+        shape = self._task.initial_gap.shape
+        return Descent(self._convolution, shape, self._preconditioner, self._control, self._limit)
 
     @property
     def met_limit(self) -> bool:
         """Whether the pressure limit has shortened any step so far."""
-        return len(self._monitor.history) > 1 and self._descent.met_limit
+        return self._started and self._descent.met_limit
 
     @property
     def products(self) -> int:
@@ -69,20 +75,26 @@ class Refinement:
     @property
     def level(self) -> GridLevel:
         """The work so far."""
-        shape, iterations = self._task.initial_gap.shape, len(self._monitor.history) - 1
-        if iterations == 0:
-            return GridLevel(shape, 0, self.verifications, self.estimates)
-        single = self.estimates + self._descent.products
-        return GridLevel(shape, iterations, self.verifications, single, self._preconditioner.products)
+        single, inverse = self._estimates, self._others
+        if self._openings is not None:
+            inverse += self._openings.products
+        if self._started:
+            single, inverse = single + self._descent.products, inverse + self._preconditioner.products
+        iterations = max(len(self._monitor.history) - 1, 0)
+        return GridLevel(self._task.initial_gap.shape, iterations, self._verifications, single, inverse)
 
     def approximate(self, pressure: Array) -> tuple[Array, RealArray]:
         """Return an improved pressure, shape (nx, ny), and its gap, from one pass in float32 alone.
 
         It starts from a pressure that is changed in place, and aims at the tolerance without verifying it.
         """
+        if self._openings is not None:
+            self._monitor.record(1.0)
+            pressure = self._openings.approximate(_MARGIN * self._monitor.tolerance)
+            return pressure, self._openings.gap.astype(np.float32)
         shape, flat = pressure.shape, self._control.restore(pressure.reshape(-1), self._limit)
         displacement = self._convolution.apply(flat.astype(np.float32).reshape(shape))
-        self.estimates += 1
+        self._estimates += 1
         violation, _ = self._monitor.judge(flat.reshape(shape), displacement)
         largest = float(max(displacement.max(), -displacement.min())) / violation.scale
         goal = max(_MARGIN * self._monitor.tolerance, _SINGLE * max(1.0, largest))
@@ -94,11 +106,13 @@ class Refinement:
     def run(self, pressure: Array) -> tuple[Array, Violation, Status]:
         """Return the solution from a start, shape (nx, ny), changed in place, its violation and how the solve ended."""
         shape, flat = pressure.shape, pressure.reshape(-1)
-        best, idle = math.inf, 0
+        best, idle, goal = math.inf, 0, _MARGIN * self._monitor.tolerance
         while True:
+            if self._openings is not None:
+                flat = self._openings.solve(goal).reshape(-1)
             flat = self._control.restore(flat, self._limit)
             displacement = self._convolution.apply(flat.reshape(shape))
-            self.verifications += 1
+            self._verifications += 1
             if self._monitor.history:
                 # An estimate, which the verified error replaces.
                 self._monitor.history.pop()
@@ -110,9 +124,19 @@ class Refinement:
                     status = Status.STALLED
             if status is not None:
                 return flat.reshape(shape), violation, status
+            if self._openings is not None and idle == 0:
+                goal = _MARGIN * self._openings.error * self._monitor.tolerance / violation.error
+                continue
+            self._leave_openings()
             gap = self._find_gap(displacement, violation)
             del displacement
             self._descend(flat, gap, violation, max(_MARGIN * self._monitor.tolerance, _GAIN * violation.error))
+
+    def _leave_openings(self) -> None:
+        """Go on with the pressure where the openings have not settled."""
+        if self._openings is not None:
+            self._others += self._openings.products
+            self._openings = None
 
     def _find_gap(self, displacement: RealArray, violation: Violation) -> RealArray:
         """Return the gap, flat, in float32."""
@@ -122,6 +146,7 @@ class Refinement:
 
     def _descend(self, pressure: Array, gap: RealArray, violation: Violation, goal: float) -> RealArray:
         """Iterate until the estimate of the error makes a verification worth its convolution; return the gap."""
+        self._started = True
         self._descent.start(pressure, gap)
         error, slow, best, idle = violation.error, 0, violation.error, 0
         while self._monitor.has_iterations_left and self._descent.iterate():

@@ -112,7 +112,7 @@ class ProjectedConjugateGradient(Solver):
         searchable = _can_search_loads(convolution, task)
         patience = min(self.max_iterations, _PATIENT) if searchable else self.max_iterations
         monitor = Monitor(task, self.tolerance, patience)
-        refinement = Refinement(convolution, task, monitor)
+        refinement = Refinement(convolution, task, monitor, start.nearly_full)
         pressure = start.pressure
         if start.levels and not start.closed:
             # Far from the solution the gap need not be exact.
