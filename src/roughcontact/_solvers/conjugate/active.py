@@ -68,8 +68,12 @@ class ListedCells:
 
     def blocks(self, partition: Partition) -> _ListedBlocks:
         """Return the active cells by blocks of a partition."""
-        i, j = np.divmod(self.cells, partition.shape[1])
-        return _ListedBlocks(partition.rows[i] * partition.blocks[1] + partition.columns[j], partition)
+        nx, ny = partition.shape
+        # Cells are in the order of rows: counting those of each row is twice as fast as dividing.
+        firsts = np.arange(0, nx * ny, ny)
+        counts = np.diff(np.append(np.searchsorted(self.cells, firsts), self.cells.size))
+        columns = partition.columns.take(self.cells - np.repeat(firsts, counts), mode="wrap")
+        return _ListedBlocks(np.repeat(partition.rows * partition.blocks[1], counts) + columns, partition)
 
 
 @attrs.frozen(eq=False)

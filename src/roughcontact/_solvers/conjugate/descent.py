@@ -65,7 +65,6 @@ class Descent:
         preconditioner: SupportsPreconditioning,
         control: Control,
         limit: Array,
-        longest: float = _LONGEST,
     ) -> None:
         self._operator = operator
         self._preconditioner = preconditioner
@@ -73,7 +72,6 @@ class Descent:
         self._limit = limit
         self._capped = bool(np.isfinite(limit).any())
         self._shape = shape
-        self._longest = longest
         self._length = _FIRST
         self._step: RealArray | None = None
         self._change: RealArray | None = None
@@ -199,13 +197,13 @@ class Descent:
         `part` is where along the step the energy has its minimum.
         """
         if not clipped:
-            self._length = min(self._longest, self._length * min(max(part, 0.25), 4.0))
+            self._length = min(_LONGEST, self._length * min(max(part, 0.25), 4.0))
             full = _between(before, trial, part)
             if not self._is_outside(full, limit):
                 return part, full
             part = min(part, 1.0)
         elif part > _FULL:
-            self._length = min(self._longest, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
+            self._length = min(_LONGEST, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
             return 1.0, trial
         elif part > _SHORTENED:
             self._length *= max(part, 0.5)

@@ -13,12 +13,12 @@ from roughcontact._solvers.conjugate.weights import PunchWeights
 from roughcontact._solvers.projection import ApproachControl, total
 from roughcontact.checks import Array, RealArray
 
-# Maximum step length: an opening cell is bounded on one side only, so that long steps pay.
-_LONGEST = 4.0
 # Stiffness that supports waves longer than the openings, over the mean one of a punch of their shape.
-_SUPPORT = 0.5
+_SUPPORT = 0.25
 # Error to which float32 tells a pressure, and the factor by which a pass in float32 may lower the error.
 _SINGLE, _GAIN = 1e-6, 2e-5
+# A pass that cannot reach the goal ends at this multiple of what float32 tells: the next one starts anew.
+_EARLY = 10.0
 
 
 @attrs.frozen(eq=False)
@@ -63,7 +63,7 @@ class Openings:
         single = InverseConvolution(inverse.stiffness.astype(np.float32), inverse.padded)
         self._single = single
         self._preconditioner = OpeningPreconditioner(single, shape)
-        self._descent = Descent(single, shape, self._preconditioner, ApproachControl(), np.array([np.inf]), _LONGEST)
+        self._descent = Descent(single, shape, self._preconditioner, ApproachControl(), np.array([np.inf]))
         self.error = np.inf
         self._products = 0
 
@@ -78,7 +78,7 @@ class Openings:
         if self.gap.any():
             self._products += 1
             pressure = pressure + self._single.apply(self.gap.astype(np.float32))
-        return self._bound(self._descend(pressure, max(goal, _SINGLE)).astype(np.float64))
+        return self._bound(self._descend(pressure, goal if goal > _SINGLE else _EARLY * _SINGLE).astype(np.float64))
 
     def solve(self, goal: float) -> Array:
         """Return the pressure, with an error below the goal if it can be reached."""

@@ -22,6 +22,8 @@ from roughcontact.checks import Array, RealArray
 _GAIN = 2e-5
 # Error to which float32 tells an elastic displacement of the size of the scale.
 _SINGLE = 1e-6
+# A pass that cannot reach the tolerance before a verification ends at this multiple of it: the next one starts anew.
+_EARLY = 10.0
 # The estimate aims at this fraction of the tolerance, which the verification has to meet.
 _MARGIN = 0.7
 # Below the first factor of its error a pass ends after three iterations that do not lower the error to a third.
@@ -97,7 +99,9 @@ class Refinement:
         self._estimates += 1
         violation, _ = self._monitor.judge(flat.reshape(shape), displacement)
         largest = float(max(displacement.max(), -displacement.min())) / violation.scale
-        goal = max(_MARGIN * self._monitor.tolerance, _SINGLE * max(1.0, largest))
+        goal, exact = _MARGIN * self._monitor.tolerance, _SINGLE * max(1.0, largest)
+        if goal < exact:
+            goal = _EARLY * exact
         gap = self._find_gap(displacement, violation)
         if violation.error > goal:
             gap = self._descend(flat, gap, violation, goal)

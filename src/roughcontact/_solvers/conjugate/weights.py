@@ -15,7 +15,7 @@ from roughcontact.checks import IntArray, Mask, RealArray
 # if that is less, has changed: farther cells than those of the stencil then count.
 _CHANGED, _PASSIVE = 0.1, 0.02
 # Fraction of all cells above which a product is faster than the stencil.
-_MANY = 0.01
+_MANY = 0.03
 # Cells to each side over which a cell that joins or leaves acts: the inverse kernel falls as the third power of
 # the distance.
 _REACH = 3
