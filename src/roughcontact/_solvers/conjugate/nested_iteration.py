@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 
 from roughcontact._convolvers import PreparedConvolution
-from roughcontact._convolvers.circular import InverseConvolution, approximate_inverse
+from roughcontact._convolvers.circular import approximate_inverse
 from roughcontact._solution import GridLevel
 from roughcontact._solvers.base import Monitor, Task, starting_pressure
 from roughcontact._solvers.conjugate.openings import NearlyFull
@@ -56,57 +56,54 @@ class InitialGuess:
 
 def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGuess:
     """Return the pressure of the next coarser grid, itself solved so, interpolated to the grid of the task."""
-    grid = convolution.setup.grid
-    halved = coarsen(grid, task)
+    halved = coarsen(convolution.setup.grid, task)
     if halved is None:
         return _guess_without_grids(convolution, task)
-    coarse_grid, coarse_task = halved
-    coarse = convolution.on(coarse_grid)
-    fx, fy = (n // m for n, m in zip(grid.shape, coarse_grid.shape, strict=True))
+    coarse, coarse_task = convolution.on(halved[0]), halved[1]
     guess = nested_iteration(coarse, coarse_task)
-    pressure, products, levels, met_limit = guess.pressure, guess.products, guess.levels, guess.met_limit
-    gap = np.zeros(coarse_grid.shape, dtype=np.float32)
+    gap = np.zeros(guess.pressure.shape, dtype=np.float32)
     if not guess.closed:
         monitor = Monitor(coarse_task, _TOLERANCE, _ITERATIONS)
         refinement = Refinement(coarse, coarse_task, monitor, guess.nearly_full)
         pressure, gap = refinement.approximate(guess.pressure)
-        products += refinement.products
-        levels = (*levels, refinement.level)
-        met_limit |= refinement.met_limit
-    products /= fx * fy
+        guess = attrs.evolve(
+            guess,
+            pressure=pressure,
+            products=guess.products + refinement.products,
+            levels=(*guess.levels, refinement.level),
+            met_limit=guess.met_limit or refinement.met_limit,
+        )
     gap -= coarse_task.initial_gap
-    predicted = _interpolate(gap, fx, fy)
-    predicted += task.initial_gap
+    return _refine(convolution, task, coarse_task, guess, gap)
+
+
+def _refine(
+    convolution: PreparedConvolution, task: Task, coarse: Task, guess: InitialGuess, displacement: RealArray
+) -> InitialGuess:
+    """Return a guess on a grid from that on the coarser one and its displacement.
+
+    The pressure is interpolated where it bears on the coarse grid, or where it must because the gap is negative.
+    """
+    pressure, shape = guess.pressure, task.initial_gap.shape
+    fx, fy = (n // m for n, m in zip(shape, pressure.shape, strict=True))
+    products, nearly_full = guess.products / (fx * fy), None
+    gap = _interpolate(displacement, fx, fy)
+    gap += task.initial_gap
+    is_open = (gap >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)
     contact = np.count_nonzero(pressure) / pressure.size
-    nearly_full = None
-    if contact > _NEARLY_FULL and (inverse := _closing_inverse(convolution, task)) is not None:
-        closing = task.mean_pressure - inverse.apply(task.initial_gap)
-        products += 1
-        if closing.min() >= 0.0 and not (closing > task.pressure_limit).any():
-            return InitialGuess(closing, products, levels, closed=True)
-        if inverse.exact and not task.capped:
-            opened = predicted * (_refine(pressure, predicted, coarse_task, task) == 0.0)
-            nearly_full = NearlyFull(inverse, closing, np.maximum(opened, 0.0, out=opened))
-    fine = _refine(pressure, predicted, coarse_task, task)
-    return InitialGuess(fine, products, levels, met_limit=met_limit, nearly_full=nearly_full)
-
-
-def _closing_inverse(convolution: PreparedConvolution, task: Task) -> InverseConvolution | None:
-    """Return the inverse that gives the pressure of full contact; None if there is no such pressure."""
-    if convolution.setup.boundary is not Boundary.PERIODIC or task.mean_pressure is None:
-        return None
-    return approximate_inverse(convolution.setup)
-
-
-def _refine(pressure: Array, predicted: RealArray, coarse: Task, task: Task) -> Array:
-    """Return the pressure on the finer grid: interpolated where it bears on the coarse one, or the gap is negative."""
-    fx, fy = (n // m for n, m in zip(task.initial_gap.shape, pressure.shape, strict=True))
+    if contact == 1.0 or (contact > _NEARLY_FULL and not task.capped):
+        full = _close(convolution, task)
+        products += 0 if full is None else 1
+        if full is not None and full.is_closed(task.pressure_limit):
+            return InitialGuess(full.closing, products, guess.levels, closed=True)
+        if full is not None and full.inverse.exact and not task.capped:
+            nearly_full = attrs.evolve(full, gap=np.where(is_open, gap, np.float32(0.0)))
     fine = _interpolate(pressure, fx, fy)
-    fine[(predicted >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)] = 0.0
+    fine[is_open] = 0.0
     if task.capped:
         np.copyto(fine, task.pressure_limit, where=_repeat(pressure >= coarse.pressure_limit, fx, fy))
         np.minimum(fine, task.pressure_limit, out=fine)
-    return fine
+    return InitialGuess(fine, products, guess.levels, met_limit=guess.met_limit, nearly_full=nearly_full)
 
 
 def _repeat(mask: Mask, fx: int, fy: int) -> Mask:
@@ -142,19 +139,20 @@ def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[flo
     return violation.approach, refinement.met_limit
 
 
-def full_contact(convolution: PreparedConvolution, task: Task) -> Array | None:
-    """Return the pressure that closes every gap of a periodic surface, if it is within the bounds."""
+def _close(convolution: PreparedConvolution, task: Task) -> NearlyFull | None:
+    """Return the pressure that closes every gap of a periodic surface at a load, whatever its bounds."""
     if convolution.setup.boundary is not Boundary.PERIODIC or task.mean_pressure is None:
         return None
-    pressure = task.mean_pressure - approximate_inverse(convolution.setup).apply(task.initial_gap)
-    within = pressure.min() >= 0.0 and not (pressure > task.pressure_limit).any()
-    return pressure if within else None
+    inverse = approximate_inverse(convolution.setup)
+    closing = task.mean_pressure - inverse.apply(task.initial_gap)
+    return NearlyFull(inverse, closing, np.zeros(closing.shape, dtype=np.float32))
 
 
 def _guess_without_grids(convolution: PreparedConvolution, task: Task) -> InitialGuess:
-    full = full_contact(convolution, task)
-    tried = 1 if convolution.setup.boundary is Boundary.PERIODIC else 0
-    return InitialGuess(starting_pressure(task) if full is None else full, tried, closed=full is not None)
+    full = _close(convolution, task)
+    if full is None or not full.is_closed(task.pressure_limit):
+        return InitialGuess(starting_pressure(task), 0 if full is None else 1)
+    return InitialGuess(full.closing, 1, closed=True)
 
 
 def _average(values: Array, shape: tuple[int, int]) -> Array:

@@ -28,7 +28,7 @@ class NearlyFull:
     Attributes
     ----------
     inverse
-        The exact inverse of the convolution.
+        Inverse of the convolution.
     closing
         Pressure of full contact, shape (nx, ny); negative where cells must open.
     gap
@@ -38,6 +38,10 @@ class NearlyFull:
     inverse: InverseConvolution
     closing: Array
     gap: RealArray
+
+    def is_closed(self, limit: Array) -> bool:
+        """Return whether the pressure of full contact is within its bounds."""
+        return bool(self.closing.min() >= 0.0 and not (self.closing > limit).any())
 
 
 class Openings:
@@ -78,6 +82,7 @@ class Openings:
         if self.gap.any():
             self._products += 1
             pressure = pressure + self._single.apply(self.gap.astype(np.float32))
+        self._monitor.record(self._measure(pressure))
         return self._bound(self._descend(pressure, goal if goal > _SINGLE else _EARLY * _SINGLE).astype(np.float64))
 
     def solve(self, goal: float) -> Array:

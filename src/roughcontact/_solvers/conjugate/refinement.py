@@ -91,7 +91,6 @@ class Refinement:
         It starts from a pressure that is changed in place, and aims at the tolerance without verifying it.
         """
         if self._openings is not None:
-            self._monitor.record(1.0)
             pressure = self._openings.approximate(_MARGIN * self._monitor.tolerance)
             return pressure, self._openings.gap.astype(np.float32)
         shape, flat = pressure.shape, self._control.restore(pressure.reshape(-1), self._limit)
