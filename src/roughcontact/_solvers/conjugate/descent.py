@@ -20,6 +20,9 @@ _BACKTRACKS = 40
 # A clipped step on which the energy has its minimum at a part above the first is taken in full, above the second
 # up to the minimum; else it is rejected.
 _FULL, _SHORTENED = 0.75, 0.1
+# Slope along the conjugate direction over that along the preconditioned gradient, below which only rounding is left of
+# the former: they are equal but for cells that are released or clipped.
+_DOWNHILL = 0.01
 _NO_CELLS: IntArray = np.zeros(0, dtype=np.intp)
 
 
@@ -124,8 +127,16 @@ class Descent:
         """Return the cells inside the bounds, with those that the sign of their gap releases from a bound."""
         state = self._state
         inside = self._inside(state.pressure, state.active.limits(self._limit))
-        level = np.float32(self._control.level(state.gap, state.weights * inside))
         contact = self.pressure > 0.0
+        level = np.float32(self._control.level(state.gap, state.weights * inside))
+        if self._capped and not inside.any():
+            # A level that releases saturated cells must release open ones too, or nothing can move.
+            saturated, opened = (
+                self.gap.max(where=contact, initial=-np.inf),
+                self.gap.min(where=~contact, initial=np.inf),
+            )
+            if np.isfinite(saturated) and np.isfinite(opened):
+                level = np.float32(self._control.level_between(float(saturated), float(opened)))
         low = self.gap < level
         np.greater(low, contact, out=low)
         if not self._capped:
@@ -148,9 +159,15 @@ class Descent:
     def _find_direction(self, state: ActiveState, released: ReleasedCells, residual: RealArray) -> RealArray | None:
         """Return the first direction that lowers the energy: conjugate, preconditioned or plain gradient; else None."""
         preconditioned = self._preconditioner.apply(state.active, state.weights, residual)
-        for candidate in (self._conjugate(preconditioned, state.active), preconditioned, state.weights * residual):
+        steepness = _DOWNHILL * dot(residual, preconditioned)
+        candidates = (
+            (self._conjugate(preconditioned, state.active), steepness),
+            (preconditioned, 0.0),
+            (state.weights * residual, 0.0),
+        )
+        for candidate, least in candidates:
             direction = self._control.admissible(candidate, state.weights, released)
-            if dot(residual, direction) > 0.0:
+            if dot(residual, direction) > max(least, 0.0):
                 return direction
             self._length = _CAREFUL
         return None

@@ -5,10 +5,11 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact._convolvers.circular import InverseConvolution, multiply_waves
+from roughcontact._convolvers.circular import InverseConvolution
 from roughcontact._solvers.base import Monitor
 from roughcontact._solvers.conjugate.active import ActiveCells
 from roughcontact._solvers.conjugate.descent import Descent
+from roughcontact._solvers.conjugate.preconditioner import multiply_active
 from roughcontact._solvers.conjugate.weights import PunchWeights
 from roughcontact._solvers.projection import ApproachControl, total
 from roughcontact.checks import Array, RealArray
@@ -146,5 +147,4 @@ class OpeningPreconditioner:
     def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual."""
         self._products += 1
-        field = active.scatter(residual).reshape(self._shape)
-        return active.gather(multiply_waves(field, self._symbol, self._inverse.padded).ravel())
+        return multiply_active(active, residual, self._symbol, self._shape, self._inverse.padded)

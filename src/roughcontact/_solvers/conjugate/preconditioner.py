@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from roughcontact._convolvers import PreparedConvolution
-from roughcontact._convolvers.circular import InverseConvolution, multiply_waves
+from roughcontact._convolvers.circular import InverseConvolution, multiply_waves, multiply_waves_of_rows
 from roughcontact._solvers.conjugate.active import ActiveCells, Partition
 from roughcontact._solvers.conjugate.weights import PunchWeights
 from roughcontact._solvers.projection import dot, total
@@ -75,7 +75,17 @@ class Preconditioner:
 
     def _apply_masked(self, active: ActiveCells, vector: RealArray) -> RealArray:
         self._products += 1
-        return active.gather(self._inverse.apply(active.scatter(vector).reshape(self._shape)).ravel())
+        return multiply_active(active, vector, self._inverse.stiffness, self._shape, self._inverse.padded)
+
+
+def multiply_active(
+    active: ActiveCells, vector: RealArray, symbol: RealArray, shape: tuple[int, int], padded: tuple[int, int]
+) -> RealArray:
+    """Return the vector of a field that is zero where it is not active, with its waves multiplied by a symbol."""
+    field, rows = active.scatter(vector).reshape(shape), active.few_rows(shape[1])
+    if rows is None:
+        return active.gather(multiply_waves(field, symbol, padded).ravel())
+    return active.gather(multiply_waves_of_rows(field, rows, symbol, padded).ravel())
 
 
 class CoarseCorrection:

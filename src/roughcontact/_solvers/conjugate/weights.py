@@ -13,7 +13,7 @@ from roughcontact.checks import IntArray, Mask, RealArray
 
 # Weights are computed again when this fraction of the active cells, or of the passive ones and so much of the grid
 # if that is less, has changed: farther cells than those of the stencil then count.
-_CHANGED, _PASSIVE = 0.1, 0.02
+_CHANGED, _PASSIVE = 0.5, 0.02
 # Fraction of all cells above which a product is faster than the stencil.
 _MANY = 0.03
 # Cells to each side over which a cell that joins or leaves acts: the inverse kernel falls as the third power of
@@ -37,14 +37,17 @@ class PunchWeights:
         # M 1 on all cells, flat.
         self._field: RealArray = np.zeros(0, dtype=np.float32)
         self._stencil: RealArray | None = None
+        self._drift = 0
         self.products = 0
 
     def update(self, active: ActiveCells) -> RealArray | None:
         """Return the vector of the weights, above zero; None where ringing of the inverse leaves none."""
         mask = active.mask
         changed = np.flatnonzero(mask ^ self._mask) if self._mask.size else None
-        if changed is None or changed.size > min(_MANY * mask.size, _CHANGED * _smaller(active)):
+        self._drift += 0 if changed is None else changed.size
+        if changed is None or changed.size > _MANY * mask.size or self._drift > _CHANGED * _smaller(active):
             self.products += 1
+            self._drift = 0
             self._field = self._inverse.apply(active.scatter(active.ones).reshape(self._shape)).ravel()
         elif changed.size:
             self._add(changed, np.where(mask[changed], np.float32(1.0), np.float32(-1.0)))
