@@ -113,6 +113,7 @@ def multiply_waves_of_rows(values: RealArray, rows: IntArray, symbol: RealArray,
     found = scipy.fft.rfft(values[rows], n=padded[1], axis=1)
     waves: Waves = np.zeros((values.shape[0], found.shape[1]), dtype=found.dtype)
     waves[rows] = found
+    del found
     waves = _multiply_columns(waves, symbol, padded[0])
     product = np.zeros_like(values)
     product[rows] = _transform_rows_back(waves[rows], values.shape[1], padded[1])

@@ -14,8 +14,9 @@ from roughcontact.checks import Array, IntArray, Mask, RealArray
 # Fraction of active cells above which fields with zeros are faster than lists of cells; 0.2 and 0.8 change the
 # CPU time by less than 3 % (docs/studies/solver_constants.py).
 _DENSE = 0.4
-# Fraction of rows with active cells below which transforms leave the others out.
-_SPARSE = 0.8
+# Fraction of rows with active cells below which transforms leave the others out; above, it costs memory and saves
+# little.
+_SPARSE = 0.5
 
 
 @attrs.frozen(eq=False)

@@ -102,6 +102,7 @@ class Refinement:
         if goal < exact:
             goal = _EARLY * exact
         gap = self._find_gap(displacement, violation)
+        del displacement
         if violation.error > goal:
             gap = self._descend(flat, gap, violation, goal)
         return flat.reshape(shape), gap.reshape(shape)
@@ -134,6 +135,7 @@ class Refinement:
             gap = self._find_gap(displacement, violation)
             del displacement
             self._descend(flat, gap, violation, max(_MARGIN * self._monitor.tolerance, _GAIN * violation.error))
+            del gap
 
     def _leave_openings(self) -> None:
         """Go on with the pressure where the openings have not settled."""
@@ -142,8 +144,9 @@ class Refinement:
             self._openings = None
 
     def _find_gap(self, displacement: RealArray, violation: Violation) -> RealArray:
-        """Return the gap, flat, in float32."""
-        gap = displacement + self._task.initial_gap
+        """Return the gap, flat, in float32; a displacement in float64 is changed in place."""
+        gap = displacement.astype(np.float64, copy=False)
+        gap += self._task.initial_gap
         gap -= violation.approach
         return gap.ravel().astype(np.float32)
 

@@ -11,10 +11,10 @@ from roughcontact._solvers.conjugate.active import ActiveCells
 from roughcontact._solvers.projection import total
 from roughcontact.checks import IntArray, Mask, RealArray
 
-# Weights are computed again when this fraction of the active cells, or of the passive ones and so much of the grid
-# if that is less, has changed: farther cells than those of the stencil then count.
+# Weights are computed again when so many cells have changed since, over the active ones, or over the passive ones and
+# so much of the grid if that is less: the stencil leaves out how far cells act.
 _CHANGED, _PASSIVE = 0.5, 0.02
-# Fraction of all cells above which a product is faster than the stencil.
+# Fraction of all cells that change at once above which a product is faster than the stencil.
 _MANY = 0.03
 # Cells to each side over which a cell that joins or leaves acts: the inverse kernel falls as the third power of
 # the distance.
@@ -26,8 +26,8 @@ _SMALLEST_WEIGHT = 1e-3
 class PunchWeights:
     """The pressure M 1 of the active cells under a flat punch, M the inverse kernel.
 
-    A cell that joins or leaves changes the weights nearby by the inverse kernel: a stencil adds that, and
-    only where many cells have changed the product is computed again.
+    A cell that joins or leaves changes the weights nearby by the inverse kernel: a stencil adds that, and only
+    after many cells have changed the product is computed again.
     """
 
     def __init__(self, inverse: InverseConvolution, shape: tuple[int, int]) -> None:
@@ -37,17 +37,17 @@ class PunchWeights:
         # M 1 on all cells, flat.
         self._field: RealArray = np.zeros(0, dtype=np.float32)
         self._stencil: RealArray | None = None
-        self._drift = 0
+        self._changed = 0
         self.products = 0
 
     def update(self, active: ActiveCells) -> RealArray | None:
         """Return the vector of the weights, above zero; None where ringing of the inverse leaves none."""
         mask = active.mask
         changed = np.flatnonzero(mask ^ self._mask) if self._mask.size else None
-        self._drift += 0 if changed is None else changed.size
-        if changed is None or changed.size > _MANY * mask.size or self._drift > _CHANGED * _smaller(active):
+        self._changed += 0 if changed is None else changed.size
+        if changed is None or changed.size > _MANY * mask.size or self._changed > _CHANGED * _smaller(active):
             self.products += 1
-            self._drift = 0
+            self._changed = 0
             self._field = self._inverse.apply(active.scatter(active.ones).reshape(self._shape)).ravel()
         elif changed.size:
             self._add(changed, np.where(mask[changed], np.float32(1.0), np.float32(-1.0)))
