@@ -116,7 +116,7 @@ class ProjectedConjugateGradient(Solver):
         pressure = start.pressure
         if start.levels and not start.closed:
             # Far from the solution the gap need not be exact.
-            pressure, _ = refinement.approximate(pressure)
+            pressure = refinement.approximate(pressure)[0]
         pressure, violation, status = refinement.run(pressure)
         outcome = monitor.outcome(pressure, status, round(start.products + refinement.products))
         outcome = attrs.evolve(outcome, levels=(*start.levels, refinement.level))
