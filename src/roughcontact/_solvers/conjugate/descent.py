@@ -128,15 +128,7 @@ class Descent:
         state = self._state
         inside = self._inside(state.pressure, state.active.limits(self._limit))
         contact = self.pressure > 0.0
-        level = np.float32(self._control.level(state.gap, state.weights * inside))
-        if self._capped and not inside.any():
-            # A level that releases saturated cells must release open ones too, or nothing can move.
-            saturated, opened = (
-                self.gap.max(where=contact, initial=-np.inf),
-                self.gap.min(where=~contact, initial=np.inf),
-            )
-            if np.isfinite(saturated) and np.isfinite(opened):
-                level = np.float32(self._control.level_between(float(saturated), float(opened)))
+        level = np.float32(self._find_level(inside, contact))
         low = self.gap < level
         np.greater(low, contact, out=low)
         if not self._capped:
@@ -148,6 +140,14 @@ class Descent:
         np.greater(high, elastic, out=high)
         active = active_cells(elastic | low | high)
         return active, ReleasedCells(active.positions(low), active.positions(high))
+
+    def _find_level(self, inside: Mask, contact: Mask) -> float:
+        """Return the gap below which open cells, and above which saturated ones, are released."""
+        if self._capped and not inside.any() and contact.any() and not contact.all():
+            # A level that releases saturated cells must release open ones too, or nothing can move.
+            saturated, opened = self.gap[contact].max(), self.gap[~contact].min()
+            return self._control.level_between(float(saturated), float(opened))
+        return self._control.level(self._state.gap, self._state.weights * inside)
 
     def _inside(self, pressure: Array, limit: Array) -> Mask:
         """Return the mask of the pressures strictly inside the bounds."""
