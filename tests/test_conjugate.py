@@ -147,7 +147,7 @@ def test_a_start_without_an_elastic_cell_is_left(count):
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_few_cells_in_contact(boundary):
+def test_contacts_of_some_cells(boundary):
     """Conjugating cancels all of the direction but its rounding there."""
     problem = rough(64, boundary=boundary, cells=2)
     for pressure in np.geomspace(1e-9, 1e-5, 20):

@@ -165,9 +165,9 @@ class Descent:
             (preconditioned, 0.0),
             (state.weights * residual, 0.0),
         )
-        for candidate, least in candidates:
+        for candidate, minimum in candidates:
             direction = self._control.admissible(candidate, state.weights, released)
-            if dot(residual, direction) > max(least, 0.0):
+            if dot(residual, direction) > max(minimum, 0.0):
                 return direction
             self._length = _CAREFUL
         return None

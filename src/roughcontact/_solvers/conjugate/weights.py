@@ -12,7 +12,7 @@ from roughcontact._solvers.projection import total
 from roughcontact.checks import IntArray, Mask, RealArray
 
 # Weights are computed again when so many cells have changed since, over the active ones, or over the passive ones and
-# so much of the grid if that is less: the stencil leaves out how far cells act.
+# so much of the grid if that is less: the stencil omits how far cells act.
 _CHANGED, _PASSIVE = 0.5, 0.02
 # Fraction of all cells that change at once above which a product is faster than the stencil.
 _MANY = 0.03
