@@ -12,9 +12,13 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from extended_precision import violations
+from roughcontact._convolvers.circular import InverseConvolution, approximate_inverse
 from roughcontact._problem.task import make_task
+from roughcontact._solvers.conjugate.active import active_cells
 from roughcontact._solvers.conjugate.descent import Descent
 from roughcontact._solvers.conjugate.nested_iteration import nested_iteration
+from roughcontact._solvers.conjugate.openings import Openings
+from roughcontact._solvers.conjugate.weights import PunchWeights
 from roughcontact.load import Load
 from roughcontact.typing import Task
 from strategies import height_maps, moduli, problems
@@ -41,7 +45,7 @@ def test_iterations_hardly_grow_with_the_grid(n, boundary, cells, fraction):
     solution = rough(n, boundary=boundary, cells=cells).solve(pressure=fraction * SLOPE * YOUNG)
     assert solution.status is rc.Status.CONVERGED
     assert solution.iterations <= 25
-    assert solution.convolutions <= 75
+    assert solution.convolutions <= 62
 
 
 @pytest.mark.parametrize("n", SIZES)
@@ -131,6 +135,27 @@ def test_one_limit_for_all_cells_is_that_limit_on_each_cell(boundary):
     np.testing.assert_allclose(each.pressure, one.pressure, atol=1e-6 * one.pressure.max())
 
 
+@pytest.mark.parametrize("count", [1, 2, 5, 40])
+def test_a_start_without_an_elastic_cell_is_left(count):
+    """The wrong cells are saturated, and carry the load exactly."""
+    hardness = 0.03
+    problem = rough(64, hardness=hardness)
+    start = np.zeros((64, 64))
+    start.ravel()[np.argsort(problem.initial_gap, axis=None)[-count:]] = hardness
+    solution = problem.solve(pressure=count * hardness / start.size, start=start)
+    assert solution.status is rc.Status.CONVERGED
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_contacts_of_some_cells(boundary):
+    """Conjugating cancels all of the direction but its rounding there."""
+    problem = rough(64, boundary=boundary, cells=2)
+    for pressure in np.geomspace(1e-9, 1e-5, 20):
+        solution = problem.solve(pressure=pressure)
+        assert solution.status is rc.Status.CONVERGED
+        assert solution.iterations <= 15
+
+
 def test_the_maximum_load_of_an_uneven_limit_is_its_mean():
     limits = np.full((64, 64), 0.02)
     limits[:32] = 0.04
@@ -138,6 +163,55 @@ def test_the_maximum_load_of_an_uneven_limit_is_its_mean():
     np.testing.assert_array_equal(problem.solve(pressure=0.03).pressure, limits)
     with pytest.raises(rc.InputError, match="at most 30 mPa"):
         problem.solve(pressure=0.031)
+
+
+@pytest.mark.parametrize("kernel", ["love", "fourier"])
+@pytest.mark.parametrize("fraction", [0.4, 0.7, 1.0, 1.4])
+def test_near_full_contact_the_openings_give_the_same_pressure(kernel, fraction, monkeypatch):
+    """They are sought on the two finest grids at least; without them the pressure is."""
+    problem = rough(128, kernel=kernel)
+    solution = problem.solve(pressure=fraction * SLOPE * YOUNG)
+    assert solution.status is rc.Status.CONVERGED
+    assert solution.levels[-1].single == 0
+    monkeypatch.setattr("roughcontact._solvers.conjugate.nested_iteration._NEARLY_FULL", 1.0)
+    direct = problem.solve(pressure=fraction * SLOPE * YOUNG)
+    assert direct.levels[-1].single > 0
+    np.testing.assert_allclose(solution.pressure, direct.pressure, atol=1e-6 * direct.pressure.max())
+
+
+def test_where_the_openings_do_not_settle_the_pressure_is_sought(monkeypatch):
+    monkeypatch.setattr(Openings, "_descend", lambda self, pressure, goal: pressure)
+    solution = rough(128).solve(pressure=SLOPE * YOUNG)
+    assert solution.status is rc.Status.CONVERGED
+    assert solution.levels[-1].single > 0
+
+
+def test_weights_are_exact_while_cells_join_and_leave():
+    """But for the cells beyond the stencil, which act by a few per cent."""
+    rng = np.random.default_rng(0)
+    for boundary in ("free", "periodic"):
+        convolution = rough(64, boundary=boundary).convolution
+        inverse = approximate_inverse(convolution.setup, np.float32)
+        mask = rng.random(64 * 64) < 0.2
+        weights = PunchWeights(inverse, (64, 64))
+        weights.update(active_cells(mask))
+        for _ in range(5):
+            mask = mask.copy()
+            mask[rng.integers(0, mask.size, 20)] ^= True
+            found = weights.update(active_cells(mask))
+        assert weights.products == 1
+        exact = PunchWeights(inverse, (64, 64)).update(active_cells(mask))
+        np.testing.assert_allclose(found, exact, atol=0.03 * exact.max())
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (63, 33), (5, 8), (1, 7)])
+def test_coefficients_of_the_inverse_are_the_response_to_one_cell(shape):
+    inverse = InverseConvolution(np.hypot(*np.ogrid[: shape[0], : shape[1] // 2 + 1]), shape)
+    inverse.stiffness[shape[0] // 2 + 1 :] = inverse.stiffness[1 : (shape[0] + 1) // 2][::-1]
+    unit = np.zeros(shape)
+    unit[0, 0] = 1.0
+    i, j = (np.arange(4) % n for n in shape)
+    np.testing.assert_allclose(inverse.coefficients(3), inverse.apply(unit)[np.ix_(i, j)], atol=1e-13)
 
 
 def test_full_contact_takes_no_iteration():
@@ -199,7 +273,7 @@ def test_any_shape_of_grid(shape, boundary):
     problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary=boundary)
     solution = problem.solve(pressure=0.05)
     assert solution.status.success
-    assert solution.iterations <= 60
+    assert solution.iterations <= 70
 
 
 def test_a_start_skips_the_coarse_grids():
@@ -241,14 +315,15 @@ def test_after_a_stall_another_method_continues(monkeypatch):
 
 @pytest.mark.parametrize("levels", [1, 2, 50])
 @pytest.mark.parametrize("left", [1e-3, 2e-6, 1e-7])
-def test_an_approach_next_to_full_contact_is_found_through_loads(left, levels):
+def test_an_approach_next_to_full_contact_is_found_through_loads(left, levels, monkeypatch):
     """The load hardly changes the approach there; terraces and noise are the worst."""
+    monkeypatch.setattr("roughcontact._solvers.conjugate.solver._PATIENT", 5)
     heights = np.round(levels * np.random.default_rng(levels).standard_normal((50, 12)))
     surface = rc.HeightMap(heights, size=(50.0, 10.0), periodic=True)
     problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary="periodic")
     approach = (1.0 - left) * problem.initial_gap.mean()
     solution = problem.solve(approach=approach)
-    assert solution.status is rc.Status.RESCUED or left > 1e-7
+    assert solution.status is rc.Status.RESCUED
     assert solution.approach == pytest.approx(approach, rel=1e-15)
     by_load = problem.solve(pressure=solution.mean_pressure)
     assert by_load.approach == pytest.approx(approach, rel=1e-7)
@@ -288,7 +363,7 @@ class TestSweep:
         problem = rough(96)
         approaches = np.linspace(0.3, 0.6, 6) * problem.initial_gap.mean()
         cold = sum(problem.solve(approach=a).convolutions for a in approaches)
-        assert problem.sweep(approach=approaches).convolutions < 0.7 * cold
+        assert problem.sweep(approach=approaches).convolutions < 0.95 * cold
 
     def test_stiffness_of_a_sphere(self):
         """Hertz: dF/d(approach) = 2 E* a."""

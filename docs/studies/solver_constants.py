@@ -20,22 +20,39 @@ import roughcontact as rc
 from roughcontact._convolvers import circular
 from roughcontact._kernels import BoundKernel
 from roughcontact._solvers import projection
-from roughcontact._solvers.conjugate import active, descent, nested_iteration, preconditioner, refinement, solver
+from roughcontact._solvers.conjugate import (
+    active,
+    descent,
+    nested_iteration,
+    openings,
+    preconditioner,
+    refinement,
+    solver,
+    weights,
+)
 
 PRODUCTS: dict[ModuleType, str] = {
     circular: "_PADDED _PADDING _SMALLEST",
     projection: "_MISSED",
-    preconditioner: "_CHANGED _PASSIVE _SMALLEST_WEIGHT _CUT _RESOLVED _LARGEST_BLOCK _FEWEST_BLOCKS _STEPS _ENOUGH"
-    " _EXPONENT _DISTINCT",
-    descent: "_FIRST _LONGEST _CAREFUL _FULL _SHORTENED",
-    refinement: "_GAIN _MARGIN _LATE _SLOW _PATIENCE _IDLE _STALLED",
-    nested_iteration: "_COARSEST _ESTIMATE _TOLERANCE _MARGIN _ROUND _WORTH",
+    weights: "_CHANGED _PASSIVE _MANY _REACH _SMALLEST_WEIGHT",
+    preconditioner: "_CUT _RESOLVED _LARGEST_BLOCK _FEWEST_BLOCKS _STEPS _ENOUGH _EXPONENT _DISTINCT",
+    descent: "_FIRST _LONGEST _CAREFUL _FULL _SHORTENED _DOWNHILL",
+    openings: "_SUPPORT _SINGLE _EARLY _GAIN",
+    refinement: "_GAIN _SINGLE _EARLY _MARGIN _LATE _SLOW _PATIENCE _IDLE _STALLED",
+    nested_iteration: "_COARSEST _ESTIMATE _TOLERANCE _ITERATIONS _ESTIMATED _ESTIMATES _NEARLY_FULL _MARGIN _ROUND"
+    " _WORTH",
     solver: "_PATIENT _POWER _NEAREST",
 }
 # What halving or doubling would make no sense of: factors next to one, and powers of two.
-VALUES = {"_PADDED": (1.125, 1.5), "_MARGIN": (0.5, 0.9), "_FULL": (0.6, 0.95), "_WORTH": (0.5, 0.9)}
+VALUES = {
+    "_PADDED": (1.125, 1.5),
+    "_MARGIN": (0.5, 0.9),
+    "_FULL": (0.6, 0.95),
+    "_NEARLY_FULL": (0.4, 0.8),
+    "_WORTH": (0.5, 0.9),
+}
 WINDOW_MARGINS = (1.0, 1.1)
-TIMES: dict[ModuleType, str] = {active: "_DENSE", projection: "_FEW _REACH"}
+TIMES: dict[ModuleType, str] = {active: "_DENSE _SPARSE", projection: "_FEW _REACH"}
 
 
 def rough(cells: int, boundary: str, shortest: float = 8.0, hardness: float | None = None) -> rc.ContactProblem:

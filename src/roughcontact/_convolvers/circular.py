@@ -12,7 +12,7 @@ import scipy.fft
 
 from roughcontact._convolvers.base import ConvolutionSetup, Convolver, PreparedConvolution, worker_count
 from roughcontact._kernels import BoundKernel, SupportsSpectrum
-from roughcontact.checks import Array, Pair, RealArray
+from roughcontact.checks import Array, IntArray, Pair, RealArray, Waves
 from roughcontact.grid import Boundary, Grid
 
 # Sides of the padded grid of the inverse on a free boundary: at least this multiple of the domain's, and this
@@ -77,25 +77,60 @@ class InverseConvolution:
         shape (mx, my // 2 + 1).
     padded
         Cells (mx, my) of the periodic grid.
+    exact
+        Whether it inverts the convolution, but for the mean.
     """
 
     stiffness: RealArray
     padded: tuple[int, int]
+    exact: bool = False
 
     def apply(self, displacement: RealArray) -> RealArray:
         """Return the pressure, of the shape and precision of `displacement` (float32 or float64)."""
         return multiply_waves(displacement, self.stiffness, self.padded)
 
+    def coefficients(self, reach: int) -> RealArray:
+        """Return the pressure at (i, j) cells from a unit displacement of one, shape (reach + 1, reach + 1)."""
+        (mx, my), columns = self.padded, self.stiffness.shape[1]
+        offsets = 2.0 * np.pi * np.arange(reach + 1)
+        x = np.cos(np.outer(offsets, np.arange(mx) / mx)).astype(self.stiffness.dtype) / mx
+        y = np.cos(np.outer(np.arange(columns) / my, offsets)).astype(self.stiffness.dtype) / my
+        # Half of the waves along y are stored; the others equal them, but for the first and, if even, the last.
+        y[1 : (my + 1) // 2] *= 2.0
+        return x @ self.stiffness @ y
+
 
 def multiply_waves(values: RealArray, symbol: RealArray, padded: tuple[int, int], workers: int = 1) -> RealArray:
     """Return a field, padded with zeros, with each of its waves multiplied by a real symbol, shape of `values`."""
-    nx, ny = values.shape
     # Two one-dimensional transforms are twice as fast as scipy's two-dimensional inverse.
-    waves = scipy.fft.rfft(values, n=padded[1], axis=1, workers=workers)
-    waves = scipy.fft.fft(waves, n=padded[0], axis=0, overwrite_x=True, workers=workers)
+    waves: Waves = scipy.fft.rfft(values, n=padded[1], axis=1, workers=workers)
+    waves = _multiply_columns(waves, symbol, padded[0], workers)
+    return _transform_rows_back(waves, values.shape[1], padded[1], workers)
+
+
+def multiply_waves_of_rows(values: RealArray, rows: IntArray, symbol: RealArray, padded: tuple[int, int]) -> RealArray:
+    """Return the same as `multiply_waves` for a field that is zero outside some rows, on these rows; zero elsewhere."""
+    found = scipy.fft.rfft(values[rows], n=padded[1], axis=1)
+    waves: Waves = np.zeros((values.shape[0], found.shape[1]), dtype=found.dtype)
+    waves[rows] = found
+    del found
+    waves = _multiply_columns(waves, symbol, padded[0])
+    product = np.zeros_like(values)
+    product[rows] = _transform_rows_back(waves[rows], values.shape[1], padded[1])
+    return product
+
+
+def _multiply_columns(waves: Waves, symbol: RealArray, length: int, workers: int = 1) -> Waves:
+    """Return waves along y times the symbol of all waves; columns are padded to a length for it."""
+    rows = waves.shape[0]
+    waves = scipy.fft.fft(waves, n=length, axis=0, overwrite_x=True, workers=workers)
     waves *= symbol
-    waves = scipy.fft.ifft(waves, axis=0, overwrite_x=True, workers=workers)[:nx]
-    return np.asarray(scipy.fft.irfft(waves, n=padded[1], axis=1, overwrite_x=True, workers=workers)[:, :ny])
+    back: Waves = scipy.fft.ifft(waves, axis=0, overwrite_x=True, workers=workers)
+    return back[:rows]
+
+
+def _transform_rows_back(waves: Waves, count: int, length: int, workers: int = 1) -> RealArray:
+    return np.asarray(scipy.fft.irfft(waves, n=length, axis=1, overwrite_x=True, workers=workers)[:, :count])
 
 
 def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float64) -> InverseConvolution:
@@ -106,13 +141,15 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
         shape = mx, my
     known = isinstance(setup.kernel.kernel, SupportsSpectrum)
     spectrum = periodic_spectrum if known else wrapped_spectrum
-    response = np.abs(spectrum(setup.kernel, shape, setup.grid.spacing))
+    response = spectrum(setup.kernel, shape, setup.grid.spacing)
     response[0, 0] = 0.0
-    floor = _SMALLEST * float(response.mean())
+    floor = _SMALLEST * float(np.abs(response).mean())
+    exact = setup.boundary is Boundary.PERIODIC and bool((response.ravel()[1:] > floor).all())
+    response = np.abs(response)
     stiffness = np.zeros_like(response)
     np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
     stiffness[0, 0] = 0.0
-    return InverseConvolution(stiffness.astype(dtype, copy=False), shape)
+    return InverseConvolution(stiffness.astype(dtype, copy=False), shape, exact)
 
 
 def periodic_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:

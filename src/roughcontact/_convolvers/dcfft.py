@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any, TypeAlias
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 import scipy.fft
 
 from roughcontact._convolvers.base import ConvolutionSetup, Convolver, PreparedConvolution, worker_count
 from roughcontact._kernels import BoundKernel
-from roughcontact.checks import Array, RealArray
+from roughcontact.checks import Array, RealArray, Waves
 from roughcontact.grid import Boundary, Grid
-
-Waves: TypeAlias = npt.NDArray[np.complexfloating[Any, Any]]
 
 # Columns transformed at a time in float64: few enough for the cache, enough for the vector units. On
 # 512 x 512 and 1024 x 1024 cells 16 and 32 are fastest; 8 take 6 % longer, 128 take 13 %.

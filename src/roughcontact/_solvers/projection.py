@@ -199,6 +199,10 @@ class LoadControl:
         weight = total(weights)
         return dot(weights, gap) / weight if weight > 0.0 else 0.0
 
+    def level_between(self, saturated: float, opened: float) -> float:
+        """Return the level where no cell is elastic, from the highest saturated and the lowest open gap."""
+        return 0.5 * (saturated + opened)
+
     def admissible(self, direction: RealArray, weights: RealArray, released: ReleasedCells) -> RealArray:
         """Return the nearest direction, in the metric 1/w, of sum zero that moves no released cell outward."""
         change, weight = total(direction), total(weights)
@@ -229,6 +233,10 @@ class ApproachControl:
     """The approach is given: it is the datum of the gap, and the load is free; see `LoadControl`."""
 
     def level(self, gap: RealArray, weights: RealArray) -> float:
+        """Return zero."""
+        return 0.0
+
+    def level_between(self, saturated: float, opened: float) -> float:
         """Return zero."""
         return 0.0
 

@@ -19,6 +19,7 @@ Array: TypeAlias = npt.NDArray[np.float64]
 RealArray: TypeAlias = npt.NDArray[Any]
 IntArray: TypeAlias = npt.NDArray[np.intp]
 Mask: TypeAlias = npt.NDArray[np.bool_]
+Waves: TypeAlias = npt.NDArray[np.complexfloating[Any, Any]]
 Pair: TypeAlias = tuple[float, float]
 # Magnitudes of quantities in SI units; products of a few of them stay within float64.
 SMALLEST, LARGEST = 1e-60, 1e60

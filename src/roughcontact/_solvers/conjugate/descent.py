@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
 import attrs
 import numpy as np
 
-from roughcontact._convolvers import PreparedConvolution
 from roughcontact._solvers.conjugate.active import ActiveCells, active_cells
-from roughcontact._solvers.conjugate.preconditioner import Preconditioner
 from roughcontact._solvers.projection import Control, ReleasedCells, dot
 from roughcontact.checks import Array, IntArray, Mask, RealArray
 
 # Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient,
 # which is also the factor that shortens a rejected step.
-_FIRST, _LONGEST, _CAREFUL = 0.8, 1.5, 0.3
+_FIRST, _LONGEST, _CAREFUL = 0.65, 1.5, 0.3
 # Rejected steps before the descent ends: 0.3^40 = 1e-21 of the first is below any rounding.
 _BACKTRACKS = 40
 # A clipped step on which the energy has its minimum at a part above the first is taken in full, above the second
 # up to the minimum; else it is rejected.
-_FULL, _SHORTENED = 0.8, 0.1
+_FULL, _SHORTENED = 0.75, 0.1
+# Slope along the conjugate direction over that along the preconditioned gradient, below which only rounding is left of
+# the former: they are equal but for cells that are released or clipped.
+_DOWNHILL = 0.01
 _NO_CELLS: IntArray = np.zeros(0, dtype=np.intp)
 
 
@@ -34,6 +36,23 @@ class ActiveState:
     weights: RealArray
 
 
+class Operator(Protocol):
+    """A symmetric linear map of fields."""
+
+    def apply(self, values: RealArray, /) -> RealArray:
+        """Return the image of a field, both of one shape and precision."""
+
+
+class SupportsPreconditioning(Protocol):
+    """An approximate inverse of an operator on the active cells."""
+
+    def weights(self, active: ActiveCells) -> RealArray:
+        """Return the vector of the metric, above zero."""
+
+    def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
+        """Return the vector of the preconditioned residual."""
+
+
 class Descent:
     """Lowers the energy p.Kp/2 + h.p within the bounds by preconditioned conjugate gradients.
 
@@ -43,14 +62,19 @@ class Descent:
     """
 
     def __init__(
-        self, convolution: PreparedConvolution, preconditioner: Preconditioner, control: Control, limit: Array
+        self,
+        operator: Operator,
+        shape: tuple[int, int],
+        preconditioner: SupportsPreconditioning,
+        control: Control,
+        limit: Array,
     ) -> None:
-        self._convolution = convolution
+        self._operator = operator
         self._preconditioner = preconditioner
         self._control = control
         self._limit = limit
         self._capped = bool(np.isfinite(limit).any())
-        self._shape = convolution.setup.grid.shape
+        self._shape = shape
         self._length = _FIRST
         self._step: RealArray | None = None
         self._change: RealArray | None = None
@@ -60,14 +84,17 @@ class Descent:
 
     def start(self, pressure: Array, gap: RealArray) -> None:
         """Continue from a pressure and its gap, both flat; the gap, float32, is updated in place."""
-        self.pressure, self.gap = pressure, gap
+        self.pressure, self.gap, self._level = pressure, gap, 0.0
         active = active_cells(self._inside(pressure, self._limit))
-        weights = active.gather(self._preconditioner.field)
+        weights = self._preconditioner.weights(active) if active.count else active.ones
         self._state = ActiveState(active, active.gather(pressure), active.gather(gap), weights)
 
-    def stop(self) -> None:
-        """Free the arrays that the next start sets."""
+    def stop(self) -> RealArray:
+        """Return the gap from its level, flat, and free the arrays that the next start sets."""
+        gap = self.gap
+        gap -= np.float32(self._level)
         del self.gap, self._state
+        return gap
 
     def iterate(self) -> bool:
         """Make one step; return whether the energy fell."""
@@ -85,7 +112,7 @@ class Descent:
         state = self._state
         limit = state.active.limits(self._limit)
         elastic = np.where(state.pressure < limit, state.pressure, 0.0) if self._capped else state.pressure
-        level = self._control.level(state.gap, elastic)
+        self._level = level = self._control.level(state.gap, elastic)
         gap = state.gap - np.float32(level)
         if self._capped:
             np.maximum(gap, 0.0, out=gap, where=state.pressure >= limit)
@@ -100,8 +127,8 @@ class Descent:
         """Return the cells inside the bounds, with those that the sign of their gap releases from a bound."""
         state = self._state
         inside = self._inside(state.pressure, state.active.limits(self._limit))
-        level = np.float32(self._control.level(state.gap, state.weights * inside))
         contact = self.pressure > 0.0
+        level = np.float32(self._find_level(inside, contact))
         low = self.gap < level
         np.greater(low, contact, out=low)
         if not self._capped:
@@ -114,6 +141,14 @@ class Descent:
         active = active_cells(elastic | low | high)
         return active, ReleasedCells(active.positions(low), active.positions(high))
 
+    def _find_level(self, inside: Mask, contact: Mask) -> float:
+        """Return the gap below which open cells, and above which saturated ones, are released."""
+        if self._capped and not inside.any() and contact.any() and not contact.all():
+            # A level that releases saturated cells must release open ones too, or nothing can move.
+            saturated, opened = self.gap[contact].max(), self.gap[~contact].min()
+            return self._control.level_between(float(saturated), float(opened))
+        return self._control.level(self._state.gap, self._state.weights * inside)
+
     def _inside(self, pressure: Array, limit: Array) -> Mask:
         """Return the mask of the pressures strictly inside the bounds."""
         inside = pressure > 0.0
@@ -124,9 +159,15 @@ class Descent:
     def _find_direction(self, state: ActiveState, released: ReleasedCells, residual: RealArray) -> RealArray | None:
         """Return the first direction that lowers the energy: conjugate, preconditioned or plain gradient; else None."""
         preconditioned = self._preconditioner.apply(state.active, state.weights, residual)
-        for candidate in (self._conjugate(preconditioned, state.active), preconditioned, state.weights * residual):
+        steepness = _DOWNHILL * dot(residual, preconditioned)
+        candidates = (
+            (self._conjugate(preconditioned, state.active), steepness),
+            (preconditioned, 0.0),
+            (state.weights * residual, 0.0),
+        )
+        for candidate, minimum in candidates:
             direction = self._control.admissible(candidate, state.weights, released)
-            if dot(residual, direction) > 0.0:
+            if dot(residual, direction) > max(minimum, 0.0):
                 return direction
             self._length = _CAREFUL
         return None
@@ -148,7 +189,7 @@ class Descent:
                 trial = self._control.feasible(trial, state.pressure, state.weights, limit)
             step = (trial - state.pressure).astype(np.float32)
             field = state.active.scatter(step)
-            change = self._convolution.apply(field.reshape(self._shape)).ravel()
+            change = self._operator.apply(field.reshape(self._shape)).ravel()
             self.products += 1
             curvature = dot(step, state.active.gather(change))
             if not math.isfinite(curvature):
@@ -179,7 +220,7 @@ class Descent:
                 return part, full
             part = min(part, 1.0)
         elif part > _FULL:
-            self._length = min(_LONGEST, self._length * min(max(part, 0.8), 4.0))
+            self._length = min(_LONGEST, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
             return 1.0, trial
         elif part > _SHORTENED:
             self._length *= max(part, 0.5)

@@ -9,20 +9,25 @@ from roughcontact._convolvers import PreparedConvolution
 from roughcontact._convolvers.circular import approximate_inverse
 from roughcontact._solution import GridLevel
 from roughcontact._solvers.base import Monitor, Task, starting_pressure
+from roughcontact._solvers.conjugate.openings import NearlyFull
 from roughcontact._solvers.conjugate.refinement import Refinement
-from roughcontact.checks import Array, IntArray
+from roughcontact.checks import Array, IntArray, Mask, RealArray
 from roughcontact.grid import Boundary, Grid
 
 # Axes are halved down to this many cells, and to the second number where only the approach is wanted.
 _COARSEST, _ESTIMATE = 32, 64
 # Error and iterations at which a coarse solve ends: its grid makes it no better than that.
-_TOLERANCE, _ITERATIONS = 1e-2, 60
+_TOLERANCE, _ITERATIONS = 4e-2, 5
+# ... and one from which an approach is estimated.
+_ESTIMATED, _ESTIMATES = 1e-2, 60
 # Factor on the estimated approach, for its error; a window that proves too small is enlarged.
 _MARGIN = 1.02
 # Sides of a window are multiples of so many cells, so that they can be halved.
 _ROUND = 32
 # Fraction of the domain above which a window saves nothing.
 _WORTH = 0.7
+# Fraction of the coarser grid in contact above which the gap is sought instead of the pressure.
+_NEARLY_FULL = 0.6
 
 
 @attrs.frozen(eq=False)
@@ -37,6 +42,8 @@ class InitialGuess:
         Whether the pressure closes every gap, so that it is the solution.
     met_limit
         Whether the pressure limit shortened a step on any coarser grid.
+    nearly_full
+        The same start by its gap, near full contact.
     """
 
     pressure: Array
@@ -44,34 +51,64 @@ class InitialGuess:
     levels: tuple[GridLevel, ...] = ()
     closed: bool = False
     met_limit: bool = False
+    nearly_full: NearlyFull | None = None
 
 
 def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGuess:
     """Return the pressure of the next coarser grid, itself solved so, interpolated to the grid of the task."""
-    grid = convolution.setup.grid
-    halved = coarsen(grid, task)
+    halved = coarsen(convolution.setup.grid, task)
     if halved is None:
         return _guess_without_grids(convolution, task)
-    coarse_grid, coarse_task = halved
-    coarse = convolution.on(coarse_grid)
-    fx, fy = (n // m for n, m in zip(grid.shape, coarse_grid.shape, strict=True))
+    coarse, coarse_task = convolution.on(halved[0]), halved[1]
     guess = nested_iteration(coarse, coarse_task)
-    pressure, products, levels, met_limit = guess.pressure, guess.products, guess.levels, guess.met_limit
+    gap = np.zeros(guess.pressure.shape, dtype=np.float32)
     if not guess.closed:
-        refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
-        pressure, _, _ = refinement.run(guess.pressure)
-        products += refinement.products
-        levels = (*levels, refinement.level)
-        met_limit |= refinement.met_limit
-    products /= fx * fy
-    if pressure.min() > 0.0:
-        full = full_contact(convolution, task)
-        products += 1
-        if full is not None:
-            return InitialGuess(full, products, levels, closed=True)
-    return InitialGuess(
-        np.minimum(_interpolate(pressure, fx, fy), task.pressure_limit), products, levels, met_limit=met_limit
-    )
+        monitor = Monitor(coarse_task, _TOLERANCE, _ITERATIONS)
+        refinement = Refinement(coarse, coarse_task, monitor, guess.nearly_full)
+        pressure, gap = refinement.approximate(guess.pressure)
+        guess = attrs.evolve(
+            guess,
+            pressure=pressure,
+            products=guess.products + refinement.products,
+            levels=(*guess.levels, refinement.level),
+            met_limit=guess.met_limit or refinement.met_limit,
+        )
+    gap -= coarse_task.initial_gap
+    return _refine(convolution, task, coarse_task, guess, gap)
+
+
+def _refine(
+    convolution: PreparedConvolution, task: Task, coarse: Task, guess: InitialGuess, displacement: RealArray
+) -> InitialGuess:
+    """Return a guess on a grid from that on the coarser one and its displacement.
+
+    The pressure is interpolated where it bears on the coarse grid, or where it must because the gap is negative.
+    """
+    pressure, shape = guess.pressure, task.initial_gap.shape
+    fx, fy = (n // m for n, m in zip(shape, pressure.shape, strict=True))
+    products, nearly_full = guess.products / (fx * fy), None
+    gap = _interpolate(displacement, fx, fy)
+    gap += task.initial_gap
+    is_open = (gap >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)
+    contact = np.count_nonzero(pressure) / pressure.size
+    if contact == 1.0 or (contact > _NEARLY_FULL and not task.capped):
+        full = _close(convolution, task)
+        products += 0 if full is None else 1
+        if full is not None and full.is_closed(task.pressure_limit):
+            return InitialGuess(full.closing, products, guess.levels, closed=True)
+        if full is not None and full.inverse.exact and not task.capped:
+            nearly_full = attrs.evolve(full, gap=np.where(is_open, gap, np.float32(0.0)))
+    fine = _interpolate(pressure, fx, fy)
+    fine[is_open] = 0.0
+    if task.capped:
+        np.copyto(fine, task.pressure_limit, where=_repeat(pressure >= coarse.pressure_limit, fx, fy))
+        np.minimum(fine, task.pressure_limit, out=fine)
+    return InitialGuess(fine, products, guess.levels, met_limit=guess.met_limit, nearly_full=nearly_full)
+
+
+def _repeat(mask: Mask, fx: int, fy: int) -> Mask:
+    """Return the mask on the finer grid, in which a cell is fx x fy."""
+    return np.repeat(np.repeat(mask, fy, axis=1), fx, axis=0)
 
 
 def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
@@ -97,24 +134,25 @@ def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[flo
     while max(half[0].shape) > _ESTIMATE and (coarser := coarsen(*half)) is not None:
         half = coarser
     coarse, coarse_task = convolution.on(half[0]), half[1]
-    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _TOLERANCE, _ITERATIONS))
+    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _ESTIMATED, _ESTIMATES))
     _, violation, _ = refinement.run(_guess_without_grids(coarse, coarse_task).pressure)
     return violation.approach, refinement.met_limit
 
 
-def full_contact(convolution: PreparedConvolution, task: Task) -> Array | None:
-    """Return the pressure that closes every gap of a periodic surface, if it is within the bounds."""
+def _close(convolution: PreparedConvolution, task: Task) -> NearlyFull | None:
+    """Return the pressure that closes every gap of a periodic surface at a load, whatever its bounds."""
     if convolution.setup.boundary is not Boundary.PERIODIC or task.mean_pressure is None:
         return None
-    pressure = task.mean_pressure - approximate_inverse(convolution.setup).apply(task.initial_gap)
-    within = pressure.min() >= 0.0 and not (pressure > task.pressure_limit).any()
-    return pressure if within else None
+    inverse = approximate_inverse(convolution.setup)
+    closing = task.mean_pressure - inverse.apply(task.initial_gap)
+    return NearlyFull(inverse, closing, np.zeros(closing.shape, dtype=np.float32))
 
 
 def _guess_without_grids(convolution: PreparedConvolution, task: Task) -> InitialGuess:
-    full = full_contact(convolution, task)
-    tried = 1 if convolution.setup.boundary is Boundary.PERIODIC else 0
-    return InitialGuess(starting_pressure(task) if full is None else full, tried, closed=full is not None)
+    full = _close(convolution, task)
+    if full is None or not full.is_closed(task.pressure_limit):
+        return InitialGuess(starting_pressure(task), 0 if full is None else 1)
+    return InitialGuess(full.closing, 1, closed=True)
 
 
 def _average(values: Array, shape: tuple[int, int]) -> Array:
@@ -129,13 +167,15 @@ def _average(values: Array, shape: tuple[int, int]) -> Array:
     return np.ascontiguousarray(values) / (cells // values.size)
 
 
-def _interpolate(values: Array, fx: int, fy: int) -> Array:
+def _interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
     """Interpolate linearly between cell centres along the axes that were halved."""
     # The second axis first, while there are fewer rows: its steps are not contiguous.
     for axis, factor in ((1, fy), (0, fx)):
         if factor == 2:
             coarse = np.moveaxis(values, axis, 0)
-            fine = np.moveaxis(np.empty([n * (1 + (k == axis)) for k, n in enumerate(values.shape)]), axis, 0)
+            fine = np.moveaxis(
+                np.empty([n * (1 + (k == axis)) for k, n in enumerate(values.shape)], dtype=values.dtype), axis, 0
+            )
             quarter = 0.25 * coarse
             np.multiply(coarse, 0.75, out=fine[0::2])
             fine[1::2] = fine[0::2]

@@ -8,18 +8,14 @@ from functools import lru_cache
 import numpy as np
 
 from roughcontact._convolvers import PreparedConvolution
-from roughcontact._convolvers.circular import InverseConvolution, multiply_waves
+from roughcontact._convolvers.circular import InverseConvolution, multiply_waves, multiply_waves_of_rows
 from roughcontact._solvers.conjugate.active import ActiveCells, Partition
+from roughcontact._solvers.conjugate.weights import PunchWeights
 from roughcontact._solvers.projection import dot, total
-from roughcontact.checks import Mask, RealArray
+from roughcontact.checks import RealArray
 
-# Weights are renewed when this fraction of the active cells, or of the passive ones and so much of the grid if
-# that is less, has changed.
-_CHANGED, _PASSIVE = 0.01, 0.02
-# Minimum weight over the mean: smaller ones are ringing of the inverse.
-_SMALLEST_WEIGHT = 1e-3
 # Waves are long up to this multiple of the wave whose stiffness is the mean weight; blocks resolve so much more.
-_CUT, _RESOLVED = 2.0, 1.5
+_CUT, _RESOLVED = 3.0, 1.5
 # Maximum cells along a block, and minimum blocks along an axis.
 _LARGEST_BLOCK, _FEWEST_BLOCKS = 64, 8
 # Conjugate gradients on the blocks at most, and the relative residual at which they end.
@@ -40,46 +36,36 @@ class Preconditioner:
         self._inverse = inverse
         self._convolution = convolution
         self._rigid = rigid
+        self._shape = convolution.setup.grid.shape
+        self._punch = PunchWeights(inverse, self._shape)
         self._rigid_correction: RigidCorrection | None = None
         self._coarse_correction: CoarseCorrection | None = None
-        self._shape = shape = convolution.setup.grid.shape
-        self._mask: Mask = np.zeros(0, dtype=bool)
-        # Weights of all cells, flat; those that were passive have the mean.
-        self.field: RealArray = np.ones(shape[0] * shape[1], dtype=np.float32)
-        self.products = 0
+        self._products = 0
+
+    @property
+    def products(self) -> int:
+        """Products so far."""
+        return self._products + self._punch.products
 
     def weights(self, active: ActiveCells) -> RealArray:
-        """Return the vector of flat-punch weights M 1 of the active cells, above zero.
-
-        They are renewed, at the cost of a product, only when the active set has changed enough.
-        """
-        mask = active.mask
-        smaller = min(active.count, mask.size - active.count + _PASSIVE * mask.size)
-        if self._mask.size and np.count_nonzero(mask ^ self._mask) <= _CHANGED * smaller:
-            return active.gather(self.field)
-        ones = active.ones
-        weights = self._apply_masked(active, ones)
-        mean = total(weights) / active.count
+        """Return the vector of flat-punch weights M 1 of the active cells, above zero."""
+        before = self._punch.products
+        weights = self._punch.update(active)
         self._coarse_correction = None
-        if mean > 0.0:
-            # Ringing of the inverse may leave cells without weight, or with a negative one.
-            weights = np.maximum(weights, np.float32(_SMALLEST_WEIGHT * mean) * ones)
-            self._coarse_correction = CoarseCorrection(self._inverse, self._shape, active, weights)
+        if weights is None:
+            weights = active.ones
         else:
-            weights, mean = ones, 1.0
-        if self._rigid:
+            self._coarse_correction = CoarseCorrection(self._inverse, self._shape, active, weights)
+        if self._rigid and self._punch.products > before:
             self._rigid_correction = RigidCorrection(self._convolution, active, weights)
-            self.products += 2
-        self._mask = mask
-        self.field = np.full(mask.size, mean, dtype=np.float32)
-        active.store(self.field, weights)
+            self._products += 2
         return weights
 
     def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual."""
         image = self._apply_masked(active, residual)
         if self._coarse_correction is not None:
-            corrected = image - self._coarse_correction.apply(active, weights, residual)
+            corrected = image - self._coarse_correction.apply(weights, residual)
             # Where weights ring, the correction may turn the direction uphill.
             if dot(residual, corrected) > 0.0:
                 image = corrected
@@ -88,8 +74,18 @@ class Preconditioner:
         return self._rigid_correction.apply(active, image, residual, weights)
 
     def _apply_masked(self, active: ActiveCells, vector: RealArray) -> RealArray:
-        self.products += 1
-        return active.gather(self._inverse.apply(active.scatter(vector).reshape(self._shape)).ravel())
+        self._products += 1
+        return multiply_active(active, vector, self._inverse.stiffness, self._shape, self._inverse.padded)
+
+
+def multiply_active(
+    active: ActiveCells, vector: RealArray, symbol: RealArray, shape: tuple[int, int], padded: tuple[int, int]
+) -> RealArray:
+    """Return the vector of a field that is zero where it is not active, with its waves multiplied by a symbol."""
+    field, rows = active.scatter(vector).reshape(shape), active.few_rows(shape[1])
+    if rows is None:
+        return active.gather(multiply_waves(field, symbol, padded).ravel())
+    return active.gather(multiply_waves_of_rows(field, rows, symbol, padded).ravel())
 
 
 class CoarseCorrection:
@@ -111,20 +107,21 @@ class CoarseCorrection:
         mean = total(weights) / (mx * my)
         axes = inverse.stiffness[: mx // 2 + 1, 0], inverse.stiffness[0]
         bx, by = (_count_blocks(axis, count, mean) for axis, count in zip(axes, (mx, my), strict=True))
-        self._partition = _divide(shape, (mx, my), (bx, by))
-        self._diagonal = active.blocks(self._partition).sums(weights).astype(np.float32)
+        partition = _divide(shape, (mx, my), (bx, by))
+        self._blocks = active.blocks(partition)
+        self._diagonal = self._blocks.sums(weights).astype(np.float32)
         half = np.fft.fftfreq(bx, 1 / bx).astype(int)
         stiffness = inverse.stiffness[half][:, : by // 2 + 1]
         size = mx * my / (bx * by)
         growth = np.minimum((stiffness / (_CUT * mean)) ** 2, _EXPONENT)
-        self._far = stiffness * np.exp(growth) * np.float32(size)
-        self._approximate = 1.0 / (self._far + np.float32(size * mean))
+        far = stiffness * np.exp(growth) * np.float32(size)
+        self._mean = np.float32(size * mean)
+        self._approximate = 1.0 / (far + self._mean)
 
-    def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
+    def apply(self, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector to be subtracted from z0."""
-        blocks = active.blocks(self._partition)
-        solution = self._solve(blocks.sums(weights * residual).astype(np.float32))
-        return weights * blocks.spread(solution)
+        solution = self._solve(self._blocks.sums(weights * residual).astype(np.float32))
+        return weights * self._blocks.spread(solution)
 
     def _solve(self, right: RealArray) -> RealArray:
         """Solve the system on the blocks to a few per cent."""
@@ -135,10 +132,15 @@ class CoarseCorrection:
         # Squares of small residuals would leave the range of float32.
         residual = right / np.float32(size)
         first = math.sqrt(_dot(residual, residual))
-        image = multiply_waves(residual, self._approximate, right.shape)
-        direction, product = image, _dot(residual, image)
+        direction = response = np.zeros_like(right)
+        previous = math.inf
         for _ in range(_STEPS):
-            response = multiply_waves(direction, self._far, right.shape) + self._diagonal * direction
+            image = multiply_waves(residual, self._approximate, right.shape)
+            product = _dot(residual, image)
+            factor = np.float32(product / previous)
+            direction = image + factor * direction
+            # The system is the inverse of the approximation and what the diagonal exceeds its mean by.
+            response = residual + (self._diagonal - self._mean) * image + factor * response
             curvature = _dot(direction, response)
             if not (curvature > 0.0 and product > 0.0):
                 break
@@ -146,9 +148,7 @@ class CoarseCorrection:
             residual = residual - np.float32(product / curvature) * response
             if math.sqrt(_dot(residual, residual)) < _ENOUGH * first:
                 break
-            image = multiply_waves(residual, self._approximate, right.shape)
-            previous, product = product, _dot(residual, image)
-            direction = image + np.float32(product / previous) * direction
+            previous = product
         return solution * np.float32(size)
 
 

@@ -13,12 +13,17 @@ from roughcontact._solution import GridLevel, Status
 from roughcontact._solution.conditions import Violation
 from roughcontact._solvers.base import Monitor, Task
 from roughcontact._solvers.conjugate.descent import Descent
+from roughcontact._solvers.conjugate.openings import NearlyFull, Openings
 from roughcontact._solvers.conjugate.preconditioner import Preconditioner
 from roughcontact._solvers.projection import ApproachControl, Control, LoadControl
-from roughcontact.checks import Array
+from roughcontact.checks import Array, RealArray
 
 # Factor by which one pass in float32 may lower the error: its own rounding, 6e-8, leaves a margin of 300.
 _GAIN = 2e-5
+# Error to which float32 tells an elastic displacement of the size of the scale.
+_SINGLE = 1e-6
+# A pass that cannot reach the tolerance before a verification ends at this multiple of it: the next one starts anew.
+_EARLY = 10.0
 # The estimate aims at this fraction of the tolerance, which the verification has to meet.
 _MARGIN = 0.7
 # Below the first factor of its error a pass ends after three iterations that do not lower the error to a third.
@@ -34,14 +39,18 @@ class Refinement:
     the error, so that float32 is enough. Only the float64 gap, which the monitor judges, decides.
     """
 
-    def __init__(self, convolution: PreparedConvolution, task: Task, monitor: Monitor) -> None:
+    def __init__(
+        self, convolution: PreparedConvolution, task: Task, monitor: Monitor, nearly_full: NearlyFull | None = None
+    ) -> None:
         self._convolution = convolution
         self._task = task
         self._monitor = monitor
         self._limit = task.pressure_limit.ravel()
         mean = task.mean_pressure
         self._control: Control = ApproachControl() if mean is None else LoadControl(mean * task.initial_gap.size)
-        self.verifications = 0
+        self._openings = None if nearly_full is None else Openings(nearly_full, monitor)
+        self._started = False
+        self._verifications = self._estimates = self._others = 0
 
     @cached_property
     def _preconditioner(self) -> Preconditioner:
@@ -51,12 +60,13 @@ class Refinement:
 
     @cached_property
     def _descent(self) -> Descent:
-        return Descent(self._convolution, self._preconditioner, self._control, self._limit)
+        shape = self._task.initial_gap.shape
+        return Descent(self._convolution, shape, self._preconditioner, self._control, self._limit)
 
     @property
     def met_limit(self) -> bool:
         """Whether the pressure limit has shortened any step so far."""
-        return len(self._monitor.history) > 1 and self._descent.met_limit
+        return self._started and self._descent.met_limit
 
     @property
     def products(self) -> int:
@@ -67,19 +77,46 @@ class Refinement:
     @property
     def level(self) -> GridLevel:
         """The work so far."""
-        shape, iterations = self._task.initial_gap.shape, len(self._monitor.history) - 1
-        if iterations == 0:
-            return GridLevel(shape, 0, self.verifications)
-        return GridLevel(shape, iterations, self.verifications, self._descent.products, self._preconditioner.products)
+        single, inverse = self._estimates, self._others
+        if self._openings is not None:
+            inverse += self._openings.products
+        if self._started:
+            single, inverse = single + self._descent.products, inverse + self._preconditioner.products
+        iterations = max(len(self._monitor.history) - 1, 0)
+        return GridLevel(self._task.initial_gap.shape, iterations, self._verifications, single, inverse)
+
+    def approximate(self, pressure: Array) -> tuple[Array, RealArray]:
+        """Return an improved pressure, shape (nx, ny), and its gap, from one pass in float32 alone.
+
+        It starts from a pressure that is changed in place, and aims at the tolerance without verifying it.
+        """
+        if self._openings is not None:
+            pressure = self._openings.approximate(_MARGIN * self._monitor.tolerance)
+            return pressure, self._openings.gap.astype(np.float32)
+        shape, flat = pressure.shape, self._control.restore(pressure.reshape(-1), self._limit)
+        displacement = self._convolution.apply(flat.astype(np.float32).reshape(shape))
+        self._estimates += 1
+        violation, _ = self._monitor.judge(flat.reshape(shape), displacement)
+        largest = float(max(displacement.max(), -displacement.min())) / violation.scale
+        goal, exact = _MARGIN * self._monitor.tolerance, _SINGLE * max(1.0, largest)
+        if goal < exact:
+            goal = _EARLY * exact
+        gap = self._find_gap(displacement, violation)
+        del displacement
+        if violation.error > goal:
+            gap = self._descend(flat, gap, violation, goal)
+        return flat.reshape(shape), gap.reshape(shape)
 
     def run(self, pressure: Array) -> tuple[Array, Violation, Status]:
         """Return the solution from a start, shape (nx, ny), changed in place, its violation and how the solve ended."""
         shape, flat = pressure.shape, pressure.reshape(-1)
-        best, idle = math.inf, 0
+        best, idle, goal = math.inf, 0, _MARGIN * self._monitor.tolerance
         while True:
+            if self._openings is not None:
+                flat = self._openings.solve(goal).reshape(-1)
             flat = self._control.restore(flat, self._limit)
             displacement = self._convolution.apply(flat.reshape(shape))
-            self.verifications += 1
+            self._verifications += 1
             if self._monitor.history:
                 # An estimate, which the verified error replaces.
                 self._monitor.history.pop()
@@ -91,16 +128,32 @@ class Refinement:
                     status = Status.STALLED
             if status is not None:
                 return flat.reshape(shape), violation, status
-            displacement += self._task.initial_gap
-            displacement -= violation.approach
-            self._descent.start(flat, displacement.ravel().astype(np.float32))
+            if self._openings is not None and idle == 0:
+                goal = _MARGIN * self._openings.error * self._monitor.tolerance / violation.error
+                continue
+            self._leave_openings()
+            gap = self._find_gap(displacement, violation)
             del displacement
-            self._descend(violation)
-            self._descent.stop()
+            self._descend(flat, gap, violation, max(_MARGIN * self._monitor.tolerance, _GAIN * violation.error))
+            del gap
 
-    def _descend(self, violation: Violation) -> None:
-        """Iterate until the estimate of the error makes a verification worth its convolution."""
-        goal = max(_MARGIN * self._monitor.tolerance, _GAIN * violation.error)
+    def _leave_openings(self) -> None:
+        """Go on with the pressure where the openings have not settled."""
+        if self._openings is not None:
+            self._others += self._openings.products
+            self._openings = None
+
+    def _find_gap(self, displacement: RealArray, violation: Violation) -> RealArray:
+        """Return the gap, flat, in float32; a displacement in float64 is changed in place."""
+        gap = displacement.astype(np.float64, copy=False)
+        gap += self._task.initial_gap
+        gap -= violation.approach
+        return gap.ravel().astype(np.float32)
+
+    def _descend(self, pressure: Array, gap: RealArray, violation: Violation, goal: float) -> RealArray:
+        """Iterate until the estimate of the error makes a verification worth its convolution; return the gap."""
+        self._started = True
+        self._descent.start(pressure, gap)
         error, slow, best, idle = violation.error, 0, violation.error, 0
         while self._monitor.has_iterations_left and self._descent.iterate():
             previous, error = error, self._descent.error() / violation.scale
@@ -110,4 +163,5 @@ class Refinement:
             idle = 0 if error < 0.5 * best else idle + 1
             best = min(best, error)
             if error <= goal or slow >= _PATIENCE or idle >= _IDLE:
-                return
+                break
+        return self._descent.stop()

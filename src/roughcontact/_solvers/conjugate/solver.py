@@ -112,8 +112,12 @@ class ProjectedConjugateGradient(Solver):
         searchable = _can_search_loads(convolution, task)
         patience = min(self.max_iterations, _PATIENT) if searchable else self.max_iterations
         monitor = Monitor(task, self.tolerance, patience)
-        refinement = Refinement(convolution, task, monitor)
-        pressure, violation, status = refinement.run(start.pressure)
+        refinement = Refinement(convolution, task, monitor, start.nearly_full)
+        pressure = start.pressure
+        if start.levels and not start.closed:
+            # Far from the solution the gap need not be exact.
+            pressure = refinement.approximate(pressure)[0]
+        pressure, violation, status = refinement.run(pressure)
         outcome = monitor.outcome(pressure, status, round(start.products + refinement.products))
         outcome = attrs.evolve(outcome, levels=(*start.levels, refinement.level))
         if status is Status.STALLED or (searchable and status is Status.MAXIMUM_ITERATIONS):
