@@ -101,16 +101,6 @@ def test_free_convolution_moves_with_the_pressure():
     np.testing.assert_allclose(convolution.apply(one)[:13, :16], convolution.apply(other)[7:, 8:], rtol=1e-13)
 
 
-@pytest.mark.parametrize(
-    ("convolver", "boundary"), [(rc.DCFFT, rc.Boundary.FREE), (rc.CircularFFT, rc.Boundary.PERIODIC)]
-)
-def test_threads_change_no_bit(convolver, boundary):
-    grid = rc.Grid((90, 70), (1.0, 1.0))
-    pressure = np.random.default_rng(0).random(grid.shape)
-    one, two = (convolver(workers=n).prepare(KERNEL, grid, boundary).apply(pressure) for n in (1, 2))
-    np.testing.assert_array_equal(one, two)
-
-
 @pytest.mark.parametrize(("convolver", "boundary"), PAIRS)
 def test_the_pressure_is_left_as_it_was(convolver, boundary):
     grid = rc.Grid((9, 8), (1.0, 1.0))

@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact._kernels import BoundKernel, InfluenceKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._kernels.base import require_form
-from roughcontact.checks import RealArray, integer
+from roughcontact.checks import RealArray
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.registry import Registry
@@ -102,8 +102,3 @@ class PreparedConvolution(abc.ABC):
         """Return the sum of products over all cells."""
         # A BLAS dot would start threads that cost more than they save at these sizes.
         return float(np.einsum("ij,ij->", one, other))
-
-
-def worker_count(value: int) -> int:
-    """Return a number of threads, at least one."""
-    return integer(value, "The number of workers", at_least=1)
