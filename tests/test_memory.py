@@ -19,6 +19,7 @@ import roughcontact as rc
 from roughcontact.__main__ import main
 from roughcontact._problem.plan import require_memory_of_solve
 from roughcontact.checks.memory import available_memory, limit_of_memory, require_memory
+from roughcontact.description import key_of
 from roughcontact.units import binary
 
 NAN = float("nan")
@@ -409,3 +410,62 @@ def test_the_scale_of_small_grids_is_measured(monkeypatch):
         assert all(float(entries[name]) > 0.0 for name in scale.TIMED)
         stated = rough_problem(128, boundary=entries["boundary"]).plan.memory
         assert float(entries["peak memory, MiB"]) < 2 * stated / 2**20
+
+
+class TestMappedFile:
+    """Heights that are mapped from a file are not copied."""
+
+    @staticmethod
+    def save(folder, heights):
+        np.save(folder / "map.npy", heights)
+        return np.load(folder / "map.npy", mmap_mode="r")
+
+    def test_takes_no_memory_until_it_is_resampled(self, tmp_path):
+        heights = np.random.default_rng(0).standard_normal((1200, 1000))
+        mapped = self.save(tmp_path, heights)
+        rc.HeightMap(heights[:30, :30], 1.0).resample((3, 3), "mean")
+        tracemalloc.start()
+        coarse = rc.HeightMap(mapped, (1.2, 1.0)).resample((120, 100), "mean")
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert peak < 0.1 * heights.nbytes
+        copied = rc.HeightMap(heights, (1.2, 1.0)).resample((120, 100), "mean")
+        np.testing.assert_array_equal(coarse.values, copied.values)
+
+    def test_is_kept_by_maps_made_from_it(self, tmp_path):
+        mapped = self.save(tmp_path, np.random.default_rng(0).standard_normal((40, 30)))
+        surface = rc.HeightMap(mapped, (4.0, 3.0))
+        assert np.shares_memory(attrs.evolve(surface, periodic=True).values, mapped)
+        assert np.shares_memory(rc.HeightMap(mapped[:20], (2.0, 3.0)).values, mapped)
+        assert not surface.values.flags.writeable
+
+    def test_gives_the_same_contact(self, tmp_path):
+        heights = 1e-7 * np.random.default_rng(0).standard_normal((40, 30))
+        one, other = (
+            contact(rc.HeightMap(values, (4e-5, 3e-5)), grid=None) for values in (heights, self.save(tmp_path, heights))
+        )
+        assert key_of(one.parts) == key_of(other.parts)
+        np.testing.assert_array_equal(one.solve(force=1e-3).pressure, other.solve(force=1e-3).pressure)
+
+    @pytest.mark.parametrize("mode", ["r+", "c"])
+    def test_is_copied_if_it_may_be_written_to(self, tmp_path, mode):
+        self.save(tmp_path, np.ones((4, 5)))
+        mapped = np.load(tmp_path / "map.npy", mmap_mode=mode)
+        view = mapped[:]
+        view.flags.writeable = False
+        for given in (mapped, view):
+            surface = rc.HeightMap(given, (4.0, 5.0))
+            mapped[0, 0] = 7.0
+            assert surface.values[0, 0] == 1.0
+            mapped[0, 0] = 1.0
+
+    def test_is_copied_if_it_must_be_converted(self, tmp_path):
+        for heights in (np.ones((4, 5), dtype=np.float32), np.asfortranarray(np.ones((4, 5)))):
+            values = rc.HeightMap(self.save(tmp_path, heights), (4.0, 5.0)).values
+            assert (values.dtype, values.flags.c_contiguous) == (np.float64, True)
+
+    def test_that_is_not_finite_is_refused(self, tmp_path):
+        heights = np.ones((4, 5))
+        heights[2, 1], heights[3, 3] = np.nan, np.inf
+        with pytest.raises(rc.InputError, match="2 of 20 points are NaN or infinite"):
+            rc.HeightMap(self.save(tmp_path, heights), (4.0, 5.0))
