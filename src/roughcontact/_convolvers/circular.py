@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact._convolvers.base import ConvolutionSetup, Convolver, PreparedConvolution
+from roughcontact._convolvers.base import ConvolutionSetup, Convolver, PreparedConvolution, periodic_spectrum
 from roughcontact._convolvers.waves import multiply_columns, transform_rows, transform_rows_back
 from roughcontact._kernels import BoundKernel, SupportsSpectrum
 from roughcontact.checks import Array, Pair, RealArray
@@ -41,9 +41,9 @@ class CircularFFT(Convolver):
 
     def prepare(self, kernel: BoundKernel, grid: Grid, boundary: Boundary) -> PreparedConvolution:
         setup = ConvolutionSetup(self, kernel, grid, boundary)
-        spectrum = periodic_spectrum if boundary is Boundary.PERIODIC else wrapped_spectrum
-        symbol = np.ascontiguousarray(spectrum(kernel, grid.shape, grid.spacing))
-        return _CircularConvolution(setup, symbol)
+        if boundary is Boundary.PERIODIC:
+            return _CircularConvolution(setup, setup.spectrum)
+        return _CircularConvolution(setup, wrapped_spectrum(kernel, grid.shape, grid.spacing))
 
 
 @attrs.frozen(eq=False)
@@ -89,7 +89,7 @@ def multiply_waves(values: RealArray, symbol: RealArray, padded: tuple[int, int]
     waves = transform_rows(values, padded[1])
     if symbol.size < _LARGE:
         # Two one-dimensional transforms are twice as fast as scipy's two-dimensional inverse.
-        threads = threads_for(symbol.size)
+        threads = threads_for(2 * symbol.size)
         waves = scipy.fft.fft(waves, n=padded[0], axis=0, overwrite_x=True, workers=threads)
         waves *= symbol
         waves = scipy.fft.ifft(waves, axis=0, overwrite_x=True, workers=threads)[: values.shape[0]]
@@ -104,22 +104,18 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
     if setup.boundary is Boundary.FREE:
         mx, my = (scipy.fft.next_fast_len(max(math.ceil(_PADDED * n), n + _PADDING), real=True) for n in shape)
         shape = mx, my
-    known = isinstance(setup.kernel.kernel, SupportsSpectrum)
-    spectrum = periodic_spectrum if known else wrapped_spectrum
-    response = np.abs(spectrum(setup.kernel, shape, setup.grid.spacing))
+    if setup.boundary is Boundary.PERIODIC:
+        response = np.abs(setup.spectrum)
+    else:
+        known = isinstance(setup.kernel.kernel, SupportsSpectrum)
+        spectrum = periodic_spectrum if known else wrapped_spectrum
+        response = np.abs(spectrum(setup.kernel, shape, setup.grid.spacing))
     response[0, 0] = 0.0
     floor = _SMALLEST * float(response.mean())
     stiffness = np.zeros_like(response)
     np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
     stiffness[0, 0] = 0.0
     return InverseConvolution(stiffness.astype(dtype, copy=False), shape)
-
-
-def periodic_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
-    """Return the kernel's spectrum at the waves of a periodic grid, shape (nx, ny // 2 + 1)."""
-    qx = 2 * np.pi / spacing[0] * scipy.fft.fftfreq(shape[0])[:, np.newaxis]
-    qy = 2 * np.pi / spacing[1] * scipy.fft.rfftfreq(shape[1])[np.newaxis, :]
-    return kernel.spectrum(qx, qy, spacing)
 
 
 def wrapped_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:

@@ -51,7 +51,7 @@ def multiply_columns(waves: Waves, length: int, multiply: Callable[[Waves, slice
 def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
     """Return the first `count` values of each row of `length` values; the waves may be overwritten."""
     if count == length:
-        whole = scipy.fft.irfft(waves, n=length, axis=1, overwrite_x=True, workers=threads_for(waves.size))
+        whole = scipy.fft.irfft(waves, n=length, axis=1, overwrite_x=True, workers=threads_for(2 * waves.size))
         return np.asarray(whole)
     values = np.empty((waves.shape[0], count), dtype=waves.real.dtype)
 
