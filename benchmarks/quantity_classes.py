@@ -15,7 +15,7 @@ from pathlib import Path
 import area_classes
 import contact_classes as contacts
 import numpy as np
-from area_classes import CLASSES, DIGITS, HEADER, SPLITS, judge, known, print_row, reference_key
+from area_classes import CLASSES, HEADER, SPLITS, known, print_rows, reference_key
 from contact_classes import Case
 
 import roughcontact as rc
@@ -84,13 +84,7 @@ def report(
                 rows.append((found.value / true - 1.0, found.uncertainty / true, std / true, case))
         if not rows:
             continue
-        table[name] = judge([row[:3] for row in rows])
-        print_row(name, table[name])
-        if groups:
-            for group in dict.fromkeys(row[3].group for row in rows):
-                print_row(f"    {group}", judge([row[:3] for row in rows if row[3].group == group]))
-        for error, stated, _, case in sorted(rows, key=lambda row: -abs(row[0]) / max(row[1], DIGITS))[:worst]:
-            print(f"    {100 * error:+.3f} +- {100 * stated:.3f} %: {case.label}")
+        table[name] = print_rows(name, rows, groups=groups, worst=worst)
     return table
 
 

@@ -1,6 +1,10 @@
 from __future__ import annotations
 
+import contextlib
 import os
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import hypothesis
@@ -17,3 +21,38 @@ def measured_maps():
     if not folder or not Path(folder).is_dir():
         pytest.skip("no measured maps: set ROUGHCONTACT_MAPS to their folder")
     return Path(folder)
+
+
+class DaskCluster:
+    """A scheduler of dask in this process, and workers, processes of their own that nobody starts again."""
+
+    def __init__(self, distributed, stack):
+        # Any free port: two tests at once may not ask for the same one.
+        cluster = distributed.LocalCluster(n_workers=0, dashboard_address=":0")
+        self.client = stack.enter_context(distributed.Client(stack.enter_context(cluster)))
+        self.command = [sys.executable, "-m", "distributed.cli.dask_worker", cluster.scheduler_address, "--no-nanny"]
+        self.command += ["--nthreads", "1", "--memory-limit", "0", "--dashboard-address", ":0"]
+        # What the workers are sent may be of a module of tests.
+        self.environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+        self.stack, self.workers = stack, []
+
+    def start(self, count):
+        """Bring the number of running workers to `count`, when the scheduler has seen which ones have ended."""
+        self.workers = [worker for worker in self.workers if worker.poll() is None]
+        deadline = time.monotonic() + 60
+        while len(self.client.scheduler_info(n_workers=-1)["workers"]) > len(self.workers):
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+        for _ in range(count - len(self.workers)):
+            worker = subprocess.Popen(self.command, env=self.environment, stderr=subprocess.DEVNULL)
+            self.stack.callback(worker.wait)
+            self.stack.callback(worker.kill)
+            self.workers.append(worker)
+        self.client.wait_for_workers(count, timeout=60)
+
+
+@pytest.fixture
+def dask_cluster():
+    distributed = pytest.importorskip("distributed")
+    with contextlib.ExitStack() as stack:
+        yield DaskCluster(distributed, stack)

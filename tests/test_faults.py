@@ -685,10 +685,11 @@ class TestKills:
             process, started = forks.Process(target=run, args=(folder / "study",)), time.monotonic()
             process.start()
             process.join(None if duration is None else moment * duration)
-            duration = duration or time.monotonic() - started
             if process.is_alive():
                 process.kill()
                 (folder / "killed").touch()
+            else:
+                duration = time.monotonic() - started
             process.join()
             with contextlib.suppress(ProcessLookupError):
                 # Workers without a parent go on for a while.
@@ -702,7 +703,7 @@ class TestKills:
     def test_a_worker_of_a_pool(self, tmp_path, forks, undisturbed, block):
         duration = None
         for folder, moment in folders_of_kills(tmp_path, "worker of a pool", block):
-            seen, stopped, started = [], "", time.monotonic()
+            seen, stopped = [], ""
             with ProcessPoolExecutor(2, mp_context=forks) as executor:
                 list(executor.map(abs, range(4)))
                 workers = list(executor._processes)
@@ -710,59 +711,62 @@ class TestKills:
                     60 if duration is None else moment * duration, kill_one, (workers, moment, folder)
                 )
                 timer.start()
+                started = time.monotonic()
                 try:
                     kill_study().run(folder / "study", executor=executor, on_records=seen.extend)
                 except rc.StudyStopped as error:
                     stopped = str(error)
+                finished = time.monotonic()
                 timer.cancel()
                 timer.join()
-            duration = duration or time.monotonic() - started
+            if not (folder / "killed").exists():
+                duration = finished - started
             assert not stopped or f"{len(seen)} of 12 solves are reported" in stopped
             indices = list((folder / "study").glob("study-*.json"))
             assert {record.key for record in seen} == {key for index in indices for key in read_index(index)}
             require_no_loss(folder / "study", undisturbed)
 
     @pytest.mark.parametrize("block", blocks("worker of dask"))
-    def test_a_worker_of_dask(self, tmp_path, undisturbed, block):
-        distributed = pytest.importorskip("distributed")
+    def test_a_worker_of_dask(self, tmp_path, undisturbed, dask_cluster, block):
         duration = None
-        with (
-            distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
-            distributed.Client(cluster) as client,
-        ):
+        client = dask_cluster.client
+        for folder, moment in folders_of_kills(tmp_path, "worker of dask", block):
+            dask_cluster.start(2)
             client.run(run_serially, tmp_path / "warm")
-            for folder, moment in folders_of_kills(tmp_path, "worker of dask", block):
-                client.wait_for_workers(2)
-                workers, started = sorted(client.run(os.getpid).values()), time.monotonic()
-                timer = threading.Timer(
-                    60 if duration is None else moment * duration, kill_one, (workers, moment, folder)
-                )
-                timer.start()
-                result = kill_study().run(folder / "study", executor=client.get_executor())
-                timer.cancel()
-                timer.join()
-                duration = duration or time.monotonic() - started
-                # The other worker has done the rest.
-                assert len(result.records) == 12
-                assert not result.failed
-                require_no_loss(folder / "study", undisturbed)
+            workers = [worker.pid for worker in dask_cluster.workers]
+            timer = threading.Timer(60 if duration is None else moment * duration, kill_one, (workers, moment, folder))
+            timer.start()
+            started = time.monotonic()
+            result = kill_study().run(folder / "study", executor=client.get_executor())
+            finished = time.monotonic()
+            timer.cancel()
+            timer.join()
+            if (folder / "killed").exists():
+                dask_cluster.workers[choose(workers, moment)].wait(timeout=60)
+            else:
+                duration = finished - started
+            # The other worker has done the rest.
+            assert len(result.records) == 12
+            assert not result.failed
+            require_no_loss(folder / "study", undisturbed)
 
-    def test_dask_gives_up_a_task_that_kills_its_workers(self, tmp_path):
-        distributed = pytest.importorskip("distributed")
+    def test_dask_gives_up_a_task_that_kills_its_workers(self, tmp_path, dask_cluster):
         deadly = study(problems={"good": problem(), "deadly": problem(Trouble("killed"))}, seeds=[0, 1])
-        with (
-            distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
-            distributed.Client(cluster) as client,
-            pytest.raises(rc.StudyStopped, match=r"Every worker .*'deadly'.*KilledWorker.*6 of 8"),
-        ):
-            deadly.run(tmp_path, executor=client.get_executor())
+        # Dask gives a task up when it has ended four.
+        dask_cluster.start(5)
+        with pytest.raises(rc.StudyStopped, match=r"Every worker .*'deadly'.*KilledWorker.*6 of 8"):
+            deadly.run(tmp_path, executor=dask_cluster.client.get_executor())
         (index,) = tmp_path.glob("study-*.json")
         assert len(read_index(index)) == 6
 
 
+def choose(workers, moment):
+    return int(1000 * moment) % len(workers)
+
+
 def kill_one(workers, moment, folder):
     with contextlib.suppress(ProcessLookupError):
-        os.kill(workers[int(1000 * moment) % len(workers)], signal.SIGKILL)
+        os.kill(workers[choose(workers, moment)], signal.SIGKILL)
         (folder / "killed").touch()
 
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy import sparse
 
 import roughcontact as rc
 from roughcontact._solution.patches import find_patches
@@ -36,6 +39,29 @@ def test_patches_cross_the_border_of_a_periodic_domain_only(cells, free, periodi
     assert find_patches(mask, mask * 1.0, GRID, rc.Boundary.FREE).count == free
     for boundary in (rc.Boundary.PERIODIC, rc.Boundary.WRAPPED):
         assert find_patches(mask, mask * 1.0, GRID, boundary).count == periodic
+
+
+@given(
+    arrays(bool, st.tuples(st.integers(2, 9), st.integers(2, 9))),
+    st.sampled_from((rc.Boundary.FREE, rc.Boundary.PERIODIC)),
+)
+def test_patches_are_the_connected_cells(mask, boundary):
+    cells = np.arange(mask.size).reshape(mask.shape)
+    # An independent path: all pairs of neighbouring cells, without the labels of open ones.
+    mode = {"mode": "constant", "constant_values": -1} if boundary is rc.Boundary.FREE else {"mode": "wrap"}
+    extended = np.pad(cells, 1, **mode)
+    nx, ny = mask.shape
+    around = [extended[1 + i : 1 + i + nx, 1 + j : 1 + j + ny] for i in (0, 1) for j in (-1, 0, 1)]
+    one, other = np.tile(cells.ravel(), 6), np.stack(around).ravel()
+    joined = (other >= 0) & mask.ravel()[one] & mask.ravel()[other]
+    links = sparse.coo_matrix((np.ones(joined.sum()), (one[joined], other[joined])), shape=(mask.size,) * 2)
+    _, numbers = sparse.csgraph.connected_components(links, directed=False)
+    _, expected = np.unique(numbers[mask.ravel()], return_inverse=True)
+    grid = rc.Grid(mask.shape, (float(nx), float(ny)))
+    patches = find_patches(mask, mask * 1.0, grid, boundary)
+    np.testing.assert_array_equal(patches.members, np.flatnonzero(mask))
+    np.testing.assert_array_equal(patches.member_labels, expected + 1)
+    assert patches.count == len(set(expected))
 
 
 @given(problems())

@@ -184,22 +184,18 @@ def test_a_killed_process_of_a_pool(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_dask_cluster_loses_a_worker_in_the_middle(tmp_path):
-    distributed = pytest.importorskip("distributed")
+def test_a_dask_cluster_loses_a_worker_in_the_middle(tmp_path, dask_cluster):
     loads = list(np.geomspace(0.05, 5.0, 8))
     wanted = study(seeds=list(range(5)), force=loads)
-    with (
-        distributed.LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as patch,
-        distributed.Client(patch) as client,
-    ):
-        killed = []
+    dask_cluster.start(3)
+    killed = []
 
-        def kill(_):
-            if not killed:
-                killed.append(next(iter(client.run(os.getpid).values())))
-                os.kill(killed[0], signal.SIGKILL)
+    def kill(_):
+        if not killed:
+            killed.append(dask_cluster.workers[0])
+            killed[0].kill()
 
-        result = wanted.run(tmp_path / "dask", executor=client.get_executor(), on_records=kill)
+    result = wanted.run(tmp_path / "dask", executor=dask_cluster.client.get_executor(), on_records=kill)
     assert killed
     assert len(result.records) == 2 * 5 * 8
     assert not result.failed

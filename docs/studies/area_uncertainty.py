@@ -1,4 +1,4 @@
-"""Whether the uncertainty of the area holds: the held-out classes of benchmarks/area_classes.py.
+"""Whether the uncertainty of the area holds: the fresh classes of benchmarks/area_classes.py.
 
 Writes the table of docs/area.md and docs/figures/reliability.png; the solutions are kept in a folder (15 minutes at
 first, then one).
@@ -30,19 +30,17 @@ PANELS = {
     "pressure limit, run in": ("capped", "run-in"),
     "borders, measured maps": ("border", "holes", "map"),
 }
-# Classes whose true values are not known well enough.
-WITHOUT = ("holes-kept",)
 
 
 @lru_cache
 def judge(name: str, folder: str | None = None) -> list[tuple[float, float, float]]:
-    """Return the relative errors, stated and true uncertainties of the held-out cases of a class."""
+    """Return the relative errors, stated and true uncertainties of the fresh cases of a class."""
     place = Path(folder) if folder else None
-    return [row[:3] for row in area_classes.estimate(name, "held-out", "blend", place)]
+    return [row[:3] for row in area_classes.estimate(name, "fresh", "blend", place)]
 
 
 def list_classes() -> list[str]:
-    return [name for name in area_classes.CLASSES if name not in WITHOUT]
+    return list(area_classes.CLASSES)
 
 
 def make_rows(folder: str | None = None) -> list[list[str]]:

@@ -1,4 +1,4 @@
-"""The table of docs/quantities.md: whether the uncertainties of the quantities hold on the held-out classes.
+"""The table of docs/quantities.md: whether the uncertainties of the quantities hold on the fresh classes.
 
 python docs/studies/quantities.py [FOLDER]   # where area_classes.py keeps its solutions
 """
@@ -17,7 +17,7 @@ import quantity_classes
 
 def make_rows(folder: Path | None = None) -> list[list[str]]:
     found = {
-        name: quantity_classes.report(quantity_classes.list_classes(name), "held-out", name, folder)
+        name: quantity_classes.report(quantity_classes.list_classes(name), "fresh", name, folder)
         for name in quantity_classes.NAMES
     }
     rows = [["class", *(name.replace("-", " ") for name in found)]]

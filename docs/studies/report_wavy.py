@@ -120,9 +120,10 @@ def draw(report: ErrorReport, methods: Sequence[Method], path: Path) -> None:
                 text, place, xytext=(0, 8 if above else -24), textcoords="offset points", ha="center", fontsize=7
             )
     defaults = [method for method in methods if method.name.startswith("blend")]
-    places = [method.cpu for method in defaults], [100 * abs(method.error) for method in defaults]
+    places = [method.cpu for method in defaults], [100 * max(abs(method.error), BOUND) for method in defaults]
     axes.plot(*places, "ko", markersize=16, markerfacecolor="none")
-    axes.annotate("the default", (places[0][0], places[1][0]), xytext=(26, -4), textcoords="offset points")
+    axes.annotate("the default", (places[0][0], places[1][0]), xytext=(-70, -28), textcoords="offset points")
+    axes.set_ylim(bottom=20 * BOUND)
     axes.set_title(
         f"the paper's wave at {LOAD} MPa: area\nstars: cell counts extrapolated, at the cost of all their solves"
     )

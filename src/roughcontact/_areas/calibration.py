@@ -84,6 +84,13 @@ SHARED = 0.02
 # Relative standard deviation of Hertz's area for heights that the grid hardly resolves, times the ratio to the fourth
 # power, and the cells of a patch that halve it. Set on cones of one to four cells.
 HERTZ_RESOLUTION = (0.008, 10.0)
+# Terms a, b of the relative standard deviation min(a s^4, b) of Hertz's area for a tip between the cell centres, where
+# s is the logarithm of its curvature over neighbouring cells over that over every second cell, and the number of cells
+# up to which a patch has it. Set on cones, which err by up to 0.3 in patches of 1 to 6 cells.
+TIP, TIP_CELLS = (25.0, 0.3), 6
+# Excess of the counted area where the edge meets non-measured points, cells for each such place, and its standard
+# deviation. Measured on rough contacts with 1 to 5 % non-measured points: 0.144, rms 0.04 about it.
+NON_MEASURED, NON_MEASURED_STD = 0.144, 0.03
 # Relative standard deviation of the areas of contacts that have no cell. Set on rough contacts.
 HIDDEN = 0.2
 # Terms a, b, c of the deficit of Hertz's area a v^4 / ((b + v^2) (1 + c v^2)), relative. Measured on rough contacts of

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 
 from roughcontact._solution import ContactSolution
-from roughcontact.checks import IntArray, Mask
+from roughcontact.checks import Array, IntArray, Mask
 from roughcontact.grid import Boundary
 
 # Cells of the smallest patch that may have a sharp edge: in a smaller one three cells in a row rise outward by chance.
@@ -24,6 +25,56 @@ _NEIGHBOURS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, 
 def extend(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArray[Any]:
     """Return a field with `width` cells more on each side: periodic images, or the outermost cells repeated."""
     return np.pad(field, width, mode="edge" if boundary is Boundary.FREE else "wrap")
+
+
+@attrs.frozen(eq=False)
+class Surroundings:
+    """The cells around some cells; beyond the border periodic images, or the outermost cells.
+
+    Attributes
+    ----------
+    cells
+        Flat indices of the cells, shape (n,).
+    width
+        Cells in a row.
+    near
+        Which of them lie near the border, shape (m,).
+    rows, columns
+        Flat indices of the rows and numbers of the columns from `reach` cells before these to as many behind them,
+        shape (2 reach + 1, m).
+    reach
+        Their furthest distance, in cells.
+    """
+
+    cells: IntArray
+    width: int
+    near: IntArray
+    rows: IntArray
+    columns: IntArray
+    reach: int
+
+    @classmethod
+    def of(cls, i: IntArray, j: IntArray, shape: tuple[int, int], boundary: Boundary, reach: int) -> Surroundings:
+        """Return the surroundings of the cells (i, j), shape (n,)."""
+        nx, ny = shape
+        near = np.flatnonzero((i < reach) | (i >= nx - reach) | (j < reach) | (j >= ny - reach))
+        steps, ends = np.arange(-reach, reach + 1)[:, np.newaxis], []
+        for at, n in ((i, nx), (j, ny)):
+            around = at[near] + steps
+            ends.append(np.clip(around, 0, n - 1) if boundary is Boundary.FREE else around % n)
+        return cls(i * ny + j, ny, near, ends[0] * ny, ends[1], reach)
+
+    def at(self, i: int, j: int) -> IntArray:
+        """Return the flat indices of the cells so many steps from each, shape (n,)."""
+        found = self.cells + (i * self.width + j)
+        found[self.near] = self.rows[self.reach + i] + self.columns[self.reach + j]
+        return np.asarray(found)
+
+
+def split(cells: IntArray, width: int) -> tuple[IntArray, IntArray]:
+    """Return the rows and columns of flat indices; faster than `numpy.divmod`."""
+    i = cells // width
+    return i, cells - i * width
 
 
 def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
@@ -85,31 +136,40 @@ def find_sharp_edges(solution: ContactSolution) -> Mask:
     not depend on the distance from the edge: they are marked where the heights have a step.
     """
     contact, patches = solution.contact, solution.patches
-    extended = extend(contact, _INWARD, solution.boundary)
-    pressure = extend(solution.pressure, _INWARD, solution.boundary).ravel()
-    width, (nx, ny) = extended.shape[1], contact.shape
-    interior = np.ones_like(contact)
-    for dx in (1, 2, 3):
-        for dy in (1, 2, 3):
-            interior &= extended[dx : dx + nx, dy : dy + ny]
+    extended = extend(contact, 1, solution.boundary)
+    interior = extended[:-2] & extended[1:-1] & extended[2:]
+    interior = interior[:, :-2] & interior[:, 1:-1] & interior[:, 2:]
     sharp = np.zeros(contact.size, dtype=bool)
     edge = np.flatnonzero(contact & ~interior)
-    large = np.concatenate(([False], patches.cells >= _SHARP_PATCH))[patches.labels.ravel()[edge]]
-    edge = edge[large]
-    saturated = solution.saturated.ravel()[edge]
-    gap = extend(solution.initial_gap, _INWARD, solution.boundary).ravel() if saturated.any() else pressure
-    at = (edge // ny + _INWARD) * width + edge % ny + _INWARD
-    touching = extended.ravel()
+    edge = edge[np.concatenate(([False], patches.cells >= _SHARP_PATCH))[patches.labels.ravel()[edge]]]
+    if edge.size == 0:
+        return sharp.reshape(contact.shape)
+    saturated = solution.saturated.ravel()[edge] if solution.capped else np.zeros(edge.size, dtype=bool)
+    pressure, touching = solution.pressure.ravel(), contact.ravel()
+    gap = solution.initial_gap.ravel() if saturated.any() else pressure
+    near = Surroundings.of(*split(edge, contact.shape[1]), contact.shape, solution.boundary, _INWARD)
+    beside = {step: touching[near.at(*step)] for step in _NEIGHBOURS}
     for dx, dy in _NEIGHBOURS:
-        step, side = dx * width + dy, dy * width + dx
-        if dx == 0 or dy == 0:
-            sides = touching.take(at + side) & touching.take(at - side)
-        else:
-            sides = ~(touching.take(at + dx * width) | touching.take(at + dy))
-        facing = np.flatnonzero(sides & ~touching.take(at + step))
-        outer, inner, innermost = (pressure.take(at[facing] - k * step) for k in (0, 1, 2))
-        rising = (outer >= inner) & (inner >= innermost) & (innermost > 0.0)
-        before, here, beside, beyond = (gap.take(at[facing] + k * step) for k in (-1, 0, 1, 2))
-        stepped = beside - here > _STEPPED * np.maximum(np.abs(beyond - beside), np.abs(here - before))
-        sharp[edge[facing[np.where(saturated[facing], stepped, rising)]]] = True
+        straight = dx == 0 or dy == 0
+        sides = beside[dy, dx] & beside[-dy, -dx] if straight else ~(beside[dx, 0] | beside[0, dy])
+        facing = np.flatnonzero(sides & ~beside[dx, dy])
+        found = _find_sharp(pressure, gap, near, facing, (dx, dy), saturated[facing])
+        sharp[edge[facing[found]]] = True
     return sharp.reshape(contact.shape)
+
+
+def _find_sharp(
+    pressure: Array, gap: Array, near: Surroundings, facing: IntArray, step: tuple[int, int], saturated: Mask
+) -> Mask:
+    """Return which of the cells that face the open side in a direction lie at a sharp edge."""
+
+    def take(field: Array, steps: int) -> Array:
+        return field[near.at(steps * step[0], steps * step[1])[facing]]
+
+    outer, inner, innermost = (take(pressure, -k) for k in (0, 1, 2))
+    rising = (outer >= inner) & (inner >= innermost) & (innermost > 0.0)
+    if not saturated.any():
+        return rising
+    before, here, beside, beyond = (take(gap, k) for k in (-1, 0, 1, 2))
+    stepped = beside - here > _STEPPED * np.maximum(np.abs(beyond - beside), np.abs(here - before))
+    return np.where(saturated, stepped, rising)

@@ -17,17 +17,15 @@ Johnson, Contact Mechanics (1985), section 5.1, https://doi.org/10.1017/CBO97811
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from roughcontact._areas import calibration
-from roughcontact._areas.polygons import Corners, find_crossings, find_segments, measure_polygons
+from roughcontact._areas.dual_cells import Owners, find_dual_cells
+from roughcontact._areas.polygons import INSIDE, Corners, find_crossings, find_kinds, find_segments, measure_polygons
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array, IntArray, Mask
-from roughcontact.grid import Boundary
 
 # Upper bound of the distance at the corners of a dual cell, in cells; at a smooth edge it is below sqrt(2).
 _LONGEST = 16.0
@@ -37,8 +35,8 @@ _SADDLE = 0.7
 _ALIKE, _KEYS = 1e-3, 10_000
 # So that a half of a cell is not a limit between two steps.
 _OFFSET = 0.382
-# Newton steps for y^2 from an upper bound (quadratic convergence, rounding after 5), and inside a bracket.
-_NEWTON, _BRACKETED = 6, 16
+# Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
+_NEWTON, _BRACKETED = 4, 16
 
 
 @attrs.frozen(eq=False)
@@ -55,6 +53,8 @@ class Contour:
         Fraction of the edge that is sharp.
     alike
         Mean number of dual cells whose edge is the same as that of one.
+    meeting
+        Number of dual cells in which the edge of the contact meets non-measured points.
     """
 
     area: Array
@@ -62,51 +62,7 @@ class Contour:
     euler: Array
     sharp: Array
     alike: Array
-
-
-@attrs.frozen(eq=False)
-class _DualCells:
-    """Dual cells, numbered by their lower left corners.
-
-    Attributes
-    ----------
-    stride
-        Distance of the corners, in cells.
-    before, mode
-        Cells by which fields are extended before the first one (`stride` after the last), and how.
-    weights
-        Fraction of each dual cell that lies in the domain, along x and along y.
-    """
-
-    stride: int
-    before: int
-    mode: Literal["edge", "wrap"]
-    weights: tuple[Array, Array]
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Number of dual cells along each axis."""
-        return self.weights[0].size, self.weights[1].size
-
-    def corners(self, field: npt.NDArray[Any]) -> list[npt.NDArray[Any]]:
-        """Return the field at the four corners, in order around each dual cell."""
-        (m, n), s = self.shape, self.stride
-        extended = np.pad(field, (self.before, s), mode=self.mode)
-        return [extended[dx : dx + m, dy : dy + n] for dx, dy in ((0, 0), (s, 0), (s, s), (0, s))]
-
-    def count_inside(self, contact: Mask) -> npt.NDArray[np.uint8]:
-        """Return the number of corners in contact."""
-        return np.asarray(np.add.reduce([mask.view(np.uint8) for mask in self.corners(contact)], axis=0))
-
-    def cells(self, chosen: IntArray) -> IntArray:
-        """Return the flat indices of the cells at the corners of some dual cells, shape (4, n)."""
-        ends = []
-        for first, count in zip(np.divmod(chosen, self.shape[1]), self.shape, strict=True):
-            n, corners = count - self.before, (first - self.before, first - self.before + self.stride)
-            ends.append([k % n if self.mode == "wrap" else np.clip(k, 0, n - 1) for k in corners])
-        (low, high), (left, right) = ends
-        ny = self.shape[1] - self.before
-        return np.stack((low * ny + left, high * ny + left, high * ny + right, low * ny + right))
+    meeting: Array
 
 
 def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
@@ -115,43 +71,47 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     With a stride it is the mean over all choices of cells. At the cells of sharp edges, shape (nx, ny), the
     cells are counted.
     """
-    dual = _find_dual_cells(solution, stride)
-    count, cell = solution.patches.count, solution.grid.cell_area
-    inside = dual.count_inside(solution.contact)
-    weight = np.multiply.outer(*dual.weights)
-    full = inside == 4
-    area = cell * _sum_full(dual.corners(solution.patches.labels), full, weight, count)
-    chosen = np.flatnonzero((inside > 0) & ~full)
-    weight, inside, k = weight.ravel()[chosen], inside.ravel()[chosen], dual.cells(chosen)
-    touching, jagged = solution.contact.ravel()[k], sharp.ravel()[k].any(axis=0)
+    dual, patches, cell = find_dual_cells(solution, stride), solution.patches, solution.grid.cell_area
+    i, j = dual.find_edge(solution.contact)
+    k = dual.corners(i, j)
+    label = patches.labels.ravel().take(k)
+    touching = label > 0
+    kind = find_kinds(touching)
+    inside = INSIDE[kind]
+    jagged = sharp.ravel().take(k).any(axis=0) if sharp.any() else np.zeros(kind.size, dtype=bool)
+    beside, meeting = _find_non_measured(solution, k, touching)
     # Beside non-measured points the contact ends with the cells.
-    counted = jagged
-    if solution.non_measured is not None:
-        counted = jagged | solution.non_measured.ravel()[k].any(axis=0)
+    counted = jagged | beside
     size = (stride * solution.grid.spacing[0], stride * solution.grid.spacing[1])
     distance = _find_distances(solution, k, touching, size)
-    parts, chords, euler = measure_polygons(distance, touching, inside, size)
+    parts, chords, euler = measure_polygons(distance, touching, kind, size)
     parts = np.where(counted, inside / 4.0 * (size[0] * size[1]), parts)
-    label = solution.patches.labels.ravel()[k]
     alike = _count_alike(parts / (size[0] * size[1]), chords / size[0], distance)
     # Each of stride^2 choices of cells covers all of the contact.
-    weight = weight / stride**2
+    weight = dual.weights[0][i] * dual.weights[1][j] / stride**2
     smooth = weight * ~counted
-
-    def total(values: Array) -> Array:
-        # Corners two cells apart may lie in different patches: each corner in contact has an equal part.
-        parts = np.where(touching, values / inside, 0.0)
-        sums = np.bincount(label.ravel(), weights=parts.ravel(), minlength=count + 1)
-        sums[0] = 0.0
-        return sums.astype(np.float64)
-
+    owners = Owners.find(label, kind, patches.count)
+    total = owners.sum(weight)
+    # The dual cells inside the patches, with quarters of those at the edge, which their polygons replace.
+    area = cell * dual.cover(solution) + owners.sum((parts - inside / 4.0 * (size[0] * size[1])) * weight)
     return Contour(
-        area=area + total(parts * weight),
-        length=total(chords * smooth),
-        euler=total(euler * smooth),
-        sharp=total(jagged * weight) / np.maximum(total(weight), cell),
-        alike=_divide(total(alike * weight), total(weight)),
+        area=area,
+        length=owners.sum(chords * smooth),
+        euler=owners.sum(euler * smooth),
+        sharp=owners.sum(jagged * weight) / np.maximum(total, cell),
+        alike=_divide(owners.sum(alike * weight), total),
+        meeting=owners.sum(meeting * weight),
     )
+
+
+def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -> tuple[Mask, Mask]:
+    """Mark the dual cells with non-measured corners, and those of them that have open ones too, shape (n,)."""
+    if solution.non_measured is None:
+        none = np.zeros(k.shape[1], dtype=bool)
+        return none, none
+    unknown = solution.non_measured.ravel()[k]
+    beside = np.asarray(unknown.any(axis=0))
+    return beside, np.asarray(beside & ~(unknown | touching).all(axis=0))
 
 
 def _divide(sums: Array, counts: Array) -> Array:
@@ -164,47 +124,28 @@ def _count_alike(parts: Array, chords: Array, distance: Corners) -> Array:
     Where the contact repeats on the grid, or is symmetric in it, the errors of its parts are the same.
     """
     highest = np.abs(distance).max(axis=0)
-    features = np.stack((parts, chords, highest / np.maximum(highest.max(initial=0.0), np.finfo(float).tiny)))
-    keys = np.floor(features / _ALIKE + _OFFSET).astype(np.int64)
-    _, index, counts = np.unique((keys[0] * _KEYS + keys[1]) * _KEYS + keys[2], return_inverse=True, return_counts=True)
-    return counts[index].astype(np.float64)
-
-
-def _sum_full(labels: list[IntArray], full: Mask, weight: Array, count: int) -> Array:
-    """Return the weights of the dual cells inside each patch; one whose corners differ counts by quarters."""
-    one = (labels[0] == labels[2]) & (labels[1] == labels[3]) & (labels[0] == labels[1])
-    alike, mixed = full & one, full & ~one
-    sums = np.bincount(labels[0][alike], weights=weight[alike], minlength=count + 1)
-    for corner in labels if mixed.any() else ():
-        sums = sums + np.bincount(corner[mixed], weights=0.25 * weight[mixed], minlength=count + 1)
-    return sums.astype(np.float64)
+    highest = highest / np.maximum(highest.max(initial=0.0), np.finfo(float).tiny)
+    first, second, third = (np.floor(part / _ALIKE + _OFFSET) for part in (parts, chords, highest))
+    keys = (first * _KEYS + second) * _KEYS + third
+    order = np.argsort(keys)
+    ends = np.flatnonzero(np.diff(keys[order], append=np.inf)) + 1
+    counts = np.diff(ends, prepend=0)
+    alike = np.empty(keys.size)
+    alike[order] = np.repeat(counts, counts)
+    return alike
 
 
 def outline(solution: ContactSolution) -> Array:
     """Return the edge of the contact as straight pieces, for a figure: their ends (x, y), shape (n, 2, 2), m."""
-    dual = _find_dual_cells(solution, 1)
-    inside = dual.count_inside(solution.contact)
-    chosen = np.flatnonzero((inside > 0) & (inside < 4))
-    k, size = dual.cells(chosen), solution.grid.spacing
+    dual = find_dual_cells(solution, 1)
+    i, j = dual.find_edge(solution.contact)
+    k, size = dual.corners(i, j), solution.grid.spacing
     touching = solution.contact.ravel()[k]
     crossing = find_crossings(_find_distances(solution, k, touching, size))
-    first = np.stack(np.divmod(chosen, dual.shape[1]), axis=-1) - dual.before
+    first = np.stack((i, j), axis=-1) - dual.before
     which, ends = find_segments(crossing, touching)
     origin = np.array((solution.grid.x[0, 0], solution.grid.y[0, 0]))
     return np.asarray(origin + (first[which][:, np.newaxis] + ends) * size)
-
-
-def _find_dual_cells(solution: ContactSolution, stride: int) -> _DualCells:
-    if solution.boundary is not Boundary.FREE:
-        nx, ny = solution.grid.shape
-        return _DualCells(stride, 0, "wrap", (np.ones(nx), np.ones(ny)))
-    weights = []
-    for n in solution.grid.shape:
-        # The domain ends half a cell beyond the outermost centres.
-        first = np.arange(-stride, n)
-        inside = np.minimum(first + stride, n - 0.5) - np.maximum(first, -0.5)
-        weights.append(np.clip(inside, 0.0, stride) / stride)
-    return _DualCells(stride, stride, "edge", (weights[0], weights[1]))
 
 
 def find_modulus_change(solution: ContactSolution) -> float:
@@ -217,11 +158,11 @@ def find_modulus_change(solution: ContactSolution) -> float:
 def _find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: tuple[float, float]) -> Corners:
     """Return the signed distance from the edge at the corners `k` of dual cells, shape (4, n), m."""
     step = np.sqrt(size[0] * size[1])
-    inside = np.square(
-        solution.pressure.ravel()[k] / solution.effective_modulus(1.0 / (calibration.EDGE_LENGTH * step))
-    )
+    modulus = solution.effective_modulus(1.0 / (calibration.EDGE_LENGTH * step))
+    inside = np.square(solution.pressure.ravel().take(k) / modulus)
     outside = np.zeros_like(inside)
-    outside[~contact] = np.cbrt(np.square(0.75 * np.maximum(solution.gap.ravel()[k[~contact]], 0.0)))
+    open_ = np.flatnonzero(~contact)
+    outside.ravel()[open_] = np.cbrt(np.square(0.75 * np.maximum(solution.gap.ravel().take(k.ravel()[open_]), 0.0)))
     ax, ay = _differentiate(inside, size)
     bx, by = _differentiate(outside, size)
     # |grad phi|^2 is a cubic in w = y^2.
@@ -250,13 +191,13 @@ def _differentiate(values: Corners, size: tuple[float, float]) -> tuple[Array, A
 
 def _find_root(cubic: Array, square: Array, linear: Array, highest: Array, value: float = 1.0) -> Array:
     """Return w in [0, highest] where the polynomial reaches a value, by Newton's method."""
-    with np.errstate(divide="ignore"):
-        # Where no coefficient is negative, each term alone gives an upper bound, from which the steps descend.
-        w = np.minimum(np.minimum(np.cbrt(value / cubic), value / linear), highest)
-    for _ in range(_NEWTON):
-        excess, slope = ((cubic * w + square) * w + linear) * w - value, (3.0 * cubic * w + 2.0 * square) * w + linear
-        w = w - np.divide(excess, slope, out=np.full_like(w, np.nan), where=slope != 0.0)
-    wild = (square < 0.0) | ~(w >= 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Each term alone reaches the value at the inverse of one of these; all together near that of their norm.
+        w = 1.0 / np.sqrt(np.cbrt(cubic / value) ** 2 + square / value + (linear / value) ** 2)
+        for _ in range(_NEWTON):
+            excess = ((cubic * w + square) * w + linear) * w - value
+            w = w - excess / ((3.0 * cubic * w + 2.0 * square) * w + linear)
+    wild = (square < 0.0) | ~((w >= 0.0) & (w < np.inf))
     if wild.any():
         w[wild] = _find_bracketed_root(cubic[wild], square[wild], linear[wild], highest[wild], value)
     return w

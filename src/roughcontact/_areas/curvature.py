@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from roughcontact._areas.cells import extend, grow
+from roughcontact._areas.cells import Surroundings, grow, split
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array, IntArray, Mask
 from roughcontact.grid import Boundary
@@ -82,7 +82,7 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float]:
     chosen = chosen[:: max(1, chosen.size // _SAMPLE)]
     if chosen.size == 0:
         return 0.0, 0.0
-    lines = _gather_lines(solution, chosen, 2)[:2]
+    lines = _gather_lines(solution, chosen, 2, 2)
     bends = [pairs[0] - 2.0 * here for here, pairs in lines]
     fourth = sum(float(np.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2)) for here, pairs in lines)
     second = sum(float(np.mean(bend**2)) for bend in bends)
@@ -95,10 +95,10 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float]:
 
 def _find_inner(solution: ContactSolution, chosen: IntArray) -> Mask:
     """Return which cells have neighbours in contact on all four sides."""
-    (nx, ny), contact = solution.grid.shape, solution.contact
-    i, j = np.divmod(chosen, ny)
-    sides = (((i + 1) % nx, j), (i - 1, j), (i, (j + 1) % ny), (i, j - 1))
-    return np.asarray(np.logical_and.reduce([contact[side] for side in sides]))
+    (nx, ny), contact = solution.grid.shape, solution.contact.ravel()
+    # The outermost cells of any domain have neighbours beyond its border.
+    near = Surroundings.of(*split(chosen, ny), (nx, ny), Boundary.PERIODIC, 1)
+    return np.asarray(np.logical_and.reduce([contact[near.at(*step)] for step in ((1, 0), (-1, 0), (0, 1), (0, -1))]))
 
 
 def _average(hessian: list[Array], label: IntArray, weights: Array, count: int) -> tuple[Array, Array]:
@@ -129,24 +129,28 @@ def _find_hessian(solution: ContactSolution, chosen: IntArray) -> tuple[Array, A
     dx, dy = solution.grid.spacing
     along_x, along_y, rising, falling = (
         _SECOND[0] * here + sum(factor * pair for factor, pair in zip(_SECOND[1:], pairs, strict=True))
-        for here, pairs in _gather_lines(solution, chosen)
+        for here, pairs in _gather_lines(solution, chosen, _REACH, 4)
     )
     # Second differences along both diagonals differ by four mixed ones.
     return along_x / dx**2, along_y / dy**2, (rising - falling) / (4.0 * dx * dy)
 
 
-def _gather_lines(solution: ContactSolution, chosen: IntArray, reach: int = _REACH) -> list[tuple[Array, list[Array]]]:
-    """Return the gap at cells, with the sums of both neighbours at each distance, along x, y and both diagonals."""
+def _gather_lines(
+    solution: ContactSolution, chosen: IntArray, reach: int, lines: int
+) -> list[tuple[Array, list[Array]]]:
+    """Return the gap at cells, with the sums of both neighbours at each distance, along x, y and both diagonals.
+
+    Only for the first so many of these lines.
+    """
     nx, ny = solution.grid.shape
-    i, j = np.divmod(chosen, ny)
+    i, j = split(chosen, ny)
     if solution.boundary is Boundary.FREE:
         # At a free border the stencil is moved inside.
         i, j = (np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k for k, n in ((i, nx), (j, ny)))
-    heights = extend(solution.initial_gap, reach, solution.boundary)
-    width = ny + 2 * reach
-    at = (i + reach) * width + (j + reach)
-    here = heights.take(at)
+    near = Surroundings.of(i, j, solution.grid.shape, solution.boundary, reach)
+    heights = solution.initial_gap.ravel()
+    here, steps = heights.take(near.at(0, 0)), range(1, reach + 1)
     return [
-        (here, [heights.take(at + k * step) + heights.take(at - k * step) for k in range(1, reach + 1)])
-        for step in (width, 1, width + 1, width - 1)
+        (here, [heights.take(near.at(k * a, k * b)) + heights.take(near.at(-k * a, -k * b)) for k in steps])
+        for a, b in ((1, 0), (0, 1), (1, 1), (1, -1))[:lines]
     ]

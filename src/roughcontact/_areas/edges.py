@@ -61,7 +61,8 @@ class TracedEdges:
     saturated
         Standard deviation where the pressure reaches its limit near the edge, m2.
     unseen
-        Standard deviation for summits between the grid points beside patches of few cells, m2.
+        Standard deviation for summits between the grid points beside patches of few cells, and where edges meet
+        non-measured points, m2.
     width
         Cells of a disc as wide as each patch.
     roundness
@@ -128,10 +129,11 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     width = _measure_width(fine, one.length, cell, counted)
     small = 1.0 + (calibration.SMALL_PATCH / width) ** 2
     narrow = np.where(width < _SLENDER * counted, width, counted) < _FEW
+    meeting = cell * one.meeting
     few = calibration.FLUCTUATION * ratio * fine / counted**1.5
     return TracedEdges(
-        area=fine,
-        refined=(4.0 * fine - coarse) / 3.0,
+        area=np.maximum(fine - calibration.NON_MEASURED * meeting, 0.0),
+        refined=(4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED * meeting,
         length=one.length,
         sharp=one.sharp,
         std=np.hypot(std * (small + _STAIRS * one.sharp), few),
@@ -141,7 +143,7 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         excess=np.minimum(calibration.EXCESS * ratio * strip, _LARGEST_EXCESS * fine),
         excess_refined=np.minimum(calibration.EXCESS_REFINED * ratio**2 * strip, _LARGEST_EXCESS * fine),
         saturated=calibration.SATURATED * _saturated_weight(solution) * strip,
-        unseen=np.where(narrow, calibration.UNSEEN * ratio**2 * fine, 0.0),
+        unseen=np.where(narrow, calibration.UNSEEN * ratio**2 * fine, 0.0) + calibration.NON_MEASURED_STD * meeting,
         width=width,
         roundness=_measure_roundness(width, counted),
         border=_border_std(solution) * cell,
@@ -196,5 +198,8 @@ def _border_std(solution: ContactSolution) -> float:
 def _saturated_weight(solution: ContactSolution) -> Array:
     """Return the weight of the saturated error in each patch, shape (count + 1,): one from half its cells saturated."""
     patches = solution.patches
-    saturated = np.bincount(patches.labels[solution.saturated], minlength=patches.count + 1)
+    if not solution.capped:
+        return np.zeros(patches.count + 1)
+    saturated = patches.member_labels[solution.saturated.ravel()[patches.members]]
+    saturated = np.bincount(saturated, minlength=patches.count + 1)
     return np.minimum(2.0 * saturated / np.concatenate(([1], patches.cells)), 1.0)

@@ -12,8 +12,8 @@ from roughcontact.checks import Array
 
 # Ratio of the axes up to which contacts are tabulated, and the number of ratios.
 _LONGEST, _ENTRIES = 12.0, 400
-# Radii of the points for a flat punch, and angles of all, which are symmetric as the grid is.
-_RADII, _ANGLES = 2, 8
+# Angles of the points, which are symmetric as the grid is.
+_ANGLES = 8
 
 
 def find_area_factor(ratio: Array) -> Array:
@@ -58,19 +58,18 @@ def _tabulate() -> tuple[Array, Array, Array]:
 @lru_cache(maxsize=1)
 def points_of_hertz() -> tuple[Array, Array, Array]:
     """Return points in the unit circle and their weights for a mean by Hertz's pressure, exact to degree 5."""
-    # The means of r^2 and r^4 over the pressure are 2/5 and 8/35.
-    angles = np.arange(_ANGLES) * (2.0 * np.pi / _ANGLES)
-    radius = math.sqrt(4.0 / 7.0)
-    x, y = radius * np.cos(angles), radius * np.sin(angles)
-    return np.append(x, 0.0), np.append(y, 0.0), np.append(np.full(_ANGLES, 0.7 / _ANGLES), 0.3)
+    return _place_points(2.0 / 5.0, 8.0 / 35.0)
 
 
 @lru_cache(maxsize=1)
 def points_of_punch() -> tuple[Array, Array, Array]:
     """Return points in the unit circle and their weights for a mean by a flat punch's pressure, exact to degree 5."""
-    # In the square s of the radius the pressure is proportional to 1 / sqrt(1 - s).
-    nodes, weights = special.roots_jacobi(_RADII, -0.5, 0.0)
-    radii = np.sqrt(0.5 * (nodes + 1.0))[:, np.newaxis]
+    return _place_points(2.0 / 3.0, 8.0 / 15.0)
+
+
+def _place_points(square: float, fourth: float) -> tuple[Array, Array, Array]:
+    """Return points and weights for a pressure over which the means of r^2 and r^4 are these."""
     angles = np.arange(_ANGLES) * (2.0 * np.pi / _ANGLES)
-    spread = np.repeat(weights / weights.sum(), _ANGLES) / _ANGLES
-    return (radii * np.cos(angles)).ravel(), (radii * np.sin(angles)).ravel(), spread
+    radius, around = math.sqrt(fourth / square), square**2 / fourth
+    weights = np.append(np.full(_ANGLES, around / _ANGLES), 1.0 - around)
+    return np.append(radius * np.cos(angles), 0.0), np.append(radius * np.sin(angles), 0.0), weights

@@ -151,7 +151,7 @@ class Hertz(AreaEstimator):
         valid = np.isfinite(summits.error)
         values = np.where(valid, summits.area, edges.area)
         stds = np.minimum(summits.error, 1.0) * summits.area
-        stds = np.where(valid, stds, np.maximum(edges.std, 0.5 * edges.area))
+        stds = np.where(valid, np.hypot(stds, summits.tip * summits.area), np.maximum(edges.std, 0.5 * edges.area))
         common = summits.common_std(np.where(valid, values, 0.0))
         return total_area(solution, values, stds, common, edges, "hertz")
 
@@ -190,6 +190,7 @@ class Blend(AreaEstimator):
         hertzian = weight * summits.area
         values = hertzian + (1.0 - weight) * traced
         stds = np.hypot(weight * hertz_std, (1.0 - weight) * traced_std * np.sqrt(edges.alike))
+        stds = np.hypot(stds, summits.tip * hertzian)
         common = edges.common_std(excess, 1.0 - weight) + summits.common_std(hertzian)
         return total_area(solution, values, stds, common, edges, "blend")
 

@@ -19,7 +19,7 @@ _SAME = 1e-6
 
 @attrs.frozen(eq=False)
 class FarField:
-    """Slope, shape (2, count), and xx, yy and xy curvature, shape (3, count), 1/m, of the displacement by others."""
+    """Slope, shape (2, count), and xx, xy and yy curvature, shape (3, count), 1/m, of the displacement by others."""
 
     slope: Array
     curvature: Array
@@ -40,34 +40,57 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
     forces, count = solution.patches.forces, x.size
     if solution.moduli is not None or count == 0:
         return FarField.zero(count)
-    one, other, dx, dy, radius = _pair(solution, x, y)
-    r = np.hypot(dx, dy)
-    load = forces[other] / (np.pi * solution.modulus)
-    parts = (-dx / r**3, -dy / r**3, 3 * dx**2 / r**5 - 1 / r**3, 3 * dy**2 / r**5 - 1 / r**3, 3 * dx * dy / r**5)
-    sums = np.stack([np.bincount(one, load * part, minlength=count).astype(np.float64) for part in parts])
+    radius = math.sqrt(_NEAR * solution.grid.area / (np.pi * count))
+    one, other, dx, dy = _pair(solution, x, y, radius)
+    square = dx * dx + dy * dy
+    cube = 1.0 / (np.pi * solution.modulus * square * np.sqrt(square))
+    parts = (-dx, -dy, 3.0 * dx * dx / square - 1.0, 3.0 * dx * dy / square, 3.0 * dy * dy / square - 1.0)
+    sums = np.zeros((len(parts), count))
+    # Each pair counts from both sides; from the other one the slope has the opposite sign.
+    for here, there, sign in ((one, other, 1.0), (other, one, -1.0)):
+        load = forces[there] * cube
+        for k, part in enumerate(parts):
+            sums[k] += np.bincount(here, load * part, minlength=count) * (sign if k < 2 else 1.0)
     if solution.boundary is Boundary.PERIODIC:
         # A uniform pressure outside of a circle bends the surface alike in all directions.
-        sums[2:4] += solution.mean_pressure / (radius * solution.modulus)
+        sums[2::2] += solution.mean_pressure / (radius * solution.modulus)
     return FarField(sums[:2], sums[2:])
 
 
-def _pair(solution: ContactSolution, x: Array, y: Array) -> tuple[IntArray, IntArray, Array, Array, float]:
-    """Return the contacts and those near them, with periodic images: both numbers, dx and dy, m, and the radius."""
+def _pair(solution: ContactSolution, x: Array, y: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
+    """Return the pairs of contacts within a radius, with periodic images: both numbers, dx and dy, m."""
     from scipy.spatial import cKDTree
 
-    size = np.array(solution.grid.size)
-    points = np.stack((x, y), axis=1)
-    radius = math.sqrt(_NEAR * solution.grid.area / (np.pi * x.size))
-    places, numbers = points, np.arange(x.size)
-    if solution.boundary is Boundary.PERIODIC:
+    size, points = np.array(solution.grid.size), np.stack((x, y), axis=1)
+    periodic = solution.boundary is Boundary.PERIODIC
+    if periodic:
         points = points % size
-        reach = [range(-math.ceil(radius / side), math.ceil(radius / side) + 1) for side in size]
-        shifts = size * np.array([(i, j) for i in reach[0] for j in reach[1]])
-        places = (points + shifts[:, np.newaxis]).reshape(-1, 2)
-        numbers = np.tile(numbers, len(shifts))
-        near = ((places >= -radius) & (places <= size + radius)).all(axis=1)
-        places, numbers = places[near], numbers[near]
-    pairs = cKDTree(points).sparse_distance_matrix(cKDTree(places), radius, output_type="ndarray")
+        # Rounding may leave the size itself.
+        points = np.where(points < size, points, 0.0)
+    if periodic and 2.0 * radius >= size.min():
+        return _pair_images(points, size, radius)
+    pairs = cKDTree(points, boxsize=size if periodic else None).query_pairs(radius, output_type="ndarray")
+    one, other = np.ascontiguousarray(pairs.T)
+    dx, dy = (at[one] - at[other] for at in np.ascontiguousarray(points.T))
+    if periodic:
+        dx, dy = (step - side * np.round(step / side) for step, side in zip((dx, dy), size, strict=True))
+    apart = np.maximum(np.abs(dx), np.abs(dy)) > _SAME * radius
+    return (one, other, dx, dy) if apart.all() else (one[apart], other[apart], dx[apart], dy[apart])
+
+
+def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
+    """Return the same for the few contacts of a small domain, which may have several images within the radius."""
+    from scipy.spatial import cKDTree
+
+    reach = [range(-math.ceil(radius / side), math.ceil(radius / side) + 1) for side in size]
+    shifts = size * np.array([(i, j) for i in reach[0] for j in reach[1]])
+    places = (points + shifts[:, np.newaxis]).reshape(-1, 2)
+    near = np.flatnonzero(((places >= -radius) & (places <= size + radius)).all(axis=1))
+    pairs = cKDTree(points).sparse_distance_matrix(cKDTree(places[near]), radius, output_type="ndarray")
     pairs = pairs[pairs["v"] > _SAME * radius]
-    step = points[pairs["i"]] - places[pairs["j"]]
-    return pairs["i"], numbers[pairs["j"]], step[:, 0], step[:, 1], radius
+    one, image = pairs["i"], near[pairs["j"]]
+    other, shift = image % len(points), image // len(points)
+    # Once each: of a contact's own images those on one side.
+    once = (one < other) | ((one == other) & (shift > len(shifts) // 2))
+    step = (points[one] - places[image])[once]
+    return one[once], other[once], step[:, 0], step[:, 1]

@@ -25,11 +25,13 @@ class HertzAreas:
     """Areas of the patches after Hertz, shape (count + 1,), m2, their relative standard deviations, and their origin.
 
     The first entry stands for the contacts at summits that have no cell. Where a patch has no summit the area is
-    zero and the error infinite.
+    zero and the error infinite. `tip` is a further standard deviation, for summits sharper than the cells show: no
+    estimate tells more of them.
     """
 
     area: Array
     error: Array
+    tip: Array
     summits: Summits
     sharing: Sharing
 
@@ -70,6 +72,7 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     return HertzAreas(
         np.concatenate(([hidden if np.isfinite(hidden) else 0.0], np.where(known, area, 0.0))),
         np.concatenate(([calibration.HIDDEN], np.where(known, error, np.inf))),
+        np.concatenate(([0.0], _find_tip_error(solution))),
         summits,
         sharing,
     )
@@ -80,6 +83,31 @@ def _find_uneven_deficit(spread: Array) -> Array:
     first, even, large = calibration.HERTZ_DEFICIT
     square = spread**2
     return np.asarray(first * square**2 / ((even + square) * (1.0 + large * square)))
+
+
+def _find_tip_error(solution: ContactSolution) -> Array:
+    """Return the relative standard deviation for tips between the cell centres, shape (count,)."""
+    patches, gap, (nx, ny) = solution.patches, solution.initial_gap, solution.grid.shape
+    members = np.flatnonzero(np.concatenate(([False], patches.cells <= calibration.TIP_CELLS))[patches.labels])
+    label = patches.labels.ravel()[members] - 1
+    order = np.lexsort((gap.ravel()[members], label))
+    lowest = order[np.flatnonzero(np.diff(label[order], prepend=-1))]
+    i, j = np.divmod(members[lowest], ny)
+
+    def curvature(step: int) -> Array:
+        ends = gap[(i + step) % nx, j], gap[(i - step) % nx, j], gap[i, (j + step) % ny], gap[i, (j - step) % ny]
+        dx, dy = (step * length for length in solution.grid.spacing)
+        sums = ends[0] + ends[1], ends[2] + ends[3]
+        return np.asarray((sums[0] - 2.0 * gap[i, j]) / dx**2 + (sums[1] - 2.0 * gap[i, j]) / dy**2)
+
+    near, far = curvature(1), curvature(2)
+    rounded = (near > 0.0) & (far > 0.0)
+    sharpness = np.log(np.where(rounded, near, 1.0) / np.where(rounded, far, 1.0))
+    first, most = calibration.TIP
+    error = np.zeros(patches.count)
+    known = rounded & np.isfinite(sharpness)
+    error[label[lowest]] = np.where(known, np.minimum(first * sharpness**4, most), most)
+    return error
 
 
 def _plastic_growth(solution: ContactSolution, force: Array, area: Array) -> Array:

@@ -15,14 +15,28 @@ from roughcontact.checks import Array, IntArray, Mask
 
 Corners: TypeAlias = npt.NDArray[np.float64]
 
+# Whether each corner is in contact, shape (4, 16), in the 16 kinds of dual cells: kind k has the bits of k.
+_KINDS = (np.arange(16) >> np.arange(4)[:, np.newaxis] & 1).astype(bool)
+# Number of corners in contact of each kind, as a floating-point number.
+INSIDE = _KINDS.sum(axis=0).astype(np.float64)
+_TWO, _THREE = INSIDE == 2, INSIDE == 3
+_DIAGONAL = (_KINDS[0] == _KINDS[2]) & (_KINDS[1] == _KINDS[3]) & _TWO
+# The corner to begin at: the one that is unlike the others, or the first of two in contact.
+_ODD = np.where(_THREE, ~_KINDS, _KINDS)
+_BEGIN = np.where(_ODD[0] & _ODD[3] & _TWO, 3, np.argmax(_ODD, axis=0))
+_EULER = np.select([INSIDE == 1, _THREE, _DIAGONAL], [0.25, -0.25, -0.5], 0.0)
+
+
+def find_kinds(contact: Mask) -> npt.NDArray[np.uint8]:
+    """Return the kind of each dual cell, shape (n,), of the contact at its corners."""
+    bits = contact.view(np.uint8)
+    return np.asarray(bits[0] | bits[1] << 1 | bits[2] << 2 | bits[3] << 3)
+
 
 def find_crossings(distance: Corners) -> Corners:
     """Return where the edge crosses each side, as a fraction of the side from its first corner."""
-    following = np.roll(distance, -1, axis=0)
-    with np.errstate(invalid="ignore"):
-        crossing = np.abs(distance) / (np.abs(distance) + np.abs(following))
-    np.copyto(crossing, 0.5, where=np.isnan(crossing))
-    return np.asarray(crossing)
+    away = np.abs(distance)
+    return _divide(away, away[[1, 2, 3, 0]])
 
 
 def find_segments(crossing: Corners, contact: Mask) -> tuple[IntArray, Array]:
@@ -36,30 +50,33 @@ def find_segments(crossing: Corners, contact: Mask) -> tuple[IntArray, Array]:
 
 
 def measure_polygons(
-    distance: Corners, contact: Mask, inside: npt.NDArray[np.uint8], size: tuple[float, float]
+    distance: Corners, contact: Mask, kind: npt.NDArray[np.uint8], size: tuple[float, float]
 ) -> tuple[Array, Array, Array]:
     """Return the area inside (m2), the length (m) and the Euler number of the edge in each dual cell."""
-    crossing = find_crossings(distance)
-    diagonal = (contact[0] == contact[2]) & (contact[1] == contact[3])
-    # Begin at the odd corner, or at the first of two that are inside.
-    odd = np.where(inside == 3, ~contact, contact)
-    first = np.where(odd[0] & odd[3] & (inside == 2), 3, np.argmax(odd, axis=0))
-    columns = np.arange(first.size)
-    before, here, after = (crossing[(first + step) % 4, columns] for step in (-1, 0, 1))
-    along = np.where(first % 2 == 0, size[0], size[1])
-    across = size[0] * size[1] / along
-    triangle = 0.5 * (1.0 - before) * here
-    area = np.select([inside == 1, inside == 3], [triangle, 1.0 - triangle], 0.5 * (1.0 - before + after))
-    pair = inside == 2
-    chord = np.hypot(
-        np.where(pair, along, here * along), np.where(pair, (after + before - 1.0) * across, (1.0 - before) * across)
-    )
+    away, columns, n = np.abs(distance).ravel(), np.arange(kind.size), kind.size
+    kind = kind.astype(np.intp)
+    # Distances at the corner to begin at, the one before it and both behind it.
+    before, here, after, last = (away.take((_BEGIN + step & 3).take(kind) * n + columns) for step in (-1, 0, 1, 2))
+    rest, middle, end = _divide(here, before), _divide(here, after), _divide(after, last)
+    even = _BEGIN % 2 == 0
+    along, across = (np.where(even, *sides).take(kind) for sides in (size, size[::-1]))
+    pair, triangle = _TWO.take(kind), 0.5 * rest * middle
+    chord = np.hypot(np.where(pair, 1.0, middle) * along, np.where(pair, end - rest, rest) * across)
+    area = np.where(pair, 0.5 * (rest + end), np.where(_THREE.take(kind), 1.0 - triangle, triangle))
     area *= size[0] * size[1]
-    euler = np.select([inside == 1, inside == 3, diagonal], [0.25, -0.25, -0.5], 0.0)
-    if diagonal.any():
-        parts = (distance[:, diagonal], contact[:, diagonal], crossing[:, diagonal])
-        area[diagonal], chord[diagonal] = _measure_saddles(*parts, size)
-    return area, chord, euler
+    diagonal = np.flatnonzero(_DIAGONAL.take(kind))
+    if diagonal.size:
+        saddles = distance[:, diagonal]
+        area[diagonal], chord[diagonal] = _measure_saddles(saddles, contact[:, diagonal], find_crossings(saddles), size)
+    return area, chord, _EULER.take(kind)
+
+
+def _divide(one: Array, other: Array) -> Array:
+    """Return the part of a side from one corner to the edge, of the distances of both of its corners from the edge."""
+    with np.errstate(invalid="ignore"):
+        part = one / (one + other)
+    np.copyto(part, 0.5, where=np.isnan(part))
+    return np.asarray(part)
 
 
 def _measure_saddles(

@@ -19,7 +19,7 @@ import attrs
 import numpy as np
 
 from roughcontact._areas import calibration
-from roughcontact._areas.cells import grow
+from roughcontact._areas.cells import Surroundings, grow, split
 from roughcontact._areas.ellipse import find_axes_ratio, find_depth, points_of_punch
 from roughcontact._areas.spline import Spline
 from roughcontact._areas.summits import SLENDEREST, Summits, solve_for_area, unwrap
@@ -80,9 +80,9 @@ def share_load(solution: ContactSolution, summits: Summits, spline: Spline) -> S
 
     def loads(shift: float) -> tuple[Array, Array]:
         # A paraboloid's load grows as depth^(3/2); a large patch is stiff as a flat punch of its area.
-        small = patches.forces * np.maximum(1.0 + (excess + shift) / (1.5 * flat), 0.0) ** 1.5
+        small = patches.forces * _grow(1.0 + (excess + shift) / (1.5 * flat))
         large = np.maximum(patches.forces + stiffness * (excess + shift), 0.0)
-        return np.where(even, small, large), (np.maximum(depth + shift, 0.0) / unit_depth) ** 1.5
+        return np.where(even, small, large), _grow((depth + shift) / unit_depth)
 
     def surplus(shift: float) -> float:
         return float(sum(part.sum() for part in loads(shift)) - patches.forces.sum())
@@ -98,10 +98,19 @@ def share_load(solution: ContactSolution, summits: Summits, spline: Spline) -> S
     return Sharing(factor, error, unit_area[hidden > 0.0] * hidden[hidden > 0.0] ** (2.0 / 3.0))
 
 
+def _grow(depth: Array) -> Array:
+    """Return depth^(3/2), zero for negative depths; faster than the power."""
+    positive = np.maximum(depth, 0.0)
+    return np.asarray(positive * np.sqrt(positive))
+
+
 def _find_saturated(solution: ContactSolution) -> Mask:
     """Mark the patches with saturated cells, shape (count,)."""
-    labels = solution.patches.labels[solution.saturated & solution.contact]
-    return np.bincount(labels, minlength=solution.patches.count + 1)[1:] > 0
+    patches = solution.patches
+    if not solution.capped:
+        return np.zeros(patches.count, dtype=bool)
+    saturated = patches.member_labels[solution.saturated.ravel()[patches.members]]
+    return np.bincount(saturated, minlength=patches.count + 1)[1:] > 0
 
 
 def _find_excess(solution: ContactSolution, summits: Summits, spline: Spline, chosen: Mask) -> Array:
@@ -109,25 +118,25 @@ def _find_excess(solution: ContactSolution, summits: Summits, spline: Spline, ch
     (dx, dy), far = solution.grid.spacing, summits.far
     u, v, flat = points_of_punch()
     x, y = summits.place(u, v)
-    gap = spline.values(summits.row[:, np.newaxis] + x / dx, summits.column[:, np.newaxis] + y / dy) @ flat
+    gap = spline.derivatives(summits.row[:, np.newaxis] + x / dx, summits.column[:, np.newaxis] + y / dy, 0)[0] @ flat
     moments, displaced = _average_cells(solution, summits, chosen)
-    squares = np.stack([(part * flat).sum(axis=1) for part in (x * x, y * y, x * y)])
+    squares = np.stack([(part * flat).sum(axis=1) for part in (x * x, x * y, y * y)])
     # From the mean over the cells, weighted by their pressure, to that of the flat punch around the centre.
     step = np.sum(far.slope * -moments[:2], axis=0)
     bend = far.curvature * (squares - moments[2:])
-    return np.asarray(solution.approach - gap - displaced - step - 0.5 * (bend[0] + bend[1]) - bend[2])
+    return np.asarray(solution.approach - gap - displaced - step - 0.5 * (bend[0] + bend[2]) - bend[1])
 
 
 def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) -> tuple[Array, Array]:
     """Return means over the cells of chosen patches, weighted by their pressure, shapes (5, count) and (count,).
 
-    They are x, y, x^2, y^2 and x y from the centre of the patch, m and m2, and the displacement by the others, m.
+    They are x, y, x^2, x y and y^2 from the centre of the patch, m and m2, and the displacement by the others, m.
     """
     patches, (nx, ny) = solution.patches, solution.grid.shape
-    members = np.flatnonzero(np.concatenate(([False], chosen))[patches.labels])
-    label = patches.labels.ravel()[members] - 1
-    order = np.argsort(label, kind="stable")
-    members, label = members[order], label[order]
+    label = patches.member_labels - 1
+    which = np.flatnonzero(chosen[label])
+    which = which[np.argsort(label[which], kind="stable")]
+    members, label = patches.members[which], label[which]
     i, j = np.divmod(members, ny)
     x = unwrap(i - summits.row[label], nx, solution.boundary) * solution.grid.spacing[0]
     y = unwrap(j - summits.column[label], ny, solution.boundary) * solution.grid.spacing[1]
@@ -142,10 +151,11 @@ def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) ->
     # A patch across the border is one piece.
     di = np.abs(unwrap(i[one] - i[other], nx, solution.boundary)).astype(np.intp)
     dj = np.abs(unwrap(j[one] - j[other], ny, solution.boundary)).astype(np.intp)
-    love = Love().coefficients((_LARGEST, _LARGEST), solution.grid.spacing, 1.0 / solution.modulus)
+    reach = int(di.max()) + 1, int(dj.max()) + 1
+    love = Love().coefficients(reach, solution.grid.spacing, 1.0 / solution.modulus)
     own = mean(love[di, dj] * pressure[one] * pressure[other], label[one])
     displaced = mean(pressure * solution.displacement.ravel()[members]) - own
-    return np.stack([mean(pressure * part) for part in (x, y, x * x, y * y, x * y)]), displaced
+    return np.stack([mean(pressure * part) for part in (x, y, x * x, x * y, y * y)]), displaced
 
 
 def _pair_cells(label: IntArray) -> tuple[IntArray, IntArray]:
@@ -159,6 +169,8 @@ def _pair_cells(label: IntArray) -> tuple[IntArray, IntArray]:
 def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> tuple[Array, Array, Array]:
     """Return summits between open cells: how far they would overlap, m, and the approach, m, and area, m2, of 1 N."""
     chosen = _find_low_cells(solution, sharpest)
+    if chosen.size == 0:
+        return np.zeros(0), np.ones(0), np.zeros(0)
     ny, (dx, dy) = solution.grid.shape[1], solution.grid.spacing
     i, j = np.divmod(chosen, ny)
     nx, u = solution.grid.shape[0], solution.displacement
@@ -166,14 +178,14 @@ def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> 
     along_y = (u[i, (j + 1) % ny] - u[i, j - 1]) / (2.0 * dy)
     x, y = np.zeros(i.size), np.zeros(i.size)
     for _ in range(_STEPS):
-        _, gx, gy, xx, yy, xy = spline.derivatives(i + x / dx, j + y / dy)
+        gx, gy, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 1, 2)
         determinant = xx * yy - xy**2
         summit = (determinant > 0.0) & (xx + yy > 0.0)
         determinant = np.where(summit, determinant, 1.0)
         gx, gy = gx + along_x, gy + along_y
         x = np.where(summit, np.clip(x - (yy * gx - xy * gy) / determinant, -dx, dx), x)
         y = np.where(summit, np.clip(y - (xx * gy - xy * gx) / determinant, -dy, dy), y)
-    value, _, _, xx, yy, xy = spline.derivatives(i + x / dx, j + y / dy)
+    value, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 0, 2)
     middle, difference = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
     summit = middle - difference > SLENDEREST * (middle + difference)
     overlap = solution.approach - value - solution.displacement.ravel()[chosen] - along_x * x - along_y * y
@@ -196,11 +208,13 @@ def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
         low[:2] = low[-2:] = False
         low[:, :2] = low[:, -2:] = False
     chosen = np.flatnonzero(low)
-    i, j = np.divmod(chosen, ny)
-    lowest = np.ones(chosen.size, dtype=bool)
-    gap, contact = solution.gap, solution.contact
-    for di in (-1, 0, 1):
-        for dj in (-1, 0, 1):
-            beside = (i + di) % nx, (j + dj) % ny
-            lowest &= (gap[beside] >= gap.ravel()[chosen]) & ~contact[beside]
+    near = Surroundings.of(*split(chosen, ny), (nx, ny), solution.boundary, 1)
+    gap, contact = solution.gap.ravel(), solution.contact.ravel()
+    lowest, here = np.ones(chosen.size, dtype=bool), gap[chosen]
+    for i in (-1, 0, 1):
+        for j in (-1, 0, 1):
+            beside = near.at(i, j)
+            # Of equal neighbours only the first: they have the summit between them in common.
+            higher = gap[beside] > here if (i, j) < (0, 0) else gap[beside] >= here
+            lowest &= higher & ~contact[beside]
     return chosen[lowest]

@@ -9,13 +9,13 @@ import attrs
 import numpy as np
 
 from roughcontact._solution import ContactSolution
-from roughcontact.checks import Array, IntArray, Pair
+from roughcontact.checks import Array, Pair
 from roughcontact.grid import Boundary
 
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
 _DEGREE: Literal[5] = 5
-# Offsets of the centres whose B-splines cover a point.
-_OFFSETS = np.arange(-2, 4)
+# Centres before and behind a point whose B-splines cover it, the one before it included.
+_BEFORE, _BEHIND = 3, 3
 # The pieces of the quintic B-spline there, in powers of the fraction of a cell, with first and second derivatives.
 _PIECES = (
     np.array(
@@ -35,6 +35,11 @@ _PIECES = (
 _BEYOND = 8
 _SLOPES = np.pad(_PIECES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
 _BENDS = np.pad(_SLOPES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
+_FACTORS = np.concatenate((_PIECES, _SLOPES, _BENDS))
+# The B-spline at the centres from 0 to 2 cells from its own.
+_CENTRES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
+# Points at a time: their coefficients stay in a core's cache.
+_CHUNK = 1024
 
 
 @attrs.frozen(eq=False)
@@ -44,7 +49,7 @@ class Spline:
     Attributes
     ----------
     coefficients
-        Of the B-splines, shape (nx, ny).
+        Of the B-splines, with those beyond the border whose B-splines cover points inside it.
     spacing
         Distances of the centres, m.
     periodic
@@ -72,49 +77,71 @@ class Spline:
     @classmethod
     def through(cls, values: Array, spacing: Pair, boundary: Boundary) -> Spline:
         """Return the spline through values of shape (nx, ny)."""
+        ends = (_BEFORE - 1, _BEHIND)
+        if boundary is not Boundary.FREE:
+            return cls(np.pad(_solve_periodic(values), ends, mode="wrap"), spacing, True, (0, 0))
         from scipy import ndimage
 
-        periodic = boundary is not Boundary.FREE
-        reach = (0, 0) if periodic else (_count_beyond(values.shape[0]), _count_beyond(values.shape[1]))
+        reach = _count_beyond(values.shape[0]), _count_beyond(values.shape[1])
         continued = _continue(_continue(values, reach[0]).T, reach[1]).T
-        mode: Literal["grid-wrap", "mirror"] = "grid-wrap" if periodic else "mirror"
-        return cls(ndimage.spline_filter(continued, _DEGREE, np.float64, mode), spacing, periodic, reach)
+        coefficients = ndimage.spline_filter(continued, _DEGREE, np.float64, "mirror")
+        return cls(np.pad(coefficients, ends, mode="reflect"), spacing, False, reach)
 
-    def values(self, i: Array, j: Array) -> Array:
-        """Return the values at points given in cells from the first centre."""
-        (total,) = self._evaluate(i, j, ((0, 0),))
-        return total
+    def derivatives(self, i: Array, j: Array, *degrees: int) -> Array:
+        """Return derivatives at points given in cells from the first centre.
 
-    def derivatives(self, i: Array, j: Array) -> list[Array]:
-        """Return the value and the x, y, xx, yy and xy derivatives at points given in cells from the first centre."""
+        Those of degree 0 are the value, of degree 1 along x and y, of degree 2 along xx, xy and yy.
+        """
         dx, dy = self.spacing
-        orders = ((0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1))
-        return [part / (dx**m * dy**n) for part, (m, n) in zip(self._evaluate(i, j, orders), orders, strict=True)]
+        orders = [(degree - n, n) for degree in degrees for n in range(degree + 1)]
+        units = np.array([dx**m * dy**n for m, n in orders])
+        parts = self._evaluate(np.stack((i.ravel(), j.ravel())), degrees) / units[:, np.newaxis]
+        return np.asarray(parts.reshape(len(orders), *i.shape))
 
-    def _evaluate(self, i: Array, j: Array, orders: Sequence[tuple[int, int]]) -> list[Array]:
-        """Return derivatives of some orders along x and y, per cell."""
-        highest = max(max(pair) for pair in orders)
-        (rows, along_x), (columns, along_y) = (self._weigh(at, axis, highest) for axis, at in enumerate((i, j)))
-        flat, width = self.coefficients.ravel(), self.coefficients.shape[1]
-        sums = [np.zeros(i.size) for _ in orders]
-        for column, y in zip(columns, along_y, strict=True):
-            parts = np.zeros((highest + 1, i.size))
-            for row, x in zip(rows, along_x, strict=True):
-                parts += x * flat.take(row * width + column)
-            for total, (m, n) in zip(sums, orders, strict=True):
-                total += y[n] * parts[m]
-        return [total.reshape(i.shape) for total in sums]
-
-    def _weigh(self, at: Array, axis: int, highest: int) -> tuple[IntArray, Array]:
-        """Return the centres around n points along an axis, shape (6, n), and their factors, shape (6, orders, n)."""
-        at = at.ravel() + self.beyond[axis]
+    def _evaluate(self, at: Array, degrees: Sequence[int]) -> Array:
+        """Return derivatives, per cell, at points of shape (2, n)."""
+        width, flat = self.coefficients.shape[1], self.coefficients.ravel()
+        at = at + np.array(self.beyond)[:, np.newaxis]
         first = np.floor(at)
-        powers = np.vander(at - first, _DEGREE + 1, increasing=True).T
-        factors = np.stack([piece @ powers for piece in (_PIECES, _SLOPES, _BENDS)[: highest + 1]], axis=1)
-        near, n = first.astype(np.intp) + _OFFSETS[:, np.newaxis], self.coefficients.shape[axis]
-        if self.periodic:
-            return near % n, factors
-        return np.abs((near + n - 1) % max(2 * (n - 1), 1) - (n - 1)), factors
+        fraction, (i, j) = at - first, first.astype(np.intp)
+        nx, ny = (n - (_BEFORE - 1) - _BEHIND for n in self.coefficients.shape)
+        # A free domain is continued by more cells than an ellipse inside it needs.
+        cell = (i % nx) * width + j % ny if self.periodic else np.clip(i, 0, nx - 1) * width + np.clip(j, 0, ny - 1)
+        around = np.arange(_BEFORE + _BEHIND)
+        around = (around[:, np.newaxis] * width + around)[..., np.newaxis]
+        highest, sums = max(degrees), np.empty((sum(degree + 1 for degree in degrees), cell.size))
+        for begin in range(0, cell.size, _CHUNK):
+            part = slice(begin, begin + _CHUNK)
+            along_x, along_y = _weigh(fraction[:, part], highest)
+            lines = np.einsum("man,abn->mbn", along_x, flat.take(cell[part] + around))
+            row = 0
+            for degree in degrees:
+                rows = slice(row, row + degree + 1)
+                np.einsum("kbn,kbn->kn", lines[degree::-1], along_y[: degree + 1], out=sums[rows, part])
+                row = rows.stop
+        return sums
+
+
+def _weigh(fraction: Array, highest: int) -> Array:
+    """Return the factors of the B-splines around points, shape (2, n), by derivative: (2, orders, centres, n)."""
+    powers = np.ones((_DEGREE + 1, fraction.size))
+    for degree in range(_DEGREE):
+        np.multiply(powers[degree], fraction.ravel(), out=powers[degree + 1])
+    factors = _FACTORS[: (highest + 1) * len(_PIECES)] @ powers
+    return factors.reshape(highest + 1, len(_PIECES), 2, -1).transpose(2, 0, 1, 3)
+
+
+def _solve_periodic(values: Array) -> Array:
+    """Return the coefficients of the B-splines of a spline that repeats beyond the border."""
+    from scipy import fft
+
+    (nx, ny), (own, first, second) = values.shape, _CENTRES
+    angles = 2.0 * np.pi * np.arange(nx) / nx, 2.0 * np.pi * np.arange(ny // 2 + 1) / ny
+    rows, columns = (1.0 / (own + 2.0 * first * np.cos(one) + 2.0 * second * np.cos(2.0 * one)) for one in angles)
+    spectrum = fft.rfft2(values)
+    spectrum *= rows[:, np.newaxis]
+    spectrum *= columns
+    return np.asarray(fft.irfft2(spectrum, values.shape))
 
 
 def _count_beyond(cells: int) -> int:

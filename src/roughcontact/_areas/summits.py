@@ -6,12 +6,12 @@ import attrs
 import numpy as np
 
 from roughcontact._areas import calibration
-from roughcontact._areas.cells import grow
+from roughcontact._areas.cells import grow, split
 from roughcontact._areas.ellipse import find_area_factor, find_axes_ratio, points_of_hertz
 from roughcontact._areas.far_field import FarField, find_far_field
 from roughcontact._areas.spline import Spline
 from roughcontact._solution import ContactSolution
-from roughcontact.checks import Array, Mask
+from roughcontact.checks import Array, IntArray, Mask
 from roughcontact.grid import Boundary
 
 # Smallest ratio of the principal curvatures of a summit: longer contacts are not elliptic on a rough surface.
@@ -91,44 +91,46 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
         if turn == _FAR:
             found = attrs.evolve(found, far=find_far_field(solution, found.row * dx, found.column * dy))
         x, y = found.place(u, v)
-        _, *slopes, xx, yy, xy = spline.derivatives(found.row[:, None] + x / dx, found.column[:, None] + y / dy)
-        mean = np.stack([part @ weights for part in (xx, yy, xy)])
-        variance = sum(
-            factor * ((part - middle[:, np.newaxis]) ** 2 @ weights)
-            for factor, part, middle in zip((1.0, 1.0, 2.0), (xx, yy, xy), mean, strict=True)
-        )
-        found = _fit_ellipse(solution, found, mean + found.far.curvature, variance)
-        if turn < _ROUNDS - 1:
-            slope = np.stack([part @ weights for part in slopes]) + found.far.slope
-            found = _move(found, slope, mean + found.far.curvature, (dx, dy))
+        last = turn == _ROUNDS - 1
+        degrees = (2,) if last else (2, 1)
+        parts = spline.derivatives(found.row[:, None] + x / dx, found.column[:, None] + y / dy, *degrees)
+        mean = parts @ weights
+        curvature = mean[:3] + found.far.curvature
+        found = _fit_ellipse(solution, found, curvature)
+        if not last:
+            found = _move(found, mean[3:] + found.far.slope, curvature, (dx, dy))
+    squares = (parts - mean[..., np.newaxis]) ** 2 @ weights
+    variance = squares[0] + 2.0 * squares[1] + squares[2]
+    found = attrs.evolve(found, spread=np.sqrt(variance) / found.curvature)
     return attrs.evolve(found, known=found.known & ~_near_border(solution, found) & ~_near_non_measured(solution))
 
 
 def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
     """Return the centre of the pressure of each patch, in cells, shape (count,)."""
     patches = solution.patches
-    members = np.flatnonzero(patches.labels)
-    label, weight = patches.labels.ravel()[members] - 1, solution.pressure.ravel()[members]
+    members = patches.members
+    label, weight = patches.member_labels - 1, solution.pressure.ravel()[members]
     # Around the first cell of each patch, for a patch may cross the border.
-    _, first = np.unique(label, return_index=True)
+    first = np.empty(patches.count, dtype=np.intp)
+    first[label[::-1]] = np.arange(members.size)[::-1]
     total = np.bincount(label, weights=weight, minlength=patches.count)
     centres = []
-    for at, n in zip(np.divmod(members, solution.grid.shape[1]), solution.grid.shape, strict=True):
+    for at, n in zip(split(members, solution.grid.shape[1]), solution.grid.shape, strict=True):
         origin = at[first]
         step = unwrap(at - origin[label], n, solution.boundary)
         centres.append(origin + np.bincount(label, weights=weight * step, minlength=patches.count) / total)
     return centres[0], centres[1]
 
 
-def unwrap(steps: Array, cells: int, boundary: Boundary) -> Array:
+def unwrap(steps: Array | IntArray, cells: int, boundary: Boundary) -> Array:
     """Return steps between cells along an axis, by the shorter way around a periodic or wrapped domain."""
     if boundary is Boundary.FREE:
         return np.asarray(steps, dtype=np.float64)
     return np.asarray(steps - cells * np.round(steps / cells))
 
 
-def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array, variance: Array) -> Summits:
-    xx, yy, xy = curvature
+def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) -> Summits:
+    xx, xy, yy = curvature
     middle, difference = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
     known = found.known & (middle > 0.0) & (middle - difference > SLENDEREST * (middle + difference))
     middle, difference = np.where(known, middle, 1.0), np.where(known, difference, 0.0)
@@ -141,14 +143,13 @@ def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array, va
         axes_ratio=find_axes_ratio(ratio),
         angle=0.5 * np.arctan2(2.0 * xy, xx - yy) + 0.5 * np.pi,
         curvature=middle,
-        spread=np.sqrt(variance) / middle,
         change=change,
     )
 
 
 def _move(found: Summits, slope: Array, curvature: Array, spacing: tuple[float, float]) -> Summits:
     """Move the centres to where the slopes would balance, by one semi-axis at most."""
-    xx, yy, xy = curvature
+    xx, xy, yy = curvature
     determinant = np.where(found.known, xx * yy - xy**2, 1.0)
     x, y = (
         np.where(found.known, (one * a - xy * b) / determinant, 0.0)

@@ -89,6 +89,8 @@ def cell_potential(i: Array, j: Array, aspect: float) -> Array:
     aspect
         Longer side, along x; the shorter, along y, is one.
     """
+    if i[-1] * aspect <= _NEAR and j[-1] <= _NEAR:
+        return _integrate_edges(i, j, aspect)
     result = _integrate_gauss(i, j, aspect, _POINTS_FAR)
     between = partial(_integrate_gauss, points=_POINTS_BETWEEN)
     for distance, integrate in ((_FAR, between), (_NEAR, _integrate_edges)):

@@ -29,6 +29,8 @@ class ContactPatches:
         Number of each cell's patch, from 1, and zero for open cells, shape `grid.shape`.
     count
         Number of patches.
+    members
+        Flat indices of the cells in contact, ascending.
     """
 
     grid: Grid
@@ -36,16 +38,17 @@ class ContactPatches:
     pressure: Array = attrs.field(converter=read_only)
     labels: IntArray = attrs.field(converter=read_only)
     count: int
+    members: IntArray = attrs.field(converter=read_only)
 
     @cached_property
     def cells(self) -> IntArray:
         """Number of cells of each patch, shape (count,)."""
-        return read_only(np.bincount(self.labels.ravel()[self._members], minlength=self.count + 1)[1:])
+        return read_only(np.bincount(self.member_labels, minlength=self.count + 1)[1:])
 
     @cached_property
-    def _members(self) -> IntArray:
-        """Flat indices of the cells in contact."""
-        return np.flatnonzero(self.labels)
+    def member_labels(self) -> IntArray:
+        """Number of the patch of each cell in contact, from 1, in the order of `members`."""
+        return read_only(self.labels.ravel()[self.members])
 
     @property
     def areas(self) -> Array:
@@ -55,14 +58,17 @@ class ContactPatches:
     @cached_property
     def forces(self) -> Array:
         """Normal force on each patch, shape (count,), N."""
-        return read_only(self.sum(self.pressure) * self.grid.cell_area)
+        return read_only(self._sum(self.pressure) * self.grid.cell_area)
 
     def sum(self, field: Array) -> Array:
         """Return the sum of a field of shape `grid.shape` over each patch, shape (count,)."""
         if np.shape(field) != self.labels.shape or not np.isfinite(field).all():
             raise InputError.about("The field", field, f"an array of finite numbers of shape {self.labels.shape}")
-        label, values = self.labels.ravel()[self._members], field.ravel()[self._members]
-        return np.bincount(label, weights=values, minlength=self.count + 1)[1:].astype(np.float64)
+        return self._sum(field)
+
+    def _sum(self, field: Array) -> Array:
+        values = field.ravel()[self.members]
+        return np.bincount(self.member_labels, weights=values, minlength=self.count + 1)[1:].astype(np.float64)
 
     @cached_property
     def perimeters(self) -> Array:
@@ -100,26 +106,39 @@ class ContactPatches:
 
 def find_patches(contact: Mask, pressure: Array, grid: Grid, boundary: Boundary) -> ContactPatches:
     """Return the patches of the cells in contact."""
-    from scipy import ndimage
+    (nx, ny), labels = contact.shape, np.zeros(contact.shape, dtype=np.intp)
+    # Runs of cells in contact along y, with an open cell behind each row.
+    padded = np.zeros(nx * (ny + 1) + 1, dtype=bool)
+    padded[1:].reshape(nx, ny + 1)[:, :ny] = contact
+    starts, stops = np.flatnonzero(padded[1:] != padded[:-1]).reshape(-1, 2).T
+    numbers, count = _join_runs(starts, stops, contact.shape, boundary)
+    lengths = stops - starts
+    # The n-th cell of all runs: its number in its run, and the start of that run, without the open cells behind rows.
+    members = np.arange(lengths.sum()) + np.repeat(starts - starts // (ny + 1) - (lengths.cumsum() - lengths), lengths)
+    labels.ravel()[members] = np.repeat(numbers + 1, lengths)
+    return ContactPatches(grid, boundary, pressure, labels, count, members)
 
-    numbers, count = ndimage.label(contact, structure=np.ones((3, 3)))
-    labels = numbers.astype(np.intp, copy=False)
-    if boundary is not Boundary.FREE and count > 1:
-        labels, count = _join_across_border(labels, count)
-    return ContactPatches(grid, boundary, pressure, labels, count)
 
-
-def _join_across_border(labels: IntArray, count: int) -> tuple[IntArray, int]:
-    """Return the labels with one number for patches that touch across the border, and the number of patches."""
+def _join_runs(starts: IntArray, stops: IntArray, shape: tuple[int, int], boundary: Boundary) -> tuple[IntArray, int]:
+    """Return the patch of each run, from 0, and the number of patches; rows are one cell longer than the grid's."""
     from scipy import sparse
 
-    pairs = []
-    for edge in (labels, labels.T):
+    (nx, ny), width, pairs = shape, shape[1] + 1, []
+    steps = (width,) if boundary is Boundary.FREE else (width, (1 - nx) * width)
+    for step in steps:
+        # Runs of the next row that begin at most one cell behind a run and end at most one cell before it.
+        first = np.searchsorted(stops, starts + step)
+        counts = np.maximum(np.searchsorted(starts, stops + step, side="right") - first, 0)
+        one = np.repeat(np.arange(starts.size), counts)
+        pairs.append((one, np.arange(one.size) + np.repeat(first - (counts.cumsum() - counts), counts)))
+    if boundary is not Boundary.FREE:
+        first, last = np.flatnonzero(starts % width == 0), np.flatnonzero(stops % width == ny)
+        rows = np.full(nx, -1)
+        rows[starts[first] // width] = first
         for step in (-1, 0, 1):
-            last, first = edge[-1], np.roll(edge[0], step)
-            both = (last > 0) & (first > 0)
-            pairs.append(np.stack((last[both], first[both])))
-    one, other = np.concatenate(pairs, axis=1) - 1
-    links = sparse.coo_matrix((np.ones(one.size), (one, other)), shape=(count, count))
-    joined, numbers = sparse.csgraph.connected_components(links, directed=False)
-    return np.concatenate(([0], numbers + 1)).astype(labels.dtype)[labels], int(joined)
+            beyond = rows[(starts[last] // width + step) % nx]
+            pairs.append((last[beyond >= 0], beyond[beyond >= 0]))
+    one, other = np.concatenate(pairs, axis=1)
+    links = sparse.coo_matrix((np.ones(one.size), (one, other)), shape=(starts.size, starts.size))
+    count, numbers = sparse.csgraph.connected_components(links, directed=False)
+    return numbers.astype(np.intp), int(count)

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 _MARKERS = "oDs^vP*X<>hp"
 _DASHES = ("-", "--", "-.", ":")
 _TITLES = {"area": "real contact area", "p_max": "maximum pressure", "approach": "approach"}
-# Smaller errors are drawn at this part of the reference's error bound, or at 1e-7 %: a logarithmic axis has no zero.
-_FLOOR, _TINY = 0.1, 1e-9
+# An error is drawn no lower than the error bound of the reference, below which it tells nothing, or than 1e-7 %.
+_TINY = 1e-9
 # Axes whose ends have a smaller ratio get ticks between the powers of ten.
 _WIDE = 300.0
 
@@ -118,4 +118,4 @@ def _draw_line(
 
 
 def _height(row: ReportRow, quantity: str, bound: float) -> float:
-    return 100 * max(row.error(quantity), _FLOOR * bound, _TINY)
+    return 100 * max(row.error(quantity), bound, _TINY)
