@@ -93,6 +93,15 @@ class TestNumber:
         with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
             assert pool.submit(choose_threads, "auto", 2**24).result()[0] == 1
 
+    def test_is_one_where_the_address_space_is_limited(self, monkeypatch):
+        resource = pytest.importorskip("resource")
+        monkeypatch.setattr(threads, "available_threads", lambda: 4)
+        monkeypatch.setattr(resource, "getrlimit", lambda kind: (2**40, 2**41))
+        assert choose_threads("auto", 2**24) == (
+            1, "each takes a part of the address space, which is limited (ulimit -v)"
+        )  # fmt: skip
+        assert choose_threads(2, 2**24)[0] == 2
+
     @pytest.mark.parametrize("value", [0, -1, 1.5, "all", "2", None, True, np.nan, [1]])
     def test_that_is_none_is_refused(self, value):
         with pytest.raises(rc.InputError, match="The number of threads must be 'auto' or a whole number of at least 1"):

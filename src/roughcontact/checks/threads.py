@@ -52,6 +52,8 @@ def choose_threads(given: int | str, cells: int) -> tuple[int, str]:
         return 1, f"a second gains from {2 * _CELLS} cells on"
     if asked is None and (_SHARED.get() or _is_pooled()):
         return 1, "others of a pool work beside this process"
+    if asked is None and _has_limited_address_space():
+        return 1, "each takes a part of the address space, which is limited (ulimit -v)"
     available = available_threads()
     if asked is not None:
         return (asked, "as given") if asked <= available else (available, f"not {asked}: this process may use no more")
@@ -87,6 +89,15 @@ def _is_pooled() -> bool:
     """Return whether this process was started by another one of Python's, as one of a pool is."""
     process = sys.modules.get("multiprocessing.process")
     return process is not None and process.parent_process() is not None
+
+
+def _has_limited_address_space() -> bool:
+    """Return whether what this process may address is limited: the heap of each thread reserves 64 MiB of that."""
+    with contextlib.suppress(ImportError):
+        import resource
+
+        return resource.getrlimit(resource.RLIMIT_AS)[0] != resource.RLIM_INFINITY
+    return False
 
 
 @contextlib.contextmanager
