@@ -71,9 +71,9 @@ def make_rows(grids: tuple[int, ...] = GRIDS) -> list[list[str]]:
         for cells in (cells for cells in grids if cells <= largest):
             cpu, wall, products, memory = measure_in_process(cells, boundary, 1)
             _, beside, _, _ = measure_in_process(cells, boundary, 2)
-            times = (f"{value:.3g}" for value in (cpu, wall, beside))
-            sizes = f"{memory / 2**20:.3g}", f"{memory / (8 * cells**2):.1f}"
-            lines.append([boundary, str(cells), str(products), *times, *sizes])
+            # Three digits, without an exponent.
+            figures = (f"{float(f'{value:.3g}'):g}" for value in (cpu, wall, beside, memory / 2**20))
+            lines.append([boundary, str(cells), str(products), *figures, f"{memory / (8 * cells**2):.1f}"])
             print(" | ".join(lines[-1]), file=sys.stderr, flush=True)
     return lines
 
