@@ -42,7 +42,7 @@ def test_solve_takes_a_pair_with_every_option(height_map, tmp_path, capsys):
     options = (
         "--force 5mN --young 210GPa --poisson 0.25 --hardness 6GPa --counterbody-young 3.2e5MPa "
         "--counterbody-poisson 0.2 --counterbody-hardness 10GPa --size 20um 24um --detrend 2 "
-        "--resample 32 32 --boundary free --area cell-count"
+        "--resample 32 32 --boundary free --area cell-count --threads 1"
     ).split()
     paths = [str(tmp_path / name) for name in ("one.npy", "other.txt")]
     # Noise from cell to cell is doubtful.
@@ -51,6 +51,7 @@ def test_solve_takes_a_pair_with_every_option(height_map, tmp_path, capsys):
     assert "force          5 mN" in text
     assert "[cell-count]" in text
     assert "pressure limit 6 GPa" in text
+    assert "threads    1: as given" in text
     assert "rigid" not in text
 
 
@@ -65,6 +66,7 @@ def test_solve_takes_a_pair_with_every_option(height_map, tmp_path, capsys):
         (["--pressure", "", "--young", "1GPa"], "'' is not one number"),
         (["--pressure", "1MPa", "--young", "210"], "'210' is not a quantity in units of Pa"),
         (["--pressure", "1MPa", "--young", "1GPa", "--size", "1", "mm"], "write it like 250um"),
+        (["--pressure", "1MPa", "--young", "1GPa", "--threads", "all"], "'all' is not a whole number"),
     ],
 )
 def test_a_wrong_command_line_is_explained(height_map, extra, words, capsys):
@@ -85,6 +87,7 @@ def test_a_wrong_command_line_is_explained(height_map, extra, words, capsys):
         (["--young", "1GPa", "--hardness", "1kPa"], "at most 1 kPa"),
         (["--young", "1GPa", "--area", "guess"], "no area estimator named 'guess'"),
         (["--young", "1GPa", "--solver", "polonsky-keer", "--hardness", "1GPa"], "solver='auto'"),
+        (["--young", "1GPa", "--threads", "0"], "'auto' or a whole number of at least 1, but got 0"),
     ],
 )
 def test_wrong_input_is_one_sentence_and_status_2(height_map, extra, words, capsys, tmp_path):

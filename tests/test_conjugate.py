@@ -344,13 +344,6 @@ def test_memory(pressure, boundary, fields):
     assert peak <= fields * 4 * problem.plan.grid.cells
 
 
-def test_threads_change_no_bit_of_a_solution():
-    one, two = (
-        attrs.evolve(rough(64), convolver=rc.CircularFFT(workers=n)).solve(pressure=5e-3).pressure for n in (1, 2)
-    )
-    np.testing.assert_array_equal(one, two)
-
-
 class TestSweep:
     @pytest.mark.parametrize("boundary", ["free", "periodic"])
     def test_is_monotone(self, boundary):

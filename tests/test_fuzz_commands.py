@@ -41,6 +41,7 @@ GOOD = {
     "solvers": ["polonsky-keer"], "tolerances": ["1e-6"], "repeats": ["1"], "output": ["out"], "name": ["elastic",
     "blend"],
     "fields": ["young=1e9", "poisson=0.3"], "study": ["study.toml"], "workers": ["1"],
+    "threads": ["auto", "1", "2"],
 }  # fmt: skip
 BAD = [
     "", " ", "-", "--", "0", "-1", "1e400", "nan", "inf", "1", "2,5N", "1,5mm", "2 500mN", "5 MPa 3", "9**9**9**9N",

@@ -5,19 +5,24 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import re
 import subprocess
 import sys
 import tracemalloc
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact.checks.memory import available_memory, require_memory
+from roughcontact._problem.plan import require_memory_of_solve
+from roughcontact.checks.memory import available_memory, limit_of_memory, require_memory
+from roughcontact.description import key_of
 from roughcontact.units import binary
 
+NAN = float("nan")
 linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits and figures are those of Linux")
 STEEL = rc.Elastic(1e9, 0.0)
 WAVY = rc.WavySurface(1e-7, 1e-4)
@@ -97,13 +102,65 @@ def test_the_sentence_says_how_much_there_is_and_what_to_do(monkeypatch):
         rc.ContactProblem(rc.Body(WAVY, STEEL), grid=GRID)
     assert str(caught.value) == (
         "A solve on 16384 x 16384 cells, boundary free, needs 23 GiB of memory, but this process may take only 3 GiB "
-        "more: choose fewer cells, or a periodic boundary, which needs less."
+        "more: choose at most 5888 x 5888 cells, or a periodic boundary, which needs less."
     )
     # Memory that was taken since the problem was made.
     problem = rc.ContactProblem(rc.Body(WAVY, STEEL), grid=rc.Grid((512, 512), 1e-2))
     monkeypatch.setattr("roughcontact.checks.memory.available_memory", lambda: 2**23)
     with pytest.raises(rc.InputError, match=r"needs 23 MiB of memory, but this process may take only 8 MiB more"):
         problem.solve(pressure=1e5)
+
+
+@pytest.mark.parametrize(("limit", "size"), [
+    (2**20, 2**20), ("8 GiB", 2**33), ("1.5MiB", 3 * 2**19), ("500 MB", 500_000_000), (" 7 kB ", 7000), ("12B", 12),
+    ("3 bytes", 3), (1e6, 1_000_000), (None, None),
+])  # fmt: skip
+def test_a_limit_is_a_number_of_bytes_or_a_text(limit, size):
+    assert limit_of_memory(limit) == size
+
+
+@pytest.mark.parametrize("limit", ["8", "GiB", "-1 GiB", "8 gib", "1e3 MB", "0 B", "", "8 GiB more", 0, -5, NAN, True])
+def test_what_is_not_a_limit_is_refused(limit):
+    with pytest.raises(rc.InputError, match=r"The limit of the memory must be a"):
+        limit_of_memory(limit)
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
+def test_a_limit_names_the_largest_grid_that_fits(boundary):
+    side, solve = 1e-2, {"boundary": boundary, "memory_limit": "3 GiB"}
+    with pytest.raises(rc.InputError, match=r"needs .* GiB of memory, but memory_limit= allows only 3 GiB") as caught:
+        contact(grid=rc.Grid((2**14, 2**13), (side, side / 2)), **solve)
+    nx, ny = map(int, re.search(r"choose at most (\d+) x (\d+) cells", str(caught.value)).groups())
+    assert (nx % 32, ny % 32) == (0, 0)
+    require_memory_of_solve(rc.Grid((nx, ny), 1.0), rc.Boundary(boundary), 3 * 2**30)
+    with pytest.raises(rc.InputError, match="choose at most"):
+        require_memory_of_solve(rc.Grid((nx + 64, ny + 64), 1.0), rc.Boundary(boundary), 3 * 2**30)
+
+
+def test_a_limit_replaces_what_the_machine_has(monkeypatch):
+    monkeypatch.setattr("roughcontact.checks.memory.available_memory", lambda: 2**23)
+    grid = rc.Grid((512, 512), 1e-2)
+    assert contact(grid=grid, memory_limit="100 MiB").solve(pressure=1e5).status.success
+    with pytest.raises(rc.InputError, match=r"allows only 1 MiB: choose at most 96 x 96 cells"):
+        contact(grid=rc.Grid((128, 128), 1e-2), memory_limit="1 MiB")
+
+
+def test_a_limit_holds_for_finer_grids():
+    problem = contact(WAVY, grid=rc.Grid((64, 64), 1e-4), boundary="periodic", memory_limit="1 MiB")
+    with pytest.raises(rc.InputError, match=r"allows only 1 MiB"):
+        rc.extrapolate(problem, pressure=1e5, levels=3)
+    with pytest.raises(rc.NotConverged, match=r"allows only 1 MiB"):
+        problem.solve(pressure=1e5, area_within=1e-6)
+
+
+def test_explain_says_for_how_much_contact_the_memory_suffices(monkeypatch):
+    problem = contact(grid=rc.Grid((256, 256), 1e-2), boundary="periodic", memory_limit="5 MiB")
+    words = re.search(r"the 5 MiB there are suffice for up to (\d+) % of the cells in contact", problem.explain())
+    fits = 0.01 * int(words[1])
+    assert problem.plan.memory_at(fits) <= 5 * 2**20 < problem.plan.memory_at(fits + 0.01)
+    assert "suffice" not in attrs.evolve(problem, memory_limit="1 GiB").explain()
+    monkeypatch.setattr("roughcontact._problem.plan.available_memory", lambda: 2**22)
+    assert "the 4 MiB there are suffice for up to 0 %" in attrs.evolve(problem, memory_limit=None).explain()
 
 
 def test_what_is_small_is_not_asked_for(monkeypatch):
@@ -336,3 +393,79 @@ def test_the_direct_sum_of_a_long_strip_is_made_in_parts(monkeypatch):
     whole = strip.convolution.apply(strip.initial_gap)
     monkeypatch.setattr("roughcontact._convolvers.direct._LARGEST_MATRIX", 300)
     np.testing.assert_allclose(strip.convolution.apply(strip.initial_gap), whole, rtol=1e-13)
+
+
+@linux
+def test_the_scale_of_small_grids_is_measured(monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parent.parent / "docs" / "studies"))
+    import scale
+
+    monkeypatch.setattr(scale, "TIMES", 1)
+    heading, *lines = scale.make_rows((128,))
+    assert [line[:2] for line in lines] == [["periodic", "128"], ["free", "128"]]
+    for line in lines:
+        entries = dict(zip(heading, line, strict=True))
+        assert set(scale.TIMED) < set(entries)
+        assert 10 < int(entries["products"]) < 100
+        assert all(float(entries[name]) > 0.0 for name in scale.TIMED)
+        stated = rough_problem(128, boundary=entries["boundary"]).plan.memory
+        assert float(entries["peak memory, MiB"]) < 2 * stated / 2**20
+
+
+class TestMappedFile:
+    """Heights that are mapped from a file are not copied."""
+
+    @staticmethod
+    def save(folder, heights):
+        np.save(folder / "map.npy", heights)
+        return np.load(folder / "map.npy", mmap_mode="r")
+
+    def test_takes_no_memory_until_it_is_resampled(self, tmp_path):
+        heights = np.random.default_rng(0).standard_normal((1200, 1000))
+        mapped = self.save(tmp_path, heights)
+        rc.HeightMap(heights[:30, :30], 1.0).resample((3, 3), "mean")
+        tracemalloc.start()
+        coarse = rc.HeightMap(mapped, (1.2, 1.0)).resample((120, 100), "mean")
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert peak < 0.1 * heights.nbytes
+        copied = rc.HeightMap(heights, (1.2, 1.0)).resample((120, 100), "mean")
+        np.testing.assert_array_equal(coarse.values, copied.values)
+
+    def test_is_kept_by_maps_made_from_it(self, tmp_path):
+        mapped = self.save(tmp_path, np.random.default_rng(0).standard_normal((40, 30)))
+        surface = rc.HeightMap(mapped, (4.0, 3.0))
+        assert np.shares_memory(attrs.evolve(surface, periodic=True).values, mapped)
+        assert np.shares_memory(rc.HeightMap(mapped[:20], (2.0, 3.0)).values, mapped)
+        assert not surface.values.flags.writeable
+
+    def test_gives_the_same_contact(self, tmp_path):
+        heights = 1e-7 * np.random.default_rng(0).standard_normal((40, 30))
+        one, other = (
+            contact(rc.HeightMap(values, (4e-5, 3e-5)), grid=None) for values in (heights, self.save(tmp_path, heights))
+        )
+        assert key_of(one.parts) == key_of(other.parts)
+        np.testing.assert_array_equal(one.solve(force=1e-3).pressure, other.solve(force=1e-3).pressure)
+
+    @pytest.mark.parametrize("mode", ["r+", "c"])
+    def test_is_copied_if_it_may_be_written_to(self, tmp_path, mode):
+        self.save(tmp_path, np.ones((4, 5)))
+        mapped = np.load(tmp_path / "map.npy", mmap_mode=mode)
+        view = mapped[:]
+        view.flags.writeable = False
+        for given in (mapped, view):
+            surface = rc.HeightMap(given, (4.0, 5.0))
+            mapped[0, 0] = 7.0
+            assert surface.values[0, 0] == 1.0
+            mapped[0, 0] = 1.0
+
+    def test_is_copied_if_it_must_be_converted(self, tmp_path):
+        for heights in (np.ones((4, 5), dtype=np.float32), np.asfortranarray(np.ones((4, 5)))):
+            values = rc.HeightMap(self.save(tmp_path, heights), (4.0, 5.0)).values
+            assert (values.dtype, values.flags.c_contiguous) == (np.float64, True)
+
+    def test_that_is_not_finite_is_refused(self, tmp_path):
+        heights = np.ones((4, 5))
+        heights[2, 1], heights[3, 3] = np.nan, np.inf
+        with pytest.raises(rc.InputError, match="2 of 20 points are NaN or infinite"):
+            rc.HeightMap(self.save(tmp_path, heights), (4.0, 5.0))

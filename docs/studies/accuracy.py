@@ -42,14 +42,14 @@ def wave(random: np.random.Generator, number: int) -> Case:
     pressure = list(WAVES)[number % 3]
     phase = (0.0, 0.0) if number // 3 % 3 == 0 else tuple(random.uniform(0.0, 2.0 * np.pi, 2))
     body = rc.Body(rc.WavySurface(0.5e-6, 12.5e-6, phase), STEEL)
-    problem = rc.ContactProblem(body, grid=rc.Grid((FINEST, FINEST), 250e-6), boundary="periodic")
+    problem = rc.ContactProblem(body, grid=rc.Grid((FINEST, FINEST), 250e-6), boundary="periodic", threads=1)
     return problem, {"pressure": pressure}, WAVES[pressure] * 250e-6**2
 
 
 def rough_at(load: float) -> Callable[[np.random.Generator, int], Case]:
     def make(random: np.random.Generator, number: int) -> Case:
         body = rc.Body(rough(random, 7000 + number), SOFT)
-        problem = rc.ContactProblem(body, grid=rc.Grid((FINEST, FINEST), 64.0), boundary="periodic")
+        problem = rc.ContactProblem(body, grid=rc.Grid((FINEST, FINEST), 64.0), boundary="periodic", threads=1)
         return problem, {"pressure": 0.1 * load}, None
 
     return make
@@ -60,7 +60,7 @@ def ball(random: np.random.Generator, number: int) -> Case:
     radius, curvature = 64.0 * float(random.uniform(0.01, 0.1)), 1e4
     center = (0.0, 0.0) if number % 3 == 0 else tuple(random.uniform(-8.0, 8.0, 2))
     problem = rc.ContactProblem(
-        rc.Body(rc.ParaboloidSurface(curvature, center), SOFT), grid=rc.Grid((FINEST, FINEST), 64.0)
+        rc.Body(rc.ParaboloidSurface(curvature, center), SOFT), grid=rc.Grid((FINEST, FINEST), 64.0), threads=1
     )
     return problem, {"force": 4.0 / 3.0 * radius**3 / curvature}, np.pi * radius**2
 
@@ -69,7 +69,7 @@ def capped_pair(random: np.random.Generator, number: int) -> Case:
     """Return two rough bodies of limited hardness."""
     hard = rc.ElasticPerfectlyPlastic(1.0, 0.0, 0.03)
     one, other = (rc.Body(rough(random, 8000 + 2 * number + side), hard) for side in (0, 1))
-    problem = rc.ContactProblem(one, other, grid=rc.Grid((FINEST, FINEST), 64.0), boundary="periodic")
+    problem = rc.ContactProblem(one, other, grid=rc.Grid((FINEST, FINEST), 64.0), boundary="periodic", threads=1)
     return problem, {"pressure": float(random.uniform(0.001, 0.005))}, None
 
 

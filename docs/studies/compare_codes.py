@@ -101,6 +101,7 @@ def solve_ours(case: Case, tolerance: float = REQUIRED) -> np.ndarray:
         boundary=case.boundary,
         kernel=kernel,
         solver=rc.ProjectedConjugateGradient(tolerance=tolerance),
+        threads=1,
     )
     return np.array(problem.solve(pressure=case.mean).pressure)
 

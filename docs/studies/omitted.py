@@ -25,7 +25,8 @@ def rough(cells: int, boundary: str, hardness: float | None = None) -> rc.Contac
         hurst=0.8, rms_slope=0.1, longest=SIDE, rolloff=SIDE / 8, shortest=8 * SIDE / cells, seed=3
     )
     material = rc.Elastic(1e9, 0.0) if hardness is None else rc.ElasticPerfectlyPlastic(1e9, 0.0, hardness)
-    return rc.ContactProblem(rc.Body(surface, material), grid=rc.Grid((cells, cells), SIDE), boundary=boundary)
+    grid = rc.Grid((cells, cells), SIDE)
+    return rc.ContactProblem(rc.Body(surface, material), grid=grid, boundary=boundary, threads=1)
 
 
 def compare(one: Callable[[], object], other: Callable[[], object], repeats: int) -> tuple[float, float]:
@@ -63,7 +64,7 @@ def hardness(cells: int, repeats: int) -> tuple[float, float]:
 def window(cells: int, repeats: int) -> tuple[float, float]:
     """Return the times of a solve on the cells that can touch, and on all, of a contact a fifth of the domain wide."""
     ball = rc.Body(rc.ParaboloidSurface(1e-3), rc.Elastic(2e11, 0.3))
-    problem = rc.ContactProblem(ball, grid=rc.Grid((cells, cells), SIDE))
+    problem = rc.ContactProblem(ball, grid=rc.Grid((cells, cells), SIDE), threads=1)
 
     def solve_all() -> None:
         with mock.patch.object(conjugate, "find_window", return_value=None):

@@ -36,7 +36,7 @@ def wavy(cells: int, waves: int = 20, phase: tuple[float, float] = (0.0, 0.0)) -
     """Return the paper's wave, a summit in the middle of the domain unless the phase says otherwise."""
     surface = rc.WavySurface(amplitude=0.5e-6, wavelength=WAVE, phase=phase)
     body = rc.Body(surface, rc.Elastic(young=200e9, poisson=0.3))
-    return rc.ContactProblem(body, grid=rc.Grid((cells, cells), waves * WAVE), boundary="periodic")
+    return rc.ContactProblem(body, grid=rc.Grid((cells, cells), waves * WAVE), boundary="periodic", threads=1)
 
 
 def rough(cells: int) -> rc.ContactProblem:
@@ -44,7 +44,7 @@ def rough(cells: int) -> rc.ContactProblem:
     surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=1.0, longest=16.0, rolloff=8.0, seed=51)
     known = rc.HeightMap(surface.heights(rc.Grid((128, 128), 32.0)), size=32.0, periodic=True)
     body = rc.Body(known.resample((cells, cells), "fourier"), rc.Elastic(1.0, 0.0))
-    return rc.ContactProblem(body, boundary="periodic")
+    return rc.ContactProblem(body, boundary="periodic", threads=1)
 
 
 def draw_summit(axes: Axes, cells: int) -> None:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import abc
+from functools import cached_property
 
 import attrs
 import numpy as np
+import scipy.fft
 
 from roughcontact._kernels import BoundKernel, InfluenceKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._kernels.base import require_form
-from roughcontact.checks import RealArray, integer
+from roughcontact.checks import Array, Pair, RealArray, frozen_array
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.registry import Registry
@@ -71,6 +73,11 @@ class ConvolutionSetup:
     def __attrs_post_init__(self) -> None:
         self.convolver.require(self.kernel.kernel, self.boundary)
 
+    @cached_property
+    def spectrum(self) -> Array:
+        """The kernel's spectrum at the waves of the grid, which repeats, shape (nx, ny // 2 + 1), read-only."""
+        return frozen_array(periodic_spectrum(self.kernel, self.grid.shape, self.grid.spacing))
+
 
 class PreparedConvolution(abc.ABC):
     """The linear map from pressure to displacement on one grid.
@@ -104,6 +111,8 @@ class PreparedConvolution(abc.ABC):
         return float(np.einsum("ij,ij->", one, other))
 
 
-def worker_count(value: int) -> int:
-    """Return a number of threads, at least one."""
-    return integer(value, "The number of workers", at_least=1)
+def periodic_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
+    """Return the kernel's spectrum at the waves of a periodic grid, shape (nx, ny // 2 + 1)."""
+    qx = 2 * np.pi / spacing[0] * scipy.fft.fftfreq(shape[0])[:, np.newaxis]
+    qy = 2 * np.pi / spacing[1] * scipy.fft.rfftfreq(shape[1])[np.newaxis, :]
+    return kernel.spectrum(qx, qy, spacing)

@@ -202,7 +202,7 @@ def _refine(problem: ContactProblem, trials: list[Trial], target: Target) -> Con
     nx, ny = (
         _MULTIPLE * scipy.fft.next_fast_len(math.ceil(factor * n / _MULTIPLE), real=True) for n in trials[-1].shape
     )
-    require_memory_of_solve(Grid((nx, ny), problem.plan.grid.size), problem.boundary)
+    require_memory_of_solve(Grid((nx, ny), problem.plan.grid.size), problem.boundary, problem.memory_limit)
     try:
         return resample_problem(problem, (nx, ny))
     except InputError as error:

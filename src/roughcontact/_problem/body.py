@@ -114,11 +114,11 @@ def find_initial_gap(body: Body, counterbody: Body, grid: Grid) -> InitialGap:
     masks = [mask for mask in (body.non_measured(grid), counterbody.non_measured(grid)) if mask is not None]
     if not masks:
         summit = float(total.max())
-        return InitialGap(frozen_array(summit - total), summit, None)
+        return InitialGap(frozen_array(np.subtract(summit, total, out=total)), summit, None)
     non_measured = np.logical_or.reduce(masks)
     if non_measured.all():
         raise InputError("Nowhere do measured points of the two bodies face each other.")
     summit = float(total[~non_measured].max())
-    gap = InitialGap(frozen_array(summit - total), summit, non_measured)
+    gap = InitialGap(frozen_array(np.subtract(summit, total, out=total)), summit, non_measured)
     deepest = float(gap.values[~non_measured].max())
     return gap.with_depth(2.0 * deepest or min(grid.spacing))

@@ -16,10 +16,11 @@ from roughcontact._solution.plausibility import find_scene
 from roughcontact._solvers import ProjectedConjugateGradient, Solver
 from roughcontact._surfaces import FlatSurface
 from roughcontact.checks import Array, Mask, number
-from roughcontact.checks.memory import require_memory
+from roughcontact.checks.memory import available_memory, require_memory
+from roughcontact.checks.threads import choose_threads
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
-from roughcontact.units import si
+from roughcontact.units import binary, si
 
 # Peak memory of a solve in float64 arrays of the grid's size, at fractions of the cells in contact below the
 # pressure limit, without and with a free boundary; measured by docs/studies/memory.py. Vectors hold
@@ -32,6 +33,8 @@ _UNRESTRICTED = 14.0
 # Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), to leave room for
 # coarser and finer grids.
 _LONGEST = 1e8
+# The sides of the largest grid that is proposed are multiples of this, so that they can be halved to coarser grids.
+_HALVED = 32
 # Lengths in m and moduli in Pa up to this, and their inverses, keep the products in forces, areas and curvatures
 # within the 1e308 of float64.
 _EXTREME = 1e40
@@ -66,6 +69,10 @@ class SolvePlan:
         Points that were not measured, shape (nx, ny); None if there are none.
     histories
         How the heights of each body were prepared, in words.
+    threads
+        The number of threads that is given, or ``"auto"``.
+    memory_limit
+        The memory that a solve may take, bytes; None for what the machine has.
     """
 
     grid: Grid
@@ -81,6 +88,8 @@ class SolvePlan:
     omitted: tuple[str, ...]
     non_measured: Mask | None
     histories: tuple[tuple[str, ...], tuple[str, ...]]
+    threads: int | str = "auto"
+    memory_limit: int | None = None
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -92,6 +101,11 @@ class SolvePlan:
     def transform_shape(self) -> tuple[int, int]:
         """Cells on which the convolver works, padding included."""
         return self.convolver.transform_shape(self.grid, self.boundary)
+
+    @property
+    def thread_choice(self) -> tuple[int, str]:
+        """How many threads a solve takes here and now, and why."""
+        return choose_threads(self.threads, self.grid.cells)
 
     @property
     def memory(self) -> int:
@@ -113,10 +127,6 @@ class SolvePlan:
 
     def __str__(self) -> str:
         nx, ny = self.transform_shape
-        light, full = (
-            f"{size / 2**20:.3g} MiB ({size / (8 * self.grid.cells):.3g} arrays of the grid)"
-            for size in (self.memory_at(0.0), self.memory)
-        )
         histories = [(f"heights {number}", "; ".join(steps)) for number, steps in enumerate(self.histories, 1) if steps]
         rows = [
             ("grid", f"{self.grid}, boundary {self.boundary}"),
@@ -130,11 +140,24 @@ class SolvePlan:
             ("convolver", f"{self.convolver!r} on {nx} x {ny} cells"),
             ("solver", repr(self.solver)),
             ("precision", "fields and residuals in float64, whatever the solver uses inside"),
-            ("memory", f"{light} at light contact, at most {full}"),
+            ("threads", "{}: {}".format(*self.thread_choice)),
+            ("memory", self._format_memory()),
             *(("omitted", text) for text in self.omitted),
             *(("warning", text) for text in self.warnings),
         ]
         return "\n".join(f"{label:<10} {text}" for label, text in rows)
+
+    def _format_memory(self) -> str:
+        light, full = (
+            f"{size / 2**20:.3g} MiB ({size / (8 * self.grid.cells):.3g} arrays of the grid)"
+            for size in (self.memory_at(0.0), self.memory)
+        )
+        text = f"{light} at light contact, at most {full}"
+        limit = self.memory_limit if self.memory_limit is not None else available_memory()
+        if limit is None or self.memory <= limit:
+            return text
+        fits = max((k for k in range(101) if self.memory_at(0.01 * k) <= limit), default=0)
+        return f"{text}; the {binary(limit)} there are suffice for up to {fits} % of the cells in contact"
 
 
 def memory_of_solve(grid: Grid, boundary: Boundary, contact_fraction: float) -> int:
@@ -143,12 +166,24 @@ def memory_of_solve(grid: Grid, boundary: Boundary, contact_fraction: float) -> 
     return int(8 * grid.cells * np.interp(contact_fraction, _FRACTIONS[free], _ARRAYS[free]))
 
 
-def require_memory_of_solve(grid: Grid, boundary: Boundary) -> None:
-    """Refuse a grid on which a solve does not fit into memory, even at light contact; before there are heights."""
-    shape = " x ".join(map(str, grid.shape))
-    padded = ", or a periodic boundary, which needs less" if boundary is Boundary.FREE else ""
-    advice = f"choose fewer cells{padded}"
-    require_memory(memory_of_solve(grid, boundary, 0.0), f"A solve on {shape} cells, boundary {boundary},", advice)
+def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = None) -> None:
+    """Refuse a grid on which a solve does not fit into memory, even at light contact; before there are heights.
+
+    `limit` is the memory that it may take, bytes; None for what the machine has.
+    """
+    shape, needed = " x ".join(map(str, grid.shape)), memory_of_solve(grid, boundary, 0.0)
+
+    def advise(available: int) -> str:
+        sides = (_round_down(math.sqrt(available / needed) * n) for n in grid.shape)
+        padded = ", or a periodic boundary, which needs less" if boundary is Boundary.FREE else ""
+        return f"choose at most {' x '.join(map(str, sides))} cells{padded}"
+
+    require_memory(needed, f"A solve on {shape} cells, boundary {boundary},", advise, limit)
+
+
+def _round_down(side: float) -> int:
+    """Return a number of cells that can be halved a few times, at most `side` of them and at least one."""
+    return int(side) // _HALVED * _HALVED or max(1, int(side))
 
 
 def make_plan(
@@ -161,6 +196,8 @@ def make_plan(
     kernel: InfluenceKernel,
     convolver: Convolver,
     solver: Solver,
+    threads: int | str = "auto",
+    memory_limit: int | None = None,
 ) -> SolvePlan:
     """Return the plan of a problem, after a check that its parts fit together.
 
@@ -202,6 +239,8 @@ def make_plan(
         omitted=(*_list_omitted((body, counterbody), boundary, capped=capped), *solver.omitted),
         non_measured=gap.non_measured,
         histories=(body.provenance, counterbody.provenance),
+        threads=threads,
+        memory_limit=memory_limit,
     )
 
 

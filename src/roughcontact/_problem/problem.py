@@ -21,16 +21,16 @@ from roughcontact._solution import DEFAULT_AREA, AreaEstimator, ContactSolution,
 from roughcontact._solvers import Solver, Step, solvers
 from roughcontact._surfaces.statistics import rms_slope
 from roughcontact.checks import Array, callback, choice, flag, instance_of
+from roughcontact.checks.memory import limit_of_memory
+from roughcontact.checks.threads import thread_count, use_threads
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.load import Load
 
-_AUTO_CONVOLVER = {
-    Boundary.FREE: "dc-fft",
-    Boundary.PERIODIC: "circular-fft",
-    Boundary.WRAPPED: "circular-fft",
-}
+_AUTO_CONVOLVER = {Boundary.FREE: "dc-fft", Boundary.PERIODIC: "circular-fft", Boundary.WRAPPED: "circular-fft"}
 _AUTO_SOLVER = "projected-cg"
+# Arguments that say how a machine computes: they change no bit of a solution, and are no part of what was solved.
+_OF_MACHINE = ("threads", "memory_limit")
 
 
 def _boundary(value: str) -> Boundary:
@@ -56,6 +56,12 @@ class ContactProblem:
         the nearest image only.
     kernel, convolver, solver
         Registered names or instances; ``"auto"`` chooses the convolver and the solver.
+    threads
+        Threads of a solve, at most as many as this process may use; ``"auto"``: as many as gain on this grid, and one
+        in a process of a pool. The solution is the same to the last bit.
+    memory_limit
+        Memory that a solve may take beyond the problem itself, bytes or a text such as ``"8 GiB"``; None: what this
+        process may still take. A grid that needs more is refused.
 
     Raises
     ------
@@ -70,6 +76,8 @@ class ContactProblem:
     kernel: str | InfluenceKernel = attrs.field(default="love", kw_only=True)
     convolver: str | Convolver = attrs.field(default="auto", kw_only=True)
     solver: str | Solver = attrs.field(default="auto", kw_only=True)
+    threads: int | str = attrs.field(default="auto", converter=thread_count, kw_only=True)
+    memory_limit: int | None = attrs.field(default=None, converter=limit_of_memory, kw_only=True)
 
     def __attrs_post_init__(self) -> None:
         # The plan checks that the parts fit together.
@@ -89,6 +97,8 @@ class ContactProblem:
             kernel=kernels.resolve(self.kernel),
             convolver=convolvers.resolve(convolver),
             solver=solvers.resolve(solver),
+            threads=self.threads,
+            memory_limit=self.memory_limit,
         )
 
     @cached_property
@@ -96,7 +106,7 @@ class ContactProblem:
         """The prepared convolution in dimensionless variables: lengths in cells, E* = 1."""
         plan = self.plan
         # The memory is compared once more: this is the first solve, perhaps long after the problem was made.
-        require_memory_of_solve(plan.grid, plan.boundary)
+        require_memory_of_solve(plan.grid, plan.boundary, plan.memory_limit)
         unit = plan.grid.spacing[0] / plan.modulus
         bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit)
         prepared = plan.convolver.prepare(bound, plan.grid, plan.boundary)
@@ -117,7 +127,7 @@ class ContactProblem:
     @cached_property
     def _gap(self) -> InitialGap:
         # Before there are heights.
-        require_memory_of_solve(self._grid, self.boundary)
+        require_memory_of_solve(self._grid, self.boundary, self.memory_limit)
         return find_initial_gap(self.body, self.counterbody, self._grid)
 
     @cached_property
@@ -130,8 +140,9 @@ class ContactProblem:
 
     @property
     def parts(self) -> dict[str, Any]:
-        """The arguments from which the problem was made, by name."""
-        return {field.name: getattr(self, field.name) for field in attrs.fields(type(self))}
+        """The arguments that determine its solutions, by name: all but `threads` and `memory_limit`."""
+        names = (field.name for field in attrs.fields(type(self)) if field.name not in _OF_MACHINE)
+        return {name: getattr(self, name) for name in names}
 
     def explain(self) -> str:
         """Return in words what a solve will do, and what is omitted and why."""
@@ -271,7 +282,8 @@ class ContactProblem:
         InputError
             If it is not a solution of this problem, or its fields, residuals and status contradict each other.
         """
-        verify_solution(self.plan, self.convolution, self._gap, solution)
+        with use_threads(self.plan.thread_choice[0]):
+            verify_solution(self.plan, self.convolution, self._gap, solution)
 
     def _solve(
         self,
@@ -281,6 +293,7 @@ class ContactProblem:
         throw: bool = True,
         on_step: Callable[[Step], None] | None = None,
     ) -> ContactSolution:
-        solution = run_solve(self, self._gap, load, start, on_step)
+        with use_threads(self.plan.thread_choice[0]):
+            solution = run_solve(self, self._gap, load, start, on_step)
         solution = attrs.evolve(solution, origin=Origin(self.parts, load.arguments))
         return require_success(solution) if throw else solution

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+import mmap
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -171,8 +172,17 @@ def read_only(values: RealArray) -> RealArray:
     return array
 
 
+def _is_mapped(values: object) -> bool:
+    """Return whether values are those of a file that is mapped for reading only, as by ``mmap_mode="r"`` of numpy."""
+    mapped = False
+    while isinstance(values, np.ndarray) and not values.flags.writeable:
+        mapped = mapped or isinstance(values, np.memmap)
+        values = values.base
+    return mapped and isinstance(values, mmap.mmap)
+
+
 def heights_array(values: npt.ArrayLike) -> Array:
-    """Return a private, read-only copy of a height map after checking it.
+    """Return a private, read-only copy of a height map after checking it; of a map of a file on disk no copy is made.
 
     Raises
     ------
@@ -184,7 +194,7 @@ def heights_array(values: npt.ArrayLike) -> Array:
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
         values = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)
     try:
-        array = np.array(values)
+        array = np.asarray(values) if _is_mapped(values) else np.array(values)
     except ValueError:
         raise InputError(f"{what} must be a rectangular array, but its rows differ in length.") from None
     if array.dtype.kind not in "fiu":
@@ -192,12 +202,13 @@ def heights_array(values: npt.ArrayLike) -> Array:
     if array.ndim != 2 or array.size < 2:
         raise InputError.about(what, array.shape, "a two-dimensional array [x, y] of at least two cells")
     array = np.ascontiguousarray(array, dtype=np.float64)
-    missing = array.size - int(np.count_nonzero(np.isfinite(array)))
-    if missing:
+    low, high = float(array.min()), float(array.max())
+    if not (math.isfinite(low) and math.isfinite(high)):
+        missing = array.size - int(np.count_nonzero(np.isfinite(array)))
         raise InputError(
             f"{what} must be finite everywhere, but {missing} of {array.size} points are NaN or infinite. "
             "Fill them first, for instance with read_surface(path, non_measured='fill')."
         )
-    if max(array.max(), -array.min()) > LARGEST:
+    if max(high, -low) > LARGEST:
         raise InputError(f"{what} must hold heights of at most {LARGEST:g} m: check the unit.")
     return frozen_array(array)

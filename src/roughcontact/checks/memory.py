@@ -4,23 +4,41 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from roughcontact.checks import number
+from roughcontact.checks.groups import control_groups
 from roughcontact.errors import InputError
 from roughcontact.units import binary
 
 # Bytes that are taken without asking: asking costs up to a millisecond, and importing a library takes as much.
 _UNASKED = 2**24
-# The files of a cgroup's limit and use, and the entries of its memory.stat that the kernel gives back; versions 2, 1.
-_CGROUPS = {
-    "": ("memory.max", "memory.current", ("inactive_file", "active_file")),
-    "memory": ("memory.limit_in_bytes", "memory.usage_in_bytes", ("total_inactive_file", "total_active_file")),
+# A number of bytes in words, and the bytes of each unit.
+_SIZE = re.compile(r"\s*([0-9]{1,18}(?:\.[0-9]{0,18})?)\s*(bytes|B|[kMGT]B|[KMGT]iB)\s*")
+_UNITS = {"B": 1, "bytes": 1, **{f"{name}B": 1000**power for power, name in enumerate("kMGT", 1)}}
+_UNITS |= {f"{name}iB": 1024**power for power, name in enumerate("KMGT", 1)}
+# The files of a group's limit and use, and the entries of its memory.stat that the kernel gives back, by version.
+_FILES = {
+    2: ("memory.max", "memory.current", ("inactive_file", "active_file")),
+    1: ("memory.limit_in_bytes", "memory.usage_in_bytes", ("total_inactive_file", "total_active_file")),
 }
 
 
-def require_memory(needed: float, what: str, advice: str) -> None:
-    """Refuse what needs more memory than this process may still take, as far as that is known.
+def limit_of_memory(value: float | str | None) -> int | None:
+    """Return a limit in bytes, given as a number or a text such as ``"8 GiB"``, or None, or raise `InputError`."""
+    what = "The limit of the memory"
+    if isinstance(value, str):
+        found = _SIZE.fullmatch(value)
+        if found is None:
+            raise InputError.about(what, value, "a number of bytes, or a text such as '8 GiB' or '500 MB'")
+        value = float(found[1]) * _UNITS[found[2]]
+    return None if value is None else int(number(value, what, "bytes", at_least=1.0))
+
+
+def require_memory(needed: float, what: str, advice: str | Callable[[int], str], limit: int | None = None) -> None:
+    """Refuse what needs more memory than it may take: what is left for this process, as far as known, or a limit.
 
     Parameters
     ----------
@@ -29,19 +47,21 @@ def require_memory(needed: float, what: str, advice: str) -> None:
     what
         What needs it, the subject of the sentence.
     advice
-        What to do.
+        What to do, or a function that returns it from what there is, bytes.
+    limit
+        What it may take, bytes, where the user has said so.
 
     Raises
     ------
     InputError
         If there is less.
     """
-    if needed <= _UNASKED:
-        return
-    available = available_memory()
+    available = limit if limit is not None or needed <= _UNASKED else available_memory()
     if available is not None and needed > available:
-        there = f"this process may take only {binary(available)} more"
-        raise InputError(f"{what} needs {binary(needed)} of memory, but {there}: {advice}.")
+        process = f"this process may take only {binary(available)} more"
+        there = process if limit is None else f"memory_limit= allows only {binary(limit)}"
+        told = advice if isinstance(advice, str) else advice(available)
+        raise InputError(f"{what} needs {binary(needed)} of memory, but {there}: {told}.")
 
 
 def available_memory(root: Path = Path("/")) -> int | None:
@@ -61,18 +81,8 @@ def _of_machine(root: Path) -> Iterator[int]:
 
 
 def _of_groups(root: Path) -> Iterator[int]:
-    lines: list[str] = []
-    with contextlib.suppress(OSError, ValueError):
-        lines = (root / "proc/self/cgroup").read_text(encoding="utf-8").splitlines()
-    for line in lines:
-        _, controllers, place = line.split(":", 2)
-        for controller, names in _CGROUPS.items():
-            if controller in controllers.split(","):
-                group = root / "sys/fs/cgroup" / controller / place.lstrip("/")
-                # Every group above sets a limit too. In a container the lowest that is visible is its own.
-                while group.is_relative_to(root / "sys/fs/cgroup" / controller):
-                    yield from _of_group(group, *names)
-                    group = group.parent
+    for group, version in control_groups("memory", root):
+        yield from _of_group(group, *_FILES[version])
 
 
 def _of_group(group: Path, limit: str, usage: str, cached: tuple[str, ...]) -> Iterator[int]:

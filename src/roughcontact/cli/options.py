@@ -107,6 +107,7 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     )
     method.add_argument("--kernel", default="love", metavar="NAME", help="influence kernel (love)")
     method.add_argument("--solver", default="auto", metavar="NAME", help="solver (auto)")
+    method.add_argument("--threads", type=_threads, default="auto", metavar="N", help="threads (as many as gain)")
 
 
 def add_accuracy(parser: argparse.ArgumentParser) -> None:
@@ -176,6 +177,10 @@ def _place(text: str) -> tuple[float, float]:
     if len(parts) != 2:
         raise argparse.ArgumentTypeError(f"{text!r} is not a position; write it like 5um,-2um")
     return _METRE(parts[0]), _METRE(parts[1])
+
+
+def _threads(text: str) -> int | str:
+    return text if text == "auto" else whole_number(text)
 
 
 def _form(text: str) -> str | int:

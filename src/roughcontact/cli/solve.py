@@ -71,6 +71,7 @@ def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
         boundary=options.boundary,
         kernel=options.kernel,
         solver=options.solver,
+        threads=options.threads,
     )
 
 

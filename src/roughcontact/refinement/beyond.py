@@ -145,9 +145,8 @@ def beyond_resolution(
     if resolved is not None:
         resolved = number(resolved, "The shortest resolved wavelength", "m", at_least=_NYQUIST * cell)
     seed = integer(seed, "The seed", at_least=0)
-    require_memory_of_solve(
-        Grid(cells_for(problem.plan.grid.size, waves[-1]), problem.plan.grid.size), problem.boundary
-    )
+    finest = Grid(cells_for(problem.plan.grid.size, waves[-1]), problem.plan.grid.size)
+    require_memory_of_solve(finest, problem.boundary, problem.memory_limit)
     measured = problem.solve(**load.arguments).area()
     # Deviations of the spectrum at equal probabilities, so that a few realizations have its standard deviation.
     deviations = [NormalDist().inv_cdf((index + 0.5) / count) for index in range(count)]

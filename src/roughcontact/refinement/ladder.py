@@ -147,7 +147,9 @@ def extrapolate(
     load = Load.of(pressure=pressure, force=force, approach=approach)
     # A finest grid that does not fit into memory is refused before the others are made.
     finest = min(levels - 1, _MOST_DOUBLINGS)
-    require_memory_of_solve(Grid((nx << finest, ny << finest), problem.plan.grid.size), problem.boundary)
+    require_memory_of_solve(
+        Grid((nx << finest, ny << finest), problem.plan.grid.size), problem.boundary, problem.memory_limit
+    )
     rungs = [problem, *(on_grid(problem, (nx << level, ny << level), between) for level in range(1, levels))]
     return solve_ladder(rungs, load, estimator)
 

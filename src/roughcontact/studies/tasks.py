@@ -6,6 +6,7 @@ import pickle
 from collections.abc import Generator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 
+from roughcontact.checks.threads import share_machine
 from roughcontact.errors import RoughContactError
 from roughcontact.studies.chain import Chain, ChainResult, name_exception, run_chain
 
@@ -26,7 +27,7 @@ def run_chains(chains: Sequence[Chain], executor: Executor | None) -> Generator[
         while todo or waiting:
             for position, tries in todo:
                 try:
-                    waiting[executor.submit(run_chain, chains[position])] = position, tries
+                    waiting[executor.submit(_run_beside_others, chains[position])] = position, tries
                 except Exception as error:
                     yield position, _explain_loss(chains[position], error)
             todo = []
@@ -44,6 +45,11 @@ def run_chains(chains: Sequence[Chain], executor: Executor | None) -> Generator[
     finally:
         for future in waiting:
             future.cancel()
+
+
+def _run_beside_others(chain: Chain) -> ChainResult:
+    with share_machine():
+        return run_chain(chain)
 
 
 def _result(future: Future[ChainResult], chain: Chain, tries: int) -> ChainResult | None:

@@ -63,7 +63,7 @@ def wave_problem(cells: int) -> rc.ContactProblem:
     """
     profile = -AMPLITUDE * np.cos(2 * np.pi * np.linspace(0.0, SIZE, cells) / WAVELENGTH)
     surface = rc.HeightMap(profile[:, np.newaxis] + profile[np.newaxis, :], size=SIZE)
-    return rc.ContactProblem(rc.Body(surface, MATERIAL), boundary="wrapped", solver="polonsky-keer")
+    return rc.ContactProblem(rc.Body(surface, MATERIAL), boundary="wrapped", solver="polonsky-keer", threads=1)
 
 
 def solve_wave(cells: int, load: int) -> WaveCase:
