@@ -6,8 +6,9 @@ import argparse
 import multiprocessing
 import os
 import threading
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import nullcontext
+from contextlib import contextmanager
 from pathlib import Path
 
 from roughcontact.cli import Command
@@ -35,17 +36,32 @@ class Run(Command):
         if options.workers < 1:
             raise InputError.about("The number of workers", options.workers, "a whole number of at least 1")
         folder = Path(options.output or Path(options.study).with_suffix(""))
-        # Spawned, because forked workers would inherit the threads of the FFT.
-        context = multiprocessing.get_context("spawn")
-        pool = ProcessPoolExecutor(options.workers, mp_context=context, initializer=_end_with_parent)
         total = len(study.problems) * max(1, len(study.seeds)) * len(study.loads)
-        with pool if options.workers > 1 else nullcontext() as executor, show_progress(total) as update:
+        with _start_workers(options.workers) as executor, show_progress(total) as update:
             result = study.run(folder, executor=executor, on_records=lambda records: update(advance=len(records)))
         result.to_csv(folder / "records.csv")
         print(result)
         for record in result.failed:
             print(f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}")
         return 1 if result.failed else 0
+
+
+@contextmanager
+def _start_workers(count: int) -> Iterator[ProcessPoolExecutor | None]:
+    """Yield a pool of workers, or None for one; they end with the block."""
+    if count == 1:
+        yield None
+        return
+    # Spawned, because forked workers would inherit the threads of the FFT.
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_end_with_parent)
+    try:
+        yield pool
+    finally:
+        # One that was killed while it waited for a task has left a lock behind: the others would never end.
+        for worker in multiprocessing.active_children():
+            worker.terminate()
+        pool.shutdown(cancel_futures=True)
 
 
 def _end_with_parent() -> None:
