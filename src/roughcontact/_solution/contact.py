@@ -33,7 +33,7 @@ from roughcontact._solution.results import (
 from roughcontact._solution.saturation import estimate_saturated_area
 from roughcontact._solution.summary import summarize
 from roughcontact._surfaces import HeightMap
-from roughcontact.checks import Array, Mask, read_only
+from roughcontact.checks import Array, Mask, numbers, read_only
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 
@@ -107,8 +107,9 @@ class ContactSolution:
 
     def effective_modulus(self, wavenumber: float | Array) -> Array:
         """Return the effective contact modulus E*, Pa, of pressure waves with these wave numbers, rad/m."""
+        wavenumber = numbers(wavenumber, "The wave number", "a number or an array of numbers (rad/m)")
         if self.moduli is None:
-            return np.full(np.shape(wavenumber), self.modulus)
+            return np.full(wavenumber.shape, self.modulus)
         lengths, moduli = (np.log(values) for values in self.moduli)
         return np.asarray(np.exp(np.interp(-np.log(wavenumber), lengths, moduli)))
 

@@ -7,7 +7,7 @@ from functools import cached_property
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array, IntArray, Mask, read_only
+from roughcontact.checks import Array, IntArray, Mask, numbers, read_only
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 
@@ -62,9 +62,11 @@ class ContactPatches:
 
     def sum(self, field: Array) -> Array:
         """Return the sum of a field of shape `grid.shape` over each patch, shape (count,)."""
-        if np.shape(field) != self.labels.shape or not np.isfinite(field).all():
-            raise InputError.about("The field", field, f"an array of finite numbers of shape {self.labels.shape}")
-        return self._sum(field)
+        allowed = f"an array of finite numbers of shape {self.labels.shape}"
+        values = numbers(field, "The field", allowed)
+        if values.shape != self.labels.shape or not np.isfinite(values).all():
+            raise InputError.about("The field", field, allowed)
+        return self._sum(values)
 
     def _sum(self, field: Array) -> Array:
         values = field.ravel()[self.members]
@@ -140,5 +142,5 @@ def _join_runs(starts: IntArray, stops: IntArray, shape: tuple[int, int], bounda
             pairs.append((last[beyond >= 0], beyond[beyond >= 0]))
     one, other = np.concatenate(pairs, axis=1)
     links = sparse.coo_matrix((np.ones(one.size), (one, other)), shape=(starts.size, starts.size))
-    count, numbers = sparse.csgraph.connected_components(links, directed=False)
-    return numbers.astype(np.intp), int(count)
+    count, pieces = sparse.csgraph.connected_components(links, directed=False)
+    return pieces.astype(np.intp), int(count)

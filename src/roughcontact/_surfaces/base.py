@@ -128,6 +128,8 @@ class Surface(abc.ABC):
 
         The seed of a surface of your own is its integer field `seed`.
         """
+        if isinstance(increment, bool) or not isinstance(increment, (int, np.integer)):
+            raise InputError.about("The increment of the seeds", increment, "a whole number")
         parts, result = _checked_parts(self), self
         seed: Any = _fields(self).get("seed")
         is_random = isinstance(seed, (int, np.integer)) and not isinstance(seed, bool)

@@ -158,6 +158,14 @@ def callback(value: object, what: str, *given: str) -> Callable[..., Any] | None
     return outside(value)
 
 
+def numbers(values: object, what: str, allowed: str) -> Array:
+    """Return `values` as an array of float64, or raise `InputError` if it is something else."""
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError, RecursionError):
+        raise InputError.about(what, values, allowed) from None
+
+
 def frozen_array(values: Array) -> Array:
     """Return `values` as a C-ordered, read-only float64 array."""
     array = np.ascontiguousarray(values, dtype=np.float64)
