@@ -61,7 +61,7 @@ numpydoc_xref_param_type = False
 default_role = "py:obj"
 # What other packages, the standard library and our private modules call their types.
 nitpick_ignore_regex = [
-    (r"py:class", r"(abc|argparse|attrs?|collections|concurrent|enum|numpy|os|pathlib|typing)\..*"),
+    (r"py:class", r"(abc|argparse|attrs?|collections|concurrent|contextlib|enum|numpy|os|pathlib|typing)\..*"),
     (r"py:class", r"(Array|(npt\.)?ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray)"),
     (r"py:class", r"roughcontact\.(load\.Load|registry\.[A-Z]|studies\.chain\.Chain)"),
 ]

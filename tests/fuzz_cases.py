@@ -159,7 +159,7 @@ def build(case):
     }[case.limited]
     material = rc.Elastic(young, 0.3) if limits is None else rc.ElasticPerfectlyPlastic(young, 0.3, limits)
     solver = rc.solvers.resolve("projected-cg" if case.solver == "auto" else case.solver)
-    solver = attrs.evolve(solver, max_iterations=ITERATIONS)
+    solver = attrs.evolve(solver, max_iterations=ITERATIONS, tolerance=1e-8)
     body = rc.Body(surface, material)
     problem = rc.ContactProblem(body, boundary=case.boundary, kernel=case.kernel, solver=solver)
     kind, value = case.load[0], 10.0 ** case.load[1]

@@ -19,6 +19,7 @@ from roughcontact.testing.strategies import (
 )
 
 __all__ = [
+    "STRICT",
     "aspects",
     "grids",
     "height_maps",
@@ -29,8 +30,17 @@ __all__ = [
     "problems",
     "seeds",
     "shapes",
+    "strict",
     "wild_problems",
 ]
+
+
+def strict(solver: str) -> rc.Solver:
+    """Return a registered solver with a tolerance that leaves pressures equal to a millionth of their maximum."""
+    return rc.solvers.resolve(solver).with_tolerance(1e-8)
+
+
+STRICT = strict("projected-cg")
 
 
 @st.composite

@@ -135,13 +135,13 @@ class TestTolerance:
 
     def test_without_it_a_solve_keeps_every_bit(self):
         problem = wave(96)
-        default, stated = problem.solve(pressure=100e6), problem.solve(pressure=100e6, tolerance=1e-8)
+        default, stated = problem.solve(pressure=100e6), problem.solve(pressure=100e6, tolerance=1e-5)
         assert default.accuracy is None
         np.testing.assert_array_equal(default.pressure, stated.pressure)
 
     def test_the_certificate_is_that_of_the_looser_tolerance(self, tmp_path):
         solution = rough(2).solve(pressure=0.005, area_within=0.02)
-        assert 1e-8 < solution.residuals.error <= 2 * solution.accuracy.tolerance
+        assert 1e-5 < solution.residuals.error <= 2 * solution.accuracy.tolerance
         assert solution.status is rc.Status.CONVERGED
         rc.ContactProblem(**solution.origin.problem).verify(solution)
         with pytest.raises(rc.InputError, match="status"):

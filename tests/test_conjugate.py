@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from extended_precision import violations
-from roughcontact._convolvers.circular import InverseConvolution, approximate_inverse
+from roughcontact._convolvers.inverse import InverseConvolution, approximate_inverse
+from roughcontact._problem.sweep import predict_pressure
 from roughcontact._problem.task import make_task
 from roughcontact._solvers.conjugate.active import active_cells
 from roughcontact._solvers.conjugate.descent import Descent
@@ -21,12 +22,12 @@ from roughcontact._solvers.conjugate.openings import Openings
 from roughcontact._solvers.conjugate.weights import PunchWeights
 from roughcontact.load import Load
 from roughcontact.typing import Task
-from strategies import height_maps, moduli, problems
+from strategies import STRICT, height_maps, moduli, problems, strict
 
 YOUNG, SLOPE = 1.0, 0.1
 
 
-def rough(n, *, boundary="periodic", hardness=None, seed=0, cells=8, solver="auto", kernel="love"):
+def rough(n, *, boundary="periodic", hardness=None, seed=0, cells=8, solver=STRICT, kernel="love"):
     surface = rc.SelfAffineSurface(
         hurst=0.8, rms_slope=SLOPE, shortest=float(cells), longest=float(n), rolloff=n / 8, seed=seed
     )
@@ -59,6 +60,14 @@ def test_iterations_with_a_limit(n, boundary, fraction):
     assert solution.residuals.load <= 1e-12
 
 
+@pytest.mark.parametrize("part", [0.33, 0.67])
+def test_a_million_cells_most_of_which_are_saturated(part):
+    """Rounding of their load once unsaturated all of them, and the descent stalled."""
+    solution = rough(1024, hardness=0.3 * YOUNG * SLOPE, seed=9).solve(pressure=part * 0.3 * YOUNG * SLOPE)
+    assert solution.status is rc.Status.CONVERGED
+    assert solution.iterations <= 25
+
+
 @pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
 @pytest.mark.parametrize("fraction", [0.02, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 0.95, 0.995])
 def test_approach_and_load_find_one_solution(boundary, fraction):
@@ -76,7 +85,7 @@ def test_approach_and_load_find_one_solution(boundary, fraction):
 def test_agrees_with_the_independent_solvers(boundary):
     fast = rough(96, boundary=boundary).solve(pressure=5e-3)
     for solver in ("polonsky-keer", "spectral-gradient"):
-        other = rough(96, boundary=boundary, solver=solver).solve(pressure=5e-3)
+        other = rough(96, boundary=boundary, solver=strict(solver)).solve(pressure=5e-3)
         np.testing.assert_allclose(other.pressure, fast.pressure, atol=1e-6 * fast.pressure.max())
 
 
@@ -194,13 +203,13 @@ def test_weights_are_exact_while_cells_join_and_leave():
         inverse = approximate_inverse(convolution.setup, np.float32)
         mask = rng.random(64 * 64) < 0.2
         weights = PunchWeights(inverse, (64, 64))
-        weights.update(active_cells(mask))
+        weights.update(active_cells(mask, mask.__getitem__))
         for _ in range(5):
             mask = mask.copy()
             mask[rng.integers(0, mask.size, 20)] ^= True
-            found = weights.update(active_cells(mask))
+            found = weights.update(active_cells(mask, mask.__getitem__))
         assert weights.products == 1
-        exact = PunchWeights(inverse, (64, 64)).update(active_cells(mask))
+        exact = PunchWeights(inverse, (64, 64)).update(active_cells(mask, mask.__getitem__))
         np.testing.assert_allclose(found, exact, atol=0.03 * exact.max())
 
 
@@ -225,11 +234,11 @@ def test_full_contact_takes_no_iteration():
 def test_only_the_window_that_can_touch_is_solved(control):
     grid = rc.Grid((256, 256), 1e-3)
     ball = rc.ParaboloidSurface(1e-2, center=(2e-4, -1e-4))
-    problem = rc.ContactProblem(rc.Body(ball, rc.Elastic(1e11, 0.3)), grid=grid)
+    problem = rc.ContactProblem(rc.Body(ball, rc.Elastic(1e11, 0.3)), grid=grid, solver=STRICT)
     load = {"pressure": 1e6} if control == "pressure" else {"approach": 2e-7}
     solution = problem.solve(**load)
     assert max(np.prod(level.shape) for level in solution.levels) <= 64 * 64
-    whole = attrs.evolve(problem, solver="spectral-gradient").solve(**load)
+    whole = attrs.evolve(problem, solver=strict("spectral-gradient")).solve(**load)
     np.testing.assert_allclose(solution.pressure, whole.pressure, atol=1e-6 * whole.pressure.max())
     assert solution.gap.min() > -1e-6 * solution.approach
 
@@ -242,7 +251,7 @@ def test_a_window_that_was_too_small_is_enlarged(monkeypatch):
         solver, "estimate_approach", lambda convolution, task: (0.05 * real(convolution, task)[0], False)
     )
     ball = rc.ParaboloidSurface(1e-2)
-    problem = rc.ContactProblem(rc.Body(ball, rc.Elastic(1e11, 0.3)), grid=rc.Grid((256, 256), 1e-3))
+    problem = rc.ContactProblem(rc.Body(ball, rc.Elastic(1e11, 0.3)), grid=rc.Grid((256, 256), 1e-3), solver=STRICT)
     solution = problem.solve(pressure=1e8)
     assert solution.status is rc.Status.CONVERGED
     assert solution.gap.min() > -1e-6 * solution.approach
@@ -261,7 +270,7 @@ def test_each_kernel_has_its_own_preconditioner(boundary):
     problem = rough(128, boundary=boundary, kernel=CoefficientsOnly())
     solution = problem.solve(pressure=5e-3)
     assert solution.iterations <= 25
-    other = attrs.evolve(problem, solver="spectral-gradient").solve(pressure=5e-3)
+    other = attrs.evolve(problem, solver=strict("spectral-gradient")).solve(pressure=5e-3)
     np.testing.assert_allclose(solution.pressure, other.pressure, atol=1e-6 * other.pressure.max())
 
 
@@ -283,6 +292,26 @@ def test_a_start_skips_the_coarse_grids():
     assert len(cold.levels) == 3
     assert len(warm.levels) == 1
     assert problem.solve(pressure=5e-3, start=cold.pressure).iterations <= 2
+
+
+def test_a_start_near_full_contact_goes_on_by_the_openings():
+    """The few openings are found by the inverse kernel; a descent for the pressure takes a convolution an iteration."""
+    problem = rough(128)
+    start = problem.solve(pressure=1.2 * SLOPE * YOUNG).pressure
+    warm = problem.solve(pressure=1.15 * SLOPE * YOUNG, start=start)
+    cold = problem.solve(pressure=1.15 * SLOPE * YOUNG)
+    assert warm.contact.mean() > 0.9
+    assert warm.levels[-1].single == 0
+    assert warm.convolutions < cold.convolutions
+    np.testing.assert_allclose(warm.pressure, cold.pressure, atol=1e-5 * cold.pressure.max())
+
+
+def test_a_start_beyond_full_contact_is_the_solution():
+    problem = rough(64)
+    full = problem.solve(pressure=6.0 * SLOPE * YOUNG)
+    again = problem.solve(pressure=7.0 * SLOPE * YOUNG, start=full.pressure)
+    assert again.contact.all()
+    assert again.iterations == 0
 
 
 def test_levels_and_steps_report_the_work():
@@ -320,7 +349,7 @@ def test_an_approach_next_to_full_contact_is_found_through_loads(left, levels, m
     monkeypatch.setattr("roughcontact._solvers.conjugate.solver._PATIENT", 5)
     heights = np.round(levels * np.random.default_rng(levels).standard_normal((50, 12)))
     surface = rc.HeightMap(heights, size=(50.0, 10.0), periodic=True)
-    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary="periodic")
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary="periodic", solver=STRICT)
     approach = (1.0 - left) * problem.initial_gap.mean()
     solution = problem.solve(approach=approach)
     assert solution.status is rc.Status.RESCUED
@@ -357,6 +386,47 @@ class TestSweep:
         approaches = np.linspace(0.3, 0.6, 6) * problem.initial_gap.mean()
         cold = sum(problem.solve(approach=a).convolutions for a in approaches)
         assert problem.sweep(approach=approaches).convolutions < 0.95 * cold
+
+    @pytest.mark.parametrize("boundary", ["free", "periodic"])
+    @pytest.mark.parametrize("hardness", [None, 0.3 * SLOPE * YOUNG])
+    def test_agrees_with_solves_of_each_load(self, boundary, hardness):
+        problem = rough(64, boundary=boundary, hardness=hardness, seed=3)
+        highest = 0.2 if hardness is None else 0.25 * SLOPE
+        loads = np.array([0.05, 1.0, 0.3, 0.31, 1.0, 0.02, 0.7]) * highest * YOUNG
+        for load, solution in zip(loads, problem.sweep(pressure=loads).solutions, strict=True):
+            cold = problem.solve(pressure=load)
+            assert solution.mean_pressure == pytest.approx(load, rel=1e-12)
+            assert solution.residuals.error <= 2e-8
+            np.testing.assert_allclose(solution.pressure, cold.pressure, atol=1e-5 * cold.pressure.max())
+
+    def test_the_order_of_the_loads_changes_no_bit(self):
+        problem, loads = rough(64), np.geomspace(1e-4, 0.02, 6)
+        order = [3, 0, 5, 1, 4, 2]
+        one, other = problem.sweep(pressure=loads), problem.sweep(pressure=loads[order])
+        for index, solution in zip(order, other.solutions, strict=True):
+            np.testing.assert_array_equal(solution.pressure, one.solutions[index].pressure)
+
+    @pytest.mark.parametrize(
+        ("loads", "hardness"),
+        [((0.003, 0.1), None), ((0.6, 1.3), None), ((0.003, 0.1), 0.3 * SLOPE * YOUNG)],
+        ids=["light", "nearly full", "limited"],
+    )
+    def test_costs_less_than_its_loads(self, loads, hardness):
+        problem = rough(128, hardness=hardness, seed=7)
+        loads = np.linspace(*loads, 10) * SLOPE * YOUNG
+        cold = sum(problem.solve(pressure=load).convolutions for load in loads)
+        assert problem.sweep(pressure=loads).convolutions < 0.93 * cold
+
+    @settings(max_examples=30, deadline=None)
+    @given(st.integers(0, 99), st.floats(0.05, 0.9), st.floats(0.4, 1.2), st.sampled_from([None, 0.2 * SLOPE * YOUNG]))
+    def test_a_start_is_within_the_bounds(self, seed, load, ratio, hardness):
+        problem, load = rough(64, hardness=hardness, seed=seed), 0.15 * load * SLOPE * YOUNG
+        found = [problem.solve(pressure=p, throw=False) for p in (load, 0.8 * load)]
+        start = predict_pressure(found, Load("pressure", 0.8 * ratio * load))
+        if start is not None:
+            assert (start >= 0.0).all()
+            assert (start <= found[0].pressure_limit).all()
+            assert not start[~found[1].contact].any()
 
     def test_stiffness_of_a_sphere(self):
         """Hertz: dF/d(approach) = 2 E* a."""

@@ -122,6 +122,22 @@ def test_comparison_judges_ours_by_its_own_function(monkeypatch):
         assert load == pytest.approx(1.0)
 
 
+def test_comparison_takes_the_loosest_tolerance_that_is_good_enough(monkeypatch):
+    compare = study("compare_codes", monkeypatch)
+    case = compare.Case("small", compare.make_rough(64), 0.005)
+    tried = []
+
+    def solve(case, tolerance):
+        tried.append(tolerance)
+        return compare.solve_ours(case, tolerance)
+
+    found = compare.match_run(compare.Peer("ours", solve, 1e-2), case, 1e-5)
+    assert found.tolerance == tried[-1] == min(tried)
+    assert found.violation <= 1e-5
+    assert compare.measure_run(lambda case: compare.solve_ours(case, tried[-2]), case).violation > 1e-5
+    assert compare.match_run(compare.Peer("none", lambda case, tolerance: None, 1e-2), case, 1e-5) is None
+
+
 def test_links_of_the_pages_lead_somewhere():
     for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *(ROOT / "plugins").rglob("README.md")]:
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):

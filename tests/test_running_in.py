@@ -57,6 +57,12 @@ class TestOverlap:
         assert result.cycles[1].volume < 1e-6 * result.cycles[0].volume
         assert "shakedown after 2 cycles" in str(result)
 
+    def test_what_is_flattened_bears_the_same_pressure(self):
+        """The second cycle starts from the solution of the first, which is its own: two verifications remain."""
+        last = rc.run_in(pair(), pressure=2e8).solution
+        assert last.iterations == 0
+        assert last.convolutions == 2
+
     def test_the_volume_is_that_of_the_overlap(self):
         problem = pair()
         solution = problem.solve(pressure=2e8)
@@ -89,7 +95,7 @@ class TestUniformRise:
         first, second = rc.run_in(pair(), pressure=load, model="uniform-rise").cycles
         assert second.area.value > first.area.value
         assert second.saturated.value <= first.saturated.value
-        assert second.volume < 1e-6 * first.volume
+        assert second.volume < 1e-4 * first.volume
 
     def test_a_volume_larger_than_the_gap_is_refused(self):
         ball = rc.ContactProblem(rc.Body(rc.SphereSurface(1e-3), SOFT), grid=rc.Grid((64, 64), 1e-4))
@@ -208,11 +214,14 @@ class TestInterface:
     def test_running_in_is_continued_from_any_cycle(self):
         shifts = [(0, 0), (16, 0), (32, 0)]
         states = []
-        whole = rc.run_in(pair(), pressure=2e8, shifts=shifts, rounds=2, tolerance=0.0, on_cycle=states.append)
+        fresh = pair(solver=rc.solvers.resolve("projected-cg").with_tolerance(1e-8))
+        whole = rc.run_in(fresh, pressure=2e8, shifts=shifts, rounds=2, tolerance=0.0, on_cycle=states.append)
         assert [len(state.cycles) for state in states] == [1, 2, 3, 4, 5, 6]
         rest = rc.run_in(states[2].problem, pressure=2e8, shifts=shifts, rounds=1, tolerance=0.0)
+        # What is continued starts without the pressures of the first round: the same to the tolerance of the solver.
+        deepest = max(cycle.deepest for cycle in whole.cycles)
         for one, other in zip(heights(whole.problem), heights(rest.problem), strict=True):
-            np.testing.assert_array_equal(one, other)
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-6 * deepest)
 
     @pytest.mark.parametrize(
         "height_loss",

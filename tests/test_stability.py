@@ -205,7 +205,7 @@ class FixedTolerance(rc.Solver):
     tolerance = 1e-8
 
     def solve(self, convolution, task):
-        return rc.ProjectedConjugateGradient().solve(convolution, task)
+        return rc.ProjectedConjugateGradient(self.tolerance).solve(convolution, task)
 
 
 def test_a_solver_without_a_tolerance_to_set_skips_that_check():

@@ -72,7 +72,7 @@ def test_a_record_is_its_solution(tmp_path):
         assert solution.area("cell-count").value == record.areas["cell-count"][0]
         assert solution.area().value == record.areas["blend"][0]
         again = rc.ContactProblem(**solution.origin.problem).solve(**solution.origin.load)
-        np.testing.assert_allclose(again.pressure, solution.pressure, atol=1e-5 * record.p_max)
+        np.testing.assert_allclose(again.pressure, solution.pressure, atol=1e-3 * record.p_max)
 
 
 def test_seeds_are_added_to_the_surfaces_own(tmp_path):

@@ -16,8 +16,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._convolvers.circular import approximate_inverse
-from roughcontact._problem import problem as problem_module
+from roughcontact._convolvers.inverse import approximate_inverse
+from roughcontact._problem import run as run_module
 from roughcontact.checks import threads
 from roughcontact.checks.threads import available_threads, choose_threads, map_tiles, split, use_threads
 from roughcontact.description import key_of
@@ -80,7 +80,7 @@ class TestNumber:
 
     def test_follows_the_size_of_the_grid_and_the_machine(self, monkeypatch):
         monkeypatch.setattr(threads, "available_threads", lambda: 4)
-        assert [choose_threads("auto", n * n)[0] for n in (2, 128, 256, 512, 1024, 8192)] == [1, 1, 1, 2, 4, 4]
+        assert [choose_threads("auto", n * n)[0] for n in (2, 256, 512, 1024, 2048, 8192)] == [1, 1, 1, 2, 4, 4]
         assert choose_threads(3, 4) == (3, "as given")
         assert choose_threads(9, 4) == (4, "not 9: this process may use no more")
 
@@ -196,7 +196,7 @@ class TestBits:
             inverse, fields = approximate_inverse(convolution.setup, dtype), []
             for count in COUNTS:
                 for large in (2**60, 0):
-                    patch.setattr("roughcontact._convolvers.circular._LARGE", large)
+                    patch.setattr("roughcontact._convolvers.inverse._LARGE", large)
                     with use_threads(count):
                         fields.append((convolution.apply(pressure), inverse.apply(pressure)))
         assert all(field.dtype == dtype and field.shape == grid.shape for pair in fields for field in pair)
@@ -238,11 +238,11 @@ class TestProblem:
         monkeypatch.setattr(threads, "available_threads", lambda: 3)
         lines = [
             next(line for line in rough_problem(cells, threads=given).explain().splitlines() if "threads" in line)
-            for cells, given in ((32, "auto"), (512, "auto"), (1024, "auto"), (32, 2), (32, 7))
+            for cells, given in ((32, "auto"), (1024, "auto"), (2048, "auto"), (32, 2), (32, 7))
         ]
         assert [" ".join(line.split()) for line in lines] == [
-            "threads 1: a second gains from 262144 cells on",
-            "threads 2: one for each 131072 cells",
+            "threads 1: a second gains from 1048576 cells on",
+            "threads 2: one for each 524288 cells",
             "threads 3: this process may use no more",
             "threads 2: as given",
             "threads 3: not 7: this process may use no more",
@@ -279,10 +279,8 @@ pressure = [1e4]
 
 @pytest.mark.parametrize("pooled", [False, True])
 def test_workers_of_a_study_take_one_thread(tmp_path, many, monkeypatch, pooled):
-    counts, solve = [], problem_module.run_solve
-    monkeypatch.setattr(
-        problem_module, "run_solve", lambda *given: counts.append(threads._COUNT.get()) or solve(*given)
-    )
+    counts, make = [], run_module.make_task
+    monkeypatch.setattr(run_module, "make_task", lambda *given: counts.append(threads._COUNT.get()) or make(*given))
     study = rc.Study(problems=rough_problem(32), pressure=[5e6])
     # Threads of this process are workers that no process tells from others.
     with ThreadPoolExecutor(2) as executor:

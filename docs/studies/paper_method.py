@@ -48,7 +48,7 @@ def make_elastic_rows(cells: int = 512) -> list[list[str]]:
     heading = ["stops at", "iterations", "CPU, s", "complementarity", "penetration", "maximum pressure", "counted area"]
     lines = [heading]
     runs = {f"change {change:.0e}": PrintedPolonskyKeer(change=change) for change in (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)}
-    runs |= {"polonsky-keer, 1e-8": rc.PolonskyKeer(), "default, 1e-8": rc.ProjectedConjugateGradient()}
+    runs |= {"polonsky-keer, 1e-8": rc.PolonskyKeer(1e-8), "default, 1e-8": rc.ProjectedConjugateGradient(1e-8)}
     for name, solver in runs.items():
         found, cpu = solve_timed(with_solver(problem, solver), pressure=100e6)
         peak = found.pressure.max() / exact.pressure.max() - 1

@@ -4,7 +4,7 @@
 for          types
 ===========  ==========================================================================================================
 kernels      `SupportsCoefficients`, `SupportsSpectrum`
-convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`
+convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`
 readers      `RawMap`
@@ -16,7 +16,7 @@ arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `M
 ===========  ==========================================================================================================
 """
 
-from roughcontact._convolvers import ConvolutionSetup, PreparedConvolution
+from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._problem import SolvePlan, Sweep
 from roughcontact._solution import GridLevel, Origin, Residuals
@@ -59,6 +59,7 @@ __all__ = [
     "GalleryRow",
     "GridLevel",
     "IntArray",
+    "InverseConvolution",
     "Ladder",
     "Load",
     "Mask",

@@ -97,3 +97,34 @@ def test_the_default_solver_takes_few_more_iterations(boundary, ratio):
     love = solved("love").iterations
     for thickness in (3e-7, 3e-6, 3e-5):
         assert solved(coating(ratio, thickness)).iterations <= 1.2 * love + 1
+
+
+@pytest.mark.parametrize(("boundary", "seed"), [("periodic", 21), ("periodic", 22), ("free", 23)])
+@pytest.mark.parametrize(("ratio", "cells", "more"), [(10.0, 0.5, 2.2), (10.0, 1.0, 2.6), (30.0, 1.0, 4.5)])
+def test_a_stiff_layer_as_thin_as_a_cell_takes_a_few_times_the_iterations(boundary, seed, ratio, cells, more):
+    """Between masks the inverse kernel takes 5 to 20 times as many; the seeds were used for no constant."""
+    grid = rc.Grid((128, 128), (128.0, 128.0))
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8.0, longest=64.0, seed=seed)
+    kernel = coating(ratio, cells)
+    homogeneous, layered = (
+        rc.ContactProblem(rc.Body(surface, STEEL), grid=grid, boundary=boundary, kernel=k).solve(
+            pressure=0.02 * modulus, tolerance=1e-8
+        )
+        for k, modulus in (("love", 1.0 / C), (kernel, kernel.effective_modulus(np.array([0.4]), C).item()))
+    )
+    assert layered.status.name == "CONVERGED"
+    assert layered.iterations <= more * homogeneous.iterations
+
+
+@pytest.mark.parametrize("shape", [(48, 48), (45, 64), (33, 31)])
+@pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
+def test_a_given_approach_under_a_stiff_layer_gives_the_load_of_that_approach(boundary, shape):
+    grid = rc.Grid(shape, (48.0, 60.0))
+    surface = rc.WavySurface(0.05, (24.0, 20.0))
+    problem = rc.ContactProblem(rc.Body(surface, STEEL), grid=grid, boundary=boundary, kernel=coating(10.0, 0.7))
+    loaded = problem.solve(pressure=1e-3 / C, tolerance=1e-8)
+    given = problem.solve(approach=loaded.approach, tolerance=1e-8)
+    assert given.mean_pressure == pytest.approx(1e-3 / C, rel=1e-4)
+    for solution in (loaded, given):
+        assert solution.residuals.complementarity < 1e-6
+        assert solution.residuals.penetration < 1e-6

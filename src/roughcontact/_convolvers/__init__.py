@@ -4,5 +4,15 @@ from roughcontact._convolvers.base import ConvolutionSetup, Convolver, PreparedC
 from roughcontact._convolvers.circular import CircularFFT
 from roughcontact._convolvers.dcfft import DCFFT
 from roughcontact._convolvers.direct import Direct
+from roughcontact._convolvers.inverse import InverseConvolution
 
-__all__ = ["DCFFT", "CircularFFT", "ConvolutionSetup", "Convolver", "Direct", "PreparedConvolution", "convolvers"]
+__all__ = [
+    "DCFFT",
+    "CircularFFT",
+    "ConvolutionSetup",
+    "Convolver",
+    "Direct",
+    "InverseConvolution",
+    "PreparedConvolution",
+    "convolvers",
+]

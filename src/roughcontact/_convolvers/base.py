@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import abc
+from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 
 import attrs
 import numpy as np
-import scipy.fft
 
+from roughcontact._convolvers.inverse import InverseConvolution, approximate_inverse, periodic_spectrum
 from roughcontact._kernels import BoundKernel, InfluenceKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._kernels.base import require_form
-from roughcontact.checks import Array, Pair, RealArray, frozen_array
+from roughcontact.checks import Array, RealArray, frozen_array
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.registry import Registry
@@ -82,7 +83,8 @@ class ConvolutionSetup:
 class PreparedConvolution(abc.ABC):
     """The linear map from pressure to displacement on one grid.
 
-    Solvers use its sums and products instead of their own, so that one solver serves arrays of any kind.
+    It may work on arrays of another kind than numpy's, such as tensors on a GPU, as long as these follow numpy's
+    protocols for ufuncs and functions: a solver then converts its task by `from_numpy`, and its result by `to_numpy`.
     """
 
     @property
@@ -94,12 +96,28 @@ class PreparedConvolution(abc.ABC):
     def apply(self, pressure: RealArray) -> RealArray:
         """Return the displacement caused by a pressure, both of the grid's shape and in one precision.
 
-        The pressure, float64 or float32, is not changed.
+        The pressure, float64 or float32, is not changed; numpy arrays give numpy arrays.
         """
 
     def on(self, grid: Grid) -> PreparedConvolution:
         """Return the convolution of the same kernel and boundary on another grid: a coarser one, or a part."""
         return self.setup.convolver.prepare(self.setup.kernel, grid, self.setup.boundary)
+
+    def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
+        """Return the approximate inverse, its stiffness in a precision."""
+        return approximate_inverse(self.setup, dtype)
+
+    def from_numpy(self, values: Array) -> Array:
+        """Return numpy's array as one of the kind on which it works; by default itself."""
+        return values
+
+    def to_numpy(self, values: Array) -> Array:
+        """Return an array of that kind as numpy's; by default itself."""
+        return values
+
+    def use_threads(self, count: int) -> AbstractContextManager[None]:
+        """Let what runs inside take so many threads; transforms of numpy's arrays do without being told."""
+        return nullcontext()
 
     def sum(self, values: RealArray) -> float:
         """Return the sum over all cells."""
@@ -109,10 +127,3 @@ class PreparedConvolution(abc.ABC):
         """Return the sum of products over all cells."""
         # A BLAS dot would start threads that cost more than they save at these sizes.
         return float(np.einsum("ij,ij->", one, other))
-
-
-def periodic_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
-    """Return the kernel's spectrum at the waves of a periodic grid, shape (nx, ny // 2 + 1)."""
-    qx = 2 * np.pi / spacing[0] * scipy.fft.fftfreq(shape[0])[:, np.newaxis]
-    qy = 2 * np.pi / spacing[1] * scipy.fft.rfftfreq(shape[1])[np.newaxis, :]
-    return kernel.spectrum(qx, qy, spacing)

@@ -137,7 +137,7 @@ class SolvePlan:
             ),
             *histories,
             ("kernel", repr(self.kernel)),
-            ("convolver", f"{self.convolver!r} on {nx} x {ny} cells"),
+            ("convolver", f"{self.convolver} on {nx} x {ny} cells"),
             ("solver", repr(self.solver)),
             ("precision", "fields and residuals in float64, whatever the solver uses inside"),
             ("threads", "{}: {}".format(*self.thread_choice)),

@@ -14,7 +14,7 @@ from roughcontact._problem.accuracy import Target, solve_within
 from roughcontact._problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
 from roughcontact._problem.certificate import verify_solution
 from roughcontact._problem.plan import SolvePlan, make_plan, require_memory_of_solve
-from roughcontact._problem.run import require_success, run_solve
+from roughcontact._problem.run import computing, require_success, run_solve
 from roughcontact._problem.sweep import Sweep, find_load_of_area, run_sweep
 from roughcontact._problem.task import limit_load, maximum_pressure
 from roughcontact._solution import DEFAULT_AREA, AreaEstimator, ContactSolution, Origin
@@ -22,7 +22,7 @@ from roughcontact._solvers import Solver, Step, solvers
 from roughcontact._surfaces.statistics import rms_slope
 from roughcontact.checks import Array, callback, choice, flag, instance_of
 from roughcontact.checks.memory import limit_of_memory
-from roughcontact.checks.threads import thread_count, use_threads
+from roughcontact.checks.threads import thread_count
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.load import Load
@@ -225,7 +225,7 @@ class ContactProblem:
         force: Sequence[float] | None = None,
         approach: Sequence[float] | None = None,
     ) -> Sweep:
-        """Solve for several loads, each starting from the ones before.
+        """Solve for several loads, from the largest down, each starting from the ones before.
 
         Parameters
         ----------
@@ -282,7 +282,7 @@ class ContactProblem:
         InputError
             If it is not a solution of this problem, or its fields, residuals and status contradict each other.
         """
-        with use_threads(self.plan.thread_choice[0]):
+        with computing(self):
             verify_solution(self.plan, self.convolution, self._gap, solution)
 
     def _solve(
@@ -293,7 +293,6 @@ class ContactProblem:
         throw: bool = True,
         on_step: Callable[[Step], None] | None = None,
     ) -> ContactSolution:
-        with use_threads(self.plan.thread_choice[0]):
-            solution = run_solve(self, self._gap, load, start, on_step)
+        solution = run_solve(self, self._gap, load, start, on_step)
         solution = attrs.evolve(solution, origin=Origin(self.parts, load.arguments))
         return require_success(solution) if throw else solution

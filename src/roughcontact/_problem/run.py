@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import attrs
@@ -16,6 +17,7 @@ from roughcontact._problem.task import LOAD_TOLERANCE, make_task
 from roughcontact._solution import ContactSolution
 from roughcontact._solvers import Step
 from roughcontact.checks import Array
+from roughcontact.checks.threads import use_threads
 from roughcontact.errors import NotConverged
 from roughcontact.load import Load
 
@@ -35,8 +37,29 @@ def run_solve(
     on_step: Callable[[Step], None] | None,
 ) -> ContactSolution:
     """Return the certified solution at a load, which may be unfinished, without its origin."""
-    started, plan = time.perf_counter(), problem.plan
-    deepened = 0
+    started = time.perf_counter()
+    with computing(problem):
+        return _solve(problem, gap, load, start, on_step, started)
+
+
+@contextlib.contextmanager
+def computing(problem: ContactProblem) -> Iterator[None]:
+    """Let what runs inside take the threads of a problem."""
+    threads = problem.plan.thread_choice[0]
+    with use_threads(threads), problem.convolution.use_threads(threads):
+        yield
+
+
+def _solve(
+    problem: ContactProblem,
+    gap: InitialGap,
+    load: Load,
+    start: Array | None,
+    on_step: Callable[[Step], None] | None,
+    started: float,
+) -> ContactSolution:
+    """Solve until no non-measured point touches; `started` is the time of the clock at the start."""
+    plan, deepened = problem.plan, 0
     while True:
         task = attrs.evolve(make_task(plan, gap.values, load, start), on_step=on_step)
         outcome = plan.solver.solve(problem.convolution, task)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import attrs
 import numpy as np
@@ -23,6 +23,11 @@ _MAXIMUM_TRIES = 40
 _NARROW = 1e-6
 # Mean pressure, over that of a large area, below which the area cannot follow the load: single cells are in contact.
 _LIGHTEST = 1e-20
+# Powers of the pressure (first) and of the overlap (last) that are extrapolated; maximum pressure, over the limit, of
+# a cell that is not saturated.
+_POWER, _BELOW, _OVERLAP = 1.75, 0.97, 2.0 / 3.0
+# Ratio of two loads below which a solve from coarse grids is as fast as one from the other solution.
+_FARTHEST = 0.5
 
 
 @attrs.frozen(eq=False)
@@ -81,11 +86,20 @@ class Sweep:
 
 
 def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tuple[Load, ...]) -> Sweep:
-    """Return the solutions at all loads; each solve starts from a pressure extrapolated from those before."""
-    solutions: list[ContactSolution] = []
-    for load in loads:
-        solutions.append(solve(load, predict_pressure(solutions, load)))
-    return Sweep(tuple(solutions))
+    """Return the solutions at all loads, solved from the largest down: each starts from those before."""
+    solutions: dict[int, ContactSolution] = {}
+    for index in order_of_solving(loads):
+        load = loads[index]
+        solutions[index] = solve(load, predict_pressure([*solutions.values()][-2:], load))
+    return Sweep(tuple(solutions[index] for index in range(len(loads))))
+
+
+def order_of_solving(loads: Sequence[Load]) -> list[int]:
+    """Return the positions of the loads from the largest down.
+
+    Cells that will leave the contact are known, with their pressures; those that will join it are not.
+    """
+    return sorted(range(len(loads)), key=lambda index: -loads[index].value)
 
 
 def find_load_of_area(
@@ -111,12 +125,11 @@ def find_load_of_area(
         raise InputError.about("The fraction of the area", fraction, "below 1", "Full contact is given by many loads.")
     low, high = 0.0, maximum
     pressure = min(0.5 * fraction * guess, 0.5 * maximum)
-    solution = None
+    solutions: list[ContactSolution] = []
     for _ in range(_MAXIMUM_TRIES):
-        start = None
-        if solution is not None:
-            start = np.minimum(solution.pressure * (pressure / solution.mean_pressure), solution.pressure_limit)
-        solution = solve(Load("pressure", pressure), start)
+        load = Load("pressure", pressure)
+        solution = solve(load, predict_pressure(solutions, load))
+        solutions = [*solutions[-1:], solution]
         area = solution.area(estimator)
         if abs(area.fraction / fraction - 1.0) <= _AREA_TOLERANCE:
             return solution
@@ -137,18 +150,40 @@ def find_load_of_area(
 
 
 def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | None:
-    """Return the pressure extrapolated from the last two solutions, within its bounds; None for the first load."""
+    """Return a pressure to start from, shape (nx, ny), Pa; None where a solve without it is as fast.
+
+    Towards smaller loads the pressure of a cell falls nearly in proportion to the load inside a contact, and as a
+    square root to zero where the edge passes: a power between them is extrapolated over the logarithm of the load.
+    A saturated cell stays at the limit while its extrapolated gap is negative.
+
+    Parameters
+    ----------
+    solutions
+        Those found before, the last at the nearest load; better at a larger than at a smaller one.
+    load
+        The next load.
+    """
     if not solutions:
         return None
-    last = solutions[-1]
-    name = {"pressure": "mean_pressure"}.get(load.kind, load.kind)
-    now = getattr(last, name)
-    if len(solutions) == 1:
-        start = last.pressure * (load.value / now)
-    else:
-        before = getattr(solutions[-2], name)
-        step = (load.value - now) / (now - before) if now != before else 0.0
-        start = last.pressure + step * (last.pressure - solutions[-2].pressure)
-        if not start.max() > 0.0:
-            return None
-    return np.asarray(np.clip(start, 0.0, last.pressure_limit))
+    last, name = solutions[-1], {"pressure": "mean_pressure"}.get(load.kind, load.kind)
+    values = [float(getattr(solution, name)) for solution in solutions[-2:]]
+    if not _FARTHEST <= load.value / values[-1] <= 1.0 / _FARTHEST:
+        return None
+    if len(values) == 1 and last.saturated.any():
+        return None
+    if len(values) == 1 or values[0] == values[1]:
+        return np.asarray(np.minimum(last.pressure * (load.value / values[-1]), last.pressure_limit))
+    step, before = math.log(load.value / values[1]) / math.log(values[1] / values[0]), solutions[-2]
+    cells, peak = np.flatnonzero(last.contact), float(last.pressure.max())
+    # Powers take a tenth of the time in float32.
+    now, then = ((one.pressure.take(cells) / peak).astype(np.float32) ** _POWER for one in (last, before))
+    inside = peak * (np.maximum(now + np.float32(step) * (now - then), 0.0) ** (1.0 / _POWER)).astype(np.float64)
+    limit = np.broadcast_to(last.pressure_limit, last.pressure.shape).take(cells)
+    np.minimum(inside, _BELOW * limit, out=inside)
+    if last.saturated.any():
+        depth, earlier = (np.maximum(-one.gap.take(cells), 0.0) ** _OVERLAP for one in (last, before))
+        overlap = depth + step * (depth - earlier) > 0.0
+        np.copyto(inside, limit, where=last.saturated.take(cells) & overlap)
+    start = np.zeros_like(last.pressure)
+    start.reshape(-1)[cells] = inside
+    return start if inside.max(initial=0.0) > 0.0 else None

@@ -12,6 +12,7 @@ import attrs
 import numpy as np
 
 from roughcontact.checks import Array
+from roughcontact.checks.threads import map_tiles, tiles_of
 
 # Range of the displacement, over the maximum pressure, below which the pressure is uniform up to rounding.
 _UNIFORM = 1e-12
@@ -83,26 +84,36 @@ class ContactConditions:
         Unless it is given, the approach is the pressure-weighted mean of u + h over the cells in elastic
         contact; if there are none, a value that separates open from saturated cells.
         """
-        gap = displacement + self._initial_gap
-        saturated = pressure >= self._limit if self._capped else None
-        elastic = pressure if saturated is None else np.where(saturated, 0.0, pressure)
-        load = float(np.add.reduce(elastic, axis=None))
+        tiles = tiles_of(pressure)
+
+        def weigh(tile: slice) -> tuple[float, ...]:
+            bearing, moved = pressure[tile], displacement[tile]
+            elastic = bearing if not self._capped else np.where(bearing >= self._limits(tile), 0.0, bearing)
+            load, weighted = np.add.reduce(elastic, axis=None), _dot(elastic, moved + self._initial_gap[tile])
+            sums = load, weighted, np.add.reduce(bearing, axis=None)
+            return tuple(float(value) for value in (*sums, bearing.max(), moved.min(), moved.max()))
+
+        loads, weights, totals, peaks, lows, highs = zip(*map_tiles(weigh, tiles), strict=True)
+        load, total, peak, low, high = math.fsum(loads), math.fsum(totals), max(peaks), min(lows), max(highs)
         approach = self._approach
         if approach is None:
-            weighted = float(np.einsum("ij,ij->", elastic, gap))
-            approach = weighted / load if load > 0.0 else self._separating_approach(gap, pressure)
-        gap -= approach
-        if saturated is not None:
-            # Saturated cells may overlap; only an open gap is an error there.
-            np.maximum(gap, 0.0, out=gap, where=saturated)
-        minimum = float(gap.min())
-        np.abs(gap, out=gap)
-        total = load if saturated is None else float(np.add.reduce(pressure, axis=None))
+            weighted = math.fsum(weights)
+            approach = weighted / load if load > 0.0 else self._separating_approach(pressure, displacement)
+
+        def open_tile(tile: slice) -> tuple[float, float]:
+            gap = displacement[tile] + self._initial_gap[tile]
+            gap -= approach
+            if self._capped:
+                # Saturated cells may overlap; only an open gap is an error there.
+                np.maximum(gap, 0.0, out=gap, where=pressure[tile] >= self._limits(tile))
+            minimum = float(gap.min())
+            return minimum, _dot(pressure[tile], np.abs(gap, out=gap))
+
+        minima, opened = zip(*map_tiles(open_tile, tiles), strict=True)
         # Zero pressure can be the answer to a given approach, never to a given load.
         without_load = math.inf if self._approach is None else 0.0
-        open_gap = float(np.einsum("ij,ij->", pressure, gap)) / total if total > 0.0 else without_load
-        overlap = max(0.0, -minimum)
-        low, high, peak = float(displacement.min()), float(displacement.max()), float(pressure.max())
+        open_gap = math.fsum(opened) / total if total > 0.0 else without_load
+        overlap = max(0.0, -min(minima))
         # With lengths in cells and E* = 1, a pressure displaces its own cell by about its own value.
         elastic_range = high - low if high - low > _UNIFORM * peak else 0.0
         scale = min(self._rms, elastic_range) or max(self._rms, elastic_range) or 1.0
@@ -114,8 +125,18 @@ class ContactConditions:
         floor = _ROUNDING * (max(high, -low, peak) + abs(approach)) / scale
         return Violation(approach, open_gap / scale, overlap / scale, scale, floor)
 
-    def _separating_approach(self, gap: Array, pressure: Array) -> float:
+    def _limits(self, tile: slice) -> float | Array:
+        """Return the pressure limits of a tile, in a form that broadcasts to it."""
+        limit = self._limit
+        return limit if isinstance(limit, float) or limit.ndim < 2 or limit.shape[0] == 1 else limit[tile]
+
+    def _separating_approach(self, pressure: Array, displacement: Array) -> float:
         """Return an approach above u + h of the saturated and, if possible, below that of the open cells."""
+        gap = displacement + self._initial_gap
         lower = float(gap[pressure >= self._limit].max(initial=gap.min()))
         open_cells = pressure <= 0.0
         return min(lower, float(gap[open_cells].min())) if open_cells.any() else lower
+
+
+def _dot(one: Array, other: Array) -> float:
+    return float(np.einsum("ij,ij->", one, other))

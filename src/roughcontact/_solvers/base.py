@@ -20,6 +20,10 @@ from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.registry import Registry
 
+# Error (see `Violation`) at which solvers end by default: areas and maximum pressures move by 3e-5 at most
+# (docs/studies/tolerance.py), a tenth of the smallest uncertainty that an area is given.
+DEFAULT_TOLERANCE = 1e-5
+
 
 @attrs.frozen
 class Step:
@@ -41,7 +45,9 @@ class Step:
 
 
 def _as_limit(value: Any) -> Array:
-    return np.asarray(value, dtype=np.float64)
+    # An array of another kind than numpy's stays one.
+    like = value if hasattr(value, "__array_function__") else None
+    return np.asarray(value, dtype=np.float64, like=like)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -79,6 +85,12 @@ class Task:
     def capped(self) -> bool:
         """Whether the pressure of any cell is limited."""
         return bool(np.isfinite(self.pressure_limit).any())
+
+    def convert(self, convert: Callable[[Array], Array]) -> Task:
+        """Return the same task with each of its arrays converted to another kind."""
+        start = None if self.start is None else convert(self.start)
+        gap, limit = convert(self.initial_gap), convert(self.pressure_limit)
+        return attrs.evolve(self, initial_gap=gap, pressure_limit=limit, start=start)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -204,13 +216,13 @@ def starting_pressure(task: Task) -> Array:
     """Return the start of a task, or a uniform pressure within the limit, at the load; zero for an approach."""
     shape, limit = task.initial_gap.shape, task.pressure_limit
     if task.mean_pressure is None:
-        return np.zeros(shape) if task.start is None else task.start
-    start = np.minimum(np.full(shape, task.mean_pressure), limit) if task.start is None else task.start
+        return np.zeros(shape, like=limit) if task.start is None else task.start
+    start = np.minimum(np.full(shape, task.mean_pressure, like=limit), limit) if task.start is None else task.start
     load = task.mean_pressure * start.size
     if task.mean_pressure >= (1.0 - LOAD_ROUNDING) * float(limit.mean()):
-        return np.array(np.broadcast_to(limit, shape))
+        return np.broadcast_to(limit, shape).copy()
     if abs(float(np.add.reduce(start, axis=None)) - load) <= LOAD_ROUNDING * load:
-        return np.asarray(start)
+        return start
     return rescale_to_load(start.copy(), load, limit)
 
 
@@ -218,7 +230,7 @@ def starting_pressure(task: Task) -> Array:
 def nearest_pressure(values: Array, task: Task) -> Array:
     """Return the pressure nearest to any finite field, within the bounds and, if it is given, of the task's load."""
     if task.mean_pressure is None:
-        return np.asarray(np.clip(values, 0.0, task.pressure_limit))
+        return np.clip(values, 0.0, task.pressure_limit)
     return project_to_load(values, task.mean_pressure, task.pressure_limit)
 
 

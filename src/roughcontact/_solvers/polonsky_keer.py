@@ -8,6 +8,7 @@ import numpy as np
 from roughcontact._convolvers import PreparedConvolution
 from roughcontact._solution import Status
 from roughcontact._solvers.base import (
+    DEFAULT_TOLERANCE,
     Monitor,
     Outcome,
     Solver,
@@ -42,7 +43,7 @@ class PolonskyKeer(Solver):
     Polonsky, Keer, Wear 231 (1999) 206-219, https://doi.org/10.1016/S0043-1648(99)00113-1
     """
 
-    tolerance: float = attrs.field(converter=positive_tolerance, default=1e-8)
+    tolerance: float = attrs.field(converter=positive_tolerance, default=DEFAULT_TOLERANCE)
     max_iterations: int = attrs.field(converter=iteration_limit, default=10_000)
 
     def require(self, *, capped: bool = False, approach: bool = False) -> None:

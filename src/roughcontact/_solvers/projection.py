@@ -41,7 +41,7 @@ def project_to_load(values: Array, mean: float, pressure_limit: float | Array) -
     pressure_limit
         Maximum pressure, a number or an array that broadcasts to (nx, ny); may be infinite.
     """
-    load, limit = mean * values.size, np.asarray(pressure_limit)
+    load, limit = mean * values.size, np.asarray(pressure_limit, like=values)
     # With the lower shift every cell carries its limit, or at least the mean; with the upper one none carries any.
     lower = float(values.min()) - mean if limit.size == 1 else float((values - limit).min())
     bracket = lower, float(values.max())
@@ -87,20 +87,31 @@ def rescale_to_load(pressure: Array, load: float, pressure_limit: float | Array)
     pressure_limit
         Maximum pressure, a number or an array that broadcasts to the shape.
     """
-    limit = np.asarray(pressure_limit)
+    limit = np.asarray(pressure_limit, like=pressure)
     elastic = pressure < limit
-    carried = float(np.add.reduce(pressure, axis=None, where=elastic))
-    saturated = float(np.add.reduce(pressure, axis=None, where=~elastic))
+    # Sums with `where=` are not pairwise: on 1024 x 1024 cells they miss the load by more than its rounding.
+    carried = float(np.add.reduce(np.where(elastic, pressure, 0.0), axis=None))
+    saturated = float(np.add.reduce(np.where(elastic, 0.0, limit), axis=None))
     if carried > 0.0:
         np.multiply(pressure, max(load - saturated, 0.0) / carried, out=pressure, where=elastic)
         np.minimum(pressure, limit, out=pressure)
     if abs(float(np.add.reduce(pressure, axis=None)) - load) > LOAD_ROUNDING * load:
         flat, bound = pressure.ravel(), limit.ravel()
-        contact = flat > 0.0
-        capacity = float(np.sum(np.broadcast_to(bound, flat.shape), where=contact))
-        weights = contact.astype(np.float64) if capacity > load else np.ones_like(flat)
+        weights = _choose_shifted(flat, load, bound)
         pressure = project_to_weighted_load(flat, weights, load, bound, 0.0).reshape(pressure.shape)
     return pressure
+
+
+def _choose_shifted(pressure: Array, load: float, limit: Array) -> Array:
+    """Return weights of one for the cells whose shift gives the load: elastic ones, those in contact or, last, all."""
+    contact = pressure > 0.0
+    elastic = contact & (pressure < limit)
+    for cells in (elastic, contact):
+        others = float(np.add.reduce(np.where(cells, 0.0, pressure)))
+        capacity = float(np.add.reduce(np.where(cells, limit, 0.0)))
+        if others <= load < others + capacity:
+            return cells.astype(np.float64)
+    return np.ones_like(pressure)
 
 
 def limits_at(limit: Array, index: Mask) -> Array:
@@ -119,7 +130,8 @@ def _find_shift_near_bounds(values: Array, weights: RealArray, load: float, limi
     # Near zero the precision of the weights is enough, and a uniform limit needs no more.
     near = values.astype(weights.dtype) < swing
     if np.isfinite(limit).any():
-        near |= values > (limit.astype(weights.dtype) if limit.size == 1 else limit) - swing
+        # With too much load pressures fall: none below its limit will reach it, and the limit changes no bit.
+        near |= values > (limit if excess > 0.0 else limit.astype(weights.dtype) - swing)
     if not 0 < np.count_nonzero(near) <= _FEW * near.size:
         return None
     inside, slopes = values[near], weights[near].astype(np.float64)

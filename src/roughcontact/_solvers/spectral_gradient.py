@@ -11,6 +11,7 @@ import numpy as np
 from roughcontact._convolvers import PreparedConvolution
 from roughcontact._solution import Status
 from roughcontact._solvers.base import (
+    DEFAULT_TOLERANCE,
     Monitor,
     Outcome,
     Solver,
@@ -52,7 +53,7 @@ class SpectralGradient(Solver):
     https://doi.org/10.1137/S1052623497330963
     """
 
-    tolerance: float = attrs.field(converter=positive_tolerance, default=1e-8)
+    tolerance: float = attrs.field(converter=positive_tolerance, default=DEFAULT_TOLERANCE)
     max_iterations: int = attrs.field(converter=iteration_limit, default=10_000)
 
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:

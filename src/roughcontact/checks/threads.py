@@ -5,22 +5,28 @@ from __future__ import annotations
 import contextlib
 import contextvars
 import itertools
+import math
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
 
 from roughcontact.checks import integer
 from roughcontact.checks.groups import control_groups
 from roughcontact.errors import InputError
 
 T = TypeVar("T")
-# Cells that make a further thread worth its hand-over: two threads take 0.66 of the wall time of one for a product
-# on 512 x 512 cells in float32, and no less on 256 x 256 (docs/studies/scale.py products).
-_CELLS = 2**17
+# Cells that make a further thread worth its hand-over: with two threads a solve on 512 x 512 cells takes 1.2 times
+# the wall time of one, on 1024 x 1024 no more and on 2048 x 2048 less (docs/studies/scale.py).
+_CELLS = 2**19
+# Values of an array that a pass treats at a time: a few such tiles fit into the cache.
+_TILE = 2**16
 
 _COUNT = contextvars.ContextVar("threads of the solve that runs", default=1)
 _SHARED = contextvars.ContextVar("whether others of a pool work beside this one", default=False)
@@ -128,6 +134,12 @@ def threads_for(cells: int) -> int:
 def split(length: int, step: int) -> list[slice]:
     """Return the tiles of an axis: ranges of `step` entries, the last one shorter, whatever the number of threads."""
     return [slice(start, min(start + step, length)) for start in range(0, length, step)]
+
+
+def tiles_of(values: npt.NDArray[Any]) -> list[slice]:
+    """Return the tiles of a pass over an array, along its first axis; an array of another kind than numpy's is one."""
+    length, width = values.shape[0], max(1, math.prod(values.shape[1:]))
+    return split(length, max(1, _TILE // width) if isinstance(values, np.ndarray) else max(1, length))
 
 
 def map_tiles(work: Callable[[slice], T], tiles: Sequence[slice]) -> list[T]:

@@ -7,6 +7,7 @@ import textwrap
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
+from functools import cached_property
 
 import attrs
 
@@ -17,6 +18,8 @@ from roughcontact.load import Load
 
 # Width of a printed report, characters.
 _WIDTH = 120
+# Factor by which the solver's tolerance is lowered.
+_TIGHTER = 1000.0
 
 
 class Verdict(StrEnum):
@@ -97,6 +100,16 @@ class SolvedProblem:
     problem: ContactProblem
     solution: ContactSolution
     load: Load
+
+    @cached_property
+    def tighter(self) -> tuple[ContactProblem, ContactSolution]:
+        """The problem with a thousandth of the tolerance, and its solution, or the errors of `solve_variant`.
+
+        `InputError` too where the solver has no tolerance to be set.
+        """
+        solver = self.problem.plan.solver
+        problem = attrs.evolve(self.problem, solver=solver.with_tolerance(solver.tolerance / _TIGHTER))
+        return problem, self.solve_variant(problem)
 
     def solve_variant(self, variant: ContactProblem) -> ContactSolution:
         """Return the solution of a variant of the problem at the same load, or the same position of the bodies.

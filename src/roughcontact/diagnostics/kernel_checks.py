@@ -8,8 +8,7 @@ import sys
 import numpy as np
 import scipy.fft
 
-from roughcontact._convolvers.base import periodic_spectrum
-from roughcontact._convolvers.circular import wrapped_spectrum
+from roughcontact._convolvers.inverse import periodic_spectrum, wrapped_spectrum
 from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._problem.plan import SolvePlan
 from roughcontact._problem.problem import ContactProblem

@@ -15,9 +15,9 @@ RULES = {
     "convergence": Rule(0, 0, "decided by the status; an unconverged solution is not checked further", _SOLVER),
     "load balance": Rule(1e-12, 1e-9, "the sum of 1e6 pressures has a rounding error of 1e-13", _SOLVER),
     "complementarity": Rule(
-        2e-8, 1e-5, "twice the solvers' tolerance of 1e-8; 1e-5 of the rms height moves no contact edge", _TOLERANCE
+        2e-5, 1e-3, "twice the solvers' tolerance of 1e-5; 1e-3 moves areas and peak pressures by 0.1 %", _TOLERANCE
     ),
-    "penetration": Rule(2e-8, 1e-5, "as for complementarity", _TOLERANCE),
+    "penetration": Rule(2e-5, 1e-3, "as for complementarity", _TOLERANCE),
     "convolution: digits lost": Rule(
         3, 7, "of 16 digits the gap needs 8, and the displacement may be 1e4 times the rms height", _KERNEL
     ),
@@ -43,9 +43,9 @@ RULES = {
     ),
     "shifted grid: peak pressure": Rule(0.05, 0.2, "as for the area; a peak between cell centres is missed", _GRID),
     "shifted grid: approach or load": Rule(0.02, 0.1, "as for the area", _GRID),
-    "tighter tolerance: area": Rule(1e-4, 1e-2, "at 1e-8 only cells at the contact edge may still change", _TOLERANCE),
-    "tighter tolerance: peak pressure": Rule(1e-5, 1e-3, "as for float32 iterations", _TOLERANCE),
-    "tighter tolerance: approach or load": Rule(1e-6, 1e-4, "as for the area", _TOLERANCE),
+    "tighter tolerance: area": Rule(1e-4, 1e-2, "at 1e-5 only cells at the contact edge may still change", _TOLERANCE),
+    "tighter tolerance: peak pressure": Rule(1e-4, 1e-2, "as for the area", _TOLERANCE),
+    "tighter tolerance: approach or load": Rule(1e-4, 1e-2, "as for the area", _TOLERANCE),
     "area: uncertainty": Rule(
         0.05, 0.3, "one standard deviation over the area; above 30 % only its order of magnitude is known", _GRID
     ),

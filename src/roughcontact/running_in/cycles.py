@@ -19,6 +19,9 @@ from roughcontact.errors.door import guarded
 from roughcontact.grid import Boundary
 from roughcontact.units import si
 
+# Positions of the counterbody whose last pressure is kept as a start: each takes a field of memory.
+_KEPT = 16
+
 _is_problem = instance_of(ContactProblem, "What is run in", "a ContactProblem")
 
 
@@ -108,7 +111,7 @@ def run_in(
 
     Each cycle solves the contact and takes the loss of height from the softer body, or half of it from each where
     they are equally hard. From cycle to cycle the counterbody is displaced by whole cells, periodically across the
-    border, as a ring moves under a ball.
+    border, as a ring moves under a ball. Each cycle starts from the pressure of the last one in the same position.
 
     Parameters
     ----------
@@ -145,9 +148,13 @@ def run_in(
     problem.require_load(pressure=pressure, force=force)
     state = _State(problem)
     cycles: list[Cycle] = []
+    pressures: dict[tuple[int, int], Array] = {}
     while True:
         for shift in moves:
-            solution = state.shifted_problem(shift).solve(pressure=pressure, force=force)
+            start = pressures.get(shift)
+            solution = state.shifted_problem(shift).solve(pressure=pressure, force=force, start=start)
+            if len(pressures) < _KEPT or shift in pressures:
+                pressures[shift] = solution.pressure
             cycles.append(state.flatten(solution, _height_loss(chosen, solution), shift))
             volumes = [cycle.volume for cycle in cycles]
             # Only a complete round counts.

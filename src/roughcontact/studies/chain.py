@@ -1,4 +1,4 @@
-"""The loads of one problem, solved in sequence by one worker."""
+"""The loads of one problem, solved one after another by one worker."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from roughcontact._kernels import InfluenceKernel
 from roughcontact._materials import Material
 from roughcontact._problem.body import Body
 from roughcontact._problem.problem import ContactProblem
-from roughcontact._problem.sweep import predict_pressure
+from roughcontact._problem.sweep import order_of_solving, predict_pressure
 from roughcontact._solution import ContactSolution
 from roughcontact._solution.origin import solution_key
 from roughcontact._solution.storage import read_figures, write
@@ -127,14 +127,17 @@ class ChainResult:
 def run_chain(chain: Chain) -> ChainResult:
     """Return the records of a chain; each solution is written before anything is computed from it.
 
-    Whatever fails at one load is in its record, and the others are solved. Only what cannot be written ends the chain.
+    The loads are solved from the largest down. Whatever fails at one load is in its record, and the others are solved.
+    Only what cannot be written ends the chain.
     """
-    records: list[Record] = []
+    records: dict[int, Record] = {}
     solutions: list[ContactSolution] = []
     computed = 0
     # A copy, whose problem goes with it.
     chain = attrs.evolve(chain)
-    for key, load in zip(chain.solution_keys(), chain.loads, strict=True):
+    keys = chain.solution_keys()
+    for index in order_of_solving(chain.loads):
+        key, load = keys[index], chain.loads[index]
         try:
             record, solution = _find(chain, key, load)
             if record is None:
@@ -146,13 +149,18 @@ def run_chain(chain: Chain) -> ChainResult:
             elif solution is None and len(records) + 1 < len(chain.loads):
                 solution = _load(chain, key)
         except NotWritten as error:
-            return ChainResult(records, computed - 1, name_full_disk(chain.folder, error))
+            return ChainResult(_in_order(records), computed - 1, name_full_disk(chain.folder, error))
         except Exception as error:
             record, solution = chain.record(key, load, *_status(error)), None
-        records.append(record)
+        records[index] = record
         if solution is not None:
             solutions = [*solutions[-1:], solution]
-    return ChainResult(records, computed)
+    return ChainResult(_in_order(records), computed)
+
+
+def _in_order(records: Mapping[int, Record]) -> list[Record]:
+    """Return the records in the order of their loads."""
+    return [records[index] for index in sorted(records)]
 
 
 def name_full_disk(folder: Path, error: NotWritten) -> str:

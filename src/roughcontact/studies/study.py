@@ -22,7 +22,7 @@ from roughcontact.studies.record import Record, StudyResult, read_index, write_i
 from roughcontact.studies.tasks import run_chains
 
 # Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts; for `explain` only.
-_CONVOLUTIONS = 45
+_CONVOLUTIONS = 25
 
 
 def _problems(value: object) -> dict[str, ContactProblem]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import TypeAlias
 
@@ -10,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact.checks import Array, IntArray, Mask, RealArray
+from roughcontact.checks.threads import map_tiles, tiles_of
 
 # Fraction of active cells above which fields with zeros are faster than lists of cells; 0.2 and 0.8 change the
 # CPU time by less than 3 % (docs/studies/solver_constants.py).
@@ -44,30 +46,40 @@ class ListedCells:
     @cached_property
     def ones(self) -> RealArray:
         """The vector of ones, float32."""
-        return np.ones(self.cells.size, dtype=np.float32)
+        return np.ones(self.cells.size, dtype=np.float32, like=self.cells)
 
     def gather(self, field: RealArray) -> RealArray:
         """Return the vector of a flat field."""
-        # All cells lie within the field; of the modes of numpy this one checks it fastest.
-        return field.take(self.cells, mode="wrap")
+        vector = np.empty(self.cells.size, dtype=field.dtype, like=field)
+
+        def take(part: slice) -> None:
+            # All cells lie within the field; of the modes of numpy this one checks it fastest.
+            field.take(self.cells[part], mode="wrap", out=vector[part])
+
+        map_tiles(take, tiles_of(self.cells))
+        return vector
 
     def scatter(self, vector: RealArray) -> RealArray:
         """Return the flat field that is the vector on the active cells and zero elsewhere."""
-        field = np.zeros(self.mask.size, dtype=vector.dtype)
-        field[self.cells] = vector
+        field = np.zeros(self.mask.size, dtype=vector.dtype, like=vector)
+        self.store(field, vector)
         return field
 
     def store(self, field: RealArray, vector: RealArray) -> None:
         """Set a flat field on the active cells."""
-        field[self.cells] = vector
+
+        def put(part: slice) -> None:
+            field[self.cells[part]] = vector[part]
+
+        map_tiles(put, tiles_of(self.cells))
 
     def limits(self, limit: Array) -> Array:
         """Return the pressure limits, one entry or a flat field, in a form that broadcasts to vectors."""
         return limit if limit.size == 1 else self.gather(limit)
 
-    def positions(self, mask: Mask) -> IntArray:
-        """Return the positions in a vector of the marked cells, all of them active."""
-        return np.flatnonzero(self.gather(mask))
+    def mark(self, mask: Mask) -> Mask:
+        """Return a mask of vectors, false where it is not active."""
+        return mask
 
     def few_rows(self, length: int) -> IntArray | None:
         """Return the rows of the given length that have an active cell; None if those are most."""
@@ -84,9 +96,10 @@ class ListedCells:
         """Return the active cells by blocks of a partition."""
         nx, ny = partition.shape
         counts = self._count_in_rows(ny)
-        firsts = np.arange(0, nx * ny, ny)
-        columns = partition.columns.take(self.cells - np.repeat(firsts, counts), mode="wrap")
-        return _ListedBlocks(np.repeat(partition.rows * partition.blocks[1], counts) + columns, partition)
+        firsts = np.arange(0, nx * ny, ny, like=self.cells)
+        rows, columns = (np.asarray(part, like=self.cells) for part in (partition.rows, partition.columns))
+        columns = columns.take(self.cells - np.repeat(firsts, counts), mode="wrap")
+        return _ListedBlocks(np.repeat(rows * partition.blocks[1], counts) + columns, partition)
 
 
 @attrs.frozen(eq=False)
@@ -118,9 +131,9 @@ class MaskedCells:
         """Return the limit itself: where a cell is not active the pressure in a vector is zero."""
         return limit
 
-    def positions(self, mask: Mask) -> IntArray:
-        """Return the marked cells."""
-        return np.flatnonzero(mask)
+    def mark(self, mask: Mask) -> Mask:
+        """Return the mask, false where it is not active."""
+        return mask & self.mask
 
     def few_rows(self, length: int) -> None:
         """Return None: many cells are in most rows."""
@@ -159,13 +172,14 @@ class _MaskedBlocks:
 
     def sums(self, vector: RealArray) -> RealArray:
         """Return the sum over each block, shape (bx, by)."""
-        parts = (self.partition.rows, self.partition.columns)
-        rows, columns = (np.flatnonzero(np.diff(part, prepend=-1)) for part in parts)
+        numbers = (self.partition.rows, self.partition.columns)
+        rows, columns = (np.flatnonzero(np.diff(axis, prepend=-1)) for axis in numbers)
         # Sums along the first axis add rows at a time; for the second axis the array is transposed.
-        strips = np.add.reduceat(vector.reshape(self.partition.shape), rows, axis=0)
-        found = np.add.reduceat(np.ascontiguousarray(strips.T), columns, axis=0).T
+        parts = np.split(vector.reshape(self.partition.shape), rows[1:])
+        strips = np.stack([np.add.reduce(part, axis=0) for part in parts], axis=1)
+        found = np.add.reduceat(strips, columns, axis=0).T
         # A padded domain has blocks beyond the last cell, which stay empty.
-        sums = np.zeros(self.partition.blocks, dtype=vector.dtype)
+        sums = np.zeros(self.partition.blocks, dtype=vector.dtype, like=vector)
         sums[: rows.size, : columns.size] = found
         return sums
 
@@ -174,7 +188,16 @@ class _MaskedBlocks:
         return self.active.gather(np.take(values[self.partition.rows], self.partition.columns, axis=1).ravel())
 
 
-def active_cells(mask: Mask) -> ActiveCells:
-    """Return the marked cells of a flat mask, in the form that is faster."""
-    count = int(np.count_nonzero(mask))
-    return MaskedCells(mask, count) if count > _DENSE * mask.size else ListedCells(mask, np.flatnonzero(mask))
+def active_cells(field: RealArray, mark: Callable[[slice], Mask]) -> ActiveCells:
+    """Return the active cells of a flat field, in the form that is faster; `mark` returns the mask of a tile."""
+    mask = np.empty(field.shape, dtype=bool, like=field)
+
+    def find(tile: slice) -> IntArray:
+        mask[tile] = mark(tile)
+        cells: IntArray = np.flatnonzero(mask[tile])
+        cells += tile.start
+        return cells
+
+    found = map_tiles(find, tiles_of(field))
+    count = sum(cells.size for cells in found)
+    return MaskedCells(mask, count) if count > _DENSE * mask.size else ListedCells(mask, np.concatenate(found))

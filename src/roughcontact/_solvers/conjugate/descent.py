@@ -11,6 +11,7 @@ import numpy as np
 from roughcontact._solvers.conjugate.active import ActiveCells, active_cells
 from roughcontact._solvers.projection import Control, ReleasedCells, dot
 from roughcontact.checks import Array, IntArray, Mask, RealArray
+from roughcontact.checks.threads import map_tiles, tiles_of
 
 # Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient,
 # which is also the factor that shortens a rejected step.
@@ -85,7 +86,7 @@ class Descent:
     def start(self, pressure: Array, gap: RealArray) -> None:
         """Continue from a pressure and its gap, both flat; the gap, float32, is updated in place."""
         self.pressure, self.gap, self._level = pressure, gap, 0.0
-        active = active_cells(self._inside(pressure, self._limit))
+        active = active_cells(pressure, lambda tile: self._inside(pressure[tile], self._limits(tile)))
         weights = self._preconditioner.weights(active) if active.count else active.ones
         self._state = ActiveState(active, active.gather(pressure), active.gather(gap), weights)
 
@@ -98,13 +99,13 @@ class Descent:
 
     def iterate(self) -> bool:
         """Make one step; return whether the energy fell."""
-        active, released = self._find_active()
+        active = self._find_active()
         if active.count == 0:
             return False
         weights = self._preconditioner.weights(active)
         state = ActiveState(active, active.gather(self.pressure), active.gather(self.gap), weights)
         residual = np.float32(self._control.level(state.gap, weights)) * active.ones - state.gap
-        direction = self._find_direction(state, released, residual)
+        direction = self._find_direction(state, self._find_released(state), residual)
         return direction is not None and self._move(state, residual, direction)
 
     def error(self) -> float:
@@ -118,35 +119,50 @@ class Descent:
             np.maximum(gap, 0.0, out=gap, where=state.pressure >= limit)
         load = float(np.add.reduce(state.pressure))
         open_gap = dot(state.pressure, np.abs(gap, out=gap)) / load if load > 0.0 else 0.0
-        # Saturated cells may overlap.
-        outside = self.pressure < self._limit if self._capped else True
-        minimum = float(np.minimum.reduce(self.gap, where=outside, initial=np.inf))
+        minimum = min(map_tiles(self._find_minimum, tiles_of(self.gap)))
         return max(open_gap, level - minimum)
 
-    def _find_active(self) -> tuple[ActiveCells, ReleasedCells]:
-        """Return the cells inside the bounds, with those that the sign of their gap releases from a bound."""
+    def _find_minimum(self, tile: slice) -> float:
+        """Return the minimum gap of the cells of a tile that may not overlap: of those that are not saturated."""
+        outside = self.pressure[tile] < self._limits(tile) if self._capped else True
+        return float(np.minimum.reduce(self.gap[tile], where=outside, initial=np.inf))
+
+    def _find_active(self) -> ActiveCells:
+        """Return the cells inside the bounds, and those that the sign of their gap releases from a bound."""
         state = self._state
         inside = self._inside(state.pressure, state.active.limits(self._limit))
-        contact = self.pressure > 0.0
-        level = np.float32(self._find_level(inside, contact))
-        low = self.gap < level
-        np.greater(low, contact, out=low)
-        if not self._capped:
-            active = active_cells(contact | low)
-            return active, ReleasedCells(active.positions(low), _NO_CELLS)
-        elastic = self._inside(self.pressure, self._limit)
-        high = self.gap > level
-        high &= contact
-        np.greater(high, elastic, out=high)
-        active = active_cells(elastic | low | high)
-        return active, ReleasedCells(active.positions(low), active.positions(high))
+        level = np.float32(self._find_level(inside))
 
-    def _find_level(self, inside: Mask, contact: Mask) -> float:
+        def mark(tile: slice) -> Mask:
+            pressure, gap = self.pressure[tile], self.gap[tile]
+            contact, low = pressure > 0.0, gap < level
+            if not self._capped:
+                return contact | low
+            high = gap > level
+            high |= pressure < self._limits(tile)
+            return np.where(contact, high, low)
+
+        return active_cells(self.gap, mark)
+
+    def _find_released(self, state: ActiveState) -> ReleasedCells:
+        """Return the active cells on a bound."""
+        low = np.flatnonzero(state.active.mark(state.pressure <= 0.0))
+        if not self._capped:
+            return ReleasedCells(low, _NO_CELLS)
+        return ReleasedCells(low, np.flatnonzero(state.active.mark(state.pressure >= state.active.limits(self._limit))))
+
+    def _limits(self, tile: slice) -> Array:
+        """Return the pressure limits of a tile, one entry or a flat field."""
+        return self._limit if self._limit.size == 1 else self._limit[tile]
+
+    def _find_level(self, inside: Mask) -> float:
         """Return the gap below which open cells, and above which saturated ones, are released."""
-        if self._capped and not inside.any() and contact.any() and not contact.all():
-            # A level that releases saturated cells must release open ones too, or nothing can move.
-            saturated, opened = self.gap[contact].max(), self.gap[~contact].min()
-            return self._control.level_between(float(saturated), float(opened))
+        if self._capped and not inside.any():
+            contact = self.pressure > 0.0
+            if contact.any() and not contact.all():
+                # A level that releases saturated cells must release open ones too, or nothing can move.
+                saturated, opened = self.gap[contact].max(), self.gap[~contact].min()
+                return self._control.level_between(float(saturated), float(opened))
         return self._control.level(self._state.gap, self._state.weights * inside)
 
     def _inside(self, pressure: Array, limit: Array) -> Mask:
@@ -198,13 +214,22 @@ class Descent:
             part, pressure = self._take_part(part, state.pressure, trial, limit, clipped=clipped)
             if part > 0.0:
                 state.active.store(self.pressure, pressure)
-                change *= np.float32(part)
-                self.gap += change
+                self._add_to_gap(change, np.float32(part))
                 self._step, self._change, self._curvature = field, change, part * curvature
                 self._state = ActiveState(state.active, pressure, state.active.gather(self.gap), state.weights)
                 return True
             self._length *= _CAREFUL
         return False
+
+    def _add_to_gap(self, change: RealArray, part: np.float32) -> None:
+        """Add a part of a change, flat, of which that part is left."""
+        gap = self.gap
+
+        def add(tile: slice) -> None:
+            change[tile] *= part
+            gap[tile] += change[tile]
+
+        map_tiles(add, tiles_of(gap))
 
     def _take_part(
         self, part: float, before: Array, trial: Array, limit: Array, *, clipped: bool

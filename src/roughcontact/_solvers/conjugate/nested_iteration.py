@@ -6,12 +6,12 @@ import attrs
 import numpy as np
 
 from roughcontact._convolvers import PreparedConvolution
-from roughcontact._convolvers.circular import approximate_inverse
 from roughcontact._solution import GridLevel
 from roughcontact._solvers.base import Monitor, Task, starting_pressure
 from roughcontact._solvers.conjugate.openings import NearlyFull
 from roughcontact._solvers.conjugate.refinement import Refinement
 from roughcontact.checks import Array, IntArray, Mask, RealArray
+from roughcontact.checks.threads import map_tiles, tiles_of
 from roughcontact.grid import Boundary, Grid
 
 # Axes are halved down to this many cells, and to the second number where only the approach is wanted.
@@ -61,7 +61,7 @@ def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGue
         return _guess_without_grids(convolution, task)
     coarse, coarse_task = convolution.on(halved[0]), halved[1]
     guess = nested_iteration(coarse, coarse_task)
-    gap = np.zeros(guess.pressure.shape, dtype=np.float32)
+    gap = np.zeros(guess.pressure.shape, dtype=np.float32, like=guess.pressure)
     if not guess.closed:
         monitor = Monitor(coarse_task, _TOLERANCE, _ITERATIONS)
         refinement = Refinement(coarse, coarse_task, monitor, guess.nearly_full)
@@ -75,6 +75,23 @@ def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGue
         )
     gap -= coarse_task.initial_gap
     return _refine(convolution, task, coarse_task, guess, gap)
+
+
+def start_from(convolution: PreparedConvolution, task: Task, start: Array) -> InitialGuess:
+    """Return the pressure of a start, copied; near full contact the gap that it leaves too, as from a coarser grid."""
+    guess, bearing = InitialGuess(start.copy(), 0.0), start > 0.0
+    if task.capped or np.count_nonzero(bearing) <= _NEARLY_FULL * start.size:
+        return guess
+    full = _close(convolution, task)
+    if full is None or not full.inverse.exact:
+        return attrs.evolve(guess, products=0 if full is None else 1)
+    if full.is_closed(task.pressure_limit):
+        return InitialGuess(full.closing, 1, closed=True)
+    gap = convolution.apply(start.astype(np.float32))
+    gap += task.initial_gap
+    gap -= np.float32(float(np.einsum("ij,ij->", start, gap)) / float(start.sum()))
+    nearly_full = attrs.evolve(full, gap=np.where(bearing, np.float32(0.0), np.maximum(gap, np.float32(0.0))))
+    return attrs.evolve(guess, products=2, nearly_full=nearly_full)
 
 
 def _refine(
@@ -98,12 +115,15 @@ def _refine(
             return InitialGuess(full.closing, products, guess.levels, closed=True)
         if full is not None and full.inverse.exact and not task.capped:
             nearly_full = attrs.evolve(full, gap=np.where(is_open, gap, np.float32(0.0)))
-    fine = _interpolate(pressure, fx, fy)
+    fine = np.maximum(_interpolate(pressure, fx, fy), 0.0)
     fine[is_open] = 0.0
+    met_limit = guess.met_limit
     if task.capped:
+        # Parabolas overshoot.
+        met_limit = met_limit or bool((fine > task.pressure_limit).any())
         np.copyto(fine, task.pressure_limit, where=_repeat(pressure >= coarse.pressure_limit, fx, fy))
         np.minimum(fine, task.pressure_limit, out=fine)
-    return InitialGuess(fine, products, guess.levels, met_limit=guess.met_limit, nearly_full=nearly_full)
+    return InitialGuess(fine, products, guess.levels, met_limit=met_limit, nearly_full=nearly_full)
 
 
 def _repeat(mask: Mask, fx: int, fy: int) -> Mask:
@@ -143,9 +163,9 @@ def _close(convolution: PreparedConvolution, task: Task) -> NearlyFull | None:
     """Return the pressure that closes every gap of a periodic surface at a load, whatever its bounds."""
     if convolution.setup.boundary is not Boundary.PERIODIC or task.mean_pressure is None:
         return None
-    inverse = approximate_inverse(convolution.setup)
+    inverse = convolution.inverse()
     closing = task.mean_pressure - inverse.apply(task.initial_gap)
-    return NearlyFull(inverse, closing, np.zeros(closing.shape, dtype=np.float32))
+    return NearlyFull(inverse, closing, np.zeros(closing.shape, dtype=np.float32, like=closing))
 
 
 def _guess_without_grids(convolution: PreparedConvolution, task: Task) -> InitialGuess:
@@ -164,27 +184,36 @@ def _average(values: Array, shape: tuple[int, int]) -> Array:
         values = values[0::2] + values[1::2]
     if values.shape[1] > shape[1]:
         values = values[:, 0::2] + values[:, 1::2]
-    return np.ascontiguousarray(values) / (cells // values.size)
+    return values / (cells // values.size)
 
 
 def _interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
-    """Interpolate linearly between cell centres along the axes that were halved."""
+    """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
     # The second axis first, while there are fewer rows: its steps are not contiguous.
-    for axis, factor in ((1, fy), (0, fx)):
-        if factor == 2:
-            coarse = np.moveaxis(values, axis, 0)
-            fine = np.moveaxis(
-                np.empty([n * (1 + (k == axis)) for k, n in enumerate(values.shape)], dtype=values.dtype), axis, 0
-            )
-            quarter = 0.25 * coarse
-            np.multiply(coarse, 0.75, out=fine[0::2])
-            fine[1::2] = fine[0::2]
-            fine[2::2] += quarter[:-1]
-            fine[0] += quarter[-1]
-            fine[1:-1:2] += quarter[1:]
-            fine[-1] += quarter[0]
-            values = np.moveaxis(fine, 0, axis)
+    if fy == 2:
+        coarse, fine = values, np.empty((values.shape[0], 2 * values.shape[1]), dtype=values.dtype, like=values)
+        map_tiles(lambda rows: _double(coarse[rows].T, fine[rows].T), tiles_of(coarse))
+        values = fine
+    if fx == 2:
+        rough, smooth = values, np.empty((2 * values.shape[0], values.shape[1]), dtype=values.dtype, like=values)
+        map_tiles(lambda columns: _double(rough[:, columns], smooth[:, columns]), tiles_of(rough.T))
+        values = smooth
     return values
+
+
+def _double(coarse: RealArray, fine: RealArray) -> None:
+    """Interpolate along the first axis, a quarter of a coarse cell to both sides of its centre."""
+    middle, near, far = 0.9375 * coarse, 0.15625 * coarse, 0.09375 * coarse
+    lower, upper = fine[0::2], fine[1::2]
+    lower[:] = upper[:] = middle
+    lower[1:] += near[:-1]
+    lower[0] += near[-1]
+    lower[:-1] -= far[1:]
+    lower[-1] -= far[0]
+    upper[:-1] += near[1:]
+    upper[-1] += near[0]
+    upper[1:] -= far[:-1]
+    upper[0] -= far[-1]
 
 
 @attrs.frozen(eq=False)
@@ -200,11 +229,11 @@ class Window:
 
     def restrict(self, values: Array) -> Array:
         """Return the part of a field inside the window."""
-        return np.ascontiguousarray(values[self.rows, self.columns])
+        return values[self.rows, self.columns].copy()
 
     def embed(self, values: Array, shape: tuple[int, int]) -> Array:
         """Return a field of the grid's shape that is zero outside the window."""
-        field = np.zeros(shape)
+        field = np.zeros(shape, like=values)
         field[self.rows, self.columns] = values
         return field
 

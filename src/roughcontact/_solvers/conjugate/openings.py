@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact._convolvers.circular import InverseConvolution
+from roughcontact._convolvers import InverseConvolution
 from roughcontact._solvers.base import Monitor
 from roughcontact._solvers.conjugate.active import ActiveCells
 from roughcontact._solvers.conjugate.descent import Descent
@@ -63,9 +63,9 @@ class Openings:
 
     def __init__(self, start: NearlyFull, monitor: Monitor) -> None:
         self._inverse, self._closing, self._monitor = start.inverse, start.closing, monitor
-        self.gap = np.array(start.gap, dtype=np.float64)
+        self.gap = start.gap.astype(np.float64)
         shape, inverse = start.closing.shape, start.inverse
-        single = InverseConvolution(inverse.stiffness.astype(np.float32), inverse.padded)
+        single = attrs.evolve(inverse, stiffness=inverse.stiffness.astype(np.float32))
         self._single = single
         self._preconditioner = OpeningPreconditioner(single, shape)
         self._descent = Descent(single, shape, self._preconditioner, ApproachControl(), np.array([np.inf]))
@@ -147,4 +147,4 @@ class OpeningPreconditioner:
     def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual."""
         self._products += 1
-        return multiply_active(active, residual, self._symbol, self._shape, self._inverse.padded)
+        return multiply_active(active, residual, self._inverse, self._symbol, self._shape)

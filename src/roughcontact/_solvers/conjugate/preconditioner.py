@@ -7,9 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from roughcontact._convolvers import PreparedConvolution
-from roughcontact._convolvers.circular import InverseConvolution, multiply_waves, multiply_waves_of_rows
+from roughcontact._convolvers import InverseConvolution, PreparedConvolution
 from roughcontact._solvers.conjugate.active import ActiveCells, Partition
+from roughcontact._solvers.conjugate.extension import ExtendedInverse, half_space_inverse, is_steep
 from roughcontact._solvers.conjugate.weights import PunchWeights
 from roughcontact._solvers.projection import dot, total
 from roughcontact.checks import RealArray
@@ -29,7 +29,9 @@ _DISTINCT = 1e-6
 class Preconditioner:
     """The stiffness of the active cells: the inverse kernel between masks, with two corrections.
 
-    The second, for rigid motion, is needed only if `rigid`: if the approach is given.
+    The second, for rigid motion, is needed only if `rigid`: if the approach is given. A kernel that is much
+    stiffer for short waves is inverted by `ExtendedInverse` instead, with the weights of a half-space and
+    without the first correction.
     """
 
     def __init__(self, inverse: InverseConvolution, convolution: PreparedConvolution, *, rigid: bool) -> None:
@@ -37,7 +39,12 @@ class Preconditioner:
         self._convolution = convolution
         self._rigid = rigid
         self._shape = convolution.setup.grid.shape
-        self._punch = PunchWeights(inverse, self._shape)
+        self._extended = ExtendedInverse(inverse, self._shape) if is_steep(inverse) else None
+        if self._extended is None:
+            self._punch = PunchWeights(inverse, self._shape)
+        else:
+            spacing = convolution.setup.grid.spacing
+            self._punch = PunchWeights(half_space_inverse(inverse, spacing), self._shape)
         self._rigid_correction: RigidCorrection | None = None
         self._coarse_correction: CoarseCorrection | None = None
         self._products = 0
@@ -45,18 +52,18 @@ class Preconditioner:
     @property
     def products(self) -> int:
         """Products so far."""
-        return self._products + self._punch.products
+        extended = 0 if self._extended is None else self._extended.products
+        return self._products + self._punch.products + extended
 
     def weights(self, active: ActiveCells) -> RealArray:
         """Return the vector of flat-punch weights M 1 of the active cells, above zero."""
-        before = self._punch.products
         weights = self._punch.update(active)
         self._coarse_correction = None
         if weights is None:
             weights = active.ones
-        else:
+        elif self._extended is None:
             self._coarse_correction = CoarseCorrection(self._inverse, self._shape, active, weights)
-        if self._rigid and self._punch.products > before:
+        if self._rigid and self._punch.renewed:
             self._rigid_correction = RigidCorrection(self._convolution, active, weights)
             self._products += 2
         return weights
@@ -75,17 +82,18 @@ class Preconditioner:
 
     def _apply_masked(self, active: ActiveCells, vector: RealArray) -> RealArray:
         self._products += 1
-        return multiply_active(active, vector, self._inverse.stiffness, self._shape, self._inverse.padded)
+        if self._extended is not None:
+            self._extended.update(active)
+            return self._extended.apply(active, vector)
+        return multiply_active(active, vector, self._inverse, self._inverse.stiffness, self._shape)
 
 
 def multiply_active(
-    active: ActiveCells, vector: RealArray, symbol: RealArray, shape: tuple[int, int], padded: tuple[int, int]
+    active: ActiveCells, vector: RealArray, inverse: InverseConvolution, symbol: RealArray, shape: tuple[int, int]
 ) -> RealArray:
     """Return the vector of a field that is zero where it is not active, with its waves multiplied by a symbol."""
     field, rows = active.scatter(vector).reshape(shape), active.few_rows(shape[1])
-    if rows is None:
-        return active.gather(multiply_waves(field, symbol, padded).ravel())
-    return active.gather(multiply_waves_of_rows(field, rows, symbol, padded).ravel())
+    return active.gather(inverse.multiply(field, symbol, inverse.padded, rows).ravel())
 
 
 class CoarseCorrection:
@@ -103,10 +111,10 @@ class CoarseCorrection:
     def __init__(
         self, inverse: InverseConvolution, shape: tuple[int, int], active: ActiveCells, weights: RealArray
     ) -> None:
+        self._inverse = inverse
         mx, my = inverse.padded
         mean = total(weights) / (mx * my)
-        axes = inverse.stiffness[: mx // 2 + 1, 0], inverse.stiffness[0]
-        bx, by = (_count_blocks(axis, count, mean) for axis, count in zip(axes, (mx, my), strict=True))
+        bx, by = (_count_blocks(axis, count, mean) for axis, count in zip(inverse.axes, (mx, my), strict=True))
         partition = _divide(shape, (mx, my), (bx, by))
         self._blocks = active.blocks(partition)
         self._diagonal = self._blocks.sums(weights).astype(np.float32)
@@ -135,7 +143,7 @@ class CoarseCorrection:
         direction = response = np.zeros_like(right)
         previous = math.inf
         for _ in range(_STEPS):
-            image = multiply_waves(residual, self._approximate, right.shape)
+            image = self._inverse.multiply(residual, self._approximate, right.shape)
             product = _dot(residual, image)
             factor = np.float32(product / previous)
             direction = image + factor * direction

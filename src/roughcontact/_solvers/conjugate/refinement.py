@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 
 from roughcontact._convolvers import PreparedConvolution
-from roughcontact._convolvers.circular import approximate_inverse
 from roughcontact._solution import GridLevel, Status
 from roughcontact._solution.conditions import Violation
 from roughcontact._solvers.base import Monitor, Task
@@ -49,13 +48,13 @@ class Refinement:
         mean = task.mean_pressure
         self._control: Control = ApproachControl() if mean is None else LoadControl(mean * task.initial_gap.size)
         self._openings = None if nearly_full is None else Openings(nearly_full, monitor)
-        self._started = False
+        self._started = self._limited = False
         self._verifications = self._estimates = self._others = 0
 
     @cached_property
     def _preconditioner(self) -> Preconditioner:
         # A start that needs no descent, such as full contact, needs no preconditioner either.
-        inverse = approximate_inverse(self._convolution.setup, np.float32)
+        inverse = self._convolution.inverse(np.float32)
         return Preconditioner(inverse, self._convolution, rigid=self._task.mean_pressure is None)
 
     @cached_property
@@ -65,8 +64,8 @@ class Refinement:
 
     @property
     def met_limit(self) -> bool:
-        """Whether the pressure limit has shortened any step so far."""
-        return self._started and self._descent.met_limit
+        """Whether the pressure limit has shortened any step, or changed a start, so far."""
+        return self._limited or (self._started and self._descent.met_limit)
 
     @property
     def products(self) -> int:
@@ -93,7 +92,7 @@ class Refinement:
         if self._openings is not None:
             pressure = self._openings.approximate(_MARGIN * self._monitor.tolerance)
             return pressure, self._openings.gap.astype(np.float32)
-        shape, flat = pressure.shape, self._control.restore(pressure.reshape(-1), self._limit)
+        shape, flat = pressure.shape, self._restore(pressure.reshape(-1))
         displacement = self._convolution.apply(flat.astype(np.float32).reshape(shape))
         self._estimates += 1
         violation, _ = self._monitor.judge(flat.reshape(shape), displacement)
@@ -114,7 +113,7 @@ class Refinement:
         while True:
             if self._openings is not None:
                 flat = self._openings.solve(goal).reshape(-1)
-            flat = self._control.restore(flat, self._limit)
+            flat = self._restore(flat)
             displacement = self._convolution.apply(flat.reshape(shape))
             self._verifications += 1
             if self._monitor.history:
@@ -136,6 +135,12 @@ class Refinement:
             del displacement
             self._descend(flat, gap, violation, max(_MARGIN * self._monitor.tolerance, _GAIN * violation.error))
             del gap
+
+    def _restore(self, pressure: Array) -> Array:
+        """Return a flat pressure, changed in place, of the load of the task."""
+        pressure = self._control.restore(pressure, self._limit)
+        self._limited = self._limited or (self._task.capped and bool((pressure >= self._limit).any()))
+        return pressure
 
     def _leave_openings(self) -> None:
         """Go on with the pressure where the openings have not settled."""

@@ -9,14 +9,21 @@ import attrs
 import numpy as np
 
 from roughcontact._convolvers import PreparedConvolution
-from roughcontact._convolvers.circular import approximate_inverse
 from roughcontact._solution import Status
-from roughcontact._solvers.base import Monitor, Outcome, Solver, Task, iteration_limit, positive_tolerance
+from roughcontact._solvers.base import (
+    DEFAULT_TOLERANCE,
+    Monitor,
+    Outcome,
+    Solver,
+    Task,
+    iteration_limit,
+    positive_tolerance,
+)
 from roughcontact._solvers.conjugate.nested_iteration import (
-    InitialGuess,
     estimate_approach,
     find_window,
     nested_iteration,
+    start_from,
 )
 from roughcontact._solvers.conjugate.refinement import Refinement
 from roughcontact._solvers.spectral_gradient import SpectralGradient
@@ -72,20 +79,27 @@ class ProjectedConjugateGradient(Solver):
         "cells that cannot touch: vectors leave them out, and a free domain is reduced to the others",
     )
 
-    tolerance: float = attrs.field(converter=positive_tolerance, default=1e-8)
+    tolerance: float = attrs.field(converter=positive_tolerance, default=DEFAULT_TOLERANCE)
     max_iterations: int = attrs.field(converter=iteration_limit, default=1000)
 
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
-        """Return the contact pressure; see `Solver.solve`.
+        """Return the contact pressure; see `Solver.solve`."""
+        # What follows serves arrays of any kind: it makes new ones of the kind of those that it has.
+        outcome = self._solve(convolution, task.convert(convolution.from_numpy))
+        return attrs.evolve(outcome, pressure=convolution.to_numpy(outcome.pressure))
 
-        Where the limit shortened steps but is reached nowhere in the end, the contact is solved again
-        without it: a limit that is not reached changes no bit of the result.
+    def _solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
+        """Solve; where the limit shortened steps but is reached nowhere in the end, solve again without it.
+
+        So a limit that is not reached changes no bit of the result.
         """
         found = self._solve_in_window(convolution, task)
         limited = found.outcome
         if not found.met_limit or not limited.status.success or (limited.pressure >= task.pressure_limit).any():
             return limited
-        free = self._solve_in_window(convolution, attrs.evolve(task, pressure_limit=math.inf)).outcome
+        free = self._solve_in_window(
+            convolution, attrs.evolve(task, pressure_limit=np.full((), math.inf, like=task.pressure_limit))
+        ).outcome
         if not free.status.success or (free.pressure > task.pressure_limit).any():
             return limited
         return attrs.evolve(free, convolutions=limited.convolutions + free.convolutions)
@@ -108,7 +122,8 @@ class ProjectedConjugateGradient(Solver):
 
     def _solve_on_grid(self, convolution: PreparedConvolution, task: Task) -> GridSolution:
         """Solve on all cells of the convolution."""
-        start = nested_iteration(convolution, task) if task.start is None else InitialGuess(task.start.copy(), 0.0)
+        given = task.start
+        start = nested_iteration(convolution, task) if given is None else start_from(convolution, task, given)
         searchable = _can_search_loads(convolution, task)
         patience = min(self.max_iterations, _PATIENT) if searchable else self.max_iterations
         monitor = Monitor(task, self.tolerance, patience)
@@ -155,7 +170,7 @@ class ProjectedConjugateGradient(Solver):
         closing, end = _final_load(convolution, task, beyond=beyond)
         remaining = end - task.approach
         if remaining <= 0.0:
-            pressure = np.array(np.broadcast_to(task.pressure_limit, pressure.shape))
+            pressure = np.broadcast_to(task.pressure_limit, pressure.shape).copy()
             _, status = monitor.judge(pressure, convolution.apply(pressure))
             return monitor.outcome(pressure, status or Status.STALLED, 1)
         low, high = -math.inf, math.log(closing)
@@ -199,7 +214,7 @@ def _final_load(convolution: PreparedConvolution, task: Task, *, beyond: bool) -
     """Return the mean pressure and the approach of full contact or, beyond it, with all cells saturated."""
     maximum = float(task.pressure_limit.mean())
     if beyond:
-        limit = np.array(np.broadcast_to(task.pressure_limit, task.initial_gap.shape))
+        limit = np.broadcast_to(task.pressure_limit, task.initial_gap.shape).copy()
         return maximum, float((convolution.apply(limit) + task.initial_gap).max())
-    closing = float(approximate_inverse(convolution.setup).apply(task.initial_gap).max())
+    closing = float(convolution.inverse().apply(task.initial_gap).max())
     return min(closing, maximum), float(task.initial_gap.mean())

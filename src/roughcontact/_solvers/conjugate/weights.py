@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from roughcontact._convolvers.circular import InverseConvolution
+from roughcontact._convolvers import InverseConvolution
 from roughcontact._solvers.conjugate.active import ActiveCells
 from roughcontact._solvers.projection import total
 from roughcontact.checks import IntArray, Mask, RealArray
@@ -39,15 +39,21 @@ class PunchWeights:
         self._stencil: RealArray | None = None
         self._changed = 0
         self.products = 0
+        # Whether so many cells have changed that the weights were computed again.
+        self.renewed = False
 
     def update(self, active: ActiveCells) -> RealArray | None:
         """Return the vector of the weights, above zero; None where ringing of the inverse leaves none."""
         mask = active.mask
         changed = np.flatnonzero(mask ^ self._mask) if self._mask.size else None
         self._changed += 0 if changed is None else changed.size
-        if changed is None or changed.size > _MANY * mask.size or self._changed > _CHANGED * _smaller(active):
-            self.products += 1
+        self.renewed = (
+            changed is None or changed.size > _MANY * mask.size or self._changed > _CHANGED * _smaller(active)
+        )
+        if self.renewed:
             self._changed = 0
+        if changed is None or self.renewed or (changed.size and not self._inverse.local):
+            self.products += 1
             self._field = self._inverse.apply(active.scatter(active.ones).reshape(self._shape)).ravel()
         elif changed.size:
             self._add(changed, np.where(mask[changed], np.float32(1.0), np.float32(-1.0)))

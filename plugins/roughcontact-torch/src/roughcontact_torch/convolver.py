@@ -1,0 +1,205 @@
+"""Convolution by FFT on tensors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cached_property
+from typing import Any, cast
+
+import attrs
+import numpy as np
+import roughcontact as rc
+import scipy.fft
+import torch
+from roughcontact.typing import (
+    Array,
+    BoundKernel,
+    ConvolutionSetup,
+    IntArray,
+    InverseConvolution,
+    PreparedConvolution,
+    RealArray,
+)
+
+from roughcontact_torch.arrays import TensorArray
+from roughcontact_torch.kinds import torch_dtype
+
+# Parts in which the columns of a padded grid are transformed: more save little memory.
+_PARTS = 4
+_DEVICES = ("auto", "cpu", "cuda")
+
+
+def _device_name(value: object) -> str:
+    if value not in _DEVICES:
+        raise rc.InputError.about("The device of the tensors", value, " or ".join(f"'{name}'" for name in _DEVICES))
+    return str(value)
+
+
+@attrs.frozen
+class TorchFFT(rc.Convolver):
+    """Multiplication in Fourier space by torch, on any boundary, on a processor or a GPU.
+
+    The default solver then works on tensors of the device throughout; the solution has numpy's arrays, and its
+    residuals are measured in float64 as always.
+
+    Parameters
+    ----------
+    device
+        ``"cpu"``, ``"cuda"``, or ``"auto"``: CUDA where torch finds it.
+    """
+
+    device: str = attrs.field(default="auto", converter=_device_name)
+
+    boundaries = frozenset(rc.Boundary)
+
+    def __str__(self) -> str:
+        return f"{self!r}: tensors of torch {torch.__version__} on {self.place}"
+
+    @property
+    def place(self) -> torch.device:
+        """The device of the tensors.
+
+        Raises
+        ------
+        InputError
+            If it is not there.
+        """
+        found = torch.cuda.is_available()
+        if self.device == "cuda" and not found:
+            raise rc.InputError("torch finds no CUDA device here: choose device='auto' or device='cpu'.")
+        return torch.device("cuda" if found and self.device != "cpu" else "cpu")
+
+    def require(self, kernel: rc.InfluenceKernel, boundary: rc.Boundary) -> None:
+        """Raise `InputError` if the kernel lacks the form that is needed, or the device is not there."""
+        super().require(kernel, boundary)
+        _ = self.place
+
+    def transform_shape(self, grid: rc.Grid, boundary: rc.Boundary) -> tuple[int, int]:
+        """Return the cells of the grid, on a free boundary those of a padded one that is fast to transform."""
+        if boundary is not rc.Boundary.FREE:
+            return grid.shape
+        mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) for n in grid.shape)
+        return mx, my
+
+    def prepare(self, kernel: BoundKernel, grid: rc.Grid, boundary: rc.Boundary) -> PreparedConvolution:
+        """Return the convolution on tensors."""
+        setup = ConvolutionSetup(self, kernel, grid, boundary)
+        padded = self.transform_shape(grid, boundary)
+        if boundary is rc.Boundary.PERIODIC:
+            symbol = torch.tensor(setup.spectrum, device=self.place)
+        else:
+            reach = tuple(min(n, m // 2 + 1) for n, m in zip(grid.shape, padded, strict=True))
+            coefficients = kernel.coefficients(cast(tuple[int, int], reach), grid.spacing)
+            symbol = _even_transform(torch.tensor(coefficients, device=self.place), padded)
+        return TensorConvolution(setup, symbol, padded)
+
+
+def _even_transform(values: torch.Tensor, padded: tuple[int, int]) -> torch.Tensor:
+    """Return the real transform of the even extension of values to a padded grid, shape (mx, my // 2 + 1)."""
+    for axis in (1, 0):
+        distance = _distances(padded[axis], values.device)
+        beyond = distance >= values.shape[axis]
+        extended = values.index_select(axis, distance.masked_fill(beyond, 0))
+        extended.masked_fill_(beyond if axis else beyond[:, None], 0.0)
+        values = torch.fft.rfft(extended, dim=axis).real
+    # It is even in x too.
+    return values.index_select(0, _distances(padded[0], values.device))
+
+
+def _distances(length: int, device: torch.device) -> torch.Tensor:
+    """Return the distance of each cell from the first one of a row that repeats."""
+    cells = torch.arange(length, device=device)
+    return torch.minimum(cells, length - cells)
+
+
+def _multiply(values: torch.Tensor, symbol: torch.Tensor, padded: tuple[int, int]) -> torch.Tensor:
+    """Return a field, padded with zeros, with each of its waves multiplied by a real symbol."""
+    if values.shape == padded:
+        waves = torch.fft.rfft2(values)
+        waves *= symbol
+        return torch.fft.irfft2(waves, s=padded)
+    nx, ny = values.shape
+    waves = torch.fft.rfft(values, n=padded[1], dim=1)
+    # Padded columns are in memory in parts.
+    for part, factors in zip(waves.chunk(_PARTS, dim=1), symbol.chunk(_PARTS, dim=1), strict=True):
+        columns = torch.fft.fft(part, n=padded[0], dim=0)
+        columns *= factors
+        part.copy_(torch.fft.ifft(columns, dim=0)[:nx])
+    return torch.fft.irfft(waves, n=padded[1], dim=1)[:, :ny].contiguous()
+
+
+@attrs.frozen(eq=False)
+class TensorInverse(InverseConvolution):
+    """The approximate inverse, on tensors."""
+
+    # Kernels on a GPU are few and large, or their start takes the time.
+    local = False
+
+    @cached_property
+    def axes(self) -> tuple[RealArray, RealArray]:
+        """The stiffness along both axes on the host: single values of it are read often."""
+        x, y = self._stiffness[: self.padded[0] // 2 + 1, 0], self._stiffness[0]
+        return x.numpy(force=True), y.numpy(force=True)
+
+    @property
+    def _stiffness(self) -> torch.Tensor:
+        return _tensor(self.stiffness)
+
+    def multiply(
+        self, values: RealArray, symbol: RealArray, padded: tuple[int, int], rows: IntArray | None = None
+    ) -> RealArray:
+        """Return a field with each of its waves multiplied by a symbol; see `InverseConvolution.multiply`."""
+        return _array(_multiply(_tensor(values), _tensor(symbol), padded))
+
+
+@attrs.frozen(eq=False)
+class TensorConvolution(PreparedConvolution):
+    """Transform, multiply by the real symbol, transform back, on tensors; numpy's arrays go there and come back."""
+
+    setup: ConvolutionSetup
+    symbol: torch.Tensor
+    padded: tuple[int, int]
+
+    @cached_property
+    def symbol_float32(self) -> torch.Tensor:
+        """The symbol in float32."""
+        return self.symbol.to(torch.float32)
+
+    def apply(self, pressure: RealArray) -> RealArray:
+        """Return the displacement, an array of the kind of the pressure."""
+        if isinstance(pressure, np.ndarray):
+            return self.to_numpy(self.apply(self.from_numpy(pressure)))
+        symbol = self.symbol_float32 if pressure.dtype == np.float32 else self.symbol
+        return _array(_multiply(_tensor(pressure), symbol, self.padded))
+
+    def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
+        """Return the approximate inverse on tensors."""
+        found = super().inverse(dtype)
+        return TensorInverse(self.from_numpy(found.stiffness), found.padded, found.exact)
+
+    @contextmanager
+    def use_threads(self, count: int) -> Iterator[None]:
+        """Let torch take so many threads of the processor, in this process, until the end."""
+        before = torch.get_num_threads()
+        torch.set_num_threads(count)
+        try:
+            yield
+        finally:
+            torch.set_num_threads(before)
+
+    def from_numpy(self, values: Array) -> Array:
+        """Return a copy on the device."""
+        return _array(torch.tensor(values, dtype=torch_dtype(values.dtype), device=self.symbol.device))
+
+    def to_numpy(self, values: Array) -> Array:
+        """Return the values on the host."""
+        return cast(Array, _tensor(values).numpy(force=True))
+
+
+def _array(tensor: torch.Tensor) -> Any:
+    return TensorArray(tensor)
+
+
+def _tensor(values: Any) -> torch.Tensor:
+    return cast(torch.Tensor, values.tensor)

@@ -1,0 +1,59 @@
+"""Types of numpy and torch for each other, and the type of a result by numpy's rules."""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+import torch
+
+_NUMPY: dict[torch.dtype, np.dtype[Any]] = {
+    torch.bool: np.dtype(np.bool_),
+    torch.int32: np.dtype(np.int32),
+    torch.int64: np.dtype(np.int64),
+    torch.float32: np.dtype(np.float32),
+    torch.float64: np.dtype(np.float64),
+}
+_TORCH = {dtype: known for known, dtype in _NUMPY.items()}
+
+Operand: TypeAlias = torch.Tensor | np.generic | bool | int | float
+
+
+def numpy_dtype(dtype: torch.dtype) -> np.dtype[Any]:
+    """Return numpy's name of a type."""
+    return _NUMPY[dtype]
+
+
+def torch_dtype(dtype: npt.DTypeLike) -> torch.dtype:
+    """Return torch's name of a type."""
+    return _TORCH[np.dtype(dtype)]
+
+
+def promoted(operands: tuple[Operand, ...]) -> torch.dtype:
+    """Return the type in which numpy computes: numbers of Python's do not raise it, those of numpy's do."""
+    strong, weak = set(), set()
+    for one in operands:
+        if isinstance(one, torch.Tensor):
+            strong.add(one.dtype)
+        elif isinstance(one, np.generic):
+            strong.add(_TORCH[one.dtype])
+        else:
+            weak.add(type(one))
+    dtype = strong.pop() if len(strong) == 1 else _TORCH[np.result_type(*(_NUMPY[one] for one in strong))]
+    if float in weak and not dtype.is_floating_point:
+        return torch.float64
+    return torch.int64 if int in weak and dtype is torch.bool else dtype
+
+
+def as_operand(value: Operand, dtype: torch.dtype, device: torch.device) -> torch.Tensor:
+    """Return an operand as a tensor of a type."""
+    if isinstance(value, torch.Tensor):
+        return value if value.dtype is dtype else value.to(dtype)
+    return torch.scalar_tensor(as_number(value), dtype=dtype, device=device)
+
+
+def as_number(value: np.generic | float) -> float:
+    """Return a number as one of Python's."""
+    number: float = value.item() if isinstance(value, np.generic) else value
+    return number
