@@ -15,7 +15,16 @@ from roughcontact._flattening import FlatteningModel, Overlap, UniformRise, flat
 from roughcontact._kernels import FourierHalfSpace, InfluenceKernel, Love, kernels
 from roughcontact._materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid, materials
 from roughcontact._problem import RIGID_FLAT, Body, ContactProblem
-from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, Status, quantities
+from roughcontact._solution import (
+    Area,
+    ContactSolution,
+    Estimate,
+    QuantityEstimator,
+    Response,
+    Status,
+    quantities,
+    responses,
+)
 from roughcontact._solvers import PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, solvers
 from roughcontact._surfaces import (
     FlatSurface,
@@ -94,6 +103,7 @@ __all__ = [
     "ProjectedConjugateGradient",
     "QuantityEstimator",
     "Reference",
+    "Response",
     "Rigid",
     "RoughContactError",
     "SelfAffineSurface",
@@ -122,6 +132,7 @@ __all__ = [
     "quantities",
     "read_surface",
     "readers",
+    "responses",
     "run_in",
     "solvers",
     "stability",

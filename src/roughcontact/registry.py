@@ -116,17 +116,17 @@ class Registry(Generic[T]):
         wanted = str(path)
         return next((cls for cls in self._classes.values() if path_of(cls) == wanted), None)
 
-    def create(self, name: str) -> T:
-        """Return an instance, made without arguments, of the class registered under `name`."""
+    def create(self, name: str, *arguments: object, **fields: object) -> T:
+        """Return an instance of the class registered under `name`, by default made without arguments."""
         cls = self[name]
         try:
-            return cls()
+            return cls(*arguments, **fields)
         except InputError:
             raise
         except Exception as error:
+            how = "from these arguments" if arguments or fields else "without arguments"
             raise InputError(
-                f"The {self.kind} {name!r} cannot be made without arguments ({error}): "
-                f"pass an instance of {path_of(cls)}."
+                f"The {self.kind} {name!r} cannot be made {how} ({error}): pass an instance of {path_of(cls)}."
             ) from error
 
     def resolve(self, choice: object) -> T:

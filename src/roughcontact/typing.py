@@ -9,7 +9,7 @@ solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditio
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`
 readers      `RawMap`
 commands     the function `replacing`
-results      `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`, `Sweep`, `Ladder`,
+results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`, `Sweep`, `Ladder`,
              `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`, `ReportRow`, `Timing`,
              `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`, `Separated`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
@@ -22,6 +22,7 @@ from roughcontact._problem import SolvePlan, Sweep
 from roughcontact._solution import GridLevel, Origin, Residuals
 from roughcontact._solution.accuracy import Accuracy, Trial
 from roughcontact._solution.conditions import ContactConditions, Violation
+from roughcontact._solution.fields import ContactFields
 from roughcontact._solution.patches import ContactPatches
 from roughcontact._solvers import (
     Monitor,
@@ -51,6 +52,7 @@ __all__ = [
     "BoundKernel",
     "Check",
     "ContactConditions",
+    "ContactFields",
     "ContactPatches",
     "ConvolutionSetup",
     "Cycle",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
@@ -294,5 +295,5 @@ class ContactProblem:
         on_step: Callable[[Step], None] | None = None,
     ) -> ContactSolution:
         solution = run_solve(self, self._gap, load, start, on_step)
-        solution = attrs.evolve(solution, origin=Origin(self.parts, load.arguments))
+        solution = attrs.evolve(solution, origin=Origin(self.parts, load.arguments, source=weakref.ref(self)))
         return require_success(solution) if throw else solution

@@ -2,6 +2,7 @@
 
 from roughcontact._solution.contact import ContactSolution
 from roughcontact._solution.origin import Origin
+from roughcontact._solution.responses import Response, responses
 from roughcontact._solution.results import (
     DEFAULT_AREA,
     Area,
@@ -25,7 +26,9 @@ __all__ = [
     "Origin",
     "QuantityEstimator",
     "Residuals",
+    "Response",
     "Status",
     "areas",
     "quantities",
+    "responses",
 ]

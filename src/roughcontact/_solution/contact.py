@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import attrs
 import numpy as np
@@ -12,19 +13,15 @@ import numpy as np
 from roughcontact import checks
 from roughcontact._materials import Material
 from roughcontact._solution import storage
-from roughcontact._solution.accuracy import Accuracy
-from roughcontact._solution.origin import Origin
-from roughcontact._solution.patches import ContactPatches, find_patches
+from roughcontact._solution.fields import ContactFields
 from roughcontact._solution.plausibility import list_warnings
+from roughcontact._solution.responses import Response, responses
 from roughcontact._solution.results import (
     DEFAULT_AREA,
     Area,
     AreaEstimator,
     Estimate,
-    GridLevel,
     QuantityEstimator,
-    Residuals,
-    Status,
     areas,
     judge_maps,
     quantities,
@@ -33,122 +30,18 @@ from roughcontact._solution.results import (
 from roughcontact._solution.saturation import estimate_saturated_area
 from roughcontact._solution.summary import summarize
 from roughcontact._surfaces import HeightMap
-from roughcontact.checks import Array, Mask, numbers, read_only
+from roughcontact.checks import Array
 from roughcontact.errors import InputError
-from roughcontact.grid import Boundary, Grid
+
+if TYPE_CHECKING:
+    from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress
+
+T = TypeVar("T")
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class ContactSolution:
-    """A solved contact.
-
-    Attributes
-    ----------
-    grid, boundary
-        The cells, and what lies beyond the border.
-    modulus
-        Contact modulus E*, Pa.
-    pressure_limit
-        Maximum contact pressure, shape () or (nx, ny), Pa; `inf` where there is none.
-    pressure
-        Contact pressure, shape `grid.shape`, Pa.
-    displacement
-        Sum of the elastic displacements of both surfaces, shape `grid.shape`, m, positive into the
-        bodies; its mean is zero on a periodic boundary.
-    initial_gap
-        Gap before deformation when the summits just touch, shape `grid.shape`, m.
-    approach
-        Approach of the bodies since first touch, m.
-    status, iterations, convolutions, seconds
-        How the solve ended, and its cost; wall time in s.
-    residuals
-        Residuals of the contact conditions, verified in float64: the certificate.
-    history
-        The solver's error before each iteration.
-    levels
-        The work on each grid, from coarse to fine; empty where the solver does not report it.
-    edge_shift
-        Distance by which the edge of the discrete contact lies inside that of the continuous one, in cells.
-    moduli
-        Inverse wave numbers, m, ascending, and the effective contact modulus at each, Pa; None where it is
-        `modulus` at all wave numbers.
-    origin
-        The problem and its load; None where they are not known.
-    accuracy
-        The accuracy that was asked of the solve and its cost; None where none was, and in files.
-    non_measured
-        Points that were not measured on one of the bodies and carry nothing, shape `grid.shape`; None without any.
-    """
-
-    grid: Grid
-    boundary: Boundary
-    modulus: float
-    pressure_limit: Array = attrs.field(converter=read_only)
-    pressure: Array = attrs.field(converter=read_only)
-    displacement: Array = attrs.field(converter=read_only)
-    initial_gap: Array = attrs.field(converter=read_only)
-    approach: float
-    status: Status
-    iterations: int
-    convolutions: int
-    seconds: float
-    residuals: Residuals
-    history: tuple[float, ...]
-    levels: tuple[GridLevel, ...] = ()
-    edge_shift: float = 0.0
-    moduli: tuple[tuple[float, ...], tuple[float, ...]] | None = None
-    origin: Origin | None = None
-    accuracy: Accuracy | None = None
-    non_measured: Mask | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Arrays come back writable from pickles and deep copies: they are made read-only as those of any solution.
-        return _restore, (type(self), attrs.asdict(self, recurse=False))
-
-    def effective_modulus(self, wavenumber: float | Array) -> Array:
-        """Return the effective contact modulus E*, Pa, of pressure waves with these wave numbers, rad/m."""
-        wavenumber = numbers(wavenumber, "The wave number", "a number or an array of numbers (rad/m)")
-        if self.moduli is None:
-            return np.full(wavenumber.shape, self.modulus)
-        lengths, moduli = (np.log(values) for values in self.moduli)
-        return np.asarray(np.exp(np.interp(-np.log(wavenumber), lengths, moduli)))
-
-    @cached_property
-    def patches(self) -> ContactPatches:
-        """The connected patches of the contact."""
-        return find_patches(self.contact, self.pressure, self.grid, self.boundary)
-
-    @cached_property
-    def gap(self) -> Array:
-        """Gap, shape `grid.shape`, m: zero in contact up to the residual, negative where saturated cells overlap."""
-        gap = self.initial_gap + self.displacement
-        gap -= self.approach
-        return read_only(gap)
-
-    @cached_property
-    def contact(self) -> Mask:
-        """Cells in contact, p > 0, shape `grid.shape`."""
-        return read_only(self.pressure > 0.0)
-
-    @property
-    def capped(self) -> bool:
-        """Whether the pressure is limited anywhere."""
-        return bool(np.isfinite(self.pressure_limit).any())
-
-    @property
-    def saturated(self) -> Mask:
-        """Saturated cells, whose pressure has reached the limit, shape `grid.shape`."""
-        return read_only(self.pressure >= self.pressure_limit)
-
-    @property
-    def force(self) -> float:
-        """Normal force, N."""
-        return float(np.add.reduce(self.pressure, axis=None)) * self.grid.cell_area
-
-    @property
-    def mean_pressure(self) -> float:
-        """Nominal mean pressure, Pa."""
-        return self.force / self.grid.area
+class ContactSolution(ContactFields):
+    """A solved contact: its fields, the certificate, and all that is asked of them."""
 
     def area(self, estimator: str | AreaEstimator = DEFAULT_AREA) -> Area:
         """Return the real contact area.
@@ -187,6 +80,46 @@ class ContactSolution:
         """
         chosen = quantities.resolve(quantity)
         return require_estimate(chosen, chosen.estimate(self, self.area(area)))
+
+    def response(self, response: str | Response[T]) -> T:
+        """Return what the contact does: its answer to a small change, a current, a flow.
+
+        Parameters
+        ----------
+        response
+            Registered name or instance of a response.
+
+        Raises
+        ------
+        InputError
+            If there is no such response, or it means nothing for this contact.
+        """
+        chosen: Response[T] = responses.resolve(response)
+        return chosen.respond(self)
+
+    def stiffness(self) -> Estimate:
+        """Return the normal stiffness dF/d(approach), N/m; see `roughcontact._responses.Stiffness`."""
+        return self.response("stiffness")
+
+    def conductance(self, conductivity: float | Sequence[float], film_resistance: float = 0.0) -> Conductance:
+        """Return the thermal or electrical contact conductance; see `roughcontact._responses.ContactConductance`."""
+        return self.response(responses.create("conductance", conductivity, film_resistance=film_resistance))
+
+    def stress(self, depths: float | Array | Sequence[float], body: str = "body") -> Stress:
+        """Return the stress below a surface, Pa, at depths, m; see `roughcontact._responses.StressBelow`."""
+        return self.response(responses.create("stress", depths, body=body))
+
+    def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
+        """Return the flow of a liquid through the gap, m3/s; see `roughcontact._responses.GapFlow`."""
+        return self.response(responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop))
+
+    def gradient(self, of: str, with_respect_to: str = "heights") -> Array:
+        """Return the derivatives of a number of the contact; see `roughcontact._responses.Gradient`."""
+        return self.response(responses.create("gradient", of, with_respect_to=with_respect_to))
+
+    def partial_slip(self, *, tangential_force: float, friction: float) -> PartialSlip:
+        """Return the contact under a tangential force below that of sliding; see `roughcontact._responses.Mindlin`."""
+        return self.response(responses.create("partial-slip", tangential_force=tangential_force, friction=friction))
 
     def saturated_area(self, estimator: str | AreaEstimator = "level-set") -> Area:
         """Return the part of the contact area where the pressure has reached the limit; zero without a limit.
@@ -273,7 +206,3 @@ class ContactSolution:
     def __str__(self) -> str:
         measured = [one for one in self._maps if not one.periodic]
         return summarize(self, measured, self._materials)
-
-
-def _restore(cls: type[ContactSolution], fields: dict[str, Any]) -> ContactSolution:
-    return cls(**fields)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import platform
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from typing import Any
 
@@ -28,6 +28,10 @@ from roughcontact.errors import InputError
 _PROBLEM = {"kind": "part", "name": "roughcontact:ContactProblem"}
 
 
+def _forget() -> None:
+    """Return None, as a weak reference to what is gone does."""
+
+
 @attrs.frozen(eq=False)
 class Origin:
     """What was solved: ``ContactProblem(**origin.problem).solve(**origin.load)`` does it again.
@@ -43,6 +47,15 @@ class Origin:
     _problem: Mapping[str, Any] | None
     load: Mapping[str, float]
     _saved: tuple[Described, Mapping[str, RealArray]] = attrs.field(default=(None, {}), kw_only=True, repr=False)
+    _source: Callable[[], Any] = attrs.field(default=_forget, kw_only=True, repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore, (self._problem, self.load, self._saved)
+
+    @property
+    def source(self) -> Any:
+        """The `ContactProblem` itself with all that it has prepared, as long as it is in use; else None."""
+        return self._source()
 
     @property
     def problem(self) -> Mapping[str, Any]:
@@ -88,6 +101,12 @@ class Origin:
             return {**_PROBLEM, "fields": {name: describe(part, arrays) for name, part in self._problem.items()}}
         arrays.update(self._saved[1])
         return self._saved[0]
+
+
+def _restore(
+    problem: Mapping[str, Any] | None, load: Mapping[str, float], saved: tuple[Described, Mapping[str, RealArray]]
+) -> Origin:
+    return Origin(problem, load, saved=saved)
 
 
 # Parsing the metadata of a package takes a millisecond, and a study asks for them with each solve.

@@ -1,0 +1,1 @@
+"""What a contact does: stiffness, conductance, gradients, stress below the surface, flow, partial slip."""
