@@ -9,9 +9,10 @@ solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditio
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`
 readers      `RawMap`
 commands     the function `replacing`
-results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`, `Sweep`,
-             `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`, `ReportRow`, `Timing`,
-             `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`, `Separated`
+results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
+             `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
+             `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
+             `Separated`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 ===========  ==========================================================================================================
 """
