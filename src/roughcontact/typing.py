@@ -13,6 +13,7 @@ results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
              `Separated`
+responses    `Leakage`, `Throat`, `Percolation`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 ===========  ==========================================================================================================
 """
@@ -20,6 +21,7 @@ arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `M
 from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._problem import SolvePlan, Sweep
+from roughcontact._responses import Leakage, Percolation, Throat
 from roughcontact._solution import GridLevel, Origin, Residuals
 from roughcontact._solution.accuracy import Accuracy, Trial
 from roughcontact._solution.conditions import ContactConditions, Violation
@@ -64,6 +66,7 @@ __all__ = [
     "IntArray",
     "InverseConvolution",
     "Ladder",
+    "Leakage",
     "Load",
     "Mask",
     "MatchedPair",
@@ -71,6 +74,7 @@ __all__ = [
     "Origin",
     "Outcome",
     "Pair",
+    "Percolation",
     "PreparedConvolution",
     "RawMap",
     "RealArray",
@@ -87,6 +91,7 @@ __all__ = [
     "SupportsSpectrum",
     "Sweep",
     "Task",
+    "Throat",
     "Timing",
     "Trial",
     "Verdict",
