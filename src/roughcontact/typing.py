@@ -12,7 +12,7 @@ commands     the function `replacing`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
-             `Separated`
+             `Separated`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 ===========  ==========================================================================================================
 """
@@ -20,6 +20,7 @@ arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `M
 from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._problem import SolvePlan, Sweep
+from roughcontact._responses import Stress, StressField, StressMaximum, YieldPoint
 from roughcontact._solution import GridLevel, Origin, Residuals
 from roughcontact._solution.accuracy import Accuracy, Trial
 from roughcontact._solution.conditions import ContactConditions, Violation
@@ -82,6 +83,9 @@ __all__ = [
     "SolvePlan",
     "StabilityReport",
     "Step",
+    "Stress",
+    "StressField",
+    "StressMaximum",
     "StudyResult",
     "SupportsCoefficients",
     "SupportsSpectrum",
@@ -91,6 +95,7 @@ __all__ = [
     "Trial",
     "Verdict",
     "Violation",
+    "YieldPoint",
     "nearest_pressure",
     "project_to_load",
     "replacing",

@@ -1,5 +1,12 @@
 """What a contact does: stiffness, conductance, gradients, stress below the surface, flow, partial slip."""
 
-from roughcontact._responses.subsurface import Stress, StressBelow, StressField, StressMaximum
+from roughcontact._responses.subsurface import (
+    FirstYield,
+    Stress,
+    StressBelow,
+    StressField,
+    StressMaximum,
+    YieldPoint,
+)
 
-__all__ = ["Stress", "StressBelow", "StressField", "StressMaximum"]
+__all__ = ["FirstYield", "Stress", "StressBelow", "StressField", "StressMaximum", "YieldPoint"]

@@ -34,7 +34,7 @@ from roughcontact.checks import Array
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
-    from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress
+    from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress, YieldPoint
 
 T = TypeVar("T")
 
@@ -107,7 +107,13 @@ class ContactSolution(ContactFields):
 
     def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
         """Return the stress below a surface, Pa, at depths, m; see `roughcontact._responses.StressBelow`."""
-        return self.response(responses.create("stress", depths, body=body))
+        stress: Stress = self.response(responses.create("stress", depths, body=body))
+        return stress
+
+    def first_yield(self, yield_stress: float, body: str = "body") -> YieldPoint:
+        """Return the load at which a body first yields below its surface; see `roughcontact._responses.FirstYield`."""
+        found: YieldPoint = self.response(responses.create("first-yield", yield_stress, body=body))
+        return found
 
     def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
         """Return the flow of a liquid through the gap, m3/s; see `roughcontact._responses.GapFlow`."""
