@@ -709,8 +709,8 @@ def test_a_damaged_heap_of_texts_is_not_searched(tmp_path):
     solution.save(path)
     content = path.read_bytes()[: -len(SEAL)]
     # Objects without a size follow the head of 16 bytes: HDF5 would step from one to itself.
-    heaps = content.split(b"GCOL")
-    path.write_bytes(b"GCOL".join([heaps[0], *(heap[:12] + bytes(len(heap[12:204])) + heap[204:] for heap in heaps[1:])]))
+    first, *heaps = content.split(b"GCOL")
+    path.write_bytes(b"GCOL".join([first, *(heap[:12] + bytes(len(heap[12:204])) + heap[204:] for heap in heaps)]))
     with path.open("ab") as file:
         file.write(SEAL)
     seal(path)
