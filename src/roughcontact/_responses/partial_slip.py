@@ -153,7 +153,7 @@ class CiavarellaJaeger(Response[PartialSlip]):
     References
     ----------
     Ciavarella, Int. J. Solids Struct. 35 (1998) 2349-2362, https://doi.org/10.1016/S0020-7683(97)00154-6;
-    Jaeger, J. Appl. Mech. 65 (1998) 677-684, https://doi.org/10.1115/1.2789109
+    Jaeger, J. Tribol. 120 (1998) 677-684, https://doi.org/10.1115/1.2833765
     """
 
     tangential_force: float = attrs.field(converter=_force)
