@@ -19,7 +19,7 @@ from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, Prepa
 from roughcontact._problem import problem_of
 from roughcontact._problem.run import computing
 from roughcontact._solution import ContactSolution
-from roughcontact._solvers.conjugate.active import ActiveCells, active_cells
+from roughcontact._solvers.conjugate.active import ActiveCells, MaskedCells, active_cells
 from roughcontact._solvers.conjugate.preconditioner import Preconditioner
 from roughcontact._solvers.projection import dot, total
 from roughcontact.checks import Array, Mask, RealArray, read_only
@@ -32,6 +32,8 @@ _SINGLE = 1e-4
 _ITERATIONS, _IDLE = 400, 15
 # Relative residual that counts as solved where rounding prevents a smaller one.
 _ROUNDING = 1e-8
+# Singular values of the products of two pressures, over the larger, below which they are one; float32 has 1e-7.
+_DISTINCT = 1e-6
 
 
 @attrs.frozen(eq=False)
@@ -130,9 +132,8 @@ class Tangent:
         flat = operator.from_numpy(right).astype(dtype).ravel()
         mask = operator.from_numpy(self.cells.astype(np.float64)).ravel() > 0.0
         active = active_cells(flat, lambda tile: mask[tile])
-        preconditioner = Preconditioner(self._inverse, operator, rigid=not self.is_rigid)
-        system = _System(operator, active, preconditioner)
-        values, residual, iterations = system.solve(active.gather(flat), tolerance)
+        system = _System(operator, active, Preconditioner(self._inverse, operator, rigid=False))
+        values, residual, iterations, products = system.solve(active.gather(flat), tolerance, rigid=self.is_rigid)
         found, left = (
             operator.to_numpy(active.scatter(vector).astype(np.float64).reshape(right.shape))
             for vector in (values, residual)
@@ -140,7 +141,7 @@ class Tangent:
         if self.is_rigid:
             found -= found.mean()
         error = float(np.linalg.norm(left) / np.linalg.norm(right))
-        return LinearSolution(found, left, error, iterations, iterations + 1 + preconditioner.products)
+        return LinearSolution(found, left, error, iterations, products)
 
     @cached_property
     def _operator(self) -> PreparedConvolution:
@@ -187,16 +188,18 @@ class _System:
     active: ActiveCells
     preconditioner: Preconditioner
 
-    def solve(self, right: RealArray, tolerance: float) -> tuple[RealArray, RealArray, int]:
-        """Return the solution, its residual from a product of its own, and the iterations."""
+    def solve(self, right: RealArray, tolerance: float, *, rigid: bool) -> tuple[RealArray, RealArray, int, int]:
+        """Return the solution, its residual, the iterations and the products."""
         weights = self.preconditioner.weights(self.active)
-        values, residual = np.zeros_like(right), right.copy()
+        space = _Space([], []) if rigid else self._find_space(weights.astype(right.dtype))
+        values, residual = space.start(right)
         direction = response = right
         curvature, best, idle, iterations = 0.0, math.inf, 0, 0
         goal = tolerance**2 * _square(right)
         while iterations < _ITERATIONS and (square := _square(residual)) > goal and idle < _IDLE:
             best, idle = min(best, square), 0 if square < best else idle + 1
             image = self._precondition(weights, residual, math.sqrt(square / right.size))
+            image = space.correct(image, residual)
             # The preconditioner changes a little from step to step: the next direction is made conjugate to the last.
             factor = -_dot(image, response) / curvature if iterations else 0.0
             direction = image + factor * direction if factor > 0.0 else image
@@ -208,7 +211,17 @@ class _System:
             values += step * direction
             residual -= step * response
             iterations += 1
-        return values, right - self._apply(values), iterations
+        products = iterations + len(space.vectors) + self.preconditioner.products
+        if right.dtype == np.float64:
+            residual, products = right - self._apply(values), products + 1
+        return values, residual, iterations, products
+
+    def _find_space(self, weights: RealArray) -> _Space:
+        """Return the pressures that move the surface as a whole: under a flat punch and, if most touch, uniform."""
+        vectors = [weights]
+        if isinstance(self.active, MaskedCells):
+            vectors.append(self.active.ones.astype(weights.dtype))
+        return _Space(vectors, [self._apply(vector) for vector in vectors])
 
     def _apply(self, vector: RealArray) -> RealArray:
         shape = self.operator.setup.grid.shape
@@ -218,6 +231,37 @@ class _System:
         """Return the preconditioned residual; float32 holds it whatever its size."""
         image = self.preconditioner.apply(self.active, weights, (residual / size).astype(np.float32))
         return size * image.astype(residual.dtype)
+
+
+class _Space:
+    r"""A few pressures V in whose space a system is solved exactly, so that iterations need not find them.
+
+    .. math:: q_0 = V G V^T r, \quad z \leftarrow z + V G (V^T r - (K V)^T z), \quad G = (V^T K V)^{-1}
+    """
+
+    def __init__(self, vectors: list[RealArray], images: list[RealArray]) -> None:
+        self.vectors, self._images = vectors, images
+        products = np.array([[_dot(one, other) for other in images] for one in vectors])
+        self._inverse = np.linalg.pinv(products, rcond=_DISTINCT) if vectors else products
+
+    def start(self, right: RealArray) -> tuple[RealArray, RealArray]:
+        """Return the solution in the space, and its residual."""
+        values, residual = np.zeros_like(right), right.copy()
+        for vector, image, part in zip(self.vectors, self._images, self._find_parts(right), strict=True):
+            values += float(part) * vector
+            residual -= float(part) * image
+        return values, residual
+
+    def correct(self, image: RealArray, residual: RealArray) -> RealArray:
+        """Return the preconditioned residual, changed in place, with its part in the space made exact."""
+        if self.vectors:
+            wrong = self._inverse @ [_dot(other, image) for other in self._images]
+            for vector, part in zip(self.vectors, self._find_parts(residual) - wrong, strict=True):
+                image += float(part) * vector
+        return image
+
+    def _find_parts(self, right: RealArray) -> Array:
+        return np.asarray(self._inverse @ [_dot(vector, right) for vector in self.vectors])
 
 
 def _square(vector: RealArray) -> float:
