@@ -12,7 +12,7 @@ commands     the function `replacing`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
-             `Separated`
+             `Separated`, `PartialSlip`, `FrettingLoop`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 ===========  ==========================================================================================================
 """
@@ -20,6 +20,7 @@ arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `M
 from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._problem import SolvePlan, Sweep
+from roughcontact._responses import FrettingLoop, PartialSlip
 from roughcontact._solution import GridLevel, Origin, Residuals
 from roughcontact._solution.accuracy import Accuracy, Trial
 from roughcontact._solution.conditions import ContactConditions, Violation
@@ -58,6 +59,7 @@ __all__ = [
     "ConvolutionSetup",
     "Cycle",
     "ErrorReport",
+    "FrettingLoop",
     "Gallery",
     "GalleryRow",
     "GridLevel",
@@ -71,6 +73,7 @@ __all__ = [
     "Origin",
     "Outcome",
     "Pair",
+    "PartialSlip",
     "PreparedConvolution",
     "RawMap",
     "RealArray",

@@ -118,7 +118,10 @@ class ContactSolution(ContactFields):
         return self.response(responses.create("gradient", of, with_respect_to=with_respect_to))
 
     def partial_slip(self, *, tangential_force: float, friction: float) -> PartialSlip:
-        """Return the contact under a tangential force below that of sliding; see `roughcontact._responses.Mindlin`."""
+        """Return the contact under a tangential force, N, below that of sliding.
+
+        See `roughcontact._responses.CiavarellaJaeger`.
+        """
         return self.response(responses.create("partial-slip", tangential_force=tangential_force, friction=friction))
 
     def saturated_area(self, estimator: str | AreaEstimator = "level-set") -> Area:
