@@ -2,9 +2,6 @@
 
 from roughcontact._responses.fretting_loop import FrettingLoop
 from roughcontact._responses.partial_slip import CiavarellaJaeger, PartialSlip
+from roughcontact._responses.stiffness import Stiffness
 
-__all__ = [
-    "CiavarellaJaeger",
-    "FrettingLoop",
-    "PartialSlip",
-]
+__all__ = ["CiavarellaJaeger", "FrettingLoop", "PartialSlip", "Stiffness"]
