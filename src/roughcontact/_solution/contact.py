@@ -152,8 +152,8 @@ class ContactSolution(ContactFields):
     def theory(self) -> TheoryBeside | None:
         """Persson's theory for the same surface and load; None where it does not hold.
 
-        It is given on periodic boundaries, without saturated cells, for nominally flat, isotropic, Gaussian roughness of
-        many waves, most of them longer than four cells, on at most 2048 x 2048 cells.
+        It is given on periodic boundaries, without saturated cells, for nominally flat, isotropic, Gaussian roughness
+        of many waves, most of them longer than four cells, on at most 2048 x 2048 cells.
         """
         return compare_with_theory(self)
 

@@ -18,8 +18,8 @@ from roughcontact.units import si
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
 
-# Theory over solved area on isotropic Gaussian surfaces below this fraction of contact, from 1 % on; Hurst exponents 0.3
-# to 0.8, docs/studies/persson.py.
+# Theory over solved area on isotropic Gaussian surfaces below this fraction of contact, from 1 % on; Hurst exponents
+# 0.3 to 0.8, docs/studies/persson.py.
 _RATIO, _CONTACT = (0.65, 0.9), (0.01, 0.4)
 # Surfaces that the theory describes: relative sampling error of the mean square height and slope, ratio of the rms
 # slopes along two directions, skewness, kurtosis, and the part of the mean square slope from waves below four cells.

@@ -48,7 +48,9 @@ class PerssonContact:
     stiffness: Array = attrs.field(converter=read_only)
 
     def __str__(self) -> str:
-        columns = (np.atleast_1d(values) for values in (self.pressure, self.area_fraction, self.mean_gap, self.stiffness))
+        columns = (
+            np.atleast_1d(values) for values in (self.pressure, self.area_fraction, self.mean_gap, self.stiffness)
+        )
         lines = [f"{'mean pressure':>14} {'area, %':>10} {'mean gap':>12} {'stiffness':>14}"]
         lines += [
             f"{si(p, 'Pa'):>14} {100.0 * a:>10.4g} {si(u, 'm'):>12} {si(k, 'Pa/m'):>14}"
@@ -72,8 +74,8 @@ def persson(
               \bar u = \int_p^\infty \frac{1}{p'} \frac{\mathrm{d}U}{\mathrm{d}p'} \mathrm{d}p', \quad
               k = -\frac{\mathrm{d}p}{\mathrm{d}\bar u} = p \Big/ \frac{\mathrm{d}U}{\mathrm{d}p}
 
-    with :math:`\gamma = 0.45`. The theory holds for nominally flat, isotropic, Gaussian roughness of many waves; its area
-    is 17 to 31 % below that of solved contacts, the less the larger the contact.
+    with :math:`\gamma = 0.45`. The theory holds for nominally flat, isotropic, Gaussian roughness of many waves; its
+    area is 17 to 31 % below that of solved contacts, the less the larger the contact.
 
     Parameters
     ----------
@@ -125,8 +127,8 @@ def evaluate_persson(waves: Waves, modulus: float, pressures: Array) -> PerssonC
     gap += slope[0] * np.log(np.maximum(light / p, 1.0))
     own = _slope_of_energy(p, energy, variance)
     stiffness = np.divide(p, own, out=np.full(p.size, np.inf), where=own > 0.0)
-    shaped = (values.reshape(pressures.shape) for values in (area, gap * waves.height, stiffness * (unit / waves.height)))
-    return PerssonContact(pressures, *shaped)
+    columns = area, gap * waves.height, stiffness * (unit / waves.height)
+    return PerssonContact(pressures, *(values.reshape(pressures.shape) for values in columns))
 
 
 def _list_bands(waves: Waves) -> tuple[Array, Array]:
@@ -142,12 +144,12 @@ def _list_bands(waves: Waves) -> tuple[Array, Array]:
     energy, variance = (0.25 * np.bincount(band, weight * power, _BANDS) for weight in (q, square))
     # A band without waves adds nothing.
     filled = energy > 0.0
-    return energy[filled], np.cumsum(variance[filled])
+    return np.asarray(energy[filled], dtype=np.float64), np.cumsum(variance[filled], dtype=np.float64)
 
 
 def _slope_of_energy(pressure: Array, energy: Array, variance: Array) -> Array:
     """Return dU/dp at pressures, shape (count,)."""
     ratio = pressure[:, np.newaxis] / np.sqrt(2.0 * variance)
     factor = _GAMMA + 3.0 * (1.0 - _GAMMA) * special.erf(ratio) ** 2
-    density = factor * np.exp(-np.minimum(ratio, 30.0) ** 2)
+    density = factor * np.exp(-(np.minimum(ratio, 30.0) ** 2))
     return np.asarray(density @ (energy * np.sqrt(2.0 / (np.pi * variance))))
