@@ -39,7 +39,8 @@ def write_function(
     table += [f"{pressure:.9e},{value:.9e}" for pressure, value in zip(rows[0], rows[1], strict=True)]
     blocks = [
         f"{_MARK} The conductance over the contact pressure, in {unit} and {system.pressure[0]};",
-        f"{_MARK} above the last pressure it is constant. Replace temp, contact_pressure and the two boundaries by the names of the model.",
+        f"{_MARK} above the last pressure it is constant. Replace temp, contact_pressure",
+        f"{_MARK} and the two boundaries by the names of the model.",
         "[Functions]",
         f"  [{name}]",
         "    type = PiecewiseLinear",

@@ -24,6 +24,9 @@ _BANDS, _PRESSURES = 256, 512
 # pressure, and constant.
 _LIGHT, _FULL = 1e-3, 8.0
 
+# Power over that of the strongest wave below which it is rounding.
+_ROUNDING = 1e-28
+
 
 @guarded
 @attrs.frozen(eq=False)
@@ -135,7 +138,7 @@ def _list_bands(waves: Waves) -> tuple[Array, Array]:
     """Return of each band of wave numbers the elastic energy and, up to its end, the variance of the pressure."""
     square = waves.square
     power = (waves.count * waves.power).ravel()
-    used = power > 0.0
+    used = power > _ROUNDING * power.max()
     power, square = power[used], square.ravel()[used]
     q = np.sqrt(square)
     low, high = float(q.min()), float(q.max())
