@@ -12,7 +12,7 @@ commands     the function `replacing`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
-             `Separated`, `PartialSlip`, `FrettingLoop`
+             `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`, `TheoryBeside`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 ===========  ==========================================================================================================
 """
@@ -26,6 +26,7 @@ from roughcontact._solution.accuracy import Accuracy, Trial
 from roughcontact._solution.conditions import ContactConditions, Violation
 from roughcontact._solution.fields import ContactFields
 from roughcontact._solution.patches import ContactPatches
+from roughcontact._solution.theory import TheoryBeside
 from roughcontact._solvers import (
     Monitor,
     Outcome,
@@ -41,6 +42,7 @@ from roughcontact.archive import replacing
 from roughcontact.checks import Array, IntArray, Mask, Pair, RealArray
 from roughcontact.diagnostics import Check, Gallery, GalleryRow, StabilityReport, Verdict
 from roughcontact.files import RawMap
+from roughcontact.laws import InterfaceLaw, LawColumn, PowerFit
 from roughcontact.load import Load
 from roughcontact.refinement import BeyondResolution, Ladder
 from roughcontact.report import ErrorReport, ReportRow, Timing
@@ -64,8 +66,10 @@ __all__ = [
     "GalleryRow",
     "GridLevel",
     "IntArray",
+    "InterfaceLaw",
     "InverseConvolution",
     "Ladder",
+    "LawColumn",
     "Load",
     "Mask",
     "MatchedPair",
@@ -74,6 +78,7 @@ __all__ = [
     "Outcome",
     "Pair",
     "PartialSlip",
+    "PowerFit",
     "PreparedConvolution",
     "RawMap",
     "RealArray",
@@ -90,6 +95,7 @@ __all__ = [
     "SupportsSpectrum",
     "Sweep",
     "Task",
+    "TheoryBeside",
     "Timing",
     "Trial",
     "Verdict",

@@ -29,6 +29,7 @@ from roughcontact._solution.results import (
 )
 from roughcontact._solution.saturation import estimate_saturated_area
 from roughcontact._solution.summary import summarize
+from roughcontact._solution.theory import TheoryBeside, compare_with_theory
 from roughcontact._surfaces import HeightMap
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
@@ -149,6 +150,15 @@ class ContactSolution(ContactFields):
         They do not include those of the `area`.
         """
         return list_warnings(self, self._materials.values())
+
+    @cached_property
+    def theory(self) -> TheoryBeside | None:
+        """Persson's theory for the same surface and load; None where it does not hold.
+
+        It is given on periodic boundaries, without saturated cells, for nominally flat, isotropic, Gaussian roughness
+        of many waves, most of them longer than four cells, on at most 2048 x 2048 cells.
+        """
+        return compare_with_theory(self)
 
     @property
     def _materials(self) -> dict[str, Material]:
