@@ -3,5 +3,6 @@
 from roughcontact._responses.fretting_loop import FrettingLoop
 from roughcontact._responses.partial_slip import CiavarellaJaeger, PartialSlip
 from roughcontact._responses.stiffness import Stiffness
+from roughcontact._responses.subsurface import Stress, StressBelow, StressField, StressMaximum
 
-__all__ = ["CiavarellaJaeger", "FrettingLoop", "PartialSlip", "Stiffness"]
+__all__ = ["CiavarellaJaeger", "FrettingLoop", "PartialSlip", "Stiffness", "Stress", "StressBelow", "StressField", "StressMaximum"]

@@ -106,7 +106,7 @@ class ContactSolution(ContactFields):
         """Return the thermal or electrical contact conductance; see `roughcontact._responses.ContactConductance`."""
         return self.response(responses.create("conductance", conductivity, film_resistance=film_resistance))
 
-    def stress(self, depths: float | Array | Sequence[float], body: str = "body") -> Stress:
+    def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
         """Return the stress below a surface, Pa, at depths, m; see `roughcontact._responses.StressBelow`."""
         return self.response(responses.create("stress", depths, body=body))
 
