@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._responses.edge_correction import EdgeCorrection, correct_edges
+from roughcontact._responses.edge_correction import correct_edges
 from roughcontact._responses.tangent import Tangent
 from roughcontact._solution import ContactSolution, Estimate, Response, responses
 from roughcontact.checks import Array
@@ -26,7 +26,7 @@ class Stiffness(Response[Estimate]):
     .. math:: K_{AA}\, q = 1, \qquad S = q \cdot (1 + r)\, \Delta x \Delta y + dS
 
     with the cells A in contact below the pressure limit, the residual :math:`r = 1 - K q`, so that the error is
-    the square of the residual, and the correction dS of the edge (`roughcontact._responses.edge_correction`). Divided by
+    the square of the residual, and the correction dS of the edge (`roughcontact._responses.edge_correction`). Over
     ``solution.grid.area`` it is the stiffness of the interface, Pa/m. It is infinite in full contact on a periodic
     boundary, and zero where no cell is in contact below the limit.
 
@@ -60,8 +60,8 @@ def require_mean_gap(solution: ContactSolution, what: str) -> None:
     """Refuse a wrapped boundary, where the displacement by uniform pressure is arbitrary."""
     if solution.boundary is Boundary.WRAPPED:
         raise InputError(
-            f"On a wrapped boundary uniform pressure moves the surfaces by an arbitrary amount, so that the {what} means "
-            "nothing: choose boundary='periodic' or 'free'."
+            f"On a wrapped boundary uniform pressure moves the surfaces by an arbitrary amount, so that the {what} "
+            "means nothing: choose boundary='periodic' or 'free'."
         )
 
 
@@ -72,6 +72,3 @@ def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple
     if solution.boundary is not Boundary.FREE or not any(edge.any() for edge in edges):
         return warnings
     return (*warnings, "the contact reaches the border of a free domain, which counts as its edge")
-
-
-__all__ = ["EdgeCorrection", "Stiffness"]
