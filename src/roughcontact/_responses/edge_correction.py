@@ -61,7 +61,7 @@ def correct_edges(solution: ContactSolution, answer: Array, cells: Mask, area: A
     """
     count, cell = solution.patches.count, solution.grid.cell_area
     labels = solution.patches.labels.ravel()
-    cells_of = np.bincount(labels[np.flatnonzero(cells)], minlength=count + 1)[1:]
+    cells_of = np.bincount(labels[np.flatnonzero(cells)], minlength=count + 1)[1:].astype(np.float64)
     lost, sides, squares = _measure_rows(solution, answer, cells)
     acting = np.maximum(cells_of - lost, 0.3 * cells_of) * cell
     known = _find_areas(solution, cells_of, acting, area)
@@ -93,7 +93,7 @@ def _find_areas(solution: ContactSolution, cells_of: Array, acting: Array, area:
 
 
 def _sum_patches(labels: IntArray, values: Array, count: int) -> Array:
-    return np.bincount(labels, weights=values.ravel(), minlength=count + 1)[1:]
+    return np.asarray(np.bincount(labels, weights=values.ravel(), minlength=count + 1)[1:], dtype=np.float64)
 
 
 def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tuple[Array, Array, Array]:

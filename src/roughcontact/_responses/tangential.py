@@ -8,10 +8,8 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 
-from roughcontact._materials import Material
-from roughcontact._responses.edge_correction import correct_edges
-from roughcontact._responses.stiffness import TOLERANCE, list_warnings, require_mean_gap, sum_of
-from roughcontact._responses.tangent import Tangent
+from roughcontact._problem import problem_of
+from roughcontact._responses.stiffness import find_normal_answer
 from roughcontact._solution import ContactSolution, Estimate, Response, responses
 from roughcontact.checks import Array, Pair, integer, pair
 from roughcontact.errors import InputError
@@ -72,7 +70,6 @@ class TangentialStiffness(Response[Estimate]):
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
-        require_mean_gap(solution, "tangential stiffness")
         if solution.moduli is not None:
             raise InputError(
                 "The tangential stiffness follows from that of two half-spaces, but this kernel is that of a layer: "
@@ -84,28 +81,18 @@ class TangentialStiffness(Response[Estimate]):
                 "yielding solid: the tangential stiffness holds for elastic contact only."
             )
         compliances, ratios = self._read_materials(solution)
-        area = solution.area()
-        warnings = (*list_warnings(solution, area.warnings), *_warn_of_coupling(compliances, ratios))
-        tangent = Tangent(solution)
-        if tangent.is_rigid:
-            return Estimate(math.inf, 0.0, "N/m", warnings)
-        if not tangent.cells.any():
-            return Estimate(0.0, 0.0, "N/m", warnings)
-        answer = tangent.solve(np.ones(solution.grid.shape), TOLERANCE)
-        correction = correct_edges(solution, answer.values, tangent.cells, area)
-        normal = sum_of(answer.values, answer.residual) * solution.grid.cell_area + float(correction.patches.sum())
-        weight = _average_cosine(solution, answer.values, self.axis)
+        normal = find_normal_answer(solution, "tangential stiffness")
+        warnings = (*normal.warnings, *_warn_of_coupling(compliances, ratios))
+        if not 0.0 < normal.value < math.inf:
+            return Estimate(normal.value, 0.0, "N/m", warnings)
+        weight = _average_cosine(solution, normal.field, self.axis)
         ratio, round_ratio = (_find_ratio(compliances, ratios, part) for part in (weight, 0.5))
-        std = math.hypot(ratio * correction.uncertainty, _SHAPE * (ratio - round_ratio) * normal)
-        return Estimate(ratio * normal, std, "N/m", warnings)
+        std = math.hypot(ratio * normal.uncertainty, _SHAPE * (ratio - round_ratio) * normal.value)
+        return Estimate(ratio * normal.value, std, "N/m", warnings)
 
     def _read_materials(self, solution: ContactSolution) -> tuple[Pair, Pair]:
         """Return the compliances and Poisson's ratios of both bodies; a rigid body has any."""
-        materials: list[Material] = list(solution._materials.values())
-        if len(materials) != 2:
-            raise InputError(
-                "The solution does not say what the bodies are made of, which the tangential stiffness needs."
-            )
+        materials = problem_of(solution).plan.materials
         found = []
         for number, material in enumerate(materials):
             ratio = getattr(material, "poisson", 0.0 if material.compliance == 0.0 else None)
