@@ -53,6 +53,7 @@ from roughcontact.errors import (
 from roughcontact.errors.door import guarded
 from roughcontact.files import SurfaceReader, read_surface, readers
 from roughcontact.grid import Boundary, Grid
+from roughcontact.laws import interface_law
 from roughcontact.refinement import beyond_resolution, extrapolate, on_grid
 from roughcontact.report import Reference, error_vs_time
 from roughcontact.running_in import run_in
@@ -124,6 +125,7 @@ __all__ = [
     "error_vs_time",
     "extrapolate",
     "flattening_models",
+    "interface_law",
     "kernels",
     "match",
     "materials",

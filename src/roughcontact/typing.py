@@ -12,7 +12,7 @@ commands     the function `replacing`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
-             `Separated`
+             `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`, `TheoryBeside`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 ===========  ==========================================================================================================
 """
@@ -20,11 +20,13 @@ arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `M
 from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._problem import SolvePlan, Sweep
+from roughcontact._responses import FrettingLoop, PartialSlip
 from roughcontact._solution import GridLevel, Origin, Residuals
 from roughcontact._solution.accuracy import Accuracy, Trial
 from roughcontact._solution.conditions import ContactConditions, Violation
 from roughcontact._solution.fields import ContactFields
 from roughcontact._solution.patches import ContactPatches
+from roughcontact._solution.theory import TheoryBeside
 from roughcontact._solvers import (
     Monitor,
     Outcome,
@@ -40,6 +42,7 @@ from roughcontact.archive import replacing
 from roughcontact.checks import Array, IntArray, Mask, Pair, RealArray
 from roughcontact.diagnostics import Check, Gallery, GalleryRow, StabilityReport, Verdict
 from roughcontact.files import RawMap
+from roughcontact.laws import InterfaceLaw, LawColumn, PowerFit
 from roughcontact.load import Load
 from roughcontact.refinement import BeyondResolution, Ladder
 from roughcontact.report import ErrorReport, ReportRow, Timing
@@ -58,12 +61,15 @@ __all__ = [
     "ConvolutionSetup",
     "Cycle",
     "ErrorReport",
+    "FrettingLoop",
     "Gallery",
     "GalleryRow",
     "GridLevel",
     "IntArray",
+    "InterfaceLaw",
     "InverseConvolution",
     "Ladder",
+    "LawColumn",
     "Load",
     "Mask",
     "MatchedPair",
@@ -71,6 +77,8 @@ __all__ = [
     "Origin",
     "Outcome",
     "Pair",
+    "PartialSlip",
+    "PowerFit",
     "PreparedConvolution",
     "RawMap",
     "RealArray",
@@ -87,6 +95,7 @@ __all__ = [
     "SupportsSpectrum",
     "Sweep",
     "Task",
+    "TheoryBeside",
     "Timing",
     "Trial",
     "Verdict",

@@ -29,6 +29,7 @@ from roughcontact._solution.results import (
 )
 from roughcontact._solution.saturation import estimate_saturated_area
 from roughcontact._solution.summary import summarize
+from roughcontact._solution.theory import TheoryBeside, compare_with_theory
 from roughcontact._surfaces import HeightMap
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
@@ -105,7 +106,7 @@ class ContactSolution(ContactFields):
         """Return the thermal or electrical contact conductance; see `roughcontact._responses.ContactConductance`."""
         return self.response(responses.create("conductance", conductivity, film_resistance=film_resistance))
 
-    def stress(self, depths: float | Array | Sequence[float], body: str = "body") -> Stress:
+    def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
         """Return the stress below a surface, Pa, at depths, m; see `roughcontact._responses.StressBelow`."""
         return self.response(responses.create("stress", depths, body=body))
 
@@ -118,7 +119,10 @@ class ContactSolution(ContactFields):
         return self.response(responses.create("gradient", of, with_respect_to=with_respect_to))
 
     def partial_slip(self, *, tangential_force: float, friction: float) -> PartialSlip:
-        """Return the contact under a tangential force below that of sliding; see `roughcontact._responses.Mindlin`."""
+        """Return the contact under a tangential force, N, below that of sliding.
+
+        See `roughcontact._responses.CiavarellaJaeger`.
+        """
         return self.response(responses.create("partial-slip", tangential_force=tangential_force, friction=friction))
 
     def saturated_area(self, estimator: str | AreaEstimator = "level-set") -> Area:
@@ -146,6 +150,15 @@ class ContactSolution(ContactFields):
         They do not include those of the `area`.
         """
         return list_warnings(self, self._materials.values())
+
+    @cached_property
+    def theory(self) -> TheoryBeside | None:
+        """Persson's theory for the same surface and load; None where it does not hold.
+
+        It is given on periodic boundaries, without saturated cells, for nominally flat, isotropic, Gaussian roughness
+        of many waves, most of them longer than four cells, on at most 2048 x 2048 cells.
+        """
+        return compare_with_theory(self)
 
     @property
     def _materials(self) -> dict[str, Material]:
