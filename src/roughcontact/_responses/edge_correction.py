@@ -110,11 +110,10 @@ def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tupl
             i, j = np.nonzero(facing)
             if i.size == 0:
                 continue
-            first = np.concatenate(([True], (np.diff(i) != 0) | (np.diff(j) != 1)))
-            starts = np.flatnonzero(first)
-            lengths = np.diff(np.append(starts, i.size))
             members = label[i, j]
-            lost += np.bincount(members[starts], weights=_find_loss(lengths, across / side), minlength=count + 1)
+            starts, lengths = _find_rows(i, j, None if solution.boundary is Boundary.FREE else mask.shape[1])
+            loss = _find_loss(lengths, mask.shape[1], across / side)
+            lost += np.bincount(members[starts], weights=loss, minlength=count + 1)
             sides += side * np.bincount(members, minlength=count + 1)
             squares += np.bincount(members, weights=field[i, j] ** 2, minlength=count + 1)
     return lost[1:], sides[1:], squares[1:]
@@ -128,5 +127,22 @@ def _shift(mask: Mask, step: int, boundary: Boundary) -> Mask:
     return moved
 
 
-def _find_loss(lengths: IntArray, aspect: float) -> Array:
-    return np.asarray(_ROW * lengths - _KINK * aspect**_ASPECT * np.log(lengths) - _END)
+def _find_rows(i: IntArray, j: IntArray, period: int | None) -> tuple[IntArray, IntArray]:
+    """Return where rows of adjacent sides at (i, j) begin, and their lengths; those that cross the border are one."""
+    starts = np.flatnonzero(np.concatenate(([True], (np.diff(i) != 0) | (np.diff(j) != 1))))
+    lengths = np.diff(np.append(starts, i.size))
+    if period is None:
+        return starts, lengths
+    heads = np.flatnonzero((j[starts] == 0) & (lengths < period))
+    tails = np.flatnonzero((j[starts] + lengths == period) & (lengths < period))
+    _, of_heads, of_tails = np.intersect1d(i[starts[heads]], i[starts[tails]], return_indices=True)
+    lengths[tails[of_tails]] += lengths[heads[of_heads]]
+    kept = np.ones(starts.size, dtype=bool)
+    kept[heads[of_heads]] = False
+    return starts[kept], lengths[kept]
+
+
+def _find_loss(lengths: IntArray, longest: int, aspect: float) -> Array:
+    """Return the area that rows lack, in cells; one across the whole domain has no ends."""
+    ends = _KINK * aspect**_ASPECT * np.log(lengths) + _END
+    return np.asarray(_ROW * lengths - np.where(lengths < longest, ends, 0.0))
