@@ -1,12 +1,19 @@
 """What a contact does: stiffness, conductance, gradients, stress below the surface, flow, partial slip."""
 
+from roughcontact._responses.conductance import Conductance, ContactConductance
 from roughcontact._responses.fretting_loop import FrettingLoop
 from roughcontact._responses.gradients import Gradient
 from roughcontact._responses.partial_slip import CiavarellaJaeger, PartialSlip
+from roughcontact._responses.stiffness import Stiffness
+from roughcontact._responses.tangential import TangentialStiffness
 
 __all__ = [
     "CiavarellaJaeger",
+    "Conductance",
+    "ContactConductance",
     "FrettingLoop",
     "Gradient",
     "PartialSlip",
+    "Stiffness",
+    "TangentialStiffness",
 ]

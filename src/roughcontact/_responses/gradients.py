@@ -75,9 +75,10 @@ class Gradient(Response[Array]):
     Notes
     -----
     Exact while the cells in contact remain the same, but for ``"area"``. That takes each patch to be Hertzian, of an
-    area that grows as its force to the power 2/3: it is right to 1 % for separate summits and 10 to 20 % too small where
-    patches merge. Under a given load the area hardly changes with the heights and even the sign may be wrong: descend
-    on the ``"participation"``, :math:`\frac{9}{8} (\int p)^2 / \int p^2`, the area of Hertzian spots of one size.
+    area that grows as its force to the power 2/3: it is right to 1 % for separate summits and 10 to 20 % too small
+    where patches merge. Under a given load the area hardly changes with the heights, and even the sign may be wrong:
+    descend on the ``"participation"``, :math:`\frac{9}{8} (\int p)^2 / \int p^2`, the area of Hertzian spots of one
+    size.
     """
 
     of: str | PressureDerivative = attrs.field(converter=_number)
