@@ -2,21 +2,10 @@
 
 from roughcontact._responses.conductance import Conductance, ContactConductance
 from roughcontact._responses.fretting_loop import FrettingLoop
+from roughcontact._responses.gradients import Gradient
 from roughcontact._responses.partial_slip import CiavarellaJaeger, PartialSlip
 from roughcontact._responses.stiffness import Stiffness
 from roughcontact._responses.subsurface import Stress, StressBelow, StressField, StressMaximum
 from roughcontact._responses.tangential_stiffness import TangentialStiffness
 
-__all__ = [
-    "CiavarellaJaeger",
-    "Conductance",
-    "ContactConductance",
-    "FrettingLoop",
-    "PartialSlip",
-    "Stiffness",
-    "Stress",
-    "StressBelow",
-    "StressField",
-    "StressMaximum",
-    "TangentialStiffness",
-]
+__all__ = ["CiavarellaJaeger", "Conductance", "ContactConductance", "FrettingLoop", "Gradient", "PartialSlip", "Stiffness", "Stress", "StressBelow", "StressField", "StressMaximum", "TangentialStiffness"]
