@@ -112,7 +112,9 @@ class ContactSolution(ContactFields):
 
     def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
         """Return the flow of a liquid through the gap, m3/s; see `roughcontact._responses.GapFlow`."""
-        return self.response(responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop))
+        asked = responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop)
+        found: Leakage = self.response(asked)
+        return found
 
     def gradient(self, of: str | Callable[[Array], Array], with_respect_to: str = "heights") -> Array:
         """Return the derivatives of a number of the contact; see `roughcontact._responses.Gradient`."""
