@@ -105,8 +105,8 @@ class TestLaw:
         grid = rc.Grid(GRID.shape, tuple(side * 2.0**20 for side in GRID.size))
         large = rc.ContactProblem(rc.Body(surface, STEEL), grid=grid, boundary="periodic", threads=1)
         one, other = (rc.interface_law(each, [1e8, 1.5e8], [Spring()]) for each in (problem(), large))
-        assert other["area"].values == pytest.approx(one["area"].values, rel=1e-12)
-        assert other["mean_gap"].values == pytest.approx(one["mean_gap"].values * 2.0**20, rel=1e-12)
+        assert other["area"].values == pytest.approx(one["area"].values, rel=1e-6)
+        assert other["mean_gap"].values == pytest.approx(one["mean_gap"].values * 2.0**20, rel=1e-6)
 
     @pytest.mark.parametrize(
         ("change", "words"),
