@@ -35,7 +35,7 @@ class Spring(rc.Response):
 @attrs.frozen
 class Parts(rc.Response):
     def respond(self, solution):
-        return attrs.make_class("Found", ["total", "patches"])(rc.Estimate(solution.force, 0.0, "W/K"), [1.0])
+        return attrs.make_class("Found", ["value", "uncertainty", "patches"])(solution.force, 0.0, [1.0])
 
 
 @attrs.frozen
@@ -87,7 +87,8 @@ class TestLaw:
 
     def test_a_response_may_have_parts_and_other_units_stay(self):
         found = rc.interface_law(problem(), [1e8], {"heat": Parts(), "flow": Spring("m3/s")})
-        assert found["heat"].values == pytest.approx([1e8])
+        assert found["heat"].values == pytest.approx([1e8 * GRID.area])
+        assert found["heat"].unit == ""
         assert found["flow"].unit == "m3/s"
         assert found["flow"].values == pytest.approx([1e7 * 1e8 * GRID.area])
 
@@ -133,6 +134,25 @@ class TestLaw:
     def test_a_column_that_is_not_there(self, law):
         with pytest.raises(rc.InputError, match="There is no column of the law named 'leakage'"):
             law.fit("leakage")
+
+
+class TestOwnResponses:
+    """The responses that ship, in a law."""
+
+    def test_stiffness_is_the_slope_of_the_gap_and_conductance_in_proportion(self):
+        pressures = np.geomspace(1e8, 4e8, 7)
+        law = rc.interface_law(
+            problem(),
+            pressures,
+            {"stiffness": "stiffness", "conductance": rc.responses.create("conductance", (50.0, 20.0))},
+        )
+        gap, stiffness = law["mean_gap"].values, law["stiffness"].values
+        slope = -np.diff(pressures) / np.diff(gap)
+        assert slope == pytest.approx(np.sqrt(stiffness[1:] * stiffness[:-1]), rel=0.02)
+        modulus = problem().plan.modulus
+        assert law["conductance"].values == pytest.approx(stiffness * 2 / (1 / 50 + 1 / 20) / modulus, rel=2e-3)
+        assert law["conductance"].unit == "W/(m2 K)"
+        assert (law["stiffness"].uncertainties > 0.0).all()
 
 
 class TestFit:
@@ -429,6 +449,9 @@ class TestFilesOfOtherLaws:
         assert read_abaqus(tmp_path / "a.inp")["*GAP ELECTRICAL CONDUCTANCE"] == pytest.approx(
             np.array([[0.0, 0.0], [5.0, 1e6], [9.0, 2e6]])
         )
+        small_law([3e-6, 2e-6], (5.0, 9.0)).to_abaqus(tmp_path / "e.inp", electrical=True, units="mm")
+        rows = read_abaqus(tmp_path / "e.inp")["*GAP ELECTRICAL CONDUCTANCE"]
+        assert rows[1:] == pytest.approx(np.array([[5e-6, 1.0], [9e-6, 2.0]]))
         for write, name in ((law.to_calculix, "c.inp"), (law.to_moose, "m.csv")):
             with pytest.raises(rc.InputError, match=r"W/\(m2 K\)"):
                 write(tmp_path / name)
