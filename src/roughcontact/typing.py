@@ -28,7 +28,16 @@ from roughcontact._solution.conditions import ContactConditions, Violation
 from roughcontact._solution.fields import ContactFields
 from roughcontact._solution.patches import ContactPatches
 from roughcontact._solution.theory import TheoryBeside
-from roughcontact._solvers import Monitor, Outcome, Step, Task, nearest_pressure, project_to_load, rescale_to_load, starting_pressure
+from roughcontact._solvers import (
+    Monitor,
+    Outcome,
+    Step,
+    Task,
+    nearest_pressure,
+    project_to_load,
+    rescale_to_load,
+    starting_pressure,
+)
 from roughcontact._surfaces import MatchedPair, Separated
 from roughcontact.archive import replacing
 from roughcontact.checks import Array, IntArray, Mask, Pair, RealArray

@@ -11,4 +11,22 @@ from roughcontact._responses.subsurface import Stress, StressBelow, StressField,
 from roughcontact._responses.tangential_stiffness import TangentialStiffness
 from roughcontact._responses.throats import Throat
 
-__all__ = ["CiavarellaJaeger", "Conductance", "ContactConductance", "FrettingLoop", "GapFlow", "Gradient", "Leakage", "PartialSlip", "Percolation", "Stiffness", "Stress", "StressBelow", "StressField", "StressMaximum", "TangentialStiffness", "Throat", "find_percolation"]
+__all__ = [
+    "CiavarellaJaeger",
+    "Conductance",
+    "ContactConductance",
+    "FrettingLoop",
+    "GapFlow",
+    "Gradient",
+    "Leakage",
+    "PartialSlip",
+    "Percolation",
+    "Stiffness",
+    "Stress",
+    "StressBelow",
+    "StressField",
+    "StressMaximum",
+    "TangentialStiffness",
+    "Throat",
+    "find_percolation",
+]
