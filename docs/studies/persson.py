@@ -1,7 +1,7 @@
 """The tables of docs/theory_beside.md: Persson's area, mean gap and stiffness beside solved ones.
 
-Self-affine surfaces of three Hurst exponents, 512 x 512 cells, eight cells on the shortest wave, roll-off at an eighth of
-the side. The stiffness solved is the difference of the mean gaps at 2 % below and above the load.
+Self-affine surfaces of three Hurst exponents, 512 x 512 cells, eight cells on the shortest wave, roll-off at an
+eighth of the side. The stiffness solved is the difference of the mean gaps at 2 % below and above the load.
 
 python docs/studies/persson.py
 """
@@ -21,9 +21,9 @@ STEP = 0.02
 
 
 def measure(hurst: float, seed: int, loads: tuple[float, ...] = LOADS, cells: int = CELLS) -> np.ndarray:
-    """Return for each load the solved area, theory over solved area, the difference of the gaps, and the stiffness ratio.
+    """Return for each load the solved area, and of area, mean gap and stiffness the theory beside it.
 
-    The difference of the mean gaps, theory less solved, is over the rms height.
+    Area and stiffness are ratios, theory over solved; the gap is theory less solved, over the rms height.
     """
     waves = WAVES * cells // CELLS
     surface = rc.SelfAffineSurface(

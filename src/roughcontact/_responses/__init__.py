@@ -2,21 +2,31 @@
 
 from roughcontact._responses.conductance import Conductance, ContactConductance
 from roughcontact._responses.fretting_loop import FrettingLoop
+from roughcontact._responses.gradients import Gradient
+from roughcontact._responses.leakage import GapFlow, Leakage
 from roughcontact._responses.partial_slip import CiavarellaJaeger, PartialSlip
+from roughcontact._responses.percolation import Percolation, find_percolation
 from roughcontact._responses.stiffness import Stiffness
 from roughcontact._responses.subsurface import Stress, StressBelow, StressField, StressMaximum
 from roughcontact._responses.tangential_stiffness import TangentialStiffness
+from roughcontact._responses.throats import Throat
 
 __all__ = [
     "CiavarellaJaeger",
     "Conductance",
     "ContactConductance",
     "FrettingLoop",
+    "GapFlow",
+    "Gradient",
+    "Leakage",
     "PartialSlip",
+    "Percolation",
     "Stiffness",
     "Stress",
     "StressBelow",
     "StressField",
     "StressMaximum",
     "TangentialStiffness",
+    "Throat",
+    "find_percolation",
 ]

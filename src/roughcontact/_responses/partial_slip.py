@@ -10,8 +10,8 @@ import numpy as np
 from roughcontact._areas.quantities import find_shift
 from roughcontact._problem import problem_of
 from roughcontact._problem.sweep import predict_pressure
+from roughcontact._responses.coupling import compare_compliances, judge_coupling
 from roughcontact._responses.fretting_loop import FrettingLoop
-from roughcontact._responses.tangential import compare_compliances, judge_coupling
 from roughcontact._solution import ContactSolution, Estimate
 from roughcontact._solution.responses import Response, responses
 from roughcontact.checks import Array, Mask, integer, number, read_only

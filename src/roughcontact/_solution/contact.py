@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -112,9 +112,11 @@ class ContactSolution(ContactFields):
 
     def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
         """Return the flow of a liquid through the gap, m3/s; see `roughcontact._responses.GapFlow`."""
-        return self.response(responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop))
+        asked = responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop)
+        found: Leakage = self.response(asked)
+        return found
 
-    def gradient(self, of: str, with_respect_to: str = "heights") -> Array:
+    def gradient(self, of: str | Callable[[Array], Array], with_respect_to: str = "heights") -> Array:
         """Return the derivatives of a number of the contact; see `roughcontact._responses.Gradient`."""
         return self.response(responses.create("gradient", of, with_respect_to=with_respect_to))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from roughcontact.checks import flag
 from roughcontact.laws.tables import (
     ELECTRICAL,
     closure_rows,
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 _MARK = "**"
 
 
-def write_interaction(law: InterfaceLaw, name: str, conductance: str | None, units: str) -> list[str]:
+def write_interaction(law: InterfaceLaw, name: str, conductance: str | None, electrical: bool, units: str) -> list[str]:
     """Return the lines of a surface interaction.
 
     References
@@ -32,7 +33,7 @@ def write_interaction(law: InterfaceLaw, name: str, conductance: str | None, uni
     if conductance is None or conductance not in law.columns:
         return lines
     system = unit_system(units)
-    electrical = law[conductance].unit == ELECTRICAL
+    electrical = flag(electrical, "electrical=") or law[conductance].unit == ELECTRICAL
     # Abaqus takes no unit of current beside those of its model: electrical conductances are those of SI per area.
     unit, factor = (f"S/{system.length[0]}2", system.length[1] ** -2) if electrical else system.conductance
     pressures, values, spread = conductance_rows(law, conductance)

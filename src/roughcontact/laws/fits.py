@@ -10,8 +10,8 @@ import numpy as np
 from roughcontact.checks import Array, Pair
 from roughcontact.units import si
 
-# Relative misfit that is allowed whatever the uncertainties, and the fewest loads and their smallest ratio: a straight
-# line through any smooth curve fits in a shorter range.
+# Misfit that is allowed whatever the uncertainties, over the value and over its change, and the fewest loads and their
+# smallest ratio: a straight line through any smooth curve fits in a shorter range, and a logarithm has a small change.
 _MISFIT, _LOADS, _RATIO = 0.01, 4, 10.0
 
 
@@ -52,7 +52,8 @@ class PowerFit:
 def fit_power(pressures: Array, values: Array, uncertainties: Array) -> PowerFit | None:
     """Return the power law over the widest range of neighbouring loads in which it holds; None without one.
 
-    It holds where every value is within its uncertainty, or 1 %, of the weighted least-squares line of the logarithms.
+    It holds where every value is within its uncertainty of the weighted least-squares line of the logarithms, or within
+    1 % of the value and of its change over the range.
     """
     usable = np.isfinite(values) & (values > 0.0) & np.isfinite(uncertainties)
     best: PowerFit | None = None
@@ -79,7 +80,8 @@ def _fit(pressures: Array, values: Array, relative: Array) -> PowerFit | None:
     spread = float(np.sum(weights * (x - pivot) ** 2))
     exponent = float(np.sum(weights * (x - pivot) * (y - level))) / spread
     misfit = y - level - exponent * (x - pivot)
-    if (np.abs(misfit) > allowed).any():
+    change = min(1.0, abs(exponent) * float(x[-1] - x[0]))
+    if (np.abs(misfit) > np.maximum(relative, _MISFIT * change)).any():
         return None
     variance = relative**2 + float(np.sum(misfit**2)) / (x.size - 2)
     std = math.sqrt(float(np.sum((weights * (x - pivot)) ** 2 * variance))) / spread

@@ -130,6 +130,7 @@ class InterfaceLaw:
         *,
         name: str = "ROUGH",
         conductance: str | None = "conductance",
+        electrical: bool = False,
         units: str = "SI",
     ) -> None:
         """Write a surface interaction for Abaqus: pressure over closure and, if it is a column, the conductance.
@@ -143,11 +144,13 @@ class InterfaceLaw:
         name
             Name of the surface interaction.
         conductance
-            Column of the thermal or electrical conductance; None, or one that the law does not have: none.
+            Column of the conductance; None, or one that the law does not have: none.
+        electrical
+            Whether it is an electrical one, of conductivities in S/m.
         units
             ``"SI"``, or ``"mm"``: mm, N, tonne, s, K, in which a pressure is in MPa.
         """
-        _write(path, abaqus.write_interaction(self, name, conductance, units))
+        _write(path, abaqus.write_interaction(self, name, conductance, electrical, units))
 
     def to_calculix(
         self,

@@ -20,6 +20,8 @@ from roughcontact.units import si
 
 # Units of what is in proportion to the nominal area, and of its ratio to it.
 _PER_AREA = {"N/m": "Pa/m", "W/K": "W/(m2 K)", "S": "S/m2"}
+# Units of the responses that do not say it, by their registered names.
+_UNITS = {"conductance": "W/K", "leakage": "m3/s"}
 _OWN_COLUMNS = ("pressure", "area", "mean_gap")
 # Ratio of neighbouring loads up to which a straight line between them is within 1 % of powers of 1/3 to 1.
 _LARGEST_RATIO = 1.6
@@ -46,7 +48,8 @@ def interface_law(
         Nominal mean pressures, Pa; best a geometric row with ratios of at most 1.6.
     responses
         Registered names or instances of responses, or a mapping from names of columns to these. Stiffness and
-        conductance are divided by the nominal area.
+        conductance are divided by the nominal area. A conductance has the units of a thermal one; for conductivities in
+        S/m the numbers are in S/m2.
 
     Raises
     ------
@@ -107,19 +110,20 @@ def _solve(
             "area": Estimate(area.fraction, area.uncertainty / nominal, "", area.warnings),
             "mean_gap": solution.estimate("mean-gap"),
         }
-        row |= {name: _read_estimate(solution.response(response), name) for name, response in asked.items()}
+        row |= {name: _read_estimate(solution.response(response), name, response) for name, response in asked.items()}
         named = (f"{name}: {text}" for name in asked for text in row[name].warnings if text not in area.warnings)
         found[index] = row, (*solution.warnings, *area.warnings, *named)
     rows = {name: [found[index][0][name] for index in range(len(loads))] for name in names}
     return rows, [(load.value, found[index][1]) for index, load in enumerate(loads)]
 
 
-def _read_estimate(found: object, name: str) -> Estimate:
-    """Return the number that a response has found: an estimate, or that of all patches together."""
-    total = found if isinstance(found, Estimate) else getattr(found, "total", None)
-    if not isinstance(total, Estimate) or math.isnan(total.value):
+def _read_estimate(found: object, name: str, response: Response[Any]) -> Estimate:
+    """Return the number that a response has found: its value, uncertainty and warnings, and their unit."""
+    value, spread = (getattr(found, part, None) for part in ("value", "uncertainty"))
+    if not isinstance(value, (int, float)) or not isinstance(spread, (int, float)) or math.isnan(value):
         raise InputError(f"The response {name!r} is not a number with an uncertainty, and cannot be a column of a law.")
-    return total
+    unit = getattr(found, "unit", None) or _UNITS.get(responses.name_of(type(response)) or "", "")
+    return Estimate(float(value), float(spread), unit, tuple(getattr(found, "warnings", ())))
 
 
 def _make_column(name: str, row: list[Estimate], nominal: float) -> LawColumn:

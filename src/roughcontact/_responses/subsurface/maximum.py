@@ -141,12 +141,12 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
             value, depth = value + rise, depth * math.exp(shift)
     else:
         end = "the smallest" if top == 0 else "the largest"
-        warnings.append(f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one")
+        warnings.append(
+            f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
+        )
     cells = depth / cell
     if cells < _SHALLOW:
         warnings.append(f"the maximum lies only {cells:.2g} cells below the surface, where it depends on the grid")
     relative = math.hypot(_FLOOR, min(_COARSE / max(cells, 1e-3) ** 2, 1.0))
     uncertainty = math.hypot(relative * value, _BETWEEN_DEPTHS * rise)
-    return StressMaximum(
-        value * scale, uncertainty * scale, peaks[top].x, peaks[top].y, depth, tuple(warnings)
-    )
+    return StressMaximum(value * scale, uncertainty * scale, peaks[top].x, peaks[top].y, depth, tuple(warnings))

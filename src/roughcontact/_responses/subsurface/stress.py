@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
 
@@ -14,7 +14,13 @@ from roughcontact._problem import problem_of
 from roughcontact._responses.subsurface.cells import COMPONENTS
 from roughcontact._responses.subsurface.field import StressField, shear_invariant
 from roughcontact._responses.subsurface.free import FreePlanes
-from roughcontact._responses.subsurface.maximum import PlanePeak, StressMaximum, find_maximum, find_shear, find_von_mises
+from roughcontact._responses.subsurface.maximum import (
+    PlanePeak,
+    StressMaximum,
+    find_maximum,
+    find_shear,
+    find_von_mises,
+)
 from roughcontact._responses.subsurface.periodic import PeriodicPlanes
 from roughcontact._responses.subsurface.planes import StressPlanes, common_step, find_steps
 from roughcontact._solution import ContactSolution, Response, responses
@@ -193,17 +199,23 @@ class StressBelow(Response[Stress]):
     def respond(self, solution: ContactSolution) -> Stress:
         """Return the stress; see `Response.respond`."""
         if solution.moduli is not None:
-            raise InputError("The stress below the surface is that of a homogeneous half-space; this kernel is of another.")
+            raise InputError(
+                "The stress below the surface is that of a homogeneous half-space; this kernel is of another."
+            )
         scale = float(solution.pressure.max())
         if not (math.isfinite(scale) and scale > 0.0):
-            raise InputError("The contact carries no load, or its pressure is not finite: there is no stress to compute.")
+            raise InputError(
+                "The contact carries no load, or its pressure is not finite: there is no stress to compute."
+            )
         problem = problem_of(solution)
         material = getattr(problem, self.body).material
         poisson = getattr(material, "poisson", None)
         if poisson is None or material.compliance == 0.0:
             what = f"The material of the {self.body}, {type(material).__name__}, has"
             other = "counterbody" if self.body == "body" else "body"
-            raise InputError(f"{what} no stress below its surface: ask for body='{other}', or give it a Poisson's ratio.")
+            raise InputError(
+                f"{what} no stress below its surface: ask for body='{other}', or give it a Poisson's ratio."
+            )
         depths = default_depths(solution) if self.depths is None else self.depths
         deepest = _DEEPEST * max(solution.grid.size)
         if float(depths.max()) > deepest:
