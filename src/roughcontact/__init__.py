@@ -54,6 +54,7 @@ from roughcontact.errors import (
 from roughcontact.errors.door import guarded
 from roughcontact.files import SurfaceReader, read_surface, readers
 from roughcontact.grid import Boundary, Grid
+from roughcontact.laws import interface_law
 from roughcontact.refinement import beyond_resolution, extrapolate, on_grid
 from roughcontact.report import Reference, error_vs_time
 from roughcontact.running_in import run_in
@@ -126,6 +127,7 @@ __all__ = [
     "extrapolate",
     "find_percolation",
     "flattening_models",
+    "interface_law",
     "kernels",
     "match",
     "materials",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -29,12 +29,13 @@ from roughcontact._solution.results import (
 )
 from roughcontact._solution.saturation import estimate_saturated_area
 from roughcontact._solution.summary import summarize
+from roughcontact._solution.theory import TheoryBeside, compare_with_theory
 from roughcontact._surfaces import HeightMap
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
-    from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress
+    from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress, YieldPoint
 
 T = TypeVar("T")
 
@@ -105,9 +106,15 @@ class ContactSolution(ContactFields):
         """Return the thermal or electrical contact conductance; see `roughcontact._responses.ContactConductance`."""
         return self.response(responses.create("conductance", conductivity, film_resistance=film_resistance))
 
-    def stress(self, depths: float | Array | Sequence[float], body: str = "body") -> Stress:
+    def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
         """Return the stress below a surface, Pa, at depths, m; see `roughcontact._responses.StressBelow`."""
-        return self.response(responses.create("stress", depths, body=body))
+        stress: Stress = self.response(responses.create("stress", depths, body=body))
+        return stress
+
+    def first_yield(self, yield_stress: float, body: str = "body") -> YieldPoint:
+        """Return the load at which a body first yields below its surface; see `roughcontact._responses.FirstYield`."""
+        found: YieldPoint = self.response(responses.create("first-yield", yield_stress, body=body))
+        return found
 
     def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
         """Return the flow of a liquid through the gap, m3/s; see `roughcontact._responses.GapFlow`."""
@@ -115,12 +122,15 @@ class ContactSolution(ContactFields):
         found: Leakage = self.response(asked)
         return found
 
-    def gradient(self, of: str, with_respect_to: str = "heights") -> Array:
+    def gradient(self, of: str | Callable[[Array], Array], with_respect_to: str = "heights") -> Array:
         """Return the derivatives of a number of the contact; see `roughcontact._responses.Gradient`."""
         return self.response(responses.create("gradient", of, with_respect_to=with_respect_to))
 
     def partial_slip(self, *, tangential_force: float, friction: float) -> PartialSlip:
-        """Return the contact under a tangential force below that of sliding; see `roughcontact._responses.Mindlin`."""
+        """Return the contact under a tangential force, N, below that of sliding.
+
+        See `roughcontact._responses.CiavarellaJaeger`.
+        """
         return self.response(responses.create("partial-slip", tangential_force=tangential_force, friction=friction))
 
     def saturated_area(self, estimator: str | AreaEstimator = "level-set") -> Area:
@@ -148,6 +158,15 @@ class ContactSolution(ContactFields):
         They do not include those of the `area`.
         """
         return list_warnings(self, self._materials.values())
+
+    @cached_property
+    def theory(self) -> TheoryBeside | None:
+        """Persson's theory for the same surface and load; None where it does not hold.
+
+        It is given on periodic boundaries, without saturated cells, for nominally flat, isotropic, Gaussian roughness
+        of many waves, most of them longer than four cells, on at most 2048 x 2048 cells.
+        """
+        return compare_with_theory(self)
 
     @property
     def _materials(self) -> dict[str, Material]:
