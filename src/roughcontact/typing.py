@@ -14,14 +14,14 @@ results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`
              `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
              `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`, `TheoryBeside`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
-responses    `Leakage`, `Throat`, `Percolation`
+responses    `Conductance`, `Leakage`, `Throat`, `Percolation`
 ===========  ==========================================================================================================
 """
 
 from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._problem import SolvePlan, Sweep
-from roughcontact._responses import FrettingLoop, Leakage, PartialSlip, Percolation, Throat
+from roughcontact._responses import Conductance, FrettingLoop, Leakage, PartialSlip, Percolation, Throat
 from roughcontact._solution import GridLevel, Origin, Residuals
 from roughcontact._solution.accuracy import Accuracy, Trial
 from roughcontact._solution.conditions import ContactConditions, Violation
@@ -56,6 +56,7 @@ __all__ = [
     "BeyondResolution",
     "BoundKernel",
     "Check",
+    "Conductance",
     "ContactConditions",
     "ContactFields",
     "ContactPatches",

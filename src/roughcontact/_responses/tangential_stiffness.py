@@ -8,8 +8,8 @@ import attrs
 import numpy as np
 
 from roughcontact._problem import problem_of
-from roughcontact._responses.stiffness import find_normal_answer
 from roughcontact._responses.coupling import compare_compliances, judge_coupling
+from roughcontact._responses.stiffness import find_normal_answer
 from roughcontact._solution import ContactSolution, Estimate, Response, responses
 from roughcontact.checks import Array, integer
 from roughcontact.errors import InputError
