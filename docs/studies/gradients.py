@@ -146,6 +146,8 @@ def main(cells: int = 64, rounds: int = 12, steps: int = 5, folder: Path = FIGUR
         print(name, np.round(fractions, 2), np.round(errors, 2))
         laws.errorbar(np.array(PRESSURES) / 1e6, fractions, errors, fmt=mark, label=name)
     laws.set(title="contact area over load", xlabel="mean pressure, MPa", ylabel="area, % of nominal")
+    laws.set_xticks(np.array(PRESSURES) / 1e6, [f"{pressure / 1e6:g}" for pressure in PRESSURES])
+    laws.set_xticks([], minor=True)
     laws.legend()
     laws.grid(alpha=0.3, which="both")
     image = after.imshow(1e6 * design.heights(change).T, origin="lower", extent=extent)
