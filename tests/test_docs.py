@@ -28,7 +28,8 @@ WITH_EXAMPLES = {
     "roughcontact.extrapolation",
     "roughcontact.grid",
     "roughcontact.kernels.love",
-    "roughcontact.reference",
+    "roughcontact.reference.closed_forms",
+    "roughcontact.reference.persson",
     "roughcontact.registry",
     "roughcontact.testing.claim",
 }

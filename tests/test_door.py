@@ -24,7 +24,7 @@ STEEL = rc.Elastic(210e9, 0.3)
 PUBLIC = {f"rc.{name}": getattr(rc, name) for name in rc.__all__}
 PUBLIC |= {f"rc.typing.{name}": getattr(types_of_rc, name) for name in types_of_rc.__all__}
 for module in (reference, extrapolation):
-    own = {name: value for name, value in vars(module).items() if getattr(value, "__module__", "") == module.__name__}
+    own = {k: v for k, v in vars(module).items() if getattr(v, "__module__", "").startswith(module.__name__)}
     PUBLIC |= {f"{module.__name__}.{name}": value for name, value in own.items() if name[0] != "_"}
 # Aliases of array types are not ours.
 PUBLIC = {name: value for name, value in PUBLIC.items() if getattr(value, "__module__", "").startswith("roughcontact")}

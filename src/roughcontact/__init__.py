@@ -15,6 +15,7 @@ from roughcontact._flattening import FlatteningModel, Overlap, UniformRise, flat
 from roughcontact._kernels import FourierHalfSpace, InfluenceKernel, Love, kernels
 from roughcontact._materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid, materials
 from roughcontact._problem import RIGID_FLAT, Body, ContactProblem
+from roughcontact._responses import find_percolation
 from roughcontact._solution import (
     Area,
     ContactSolution,
@@ -53,6 +54,7 @@ from roughcontact.errors import (
 from roughcontact.errors.door import guarded
 from roughcontact.files import SurfaceReader, read_surface, readers
 from roughcontact.grid import Boundary, Grid
+from roughcontact.laws import interface_law
 from roughcontact.refinement import beyond_resolution, extrapolate, on_grid
 from roughcontact.report import Reference, error_vs_time
 from roughcontact.running_in import run_in
@@ -123,7 +125,9 @@ __all__ = [
     "convolvers",
     "error_vs_time",
     "extrapolate",
+    "find_percolation",
     "flattening_models",
+    "interface_law",
     "kernels",
     "match",
     "materials",

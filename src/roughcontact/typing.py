@@ -12,20 +12,33 @@ commands     the function `replacing`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
-             `Separated`, `PartialSlip`, `FrettingLoop`
+             `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`, `TheoryBeside`,
+             `Stress`, `StressField`, `StressMaximum`, `YieldPoint`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
+responses    `Leakage`, `Throat`, `Percolation`
 ===========  ==========================================================================================================
 """
 
 from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._problem import SolvePlan, Sweep
-from roughcontact._responses import FrettingLoop, PartialSlip
+from roughcontact._responses import (
+    FrettingLoop,
+    Leakage,
+    PartialSlip,
+    Percolation,
+    Stress,
+    StressField,
+    StressMaximum,
+    Throat,
+    YieldPoint,
+)
 from roughcontact._solution import GridLevel, Origin, Residuals
 from roughcontact._solution.accuracy import Accuracy, Trial
 from roughcontact._solution.conditions import ContactConditions, Violation
 from roughcontact._solution.fields import ContactFields
 from roughcontact._solution.patches import ContactPatches
+from roughcontact._solution.theory import TheoryBeside
 from roughcontact._solvers import (
     Monitor,
     Outcome,
@@ -41,6 +54,7 @@ from roughcontact.archive import replacing
 from roughcontact.checks import Array, IntArray, Mask, Pair, RealArray
 from roughcontact.diagnostics import Check, Gallery, GalleryRow, StabilityReport, Verdict
 from roughcontact.files import RawMap
+from roughcontact.laws import InterfaceLaw, LawColumn, PowerFit
 from roughcontact.load import Load
 from roughcontact.refinement import BeyondResolution, Ladder
 from roughcontact.report import ErrorReport, ReportRow, Timing
@@ -64,8 +78,11 @@ __all__ = [
     "GalleryRow",
     "GridLevel",
     "IntArray",
+    "InterfaceLaw",
     "InverseConvolution",
     "Ladder",
+    "LawColumn",
+    "Leakage",
     "Load",
     "Mask",
     "MatchedPair",
@@ -74,6 +91,8 @@ __all__ = [
     "Outcome",
     "Pair",
     "PartialSlip",
+    "Percolation",
+    "PowerFit",
     "PreparedConvolution",
     "RawMap",
     "RealArray",
@@ -85,15 +104,21 @@ __all__ = [
     "SolvePlan",
     "StabilityReport",
     "Step",
+    "Stress",
+    "StressField",
+    "StressMaximum",
     "StudyResult",
     "SupportsCoefficients",
     "SupportsSpectrum",
     "Sweep",
     "Task",
+    "TheoryBeside",
+    "Throat",
     "Timing",
     "Trial",
     "Verdict",
     "Violation",
+    "YieldPoint",
     "nearest_pressure",
     "project_to_load",
     "replacing",

@@ -12,17 +12,19 @@ from roughcontact.errors import InputError
 _UNCOUPLED = 0.01
 
 
-def compare_compliances(materials: Sequence[Material], modulus: float) -> float:
+def compare_compliances(materials: Sequence[Material], modulus: float, cosine: float = 0.5) -> float:
     r"""Return the tangential over the normal compliance of two half-spaces, from 1 (nu = 0) to 3/2 (nu = 1/2).
 
     .. math:: E^*\sum_i\frac{2-\nu_i}{4G_i} = E^*\sum_i\frac{2-\nu_i}{2(1-\nu_i)}\,\frac{1-\nu_i^2}{E_i}
+
+    A pressure wave at an angle to the force has its `cosine`, squared, in place of 1/2.
 
     Raises
     ------
     InputError
         If the Poisson's ratio of a material that deforms is not known.
     """
-    parts = ((2.0 - nu) / (2.0 * (1.0 - nu)) * compliance for nu, compliance in map(_constants, materials))
+    parts = ((1.0 - nu * cosine) / (1.0 - nu) * compliance for nu, compliance in map(_constants, materials))
     return modulus * sum(parts)
 
 

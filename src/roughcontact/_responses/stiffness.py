@@ -15,7 +15,7 @@ from roughcontact.errors import InputError
 from roughcontact.grid import Boundary
 
 # Relative residual of the answer to a unit displacement: the stiffness errs by its square.
-TOLERANCE = 1e-2
+_TOLERANCE = 1e-2
 
 
 @responses.register("stiffness")
@@ -37,18 +37,42 @@ class Stiffness(Response[Estimate]):
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
-        require_mean_gap(solution, "stiffness")
-        area = solution.area()
-        warnings = list_warnings(solution, area.warnings)
-        tangent = Tangent(solution)
-        if tangent.is_rigid:
-            return Estimate(math.inf, 0.0, "N/m", warnings)
-        if not tangent.cells.any():
-            return Estimate(0.0, 0.0, "N/m", warnings)
-        answer = tangent.solve(np.ones(solution.grid.shape), TOLERANCE)
-        correction = correct_edges(solution, answer.values, tangent.cells, area)
-        value = sum_of(answer.values, answer.residual) * solution.grid.cell_area + float(correction.patches.sum())
-        return Estimate(value, correction.uncertainty, "N/m", warnings)
+        normal = find_normal_answer(solution, "stiffness")
+        return Estimate(normal.value, normal.uncertainty, "N/m", normal.warnings)
+
+
+@attrs.frozen(eq=False)
+class NormalAnswer:
+    """The answer to a unit approach.
+
+    Attributes
+    ----------
+    field
+        Change of the pressure, shape (nx, ny), Pa/m; zero where the stiffness is infinite.
+    value, uncertainty
+        Its sum over the corrected area, N/m, and the standard deviation of that.
+    warnings
+        Why it must not be trusted, in sentences.
+    """
+
+    field: Array
+    value: float
+    uncertainty: float
+    warnings: tuple[str, ...]
+
+
+def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
+    """Return the answer to a unit approach of the cells below the pressure limit, for what is asked, in words."""
+    require_mean_gap(solution, what)
+    area = solution.area()
+    warnings = list_warnings(solution, area.warnings)
+    tangent, unit = Tangent(solution), np.ones(solution.grid.shape)
+    if tangent.is_rigid or not tangent.cells.any():
+        return NormalAnswer(0.0 * unit, math.inf if tangent.is_rigid else 0.0, 0.0, warnings)
+    answer = tangent.solve(unit, _TOLERANCE)
+    correction = correct_edges(solution, answer.values, tangent.cells, area)
+    value = sum_of(answer.values, answer.residual) * solution.grid.cell_area + float(correction.patches.sum())
+    return NormalAnswer(answer.values, value, correction.uncertainty, warnings)
 
 
 def sum_of(values: Array, residual: Array) -> float:

@@ -29,12 +29,13 @@ from roughcontact._solution.results import (
 )
 from roughcontact._solution.saturation import estimate_saturated_area
 from roughcontact._solution.summary import summarize
+from roughcontact._solution.theory import TheoryBeside, compare_with_theory
 from roughcontact._surfaces import HeightMap
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
-    from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress
+    from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress, YieldPoint
 
 T = TypeVar("T")
 
@@ -103,15 +104,25 @@ class ContactSolution(ContactFields):
 
     def conductance(self, conductivity: float | Sequence[float], film_resistance: float = 0.0) -> Conductance:
         """Return the thermal or electrical contact conductance; see `roughcontact._responses.ContactConductance`."""
-        return self.response(responses.create("conductance", conductivity, film_resistance=film_resistance))
+        asked = responses.create("conductance", conductivity, film_resistance=film_resistance)
+        found: Conductance = self.response(asked)
+        return found
 
-    def stress(self, depths: float | Array | Sequence[float], body: str = "body") -> Stress:
+    def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
         """Return the stress below a surface, Pa, at depths, m; see `roughcontact._responses.StressBelow`."""
-        return self.response(responses.create("stress", depths, body=body))
+        stress: Stress = self.response(responses.create("stress", depths, body=body))
+        return stress
+
+    def first_yield(self, yield_stress: float, body: str = "body") -> YieldPoint:
+        """Return the load at which a body first yields below its surface; see `roughcontact._responses.FirstYield`."""
+        found: YieldPoint = self.response(responses.create("first-yield", yield_stress, body=body))
+        return found
 
     def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
         """Return the flow of a liquid through the gap, m3/s; see `roughcontact._responses.GapFlow`."""
-        return self.response(responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop))
+        asked = responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop)
+        found: Leakage = self.response(asked)
+        return found
 
     def gradient(self, of: str | Callable[[Array], Array], with_respect_to: str = "heights") -> Array:
         """Return the derivatives of a number of the contact; see `roughcontact._responses.Gradient`."""
@@ -122,7 +133,9 @@ class ContactSolution(ContactFields):
 
         See `roughcontact._responses.CiavarellaJaeger`.
         """
-        return self.response(responses.create("partial-slip", tangential_force=tangential_force, friction=friction))
+        asked = responses.create("partial-slip", tangential_force=tangential_force, friction=friction)
+        found: PartialSlip = self.response(asked)
+        return found
 
     def saturated_area(self, estimator: str | AreaEstimator = "level-set") -> Area:
         """Return the part of the contact area where the pressure has reached the limit; zero without a limit.
@@ -149,6 +162,15 @@ class ContactSolution(ContactFields):
         They do not include those of the `area`.
         """
         return list_warnings(self, self._materials.values())
+
+    @cached_property
+    def theory(self) -> TheoryBeside | None:
+        """Persson's theory for the same surface and load; None where it does not hold.
+
+        It is given on periodic boundaries, without saturated cells, for nominally flat, isotropic, Gaussian roughness
+        of many waves, most of them longer than four cells, on at most 2048 x 2048 cells.
+        """
+        return compare_with_theory(self)
 
     @property
     def _materials(self) -> dict[str, Material]:

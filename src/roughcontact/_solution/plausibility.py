@@ -69,7 +69,7 @@ def find_scene(initial_gap: Array, grid: Grid, boundary: Boundary, materials: It
 
 def find_contact(solution: ContactSolution) -> list[Finding]:
     """Return where the model of a half-space, the domain or the grid does not suit a contact."""
-    names = ("edge contact", "tilt", "cells per contact", "slope", "peak pressure", "approach")
+    names = ("edge contact", "tilt", "cells per contact", "slope", "peak pressure", "approach", "theory")
     if not solution.contact.any():
         return [Finding(name, math.nan, "there is no contact") for name in names]
     peak, approach = float(solution.pressure.max()) / solution.modulus, solution.approach / min(solution.grid.size)
@@ -82,6 +82,7 @@ def find_contact(solution: ContactSolution) -> list[Finding]:
         _find_slope(solution),
         Finding("peak pressure", peak, f"the maximum pressure is {peak:.3g} times the contact modulus E*"),
         Finding("approach", approach, f"the approach is {approach:.3g} times the shorter side of the domain"),
+        _find_departure(solution),
     ]
 
 
@@ -185,6 +186,15 @@ def _find_slope(solution: ContactSolution) -> Finding:
         total += float(np.mean(steps**2)) if steps.size else 0.0
     slope = math.sqrt(total)
     return Finding(name, slope, f"the rms slope of both surfaces together is {slope:.3g} in contact")
+
+
+def _find_departure(solution: ContactSolution) -> Finding:
+    """Return by how many standard deviations the area is outside the range that Persson's theory allows."""
+    name, theory = "theory", solution.theory
+    if theory is None:
+        return Finding(name, math.nan, "Persson's theory does not hold for this contact")
+    text = f"the area of Persson's theory is {theory.area_ratio:.2f} of the solved one"
+    return Finding(name, theory.departure, text)
 
 
 def _percent(fraction: float) -> str:

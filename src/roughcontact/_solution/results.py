@@ -14,7 +14,7 @@ from roughcontact._surfaces import HeightMap
 from roughcontact.checks import Array, read_only
 from roughcontact.errors import InputError
 from roughcontact.registry import Registry
-from roughcontact.units import si
+from roughcontact.units import Estimate as Estimate
 
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
@@ -181,37 +181,6 @@ class AreaEstimator(abc.ABC):
     @abc.abstractmethod
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the real contact area and its uncertainty."""
-
-
-@attrs.frozen
-class Estimate:
-    """A number with its uncertainty.
-
-    Attributes
-    ----------
-    value
-        The number, in the unit.
-    uncertainty
-        One standard deviation: the true value should lie within two of them.
-    unit
-        SI unit; empty for a count.
-    warnings
-        Why the value must not be trusted, in sentences; empty without a reason.
-    """
-
-    value: float
-    uncertainty: float
-    unit: str
-    warnings: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
-        if not self.unit:
-            return f"{self.value:.6g} +- {self.uncertainty:.2g}{doubtful}"
-        relative = (
-            f"{100 * self.uncertainty / abs(self.value):.2g} %" if self.value else si(self.uncertainty, self.unit)
-        )
-        return f"{si(self.value, self.unit, 5)} +- {relative}{doubtful}"
 
 
 class QuantityEstimator(abc.ABC):

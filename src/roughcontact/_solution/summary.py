@@ -41,6 +41,8 @@ def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: M
         lines.append(f"                 of the map as interpolated: waves below {shortest} are not in it")
     if solution.capped:
         lines.append(f"  saturated      {solution.saturated_area()}")
+    if solution.theory is not None:
+        lines.append(f"  Persson        {solution.theory}")
     if solution.accuracy is not None:
         lines.append(f"  accuracy       {solution.accuracy}")
     for text in solution.warnings:

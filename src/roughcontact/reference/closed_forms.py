@@ -1,4 +1,4 @@
-"""Closed forms of contact mechanics, for two elastic half-spaces: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; SI units."""
+"""Closed forms of contact mechanics, for two elastic half-spaces; SI units."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 import attrs
 import numpy as np
-from scipy import optimize, special
+from scipy import special
 
 from roughcontact.checks import Array, Pair, number, pair
 from roughcontact.errors import InputError
@@ -115,6 +115,9 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     ----------
     Johnson, Contact Mechanics (1985), eq. 4.24 to 4.26, https://doi.org/10.1017/CBO9781139171731
     """
+    # Imported here: theory beside a solution needs this package, and no optimizer.
+    from scipy import optimize
+
     force, modulus = _positive(force, "N"), _positive(modulus, "Pa")
     radii = pair(radii, "The radii", "m", above=0.0)
     blunt, sharp = max(radii), min(radii)

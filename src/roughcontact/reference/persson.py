@@ -1,0 +1,158 @@
+"""Persson's theory of the contact of a rough surface."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+from scipy import special
+
+from roughcontact.checks import Array, number, numbers, read_only
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+from roughcontact.grid import Grid
+from roughcontact.reference.waves import Waves, list_waves
+from roughcontact.units import si
+
+# Correction of the elastic energy of a partial contact, no unit.
+_GAMMA = 0.45
+# Bands of wave numbers, and pressures at which the energy is evaluated; four times as many change the gap by less than
+# 1e-4 of the rms height.
+_BANDS, _PRESSURES = 256, 512
+# Pressures, over the smallest and largest rms pressure of full contact, beyond which the energy is proportional to the
+# pressure, and constant.
+_LIGHT, _FULL = 1e-3, 8.0
+
+# Power over that of the strongest wave below which it is rounding.
+_ROUNDING = 1e-28
+
+
+@guarded
+@attrs.frozen(eq=False)
+class PerssonContact:
+    """Contact after Persson, at one or several pressures.
+
+    Attributes
+    ----------
+    pressure
+        Nominal mean pressures, shape (count,) or (), Pa; the others have its shape.
+    area_fraction
+        Real over nominal contact area.
+    mean_gap
+        Mean gap, m.
+    stiffness
+        Normal stiffness over nominal area, -dp/d(mean gap), Pa/m; infinite in full contact.
+    """
+
+    pressure: Array = attrs.field(converter=read_only)
+    area_fraction: Array = attrs.field(converter=read_only)
+    mean_gap: Array = attrs.field(converter=read_only)
+    stiffness: Array = attrs.field(converter=read_only)
+
+    def __str__(self) -> str:
+        columns = (
+            np.atleast_1d(values) for values in (self.pressure, self.area_fraction, self.mean_gap, self.stiffness)
+        )
+        lines = [f"{'mean pressure':>14} {'area, %':>10} {'mean gap':>12} {'stiffness':>14}"]
+        lines += [
+            f"{si(p, 'Pa'):>14} {100.0 * a:>10.4g} {si(u, 'm'):>12} {si(k, 'Pa/m'):>14}"
+            for p, a, u, k in zip(*columns, strict=True)
+        ]
+        return "\n".join(lines)
+
+
+@guarded
+def persson(
+    heights: Array, grid: Grid, modulus: float, pressure: float | Array, *, periodic: bool = True
+) -> PerssonContact:
+    r"""Return area, mean gap and stiffness after Persson, from the spectrum of the heights.
+
+    With the power :math:`C_q` of the waves, and the variance G of the pressure in full contact by those up to q,
+
+    .. math:: \frac{A}{A_0} = s(q_1), \quad s(q) = \mathrm{erf}\frac{p}{\sqrt{2 G(q)}}, \quad
+              G(q) = \frac{E^{*2}}{4} \sum_{|q'| \le q} q'^2 C_{q'}
+
+    .. math:: U = \frac{E^*}{4} \sum_q q\, C_q\, s\,(\gamma + (1 - \gamma) s^2), \quad
+              \bar u = \int_p^\infty \frac{1}{p'} \frac{\mathrm{d}U}{\mathrm{d}p'} \mathrm{d}p', \quad
+              k = -\frac{\mathrm{d}p}{\mathrm{d}\bar u} = p \Big/ \frac{\mathrm{d}U}{\mathrm{d}p}
+
+    with :math:`\gamma = 0.45`. The theory holds for nominally flat, isotropic, Gaussian roughness of many waves; its
+    area is 17 to 31 % below that of solved contacts, the less the larger the contact.
+
+    Parameters
+    ----------
+    heights, grid
+        Sum of the heights of both bodies, shape `grid.shape`, m, and their grid.
+    modulus
+        Contact modulus E*, Pa.
+    pressure
+        Nominal mean pressures, Pa, above zero.
+    periodic
+        Whether the heights repeat beyond the border. If not, subtract their form first; they are windowed (Hann), and
+        all results depend on both.
+
+    References
+    ----------
+    Persson, J. Chem. Phys. 115 (2001) 3840-3861, https://doi.org/10.1063/1.1388626;
+    Persson, Phys. Rev. Lett. 99 (2007) 125502, https://doi.org/10.1103/PhysRevLett.99.125502;
+    Yang, Persson, J. Phys.: Condens. Matter 20 (2008) 215214, https://doi.org/10.1088/0953-8984/20/21/215214
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> grid = rc.Grid((256, 256), 100e-6)
+    >>> rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=3e-6, longest=50e-6, rolloff=12e-6, seed=1)
+    >>> contact = rc.reference.persson(rough.heights(grid), grid, modulus=1e9, pressure=10e6)
+    >>> print(f"{100 * contact.area_fraction:.1f} %")
+    15.9 %
+    """
+    modulus = number(modulus, "The contact modulus", "Pa", above=0.0)
+    allowed = "a number or a list of numbers above 0 (Pa)"
+    pressures = numbers(pressure, "The pressure", allowed)
+    if pressures.ndim > 1 or pressures.size == 0 or not (np.isfinite(pressures).all() and (pressures > 0.0).all()):
+        raise InputError.about("The pressure", pressure, allowed)
+    return evaluate_persson(list_waves(heights, grid, periodic), modulus, pressures)
+
+
+def evaluate_persson(waves: Waves, modulus: float, pressures: Array) -> PerssonContact:
+    """Return the contact of a surface of these waves; see `persson`."""
+    unit = modulus * (waves.height / waves.cell)
+    energy, variance = _list_bands(waves)
+    p = np.atleast_1d(pressures) / unit
+    area = special.erf(p / math.sqrt(2.0 * variance[-1]))
+    light, full = _LIGHT * math.sqrt(variance[0]), _FULL * math.sqrt(variance[-1])
+    nodes = np.unique(np.concatenate((np.geomspace(light, full, _PRESSURES), p[(p > light) & (p < full)])))
+    slope = _slope_of_energy(nodes, energy, variance)
+    steps = 0.5 * (slope[1:] + slope[:-1]) * np.diff(np.log(nodes))
+    above = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+    gap = np.where(p < full, np.interp(np.clip(p, light, full), nodes, above), 0.0)
+    gap += slope[0] * np.log(np.maximum(light / p, 1.0))
+    own = _slope_of_energy(p, energy, variance)
+    stiffness = np.divide(p, own, out=np.full(p.size, np.inf), where=own > 0.0)
+    columns = area, gap * waves.height, stiffness * (unit / waves.height)
+    return PerssonContact(pressures, *(values.reshape(pressures.shape) for values in columns))
+
+
+def _list_bands(waves: Waves) -> tuple[Array, Array]:
+    """Return of each band of wave numbers the elastic energy and, up to its end, the variance of the pressure."""
+    square = waves.square
+    power = (waves.count * waves.power).ravel()
+    used = power > _ROUNDING * power.max()
+    power, square = power[used], square.ravel()[used]
+    q = np.sqrt(square)
+    low, high = float(q.min()), float(q.max())
+    width = math.log(high / low) / _BANDS or 1.0
+    band = np.minimum((np.log(q / low) / width).astype(np.intp), _BANDS - 1)
+    energy, variance = (0.25 * np.bincount(band, weight * power, _BANDS) for weight in (q, square))
+    # A band without waves adds nothing.
+    filled = energy > 0.0
+    return np.asarray(energy[filled], dtype=np.float64), np.cumsum(variance[filled], dtype=np.float64)
+
+
+def _slope_of_energy(pressure: Array, energy: Array, variance: Array) -> Array:
+    """Return dU/dp at pressures, shape (count,)."""
+    ratio = pressure[:, np.newaxis] / np.sqrt(2.0 * variance)
+    factor = _GAMMA + 3.0 * (1.0 - _GAMMA) * special.erf(ratio) ** 2
+    density = factor * np.exp(-(np.minimum(ratio, 30.0) ** 2))
+    return np.asarray(density @ (energy * np.sqrt(2.0 / (np.pi * variance))))
