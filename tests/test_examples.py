@@ -17,6 +17,7 @@ PAGES = [
         ROOT / "docs" / f"{name}.md"
         for name in (
             "area",
+            "gradients",
             "interface_laws",
             "maps",
             "mistakes",
@@ -70,6 +71,13 @@ def test_error_against_run_time(monkeypatch, tmp_path):
 def test_overview(monkeypatch, tmp_path):
     study("overview", monkeypatch).main(128, 128, tmp_path)
     assert (tmp_path / "overview.png").stat().st_size > 10_000
+
+
+def test_gradients(monkeypatch, tmp_path):
+    module = study("gradients", monkeypatch)
+    assert [row[0] for row in module.make_rows(1, (1,))][1:3] == ["ball, radius of 3 cells", "ball, radius of 6 cells"]
+    module.main(32, 1, 2, tmp_path)
+    assert (tmp_path / "gradients.png").stat().st_size > 10_000
 
 
 def test_partial_slip(monkeypatch, tmp_path):
