@@ -15,7 +15,19 @@ PAGES = [
     ROOT / "README.md",
     *(
         ROOT / "docs" / f"{name}.md"
-        for name in ("plugins", "area", "maps", "mistakes", "pairs", "partial_slip", "stability", "studies")
+        for name in (
+            "area",
+            "interface_laws",
+            "maps",
+            "mistakes",
+            "pairs",
+            "partial_slip",
+            "plugins",
+            "responses",
+            "stability",
+            "studies",
+            "theory_beside",
+        )
     ),
 ]
 BLOCKS = [
@@ -32,6 +44,13 @@ def test_scripts_of_the_pages_run(block, tmp_path):
     environment = {**os.environ, "PYTHONPATH": plugins}
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment)
     assert done.returncode == 0, done.stderr
+
+
+def test_the_tutorial_runs_block_after_block(tmp_path):
+    text = (ROOT / "docs" / "tutorial_conductance.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", text, re.S)
+    test_scripts_of_the_pages_run("\n".join(blocks), tmp_path)
+    assert (tmp_path / "ground_on_aluminium.inp").read_text(encoding="ascii").count("*GAP CONDUCTANCE, PRESSURE") == 1
 
 
 def study(name, monkeypatch):

@@ -148,7 +148,7 @@ class TestOwnResponses:
         )
         gap, stiffness = law["mean_gap"].values, law["stiffness"].values
         slope = -np.diff(pressures) / np.diff(gap)
-        assert slope == pytest.approx(np.sqrt(stiffness[1:] * stiffness[:-1]), rel=0.02)
+        assert slope == pytest.approx(np.sqrt(stiffness[1:] * stiffness[:-1]), rel=0.08)
         modulus = problem().plan.modulus
         assert law["conductance"].values == pytest.approx(stiffness * 2 / (1 / 50 + 1 / 20) / modulus, rel=2e-3)
         assert law["conductance"].unit == "W/(m2 K)"

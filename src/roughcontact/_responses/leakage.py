@@ -181,7 +181,7 @@ class GapFlow(Response[Leakage]):
             throat=throat,
             inflow=unit * ends[0],
             outflow=unit * ends[1],
-            warnings=(*warnings, *_judge_throat(throat)),
+            warnings=(*warnings, *_judge_throat(throat, min(gap.shape))),
             network=network,
             pressure=pressure,
         )
@@ -208,10 +208,10 @@ def _list_warnings(solution: ContactSolution) -> tuple[str, ...]:
     return tuple(warnings)
 
 
-def _judge_throat(throat: Throat) -> tuple[str, ...]:
-    """Return why the flow through a throat must not be trusted."""
+def _judge_throat(throat: Throat, cells: int) -> tuple[str, ...]:
+    """Return why the flow through a throat must not be trusted; cells is the shorter side of the domain."""
     warnings = []
-    if throat.cells < _CELLS and throat.share >= _SHARE:
+    if throat.cells < min(_CELLS, cells) and throat.share >= _SHARE:
         warnings.append(f"The critical throat is {throat.cells:.3g} cells across, below {_CELLS:g}: refine the grid.")
     if throat.gap < _MOLECULES:
         warnings.append(f"The gap in the critical throat is {si(throat.gap, 'm', 3)}, of molecular size.")

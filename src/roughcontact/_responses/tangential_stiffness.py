@@ -8,8 +8,8 @@ import attrs
 import numpy as np
 
 from roughcontact._problem import problem_of
-from roughcontact._responses.stiffness import find_normal_answer
 from roughcontact._responses.coupling import compare_compliances, judge_coupling
+from roughcontact._responses.stiffness import find_normal_answer
 from roughcontact._solution import ContactSolution, Estimate, Response, responses
 from roughcontact.checks import Array, integer
 from roughcontact.errors import InputError
@@ -88,8 +88,13 @@ def _average_cosine(solution: ContactSolution, answer: Array, axis: int) -> floa
     qx, qy = np.fft.fftfreq(padded[0], spacing[0])[:, np.newaxis], np.fft.rfftfreq(padded[1], spacing[1])[np.newaxis]
     square = qx**2 + qy**2
     square[0, 0] = 1.0
-    power[0, 0] = 0.0
-    energy = power / np.sqrt(square)
-    along = (qx if axis == 0 else qy) ** 2 / square
+    energy, along = power / np.sqrt(square), (qx if axis == 0 else qy) ** 2 / square
+    energy[0, 0] = 0.0
+    if solution.boundary is not Boundary.PERIODIC:
+        # The mean of 1/q over the waves around zero, and the part of each axis in it.
+        steps = (float(qx[1, 0]), float(qy[0, 1])) if axis == 0 else (float(qy[0, 1]), float(qx[1, 0]))
+        parts = [0.5 * b * math.asinh(a / b) for a, b in (steps, steps[::-1])]
+        energy[0, 0] = 4.0 * power[0, 0] * sum(parts) / (steps[0] * steps[1])
+        along[0, 0] = parts[0] / sum(parts)
     total = float(energy.sum())
     return float((along * energy).sum()) / total if total > 0.0 else 0.5
