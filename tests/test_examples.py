@@ -16,15 +16,17 @@ PAGES = [
     *(
         ROOT / "docs" / f"{name}.md"
         for name in (
-            "plugins",
             "area",
+            "interface_laws",
             "maps",
             "mistakes",
             "pairs",
+            "partial_slip",
+            "plugins",
+            "responses",
             "stability",
             "studies",
             "theory_beside",
-            "interface_laws",
         )
     ),
 ]
@@ -68,6 +70,13 @@ def test_error_against_run_time(monkeypatch, tmp_path):
 def test_overview(monkeypatch, tmp_path):
     study("overview", monkeypatch).main(128, 128, tmp_path)
     assert (tmp_path / "overview.png").stat().st_size > 10_000
+
+
+def test_partial_slip(monkeypatch, tmp_path):
+    module = study("partial_slip", monkeypatch)
+    assert [row[0] for row in module.make_rows((3,), 2)] == ["contact radius, cells", "3"]
+    module.main(64, 2, tmp_path)
+    assert (tmp_path / "partial_slip.png").stat().st_size > 10_000
 
 
 def test_which_estimator(monkeypatch, tmp_path):

@@ -699,3 +699,21 @@ def test_the_header_lists_what_the_file_holds(files):
     arrays, header = read_archive(files / "solution.npz")
     assert len(header["key"]) == 32
     assert json.loads(bytes(pack(arrays, header)["header"]))["arrays"].keys() == arrays.keys()
+
+
+def test_a_damaged_heap_of_texts_is_not_searched(tmp_path):
+    heights, missing = np.random.default_rng(0).random((12, 10)) * 1e-7, np.eye(12, 10) > 0
+    surface = rc.HeightMap(heights, (1e-4, 1e-4), non_measured=missing)
+    solution = rc.ContactProblem(rc.Body(surface, rc.Elastic(210e9, 0.3))).solve(force=2.0)
+    path = tmp_path / "solution.nc"
+    solution.save(path)
+    content = path.read_bytes()[: -len(SEAL)]
+    # Objects without a size follow the head of 16 bytes: HDF5 would step from one to itself.
+    first, *heaps = content.split(b"GCOL")
+    path.write_bytes(b"GCOL".join([first, *(heap[:12] + bytes(len(heap[12:204])) + heap[204:] for heap in heaps)]))
+    with path.open("ab") as file:
+        file.write(SEAL)
+    seal(path)
+    script = "import sys, roughcontact as rc; print(rc.ContactSolution.load(sys.argv[1]).non_measured.sum())"
+    child = subprocess.run([sys.executable, "-c", script, str(path)], capture_output=True, text=True, timeout=60)
+    assert child.stdout.split() == ["10"], child.stderr

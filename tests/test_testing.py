@@ -25,6 +25,7 @@ EXAMPLE = ROOT / "plugins" / "roughcontact-example"
 HARDNESS = np.linspace(1e8, 1e9, 120).reshape(12, 10)
 # Registered classes that cannot be made without arguments.
 MADE = {
+    "conductance": [rc.responses.create("conductance", (50.0, 20.0)), rc.responses.create("conductance", 1.0, 1e-9)],
     "elastic": [rc.Elastic(200e9, 0.3)],
     "elastic-perfectly-plastic": [rc.ElasticPerfectlyPlastic(2e11, 0.3, h) for h in (1e9, 1e5, HARDNESS)],
     "paraboloid": [rc.ParaboloidSurface((1e-2, 2e-2))],

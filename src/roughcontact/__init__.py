@@ -15,6 +15,7 @@ from roughcontact._flattening import FlatteningModel, Overlap, UniformRise, flat
 from roughcontact._kernels import FourierHalfSpace, InfluenceKernel, Love, kernels
 from roughcontact._materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid, materials
 from roughcontact._problem import RIGID_FLAT, Body, ContactProblem
+from roughcontact._responses import find_percolation
 from roughcontact._solution import (
     Area,
     ContactSolution,
@@ -124,6 +125,7 @@ __all__ = [
     "convolvers",
     "error_vs_time",
     "extrapolate",
+    "find_percolation",
     "flattening_models",
     "interface_law",
     "kernels",

@@ -12,14 +12,27 @@ commands     the function `replacing`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
-             `Separated`, `InterfaceLaw`, `LawColumn`, `PowerFit`, `TheoryBeside`
+             `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`, `TheoryBeside`,
+             `Stress`, `StressField`, `StressMaximum`, `YieldPoint`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
+responses    `Leakage`, `Throat`, `Percolation`
 ===========  ==========================================================================================================
 """
 
 from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._problem import SolvePlan, Sweep
+from roughcontact._responses import (
+    FrettingLoop,
+    Leakage,
+    PartialSlip,
+    Percolation,
+    Stress,
+    StressField,
+    StressMaximum,
+    Throat,
+    YieldPoint,
+)
 from roughcontact._solution import GridLevel, Origin, Residuals
 from roughcontact._solution.accuracy import Accuracy, Trial
 from roughcontact._solution.conditions import ContactConditions, Violation
@@ -60,6 +73,7 @@ __all__ = [
     "ConvolutionSetup",
     "Cycle",
     "ErrorReport",
+    "FrettingLoop",
     "Gallery",
     "GalleryRow",
     "GridLevel",
@@ -68,6 +82,7 @@ __all__ = [
     "InverseConvolution",
     "Ladder",
     "LawColumn",
+    "Leakage",
     "Load",
     "Mask",
     "MatchedPair",
@@ -75,6 +90,8 @@ __all__ = [
     "Origin",
     "Outcome",
     "Pair",
+    "PartialSlip",
+    "Percolation",
     "PowerFit",
     "PreparedConvolution",
     "RawMap",
@@ -87,16 +104,21 @@ __all__ = [
     "SolvePlan",
     "StabilityReport",
     "Step",
+    "Stress",
+    "StressField",
+    "StressMaximum",
     "StudyResult",
     "SupportsCoefficients",
     "SupportsSpectrum",
     "Sweep",
     "Task",
     "TheoryBeside",
+    "Throat",
     "Timing",
     "Trial",
     "Verdict",
     "Violation",
+    "YieldPoint",
     "nearest_pressure",
     "project_to_load",
     "replacing",

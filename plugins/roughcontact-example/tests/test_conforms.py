@@ -11,6 +11,7 @@ PARTS = [
     example.SignalConvolver(),
     example.AcceleratedGradient(),
     example.Between(),
+    example.Capacitance(),
     example.Springback(),
     example.Dimples(ROUGH),
     example.Raw16(),

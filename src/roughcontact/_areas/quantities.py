@@ -106,7 +106,7 @@ class SummitApproach(QuantityEstimator):
     def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the approach; see `QuantityEstimator.estimate`."""
         rise, rise_std = find_rise(solution.initial_gap, solution.boundary)
-        shift, shift_std = _find_shift(solution)
+        shift, shift_std = find_shift(solution)
         warnings = area.warnings if solution.status.success else (str(solution.status),)
         return Estimate(solution.approach + rise + shift, math.hypot(rise_std, shift_std), "m", warnings)
 
@@ -122,7 +122,7 @@ class MeanGap(QuantityEstimator):
 
     def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the mean gap; see `QuantityEstimator.estimate`."""
-        shift, std = _find_shift(solution)
+        shift, std = find_shift(solution)
         gap = float(np.mean(solution.gap))
         outside = 1.0 if solution.boundary is not Boundary.FREE else 1.0 - area.fraction
         return Estimate(max(gap - shift * outside, 0.0), std * outside, "m", area.warnings)
@@ -144,7 +144,7 @@ def _is_diagonal(solution: ContactSolution) -> bool:
     return bool(long and np.sum(rows**2) < _DIAGONAL * rows.sum())
 
 
-def _find_shift(solution: ContactSolution) -> tuple[float, float]:
+def find_shift(solution: ContactSolution) -> tuple[float, float]:
     """Return how much the approach is too small, and the standard deviation of that, m."""
     patches = solution.patches
     if patches.count == 0:

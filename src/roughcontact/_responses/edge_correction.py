@@ -16,6 +16,7 @@ import math
 import attrs
 import numpy as np
 
+from roughcontact._areas.cells import count_sides, find_sharp_edges
 from roughcontact._areas.curvature import curvature_resolution
 from roughcontact._solution import Area, ContactSolution
 from roughcontact.checks import Array, IntArray, Mask
@@ -30,6 +31,8 @@ _ASPECT = 0.7
 _SINGULAR, _NARROW = 1.346, 0.147
 # Resolution ratio at which half of the correction is left: beyond, the area between the cells is not known either.
 _UNRESOLVED = 0.8
+# Part of it from which nobody asks whether the edges are sharp.
+_TRUSTED = 0.9
 # Relative standard deviations of the stiffness: of a patch of radius a cells over a^(-3/2), for the positions of the
 # cells; of all together over the resolution ratio to the power 3/2.
 _CELLS, _COMMON = 0.03, 0.02
@@ -71,7 +74,7 @@ def correct_edges(solution: ContactSolution, answer: Array, cells: Mask, area: A
     # Of a single spot the stiffness is proportional to the root of the area.
     growth = np.where(acting > 0.0, known / np.maximum(acting, 1e-300), 1.0)
     ratio = curvature_resolution(solution)
-    trust = 1.0 / (1.0 + (ratio / _UNRESOLVED) ** 4)
+    trust = _find_trust(solution, ratio)
     correction = 2.0 * trust * slope * acting * (np.sqrt(growth) - 1.0)
     stiffness = _sum_patches(labels, answer, count) * cell
     total, nominal = float(stiffness.sum()), float(acting.sum())
@@ -82,6 +85,16 @@ def correct_edges(solution: ContactSolution, answer: Array, cells: Mask, area: A
     # Near full contact the stiffness grows much faster than the area.
     common = _COMMON * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
     return EdgeCorrection(correction, math.hypot(by_area, by_cells, unsure, common))
+
+
+def _find_trust(solution: ContactSolution, ratio: float) -> float:
+    """Return the part of the correction that the resolution leaves; sharp edges of punches need no resolution."""
+    trust = 1.0 / (1.0 + (ratio / _UNRESOLVED) ** 4)
+    if trust > _TRUSTED:
+        return trust
+    sides = count_sides(solution.contact, solution.boundary)
+    sharp = count_sides(solution.contact, solution.boundary, find_sharp_edges(solution))
+    return max(trust, sharp / sides) if sides else trust
 
 
 def _find_areas(solution: ContactSolution, cells_of: Array, acting: Array, area: Area) -> Array:
@@ -110,11 +123,10 @@ def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tupl
             i, j = np.nonzero(facing)
             if i.size == 0:
                 continue
-            first = np.concatenate(([True], (np.diff(i) != 0) | (np.diff(j) != 1)))
-            starts = np.flatnonzero(first)
-            lengths = np.diff(np.append(starts, i.size))
             members = label[i, j]
-            lost += np.bincount(members[starts], weights=_find_loss(lengths, across / side), minlength=count + 1)
+            starts, lengths = _find_rows(i, j, None if solution.boundary is Boundary.FREE else mask.shape[1])
+            loss = _find_loss(lengths, mask.shape[1], across / side)
+            lost += np.bincount(members[starts], weights=loss, minlength=count + 1)
             sides += side * np.bincount(members, minlength=count + 1)
             squares += np.bincount(members, weights=field[i, j] ** 2, minlength=count + 1)
     return lost[1:], sides[1:], squares[1:]
@@ -128,5 +140,22 @@ def _shift(mask: Mask, step: int, boundary: Boundary) -> Mask:
     return moved
 
 
-def _find_loss(lengths: IntArray, aspect: float) -> Array:
-    return np.asarray(_ROW * lengths - _KINK * aspect**_ASPECT * np.log(lengths) - _END)
+def _find_rows(i: IntArray, j: IntArray, period: int | None) -> tuple[IntArray, IntArray]:
+    """Return where rows of adjacent sides at (i, j) begin, and their lengths; those that cross the border are one."""
+    starts = np.flatnonzero(np.concatenate(([True], (np.diff(i) != 0) | (np.diff(j) != 1))))
+    lengths = np.diff(np.append(starts, i.size))
+    if period is None:
+        return starts, lengths
+    heads = np.flatnonzero((j[starts] == 0) & (lengths < period))
+    tails = np.flatnonzero((j[starts] + lengths == period) & (lengths < period))
+    _, of_heads, of_tails = np.intersect1d(i[starts[heads]], i[starts[tails]], return_indices=True)
+    lengths[tails[of_tails]] += lengths[heads[of_heads]]
+    kept = np.ones(starts.size, dtype=bool)
+    kept[heads[of_heads]] = False
+    return starts[kept], lengths[kept]
+
+
+def _find_loss(lengths: IntArray, longest: int, aspect: float) -> Array:
+    """Return the area that rows lack, in cells; one across the whole domain has no ends."""
+    ends = _KINK * aspect**_ASPECT * np.log(lengths) + _END
+    return np.asarray(_ROW * lengths - np.where(lengths < longest, ends, 0.0))

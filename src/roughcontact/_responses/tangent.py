@@ -241,8 +241,8 @@ class _Space:
 
     def __init__(self, vectors: list[RealArray], images: list[RealArray]) -> None:
         self.vectors, self._images = vectors, images
-        products = np.array([[_dot(one, other) for other in images] for one in vectors])
-        self._inverse = np.linalg.pinv(products, rcond=_DISTINCT) if vectors else products
+        products = [[_dot(one, other) for other in images] for one in vectors]
+        self._inverse = np.linalg.pinv(products, rcond=_DISTINCT) if vectors else np.zeros((0, 0))
 
     def start(self, right: RealArray) -> tuple[RealArray, RealArray]:
         """Return the solution in the space, and its residual."""

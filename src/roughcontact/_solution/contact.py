@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -35,7 +35,7 @@ from roughcontact.checks import Array
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
-    from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress
+    from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress, YieldPoint
 
 T = TypeVar("T")
 
@@ -106,20 +106,31 @@ class ContactSolution(ContactFields):
         """Return the thermal or electrical contact conductance; see `roughcontact._responses.ContactConductance`."""
         return self.response(responses.create("conductance", conductivity, film_resistance=film_resistance))
 
-    def stress(self, depths: float | Array | Sequence[float], body: str = "body") -> Stress:
+    def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
         """Return the stress below a surface, Pa, at depths, m; see `roughcontact._responses.StressBelow`."""
-        return self.response(responses.create("stress", depths, body=body))
+        stress: Stress = self.response(responses.create("stress", depths, body=body))
+        return stress
+
+    def first_yield(self, yield_stress: float, body: str = "body") -> YieldPoint:
+        """Return the load at which a body first yields below its surface; see `roughcontact._responses.FirstYield`."""
+        found: YieldPoint = self.response(responses.create("first-yield", yield_stress, body=body))
+        return found
 
     def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
         """Return the flow of a liquid through the gap, m3/s; see `roughcontact._responses.GapFlow`."""
-        return self.response(responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop))
+        asked = responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop)
+        found: Leakage = self.response(asked)
+        return found
 
-    def gradient(self, of: str, with_respect_to: str = "heights") -> Array:
+    def gradient(self, of: str | Callable[[Array], Array], with_respect_to: str = "heights") -> Array:
         """Return the derivatives of a number of the contact; see `roughcontact._responses.Gradient`."""
         return self.response(responses.create("gradient", of, with_respect_to=with_respect_to))
 
     def partial_slip(self, *, tangential_force: float, friction: float) -> PartialSlip:
-        """Return the contact under a tangential force below that of sliding; see `roughcontact._responses.Mindlin`."""
+        """Return the contact under a tangential force, N, below that of sliding.
+
+        See `roughcontact._responses.CiavarellaJaeger`.
+        """
         return self.response(responses.create("partial-slip", tangential_force=tangential_force, friction=friction))
 
     def saturated_area(self, estimator: str | AreaEstimator = "level-set") -> Area:

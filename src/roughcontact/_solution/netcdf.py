@@ -14,8 +14,9 @@ from roughcontact.archive import SEAL, opened, replacing, seal, unpack
 from roughcontact.checks import RealArray
 from roughcontact.errors import MissingPackage
 
-# Bytes of an attribute that is read; a text of any length takes 16.
-_LONGEST_NOTE = 64
+# As what xarray writes booleans, which netCDF has not; no other array is of this type. The attribute in which it notes
+# them stays unread: HDF5 may search a damaged file without end for a text of any length.
+_STORED_BOOLEANS = np.int8
 
 
 def write_netcdf(path: Path, dataset: Any) -> None:
@@ -64,16 +65,5 @@ def read_netcdf(path: Path) -> tuple[dict[str, RealArray], dict[str, Any]]:
             if item.dtype.kind not in "biuf" or not is_inside or stored.get_external_count() or left < 0:
                 raise ValueError(f"its array {name!r} is not stored as plain numbers inside it")
             values = np.asarray(item[()])
-            packed[name] = values.astype(bool) if _is_boolean(item) else values
+            packed[name] = values.astype(bool) if values.dtype == _STORED_BOOLEANS else values
         return unpack(packed)
-
-
-def _is_boolean(item: Any) -> bool:
-    """Tell whether xarray notes that an array held booleans, which netCDF has not; only a short text is read."""
-    import h5py
-
-    if "dtype" not in item.attrs:
-        return False
-    note = item.attrs.get_id("dtype")
-    is_text = note.get_type().get_class() == h5py.h5t.STRING and note.shape == ()
-    return is_text and note.get_storage_size() <= _LONGEST_NOTE and bool(item.attrs["dtype"] == "bool")

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from roughcontact.registry import Registry, registries
-from roughcontact.testing import convolvers, estimators, inputs, kernels, solvers  # noqa: F401 - they add the claims
+from roughcontact.testing import convolvers, estimators, inputs, kernels, responses, solvers  # noqa: F401 - claims
 from roughcontact.testing.claim import (
     Claim,
     DoesNotApply,

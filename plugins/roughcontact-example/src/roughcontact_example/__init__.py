@@ -6,7 +6,18 @@ from roughcontact_example.flattening import Springback
 from roughcontact_example.kernel import Springs
 from roughcontact_example.material import Foam
 from roughcontact_example.reader import Raw16
+from roughcontact_example.response import Capacitance
 from roughcontact_example.solver import AcceleratedGradient
 from roughcontact_example.surface import Dimples
 
-__all__ = ["AcceleratedGradient", "Between", "Dimples", "Foam", "Raw16", "SignalConvolver", "Springback", "Springs"]
+__all__ = [
+    "AcceleratedGradient",
+    "Between",
+    "Capacitance",
+    "Dimples",
+    "Foam",
+    "Raw16",
+    "SignalConvolver",
+    "Springback",
+    "Springs",
+]

@@ -1,0 +1,110 @@
+"""Claims about responses: what a contact does, asked of its solution."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from roughcontact._solution import ContactSolution, Estimate, Response
+from roughcontact.errors import InputError
+from roughcontact.grid import Boundary
+from roughcontact.testing.claim import DoesNotApply, claim, pickled, require
+from roughcontact.testing.problems import full_contact, mirror, rough_contact, scale_units, shift, sphere_contact
+
+# Relative difference of two numbers that is rounding of iterations in float32.
+_CLOSE = 1e-4
+
+
+def _solutions(_: object) -> Iterator[tuple[str, ContactSolution]]:
+    yield "a rough surface", rough_contact(0.05)
+    yield "a rough surface on a free boundary", rough_contact(0.05, Boundary.FREE)
+    yield "a plastic rough surface", rough_contact(0.05, Boundary.PERIODIC, True)
+    yield "a sphere", sphere_contact(5.0, (0.3, 0.1))
+    yield "full contact", full_contact()
+
+
+def _respond(response: Response[Any], solution: ContactSolution) -> Any:
+    """Return the result; None where the response is refused in a sentence."""
+    with suppress(InputError):
+        return response.respond(solution)
+    return None
+
+
+def _read_numbers(result: object) -> list[Any]:
+    """Return the numbers and arrays that a result is or holds as fields."""
+    if isinstance(result, (int, float, np.ndarray)):
+        return [np.asarray(result)]
+    names = (field.name for field in getattr(type(result), "__attrs_attrs__", ()))
+    values = (getattr(result, name) for name in names)
+    return [np.asarray(value) for value in values if isinstance(value, (int, float, np.ndarray))]
+
+
+def _require_estimate(response: Response[Any], solution: ContactSolution) -> Estimate:
+    """Return the result if it is a finite number."""
+    result = _respond(response, solution)
+    if not isinstance(result, Estimate) or not math.isfinite(result.value):
+        raise DoesNotApply("its result is not a finite Estimate")
+    return result
+
+
+def _compare(one: Estimate, other: Estimate, factor: float = 1.0) -> float:
+    error = abs(other.value / factor - one.value) / (abs(one.value) or 1.0)
+    require(error <= _CLOSE, f"the number differs by {error:.1e}")
+    return error
+
+
+@claim("response", "answer or sentence", _solutions)
+def _answers(response: Response[Any], solution: ContactSolution) -> None:
+    with suppress(InputError):
+        require(response.respond(solution) is not None, "it returns nothing")
+
+
+@claim("response", "serves a rough contact")
+def _serves(response: Response[Any]) -> None:
+    found = [_respond(response, solution) for _, solution in _solutions(response)]
+    require(any(result is not None for result in found), "it refuses every contact that is tried")
+
+
+@claim("response", "valid uncertainties and warnings", _solutions)
+def _valid(response: Response[Any], solution: ContactSolution) -> None:
+    result = _respond(response, solution)
+    if result is None or isinstance(result, np.ndarray):
+        return
+    uncertainty, warnings = getattr(result, "uncertainty", 0.0), getattr(result, "warnings", ())
+    require(np.all(np.asarray(uncertainty) >= 0.0), f"an uncertainty of {uncertainty}")
+    valid = isinstance(warnings, tuple) and all(isinstance(text, str) and text for text in warnings)
+    require(valid, f"`warnings` must be a tuple of sentences, not {warnings!r}")
+    require(not any(np.isnan(values).any() for values in _read_numbers(result)), "a number that is not a number")
+    require(str(result).strip(), "its text is empty")
+
+
+@claim("response", "repeatable", _solutions)
+def _repeatable(response: Response[Any], solution: ContactSolution) -> None:
+    one, two = (_read_numbers(_respond(asked, solution)) for asked in (response, pickled(response)))
+    same = len(one) == len(two) and all(np.array_equal(a, b, equal_nan=True) for a, b in zip(one, two, strict=True))
+    require(same, "a copy of it, asked for the same contact, gives other numbers")
+
+
+@claim("response", "mirrored and shifted contacts")
+def _moved(response: Response[Any]) -> float:
+    solution = rough_contact(0.05)
+    one = _require_estimate(response, solution)
+    others = (mirror(solution, (0,)), mirror(solution, (1,)), shift(solution, (7, 5)))
+    return max(_compare(one, _require_estimate(response, other)) for other in others)
+
+
+@claim("response", "scales with units")
+def _units(response: Response[Any]) -> None:
+    solution = rough_contact(0.05)
+    one = _require_estimate(response, solution)
+    for length, stiffness in ((2.0**10, 1.0), (1.0, 2.0**-8)):
+        other = _require_estimate(response, scale_units(solution, length, stiffness))
+        if one.value == 0.0:
+            require(other.value == 0.0, "zero is not zero in other units")
+            continue
+        power = round(math.log2(other.value / one.value)) if other.value / one.value > 0.0 else 0
+        _compare(one, other, 2.0**power)

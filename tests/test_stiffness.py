@@ -1,0 +1,276 @@
+"""Normal and tangential stiffness beside closed forms, bounds and differences of solves."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+import roughcontact as rc
+from roughcontact._responses import Stiffness, TangentialStiffness
+from roughcontact._responses.tangent import Tangent
+from roughcontact._surfaces.statistics import rms_slope
+
+
+def solve_ball(cells, rng, *, radii=(1.0, 1.0), spacing=(1.0, 1.0), poisson=0.0, counter=None, boundary="free"):
+    """Return Hertz's contact of a mean semi-axis of so many cells of side 1 m, at a random place; E* = 1 Pa or more."""
+    radius = 1000.0
+    n = 2 * math.ceil(1.2 * cells * max(radii) ** 0.7 + 6)
+    grid = rc.Grid((math.ceil(n / spacing[0]), math.ceil(n / spacing[1])), (n, n))
+    centre = tuple(rng.uniform(-0.5, 0.5, 2) * spacing)
+    surface = rc.ParaboloidSurface(tuple(radius * part for part in radii), center=centre)
+    bodies = [rc.Body(surface, rc.Elastic(1.0, poisson))]
+    if counter is not None:
+        bodies.append(rc.Body(rc.FlatSurface(), counter))
+    problem = rc.ContactProblem(*bodies, grid=grid, boundary=boundary, threads=1)
+    force = 4 / 3 * problem.plan.modulus * cells**3 / radius
+    return problem.solve(force=force), force
+
+
+def punch_of(shape, boundary="free", size=None):
+    """Return the contact of a flat punch, the true cells of an array, pressed without edges touching elsewhere."""
+    heights = np.where(shape, 1.0, 0.0)
+    surface = rc.HeightMap(heights, shape.shape if size is None else size, periodic=boundary == "periodic")
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary=boundary, threads=1)
+    return problem.solve(force=1e-3)
+
+
+def errors_of_balls(cells, count, seed, **more):
+    rng, errors = np.random.default_rng(seed), []
+    for _ in range(count):
+        solution, _ = solve_ball(cells, rng, **more)
+        found = solution.stiffness()
+        assert found.unit == "N/m"
+        assert not found.warnings
+        errors.append((found.value / (2 * cells) - 1, found.uncertainty / (2 * cells)))
+    return np.array(errors).T
+
+
+@pytest.mark.parametrize(("cells", "std"), [(3, 1.2e-2), (6, 3e-3), (12, 1e-3), (24, 5e-4)])
+def test_hertz(cells, std):
+    errors, uncertainties = errors_of_balls(cells, 8 if cells < 24 else 3, seed=cells)
+    assert np.sqrt(np.mean(errors**2)) < std
+    assert abs(errors.mean()) < 0.6 * std
+    assert np.mean(np.abs(errors) <= 2 * uncertainties) >= 0.8
+    assert uncertainties.max() < 1.5 * std
+
+
+def test_hertz_on_oblong_cells():
+    errors, uncertainties = errors_of_balls(10, 4, seed=1, spacing=(1.0, 2.0))
+    assert np.abs(errors).max() < 5e-3
+    assert (np.abs(errors) <= 2.5 * uncertainties).all()
+
+
+def hertz_ellipse(radii, force, modulus):
+    """Return the semi-axes of Hertz's ellipse, the greater first; Johnson (1985), section 4.2."""
+    ratio = max(radii) / min(radii)
+
+    def miss(e):
+        return (ellipe(e * e) / (1 - e * e) - ellipk(e * e)) / (ellipk(e * e) - ellipe(e * e)) - ratio
+
+    eccentricity = brentq(miss, 1e-6, 1 - 1e-9)
+    m = eccentricity**2
+    long = (3 * force * max(radii) * (ellipk(m) - ellipe(m)) / (math.pi * modulus * m)) ** (1 / 3)
+    return long, long * math.sqrt(1 - m)
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("radii", [(1.0, 4.0), (2.5, 1.0)])
+def test_ellipses(radii, poisson):
+    rng = np.random.default_rng(7)
+    solution, force = solve_ball(9, rng, radii=radii, poisson=poisson, counter=rc.Elastic(1.0, poisson))
+    long, short = hertz_ellipse([1000.0 * part for part in radii], force, solution.modulus)
+    m = 1 - (short / long) ** 2
+    normal = math.pi * solution.modulus * long / ellipk(m)
+    found = solution.stiffness()
+    assert found.value == pytest.approx(normal, rel=4e-3)
+    # Mindlin (1949): of waves at an angle to the force, with the mean of cos^2 along the short axis.
+    along_short = (ellipk(m) - (ellipk(m) - ellipe(m)) / m) / ellipk(m)
+    along_short = 1 - along_short
+    means = (along_short, 1 - along_short) if radii[0] < radii[1] else (1 - along_short, along_short)
+    for axis, mean in enumerate(means):
+        tangential = solution.response(TangentialStiffness(axis))
+        expected = normal * (1 - poisson) / (1 - poisson * mean)
+        assert tangential.value == pytest.approx(expected, rel=6e-3)
+
+
+def test_mindlin_for_round_contacts_of_two_materials():
+    rng = np.random.default_rng(3)
+    # Of the same (1 - 2 nu) / G: uncoupled.
+    g1, nu1, nu2 = 1.0, 0.3, 0.4
+    g2 = g1 * (1 - 2 * nu2) / (1 - 2 * nu1)
+    body = rc.Elastic(2 * g1 * (1 + nu1), nu1)
+    surface = rc.ParaboloidSurface(1000.0, center=tuple(rng.uniform(-0.5, 0.5, 2)))
+    other = rc.Body(rc.FlatSurface(), rc.Elastic(2 * g2 * (1 + nu2), nu2))
+    problem = rc.ContactProblem(rc.Body(surface, body), other, grid=rc.Grid((40, 40), 40.0), threads=1)
+    solution = problem.solve(approach=0.1)
+    radius = solution.stiffness().value / (2 * solution.modulus)
+    compliance = (2 - nu1) / g1 + (2 - nu2) / g2
+    assert solution.response("tangential-stiffness").value == pytest.approx(8 * radius / compliance, rel=1e-3)
+
+
+@pytest.mark.parametrize("side", [8, 16, 40])
+def test_square_punch(side):
+    shape = np.zeros((side + 12, side + 9), dtype=bool)
+    shape[5 : 5 + side, 4 : 4 + side] = True
+    found = punch_of(shape).stiffness()
+    # Pi times the capacity of the unit square, 0.3667896 (Read, J. Comput. Phys. 133 (1997) 1).
+    error = found.value / (math.pi * 0.3667896 * side) - 1
+    assert abs(error) < 0.12 / side
+    assert abs(error) <= 3 * found.uncertainty / found.value
+
+
+@pytest.mark.parametrize("fraction", [0.25, 0.6, 0.85])
+def test_strips_of_westergaard(fraction):
+    n, length = 96, 1e-4
+    grid = rc.Grid((n, 8), (length, length * 8 / n))
+    heights = 1e-6 * np.cos(2 * np.pi * (grid.x + 0.3e-6) / length) + 0 * grid.y
+    surface = rc.HeightMap(heights, grid.size, periodic=True)
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1e9, 0.0)), boundary="periodic", threads=1)
+    pressure = math.pi * 1e9 * 1e-6 / length * math.sin(math.pi * fraction / 2) ** 2
+    found = problem.solve(pressure=pressure).stiffness()
+    exact = grid.area * math.pi * 1e9 / (2 * length) / -math.log(math.sin(math.pi * fraction / 2))
+    assert found.value == pytest.approx(exact, rel=0.02)
+    assert abs(found.value - exact) <= 2 * found.uncertainty
+
+
+def test_lattice_of_discs():
+    n, radius = 48, 6.0
+    errors = []
+    for seed in range(4):
+        centre = np.random.default_rng(seed).uniform(-0.5, 0.5, 2)
+        x, y = np.mgrid[:n, :n] - 0.5 * n
+        shape = (x - centre[0]) ** 2 + (y - centre[1]) ** 2 < radius**2
+        found = punch_of(shape, "periodic").stiffness()
+        # The count differs from the area of the disc: compare with a disc of the area of the cells.
+        a = math.sqrt(shape.sum() / math.pi)
+        exact = 1 / (1 / (2 * a) - 3.9002649 / (math.pi * n))
+        errors.append(found.value / exact - 1)
+    assert np.abs(errors).max() < 0.015
+    assert abs(np.mean(errors)) < 0.01
+
+
+def test_open_circle_near_full_contact():
+    n, errors = 64, []
+    grid = rc.Grid((n, n), float(n))
+    for seed in range(3):
+        shift = np.random.default_rng(seed).uniform(-0.5, 0.5, 2)
+        x, y = grid.x - shift[0], grid.y - shift[1]
+        heights = 1e-3 * (np.cos(2 * np.pi * x / n) + np.cos(2 * np.pi * y / n))
+        surface = rc.HeightMap(heights, grid.size, periodic=True)
+        problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary="periodic", threads=1)
+        full = math.pi * 1e-3 * 2 / n
+        solution = problem.solve(pressure=0.93 * full)
+        found = solution.stiffness()
+        hole = math.sqrt((grid.area - solution.area().value) / math.pi)
+        errors.append(found.value / (3 * n**4 / (8 * hole**3)) - 1)
+        assert found.uncertainty < 0.15 * found.value
+    assert np.abs(errors).max() < 0.15
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_rough_contact_converges_within_its_uncertainty(boundary):
+    size, found = 1e-3, {}
+    for n in (64, 128, 384):
+        surface = rc.SelfAffineSurface(hurst=0.6, rms_height=1e-6, longest=size / 2, shortest=size / 12, seed=4)
+        problem = rc.ContactProblem(
+            rc.Body(surface, rc.Elastic(2e11, 0.3)), grid=rc.Grid((n, n), size), boundary=boundary, threads=1
+        )
+        scale = problem.plan.modulus * rms_slope(problem.initial_gap, problem.plan.grid)
+        found[n] = problem.solve(pressure=0.05 * scale).stiffness()
+    fine = found.pop(384)
+    assert fine.uncertainty < 2e-3 * fine.value
+    for estimate in found.values():
+        assert abs(estimate.value - fine.value) <= 2.5 * math.hypot(estimate.uncertainty, fine.uncertainty)
+    assert abs(found[128].value / fine.value - 1) < 8e-3
+
+
+def test_bounds_on_a_rough_ball():
+    grid = rc.Grid((96, 96), 96.0)
+    ball = -(grid.x**2 + grid.y**2) / 2000.0
+    noise = rc.SelfAffineSurface(hurst=0.8, rms_height=0.02, longest=48.0, shortest=8.0, seed=2).heights(grid)
+    body = rc.Body(rc.HeightMap(ball + noise, grid.size), rc.Elastic(1.0, 0.0))
+    problem = rc.ContactProblem(body, grid=grid, threads=1)
+    solution = problem.solve(force=0.5)
+    found, area = solution.stiffness(), solution.area()
+    i, j = np.nonzero(solution.contact)
+    corners = np.hypot(i - i.mean(), j - j.mean()).max() + 1
+    assert 2 * math.sqrt(area.value / math.pi) < found.value + 2 * found.uncertainty
+    assert found.value < 2 * corners
+    # Barber (2003): roughness between lo and hi moves the curve of force and approach of the ball by at most that; the
+    # force is a convex function of the approach.
+    absolute = solution.approach - problem.summit
+    force_of = lambda d: 4 / 3 * math.sqrt(1000.0) * max(d, 0.0) ** 1.5  # noqa: E731
+    steps = np.linspace(0.02, 2.0, 60)
+    upper = min((force_of(absolute + s + noise.max()) - solution.force) / s for s in steps)
+    lower = max((solution.force - force_of(absolute - s + noise.max())) / s for s in steps)
+    assert lower < found.value < upper
+
+
+def test_saturated_cells_follow():
+    rng = np.random.default_rng(0)
+    surface = rc.HeightMap(1e-7 * rng.standard_normal((32, 32)), 32e-6)
+    problem = rc.ContactProblem(
+        rc.Body(surface, rc.ElasticPerfectlyPlastic(2e11, 0.3, 1e9)), boundary="periodic", threads=1
+    )
+    solution = problem.solve(pressure=3e8)
+    assert solution.saturated.any()
+    ones = np.ones(solution.grid.shape)
+    loading, unloading = (Tangent(solution, saturated=part).solve(ones).values.sum() for part in (False, True))
+    assert loading < unloading
+    found = solution.stiffness()
+    assert 0.0 < found.value < unloading * solution.grid.cell_area
+    with pytest.raises(rc.InputError, match="limit"):
+        solution.response("tangential-stiffness")
+
+
+@pytest.mark.parametrize(("length", "modulus"), [(2.0**-60, 1.0), (2.0**40, 2.0**-30)])
+def test_units(length, modulus):
+    values = []
+    for scale, young in ((1.0, 1.0), (length, modulus)):
+        heights = scale * 1e-2 * np.random.default_rng(1).standard_normal((24, 20))
+        body = rc.Body(rc.HeightMap(heights, (24 * scale, 20 * scale)), rc.Elastic(young, 0.3))
+        problem = rc.ContactProblem(body, rc.Body(rc.FlatSurface(), rc.Elastic(young, 0.3)), threads=1)
+        solution = problem.solve(force=1e-3 * young * scale**2)
+        values.append([solution.stiffness().value, solution.response("tangential-stiffness").value])
+    np.testing.assert_allclose(values[1], np.array(values[0]) * length * modulus, rtol=1e-12)
+
+
+def test_one_cell_in_contact():
+    heights = np.zeros((7, 5))
+    heights[3, 2] = 1.0
+    solution = punch_of(heights > 0, size=(7.0, 5.0))
+    # Love's coefficient of a square on itself, (4 / pi) ln(1 + sqrt 2).
+    raw = 1 / (4 / math.pi * math.log(1 + math.sqrt(2)))
+    answer = Tangent(solution).solve(np.ones(solution.grid.shape))
+    assert answer.values.sum() == pytest.approx(raw, rel=1e-10)
+    assert solution.stiffness().value == pytest.approx(raw, rel=0.3)
+
+
+def test_ends_and_refusals():
+    surface = rc.WavySurface(1e-7, 1e-5)
+    body, grid = rc.Body(surface, rc.Elastic(1e11, 0.3)), rc.Grid((16, 12), 1e-5)
+    full = rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=1e11)
+    for response in ("stiffness", "tangential-stiffness"):
+        assert full.response(response).value == math.inf
+        assert "inf" in str(full.response(response))
+    light = rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=1e6)
+    empty = attrs.evolve(light, pressure=0.0 * light.pressure)
+    assert empty.stiffness().value == 0.0
+    wrapped = rc.ContactProblem(body, grid=grid, boundary="wrapped").solve(pressure=1e6)
+    with pytest.raises(rc.InputError, match="wrapped"):
+        wrapped.stiffness()
+    free = rc.ContactProblem(body, grid=grid).solve(pressure=2e9)
+    assert any("border" in text for text in free.stiffness().warnings)
+    for axis in (2, -1, 0.5, "x"):
+        with pytest.raises(rc.InputError, match="axis"):
+            TangentialStiffness(axis)
+    other = rc.Body(rc.FlatSurface(), rc.Elastic(3e9, 0.2))
+    coupled = rc.ContactProblem(body, other, grid=grid, boundary="periodic").solve(pressure=1e5)
+    with pytest.raises(rc.InputError, match="different materials"):
+        coupled.response("tangential-stiffness")
+    assert Stiffness() == Stiffness()
