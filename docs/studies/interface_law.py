@@ -49,7 +49,7 @@ def make_rows() -> list[list[str]]:
 def draw(folder: Path = FIGURES, cells: int = 512) -> None:
     from matplotlib.figure import Figure
 
-    law = make_law(1, cells)
+    law = make_law(2, cells)
     figure = Figure(figsize=(12, 3.8), layout="constrained")
     for axes, name in zip(figure.subplots(1, 3), ("area", "mean_gap", "conductance"), strict=True):
         law.plot(name, axes)
