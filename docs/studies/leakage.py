@@ -1,6 +1,6 @@
-"""The tables and the figure of docs/leakage.md: the flow through rough gaps on several grids, and what closes them.
+"""The table and the figure of docs/leakage.md: the flow through rough gaps on several grids.
 
-python docs/studies/leakage.py          # the tables
+python docs/studies/leakage.py          # the table
 python docs/studies/leakage.py figure   # docs/figures/leakage.png
 """
 
@@ -69,30 +69,6 @@ def list_errors() -> list[list[str]]:
     return rows
 
 
-def list_closings() -> list[list[str]]:
-    heading = ["cells a shortest wave", "area fraction: mean, std", "error of the load: median, maximum, %"]
-    rows = [[*heading, "within 2 std"]]
-    loads, fractions, spreads = [], [], []
-    for seed in FRESH:
-        found = [rc.find_percolation(make_problem(seed, cells), axis=seed % 2) for cells in (64, 128, 256)]
-        loads.append([one.pressure.value for one in found])
-        spreads.append([one.pressure.uncertainty for one in found])
-        fractions.append([one.area_fraction.value for one in found])
-    areas, load, std = np.array(fractions), np.array(loads), np.array(spreads)
-    for k, cells in enumerate((4, 8, 16)):
-        error, finest = np.abs(load[:, k] / load[:, -1] - 1.0), k == 2
-        both = np.hypot(std[:, k], std[:, -1]) / load[:, -1]
-        rows.append(
-            [
-                f"{cells}",
-                f"{areas[:, k].mean():.3f}, {areas[:, k].std():.3f}",
-                "-" if finest else f"{100 * np.median(error):.2g}, {100 * error.max():.2g}",
-                "-" if finest else f"{np.count_nonzero(error < 2.0 * both)} of {error.size}",
-            ]
-        )
-    return rows
-
-
 def draw(folder: Path = FIGURES) -> None:
     surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4e-6, longest=100e-6, rolloff=25e-6, seed=7)
     steel = rc.Elastic(young=210e9, poisson=0.3)
@@ -119,7 +95,7 @@ def draw(folder: Path = FIGURES) -> None:
     figure.savefig(folder / "leakage.png", dpi=110)
 
 
-TABLES = {"leakage": DocTable(list_errors, seconds=400), "percolation": DocTable(list_closings, seconds=90)}
+TABLES = {"leakage": DocTable(list_errors, seconds=400)}
 
 if __name__ == "__main__":
     if sys.argv[1:] == ["figure"]:
