@@ -93,7 +93,7 @@ def test_gaps_in_series_and_side_by_side_add_up(axis):
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.17, 0.5])
-def test_a_smooth_throat_across_the_flow_needs_few_cells(shift):
+def test_a_smooth_throat_across_the_flow_needs_two_cells(shift):
     reach, half = 2.0, 30.0
     x = np.arange(60) + 0.5 - half + shift
     gap = 1e-6 * (1.0 + (x / reach) ** 2)

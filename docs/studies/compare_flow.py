@@ -1,6 +1,6 @@
 """The flow through the gap beside the package reynoldsflow, on the same gaps: the table of docs/leakage.md.
 
-Needs a separate environment with the other package, which is no dependency of ours:
+Needs a separate environment with the other package, which is not a dependency of ours:
 
     python -m venv peers && peers/bin/pip install reynoldsflow
     export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1
@@ -48,12 +48,12 @@ for rtol in (1e-6, 1e-8, 1e-10):
 """
 
 
-def make_contact(cells: int, share: float = 0.15) -> rc.ContactSolution:
+def make_contact(cells: int, load: float = 0.15) -> rc.ContactSolution:
     """Return a rough contact of 30 % contact area: eight cells a shortest wave, roll-off at an eighth of the side."""
     surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.05, shortest=8.0 / cells, longest=1.0, rolloff=0.125, seed=1)
     body = rc.Body(surface, rc.Elastic(1e9, 0.0))
     problem = rc.ContactProblem(body, grid=rc.Grid((cells, cells), 1.0), boundary="periodic", threads=1)
-    return problem.solve(pressure=0.05 * share * 1e9)
+    return problem.solve(pressure=0.05 * load * 1e9)
 
 
 def time_ours(solution: rc.ContactSolution) -> tuple[float, float]:

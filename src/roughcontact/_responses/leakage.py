@@ -18,7 +18,7 @@ from roughcontact.grid import Boundary, Grid
 from roughcontact.units import si
 
 # Cells across a throat below which it is not resolved, and the fraction of the drop from which it matters.
-_CELLS, _SHARE = 3.0, 0.1
+_CELLS, _FRACTION = 3.0, 0.1
 # Gap below which a liquid does not flow as a continuum, m: some molecules of water.
 _MOLECULES = 1e-9
 
@@ -214,7 +214,7 @@ def _list_warnings(solution: ContactSolution) -> tuple[str, ...]:
 def _judge_throat(throat: Throat, cells: int) -> tuple[str, ...]:
     """Return why the flow through a throat must not be trusted; cells is the shorter side of the domain."""
     warnings = []
-    if throat.cells < min(_CELLS, cells) and throat.share >= _SHARE:
+    if throat.cells < min(_CELLS, cells) and throat.fraction >= _FRACTION:
         warnings.append(f"The critical throat is {throat.cells:.3g} cells across, below {_CELLS:g}: refine the grid.")
     if throat.gap < _MOLECULES:
         warnings.append(f"The gap in the critical throat is {si(throat.gap, 'm', 3)}, of molecular size.")

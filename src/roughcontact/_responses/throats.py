@@ -30,7 +30,7 @@ class Throat:
         Width between the contacts on both sides, m: the shortest of four directions through the cell.
     cells
         The same in cells.
-    share
+    fraction
         Part of the power that is lost, and so of the pressure drop of this path, in a square of that width.
     """
 
@@ -38,13 +38,13 @@ class Throat:
     gap: float
     width: float
     cells: float
-    share: float
+    fraction: float
 
     def __str__(self) -> str:
         x, y = (si(value, "m", 3) for value in self.place)
         return (
             f"throat at ({x}, {y}), gap {si(self.gap, 'm', 3)}, {self.cells:.3g} cells across, "
-            f"{100 * self.share:.2g} % of the loss"
+            f"{100 * self.fraction:.2g} % of the loss"
         )
 
 
@@ -72,10 +72,10 @@ def find_throat(
         i, j = divmod(int(np.argmax(left)), network.shape[1])
         width, cells = _measure_width(open_cells, (i, j), along, across, periodic=periodic)
         square = _square_around((i, j), math.ceil(0.5 * cells), network.shape, periodic=periodic)
-        share = float(field[square].sum()) / total
-        best = max(best, (share / width, share, (i, j), width, cells))
+        fraction = float(field[square].sum()) / total
+        best = max(best, (fraction / width, fraction, (i, j), width, cells))
         left[square] = 0.0
-    _, share, (i, j), width, cells = best
+    _, fraction, (i, j), width, cells = best
     place = (i, j) if axis == 0 else (j, i)
     position = int(np.searchsorted(network.cells, i * network.shape[1] + j))
     return Throat(
@@ -83,7 +83,7 @@ def find_throat(
         gap=float(network.film[position]) * network.widest,
         width=width,
         cells=cells,
-        share=share,
+        fraction=fraction,
     )
 
 
