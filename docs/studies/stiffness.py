@@ -150,6 +150,8 @@ def draw_balls(axes: Axes, draws: int) -> None:
     axes.axhline(0, color="0.5", lw=1)
     axes.set(xscale="log", xlabel="contact radius, cells", ylabel="error, %", title="ball: error, two deviations")
     axes.set_ylim(-3, 3)
+    axes.minorticks_off()
+    axes.set_xticks([2, 5, 10, 20], ["2", "5", "10", "20"])
 
 
 def draw_law(axes: Axes, cells: int, loads: int) -> None:
