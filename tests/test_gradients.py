@@ -36,7 +36,7 @@ class Scene:
         size = tuple(n * 1e-6 * rng.uniform(0.7, 1.4) for n in shape)
         waves = np.hypot(np.fft.fftfreq(shape[0])[:, None], np.fft.rfftfreq(shape[1]))
         waves[0, 0] = 1.0
-        noise = np.fft.rfft2(rng.normal(size=shape)) * np.where(waves < 0.25, waves**-1.8, 0.0)
+        noise = np.fft.rfft2(rng.normal(size=shape)) * np.where(waves < 0.25, waves**-1.2, 0.0)
         heights = np.fft.irfft2(noise, s=shape)
         heights *= 1e-7 / heights.std()
         slope = np.std(np.hypot(*np.gradient(heights, size[0] / shape[0], size[1] / shape[1])))
@@ -112,7 +112,7 @@ def compare(seeds):
 
 
 def test_gradients_are_differences_of_solves():
-    assert max(compare(range(12))) < 1e-6
+    assert max(compare(range(6))) < 1e-6
 
 
 @pytest.mark.slow
@@ -169,7 +169,8 @@ def test_area_of_separate_summits():
 
 def test_area_under_a_given_load_says_what_it_is_worth():
     scene = Scene.draw(1)
-    solution = scene.solve(pressure=scene.pressure)
+    solution = scene.solve(pressure=0.01 * scene.pressure)
+    assert solution.patches.count > 1
     with pytest.warns(UserWarning, match="even its sign may be wrong"):
         gradient = solution.gradient("area")
     # What raises all heights changes nothing.

@@ -1,4 +1,4 @@
-"""The tables of docs/theory_beside.md: Persson's area, mean gap and stiffness beside solved ones.
+"""The table and the figure of docs/theory_beside.md: Persson's area, mean gap and stiffness beside solved ones.
 
 Self-affine surfaces of three Hurst exponents, 512 x 512 cells, eight cells on the shortest wave, roll-off at an
 eighth of the side. The stiffness solved is the difference of the mean gaps at 2 % below and above the load.
@@ -8,11 +8,14 @@ python docs/studies/persson.py
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from doc_tables import DocTable, write_tables
 
 import roughcontact as rc
 
+FIGURES = Path(__file__).parent.parent / "figures"
 HURST, SEEDS = (0.3, 0.5, 0.8), (1, 2, 3)
 # Pressure over E* and rms slope.
 LOADS = (0.003, 0.01, 0.03, 0.1, 0.2)
@@ -64,7 +67,48 @@ def make_rows() -> list[list[str]]:
     return rows
 
 
+def draw(folder: Path = FIGURES, cells: int = 256) -> None:
+    """Draw area and mean gap over the load, solved and after Persson."""
+    from matplotlib.figure import Figure
+
+    grid = rc.Grid((cells, cells), 1.0)
+    figure = Figure(figsize=(9.5, 3.6), layout="constrained")
+    area, gap = figure.subplots(1, 2)
+    loads = np.geomspace(0.002, 0.3, 14)
+    for hurst, color, marker in ((0.3, "C0", "o"), (0.8, "C1", "x")):
+        surface = rc.SelfAffineSurface(
+            hurst=hurst, rms_slope=0.1, shortest=8.0 / cells, longest=1.0, rolloff=1.0 / ROLLOFF, seed=1
+        )
+        problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1e9, 0.0)), grid=grid, boundary="periodic")
+        heights = surface.heights(grid)
+        pressures = loads * problem.plan.modulus * 0.1
+        solutions = problem.sweep(pressure=pressures).solutions
+        theory = rc.reference.persson(heights, grid, problem.plan.modulus, pressures)
+        rms = float(heights.std())
+        area.loglog(
+            loads,
+            [one.area().fraction for one in solutions],
+            marker,
+            color=color,
+            markerfacecolor="none",
+            label=f"solved, Hurst {hurst:g}",
+        )
+        area.loglog(loads, theory.area_fraction, "-", color=color, label="Persson")
+        gap.semilogx(
+            loads, [float(np.mean(one.gap)) / rms for one in solutions], marker, color=color, markerfacecolor="none"
+        )
+        gap.semilogx(loads, theory.mean_gap / rms, "-", color=color)
+    area.set(xlabel="pressure / (E* rms slope)", ylabel="area over nominal area", title="real contact area")
+    gap.set(xlabel="pressure / (E* rms slope)", ylabel="mean gap / rms height", title="mean gap")
+    area.legend()
+    for axes in (area, gap):
+        axes.grid(alpha=0.3, which="both")
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / "theory_beside.png", dpi=120)
+
+
 TABLES = {"persson": DocTable(make_rows, seconds=200)}
 
 if __name__ == "__main__":
+    draw()
     write_tables(TABLES)

@@ -12,16 +12,28 @@ commands     the function `replacing`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
-             `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`, `TheoryBeside`
+             `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`, `TheoryBeside`,
+             `Stress`, `StressField`, `StressMaximum`, `YieldPoint`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
-responses    `Conductance`, `Leakage`, `Throat`, `Percolation`
+responses    `Leakage`, `Throat`, `Percolation`
 ===========  ==========================================================================================================
 """
 
 from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._problem import SolvePlan, Sweep
-from roughcontact._responses import Conductance, FrettingLoop, Leakage, PartialSlip, Percolation, Throat
+from roughcontact._responses import (
+    Conductance,
+    FrettingLoop,
+    Leakage,
+    PartialSlip,
+    Percolation,
+    Stress,
+    StressField,
+    StressMaximum,
+    Throat,
+    YieldPoint,
+)
 from roughcontact._solution import GridLevel, Origin, Residuals
 from roughcontact._solution.accuracy import Accuracy, Trial
 from roughcontact._solution.conditions import ContactConditions, Violation
@@ -94,6 +106,9 @@ __all__ = [
     "SolvePlan",
     "StabilityReport",
     "Step",
+    "Stress",
+    "StressField",
+    "StressMaximum",
     "StudyResult",
     "SupportsCoefficients",
     "SupportsSpectrum",
@@ -105,6 +120,7 @@ __all__ = [
     "Trial",
     "Verdict",
     "Violation",
+    "YieldPoint",
     "nearest_pressure",
     "project_to_load",
     "replacing",

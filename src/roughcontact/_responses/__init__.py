@@ -7,7 +7,14 @@ from roughcontact._responses.leakage import GapFlow, Leakage
 from roughcontact._responses.partial_slip import CiavarellaJaeger, PartialSlip
 from roughcontact._responses.percolation import Percolation, find_percolation
 from roughcontact._responses.stiffness import Stiffness
-from roughcontact._responses.subsurface import Stress, StressBelow, StressField, StressMaximum
+from roughcontact._responses.subsurface import (
+    FirstYield,
+    Stress,
+    StressBelow,
+    StressField,
+    StressMaximum,
+    YieldPoint,
+)
 from roughcontact._responses.tangential_stiffness import TangentialStiffness
 from roughcontact._responses.throats import Throat
 
@@ -15,6 +22,7 @@ __all__ = [
     "CiavarellaJaeger",
     "Conductance",
     "ContactConductance",
+    "FirstYield",
     "FrettingLoop",
     "GapFlow",
     "Gradient",
@@ -28,5 +36,6 @@ __all__ = [
     "StressMaximum",
     "TangentialStiffness",
     "Throat",
+    "YieldPoint",
     "find_percolation",
 ]

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 
 import attrs
+import numpy as np
 
+from roughcontact._areas.curvature import curvature_resolution
 from roughcontact._problem import ContactProblem
 from roughcontact._problem.sweep import predict_pressure
 from roughcontact._problem.task import maximum_pressure
@@ -23,8 +25,13 @@ from roughcontact.units import si
 # Mean pressure over E* times the rms slope at which a rough contact has about two fifths of the nominal area, the
 # factor from one load to the next while only one side of the closing is known, and the range of these loads.
 _GUESS, _FACTOR, _RANGE = 0.25, 1.5, 1e6
-# Standard deviation over the distance of the loads that close paths through sides and paths through corners.
-_CORNERS = 0.5
+# Relative distance of two loads at which the search for other widths of paths ends.
+_COARSE = 0.01
+# The standard deviation of the load over the distance of those that close paths of blocks of cells and of corners, and
+# over the curvature resolution.
+_WIDTHS, _RESOLUTION = 0.5, 0.1
+# Widths of paths: two cells, one cell, and one point.
+_BLOCKS, _SIDES, _CORNERS = range(3)
 
 
 @attrs.frozen(eq=False)
@@ -38,8 +45,7 @@ class Percolation:
     area_fraction
         Real over nominal contact area.
     last_open, first_closed
-        The solutions that enclose it: the last with a path through sides of cells, and the first without one through
-        sides or corners.
+        The solutions that enclose it: the last with an open path, through sides of cells, and the first without any.
     axis
         0: the path joins the sides of smallest and largest x; 1: of y.
     """
@@ -58,8 +64,8 @@ class Percolation:
 def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 0.01) -> Percolation:
     """Find the load at which the last open path between two opposite sides closes.
 
-    Paths through sides of cells close at a lighter load than paths through sides and corners. The value lies in the
-    middle of these two loads; the grid does not resolve more.
+    Liquid passes through sides of cells. Paths that are two cells wide close at a lighter load, those through corners
+    at a heavier one: the distance of these loads is what the grid leaves open.
 
     Parameters
     ----------
@@ -81,36 +87,32 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
         raise InputError.about("What is solved", problem, "a ContactProblem")
     axis, within = require_axis(axis), number(within, "within=", above=0.0, at_most=1.0)
     first, last = _enclose(problem, axis)
-    low, closed = _bisect(problem, axis, first, last, within, corners=False)
-    still_open, high = _bisect(problem, axis, low, last, within, corners=True)
-    sides, corners = (
-        math.sqrt(one.mean_pressure * other.mean_pressure) for one, other in ((low, closed), (still_open, high))
-    )
-    value = math.sqrt(sides * corners)
-    std = math.hypot(_CORNERS * (corners - sides), within * value / math.sqrt(12.0))
-    areas = [solution.area() for solution in (low, high)]
-    fractions, own = [area.fraction for area in areas], max(area.uncertainty for area in areas) / problem.plan.grid.area
+    low, high = _bisect(problem, axis, first, last, within, _SIDES)
+    coarse = max(within, _COARSE)
+    narrowed, _ = _bisect(problem, axis, first, low, coarse, _BLOCKS)
+    _, passed = _bisect(problem, axis, high, last, coarse, _CORNERS)
+    value = math.sqrt(low.mean_pressure * high.mean_pressure)
+    unresolved = min(_RESOLUTION * curvature_resolution(low), 1.0)
+    std = math.hypot(_WIDTHS * (passed.mean_pressure - narrowed.mean_pressure), unresolved * value)
+    areas = [solution.area() for solution in (narrowed, low, high, passed)]
+    fraction, own = 0.5 * (areas[1].fraction + areas[2].fraction), areas[1].uncertainty / low.grid.area
+    spread = math.hypot(_WIDTHS * (areas[3].fraction - areas[0].fraction), unresolved * fraction, own)
     warnings = tuple(dict.fromkeys(text for area in areas for text in area.warnings))
-    spread = math.hypot(_CORNERS * (fractions[1] - fractions[0]), own)
-    return Percolation(
-        Estimate(value, std, "Pa"), Estimate(0.5 * sum(fractions), spread, "", warnings), low, high, axis
-    )
+    return Percolation(Estimate(value, std, "Pa"), Estimate(fraction, spread, "", warnings), low, high, axis)
 
 
 def _enclose(problem: ContactProblem, axis: int) -> tuple[ContactSolution, ContactSolution]:
-    """Return a solution with an open path through sides, and one at a larger load without any."""
+    """Return a solution with an open path through sides, and one at a larger load without any, of corners neither."""
     maximum = maximum_pressure(problem.plan)
     slope = rms_slope(problem.initial_gap, problem.plan.grid)
     guess = pressure = min(_GUESS * problem.plan.modulus * slope, 0.5 * maximum)
-    if pressure <= 0.0:
-        raise InputError("The heights are the same everywhere: no load closes a path through the gap.")
     low: ContactSolution | None = None
     high: ContactSolution | None = None
     while guess / _RANGE < pressure < min(guess * _RANGE, maximum):
         solution = _solve(problem, pressure, [one for one in (low, high) if one is not None])
-        if _is_open(solution, axis, corners=False):
+        if _is_open(solution, axis, _SIDES):
             low = solution
-        elif not _is_open(solution, axis, corners=True):
+        elif not _is_open(solution, axis, _CORNERS):
             high = solution
         if low is not None and high is not None:
             return low, high
@@ -126,13 +128,12 @@ def _bisect(
     low: ContactSolution,
     high: ContactSolution,
     within: float,
-    *,
-    corners: bool,
+    width: int,
 ) -> tuple[ContactSolution, ContactSolution]:
     """Return an open and a closed solution whose loads differ by no more than `within`."""
     while high.mean_pressure > (1.0 + within) * low.mean_pressure:
         middle = _solve(problem, math.sqrt(low.mean_pressure * high.mean_pressure), [low, high])
-        low, high = (middle, high) if _is_open(middle, axis, corners=corners) else (low, middle)
+        low, high = (middle, high) if _is_open(middle, axis, width) else (low, middle)
     return low, high
 
 
@@ -140,9 +141,13 @@ def _solve(problem: ContactProblem, pressure: float, near: list[ContactSolution]
     return problem.solve(pressure=pressure, start=predict_pressure(near, Load("pressure", pressure)))
 
 
-def _is_open(solution: ContactSolution, axis: int, *, corners: bool) -> bool:
-    """Return whether a path joins the two sides."""
-    open_cells = find_open_cells(solution)
-    across = solution.boundary is not Boundary.FREE
-    paths = find_paths(open_cells if axis == 0 else open_cells.T, periodic=across, corners=corners)
-    return bool(paths.any())
+def _is_open(solution: ContactSolution, axis: int, width: int) -> bool:
+    """Return whether a path of a width joins the two sides."""
+    open_cells, periodic = find_open_cells(solution), solution.boundary is not Boundary.FREE
+    open_cells = open_cells if axis == 0 else open_cells.T
+    if width == _BLOCKS:
+        # Blocks of two by two cells, each at its first cell.
+        open_cells = open_cells[:-1] & open_cells[1:]
+        open_cells = open_cells & np.roll(open_cells, -1, axis=1)
+        open_cells = open_cells if periodic else open_cells[:, :-1]
+    return bool(find_paths(open_cells, periodic=periodic, corners=width == _CORNERS).any())

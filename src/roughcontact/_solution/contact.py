@@ -35,7 +35,7 @@ from roughcontact.checks import Array
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
-    from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress
+    from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress, YieldPoint
 
 T = TypeVar("T")
 
@@ -112,11 +112,19 @@ class ContactSolution(ContactFields):
 
     def conductance(self, conductivity: float | Sequence[float], film_resistance: float = 0.0) -> Conductance:
         """Return the thermal or electrical contact conductance; see `roughcontact._responses.ContactConductance`."""
-        return self.response(responses.create("conductance", conductivity, film_resistance=film_resistance))
+        asked = responses.create("conductance", conductivity, film_resistance=film_resistance)
+        found: Conductance = self.response(asked)
+        return found
 
     def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
         """Return the stress below a surface, Pa, at depths, m; see `roughcontact._responses.StressBelow`."""
-        return self.response(responses.create("stress", depths, body=body))
+        stress: Stress = self.response(responses.create("stress", depths, body=body))
+        return stress
+
+    def first_yield(self, yield_stress: float, body: str = "body") -> YieldPoint:
+        """Return the load at which a body first yields below its surface; see `roughcontact._responses.FirstYield`."""
+        found: YieldPoint = self.response(responses.create("first-yield", yield_stress, body=body))
+        return found
 
     def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
         """Return the flow of a liquid through the gap, m3/s; see `roughcontact._responses.GapFlow`."""
@@ -133,7 +141,9 @@ class ContactSolution(ContactFields):
 
         See `roughcontact._responses.CiavarellaJaeger`.
         """
-        return self.response(responses.create("partial-slip", tangential_force=tangential_force, friction=friction))
+        asked = responses.create("partial-slip", tangential_force=tangential_force, friction=friction)
+        found: PartialSlip = self.response(asked)
+        return found
 
     def saturated_area(self, estimator: str | AreaEstimator = "level-set") -> Area:
         """Return the part of the contact area where the pressure has reached the limit; zero without a limit.

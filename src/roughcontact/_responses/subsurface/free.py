@@ -80,7 +80,8 @@ def _transform(table: RealArray, odd_in_x: bool, odd_in_y: bool) -> RealArray:
         # Both ends of an odd table are zero.
         inner = (slice(None), slice(1, -1)) if axis else (slice(1, -1), slice(None))
         symbol = np.zeros_like(table)
-        symbol[inner] = scipy.fft.dst(table[inner], type=1, axis=axis, workers=workers)
+        if table.shape[axis] > 2:
+            symbol[inner] = scipy.fft.dst(table[inner], type=1, axis=axis, workers=workers)
         table = symbol
     return table
 

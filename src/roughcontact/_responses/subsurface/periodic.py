@@ -21,6 +21,8 @@ _NO_ALIASES = 4.0
 # Aliases on each side, averages of neighbouring partial sums (Euler's method), and Chebyshev nodes of their sum in the
 # square of the phase: with half as many of each the stress changes by 1e-6 of the pressure.
 _ALIASES, _AVERAGES, _NODES = 16, 8, 14
+# Depth in sides of a cell, times the order, from which an alias has died: exp(-2 pi 3) = 6e-9.
+_REACH = 3.0
 # Terms of a sum that are added at a time.
 _TERMS = 2**20
 
@@ -74,7 +76,7 @@ class PeriodicPlanes(StressPlanes):
         return stress
 
 
-def _phases(frequencies: Array) -> Array:
+def _phases(frequencies: RealArray) -> Array:
     return np.asarray(2.0 * np.pi * frequencies, dtype=np.float64)
 
 
@@ -182,13 +184,12 @@ def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float) -> list
 
 def _sum_aliases(phases: tuple[Array, Array], sides: Pair, z: float, poisson: float) -> Sequence[Array]:
     """Return the sums over all aliases: smooth and even in the phase along each axis that is aliased."""
-    order = np.arange(-_ALIASES, _ALIASES + 1)
-    none, others = np.zeros(1, dtype=np.intp), order[order != 0]
+    none = np.zeros(1, dtype=np.intp)
     nodes = 0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES))
     vandermonde = np.linalg.inv(_vandermonde(nodes))
     to_x, to_y = (_vandermonde(phase**2) @ vandermonde for phase in phases)
     exact = [_Axis(np.abs(phase), side, none) for phase, side in zip(phases, sides, strict=True)]
-    smooth = [_Axis(np.sqrt(nodes), side, others) for side in sides]
+    smooth = [_Axis(np.sqrt(nodes), side, _list_aliases(z / side)) for side in sides]
     along_x = _sum_terms(smooth[0], exact[1], z, poisson)
     along_y = _sum_terms(exact[0], smooth[1], z, poisson)
     both = _sum_terms(smooth[0], smooth[1], z, poisson)
@@ -196,6 +197,12 @@ def _sum_aliases(phases: tuple[Array, Array], sides: Pair, z: float, poisson: fl
         (to_x @ (x + xy @ to_y.T) + y @ to_y.T).astype(np.float32)
         for x, y, xy in zip(along_x, along_y, both, strict=True)
     ]
+
+
+def _list_aliases(depth: float) -> IntArray:
+    """Return the orders of the aliases that have not died at a depth, in sides of a cell."""
+    most = _ALIASES if depth * _ALIASES <= _REACH else math.ceil(_REACH / depth)
+    return np.array([order for order in range(-most, most + 1) if order != 0], dtype=np.intp)
 
 
 def _vandermonde(square: Array) -> Array:

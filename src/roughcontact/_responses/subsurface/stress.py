@@ -36,36 +36,38 @@ from roughcontact.units import si
 _FIRST, _RATIO, _RADII, _FEWEST, _LAST = 0.5, 1.15, 2.0, 4.0, 0.5
 # Largest depth, in sides of the domain, for which the stress is computed.
 _DEEPEST = 100.0
+_SHARP = "the contact has a sharp edge or reaches the border, where the stress is unbounded: it depends on the grid"
 _DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1e60"
 
 
 @attrs.frozen(eq=False)
 class Stress:
-    """The stress below the surface of a body: computed when it is asked for, and but for `components` a depth at a time.
+    """The stress below the surface of a body: computed when asked for, a depth at a time but for `components`.
 
     Iteration, `len` and ``stress[i]`` give a `StressField` for each depth.
 
     Attributes
     ----------
-    grid, boundary
-        The cells of the contact, and what lies beyond the border.
+    solution
+        The contact; its pressure is constant on each cell.
     depths
         Depths below the surface, shape (depths,), m.
     poisson
         Poisson's ratio of the body.
-    pressure
-        Contact pressure, shape `grid.shape`, Pa, constant on each cell.
-    warnings
-        Why the stress must not be trusted, in sentences; empty without a reason.
     """
 
-    grid: Grid
-    boundary: Boundary
+    solution: ContactSolution = attrs.field(repr=False)
     depths: Array = attrs.field(converter=frozen_array)
     poisson: float
-    pressure: Array = attrs.field(converter=read_only, repr=False)
-    warnings: tuple[str, ...] = ()
     _threads: int = attrs.field(default=1, repr=False)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why the stress must not be trusted, in sentences; empty without a reason."""
+        warnings = [] if self.solution.status.success else [str(self.solution.status)]
+        if self.solution.boundary is Boundary.WRAPPED:
+            warnings.append("beyond the wrapped border nothing lies for the stress, as if the boundary were free")
+        return tuple(warnings)
 
     def __len__(self) -> int:
         return self.depths.size
@@ -74,7 +76,7 @@ class Stress:
         if isinstance(index, bool) or not isinstance(index, (int, np.integer)) or not -len(self) <= index < len(self):
             raise InputError.about("The number of a depth", index, f"a whole number from 0 to {len(self) - 1}")
         depth = float(self.depths[index])
-        return self._field(depth, find_steps(self.grid.shape, self._sides, depth / self.grid.spacing[0]))
+        return self._field(depth, find_steps(self._grid.shape, self._sides, depth / self._grid.spacing[0]))
 
     def __iter__(self) -> Iterator[StressField]:
         return (self[index] for index in range(len(self)))
@@ -82,7 +84,7 @@ class Stress:
     @cached_property
     def components(self) -> Array:
         """The components xx, yy, zz, yz, xz, xy at all depths, shape (depths, 6, nx, ny), Pa; tension is positive."""
-        stress = self._allocate((len(self), len(COMPONENTS), *self.grid.shape))
+        stress = self._allocate((len(self), len(COMPONENTS), *self._grid.shape))
         for place, depth in enumerate(self.depths):
             stress[place] = self._field(float(depth), (1, 1)).values
             stress[place] *= self._scale
@@ -91,7 +93,7 @@ class Stress:
     @cached_property
     def von_mises(self) -> Array:
         """Von Mises equivalent stress at all depths, shape (depths, nx, ny), Pa."""
-        stress = self._allocate((len(self), *self.grid.shape))
+        stress = self._allocate((len(self), *self._grid.shape))
         for place, depth in enumerate(self.depths):
             np.sqrt(3.0 * shear_invariant(self._field(float(depth), (1, 1)).values), out=stress[place])
             stress[place] *= self._scale
@@ -115,38 +117,59 @@ class Stress:
 
     def _find_maximum(self, measure: int) -> StressMaximum:
         peaks = [peak[measure] for peak in self._peaks]
-        found = find_maximum(np.unique(self.depths), peaks, self._scale, max(self.grid.spacing))
+        found = find_maximum(np.unique(self.depths), peaks, self._scale, max(self._grid.spacing))
+        if self._reaches_border or (found.warnings and self._has_sharp_edge):
+            found = attrs.evolve(found, uncertainty=found.value, warnings=(*found.warnings, _SHARP))
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
+
+    @property
+    def _reaches_border(self) -> bool:
+        contact, sides = self.solution.contact, (0, -1)
+        reaches = any(contact[side].any() or contact[:, side].any() for side in sides)
+        return reaches and self.solution.boundary is not Boundary.PERIODIC
+
+    @cached_property
+    def _has_sharp_edge(self) -> bool:
+        # Such a maximum of the pressure is as uncertain as it is large.
+        peak = self.solution.peak_pressure()
+        return peak.uncertainty >= peak.value
 
     @cached_property
     def _peaks(self) -> list[tuple[PlanePeak, PlanePeak]]:
         """The maxima of von Mises stress and greatest shear at each depth, from the smallest to the largest."""
         order = np.unique(self.depths, return_index=True)[1]
         fields = (self[int(index)] for index in order)
-        return [(find_von_mises(field, self.boundary), find_shear(field, self.boundary)) for field in fields]
+        return [
+            (find_von_mises(field, self.solution.boundary), find_shear(field, self.solution.boundary))
+            for field in fields
+        ]
 
     @property
+    def _grid(self) -> Grid:
+        return self.solution.grid
+
+    @cached_property
     def _scale(self) -> float:
-        return float(self.pressure.max())
+        return float(self.solution.pressure.max())
 
     @property
     def _sides(self) -> tuple[float, float]:
-        return 1.0, self.grid.spacing[1] / self.grid.spacing[0]
+        return 1.0, self._grid.spacing[1] / self._grid.spacing[0]
 
     @cached_property
     def _planes(self) -> StressPlanes:
-        pressure = (self.pressure / self._scale).astype(np.float32)
-        if self.boundary is Boundary.PERIODIC:
+        pressure = (self.solution.pressure / self._scale).astype(np.float32)
+        if self.solution.boundary is Boundary.PERIODIC:
             return PeriodicPlanes(pressure, self._sides)
-        steps = [find_steps(self.grid.shape, self._sides, float(z)) for z in self.depths / self.grid.spacing[0]]
+        steps = [find_steps(self._grid.shape, self._sides, float(z)) for z in self.depths / self._grid.spacing[0]]
         return FreePlanes(pressure, self._sides, common_step(steps))
 
     def _field(self, depth: float, steps: tuple[int, int]) -> StressField:
-        grid = self.grid
+        grid = self._grid
         if steps != (1, 1):
             grid = Grid((grid.shape[0] // steps[0], grid.shape[1] // steps[1]), grid.size)
         with use_threads(self._threads):
-            values = self._planes.at(depth / self.grid.spacing[0], self.poisson, steps)
+            values = self._planes.at(depth / self._grid.spacing[0], self.poisson, steps)
         return StressField(depth, grid, values, self._scale)
 
     def _allocate(self, shape: tuple[int, ...]) -> Array:
@@ -171,7 +194,8 @@ def _depths(value: Any) -> Array | None:
     return frozen_array(depths)
 
 
-def _body(value: str) -> str:
+def body_name(value: str) -> str:
+    """Return the name of one of the bodies, or raise `InputError`."""
     return choice(value, "The body", ("body", "counterbody"))
 
 
@@ -194,7 +218,7 @@ class StressBelow(Response[Stress]):
     """
 
     depths: Array | None = attrs.field(default=None, converter=_depths)
-    body: str = attrs.field(default="body", converter=_body)
+    body: str = attrs.field(default="body", converter=body_name)
 
     def respond(self, solution: ContactSolution) -> Stress:
         """Return the stress; see `Response.respond`."""
@@ -221,11 +245,7 @@ class StressBelow(Response[Stress]):
         if float(depths.max()) > deepest:
             allowed = f"at most {si(deepest, 'm')}, {_DEEPEST:g} times the side of the domain"
             raise InputError.about("A depth", float(depths.max()), allowed, "Depths are in metres.")
-        threads = problem.plan.thread_choice[0]
-        warnings = _list_warnings(solution)
-        return Stress(
-            solution.grid, solution.boundary, depths, float(poisson), solution.pressure, warnings, threads=threads
-        )
+        return Stress(solution, depths, float(poisson), threads=problem.plan.thread_choice[0])
 
 
 def default_depths(solution: ContactSolution) -> Array:
@@ -235,10 +255,3 @@ def default_depths(solution: ContactSolution) -> Array:
     last = max(_FEWEST * cell, min(_RADII * radius, _LAST * max(solution.grid.size)))
     count = math.ceil(math.log(last / (_FIRST * cell)) / math.log(_RATIO)) + 1
     return np.asarray(np.geomspace(_FIRST * cell, last, count), dtype=np.float64)
-
-
-def _list_warnings(solution: ContactSolution) -> tuple[str, ...]:
-    warnings = [] if solution.status.success else [str(solution.status)]
-    if solution.boundary is Boundary.WRAPPED:
-        warnings.append("beyond the wrapped border the stress is that of a single domain, without images")
-    return tuple(warnings)

@@ -1,0 +1,163 @@
+"""The tables and the figure of docs/stress.md: the stress below balls and rough surfaces, and its cost.
+
+python docs/studies/stress.py          # the tables
+python docs/studies/stress.py figure   # docs/figures/stress.png
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+from doc_tables import DocTable, write_tables
+from matplotlib.figure import Figure
+from scipy import optimize
+
+import roughcontact as rc
+from roughcontact.reference import hertz_sphere
+
+FIGURES = Path(__file__).parent.parent / "figures"
+STEEL = rc.Elastic(young=200e9, poisson=0.3)
+
+
+def find_greatest_shear() -> tuple[float, float]:
+    """Return the greatest shear stress on Hertz's axis over p0, and its depth over the radius; Johnson (1985), 3.45."""
+
+    def negative(z: float) -> float:
+        axial = -1.0 / (1.0 + z * z)
+        radial = -(1.0 + STEEL.poisson) * (1.0 - z * np.arctan(1.0 / z)) - 0.5 * axial
+        return 0.5 * (axial - radial)
+
+    found = optimize.minimize_scalar(negative, bounds=(0.1, 1.0), method="bounded", options={"xatol": 1e-9})
+    return -float(found.fun), float(found.x)
+
+
+def press_ball(cells: float, rng: np.random.Generator) -> tuple[rc.ContactSolution, float, float]:
+    """Return the contact of a ball at a random place with so many cells in its radius, its p0 and its radius."""
+    spacing, radius, modulus = 4e-6, 1e-2, 1.0 / STEEL.compliance
+    sides, count = (1.0, float(rng.uniform(0.7, 1.0))), int(2.6 * cells) + 8
+    shape = (count, int(count / sides[1]))
+    force = 4.0 * modulus * (cells * spacing) ** 3 / (3.0 * radius)
+    ball = rc.ParaboloidSurface(radius, center=tuple(spacing * rng.uniform(-0.5, 0.5, 2)))
+    size = tuple(n * side * spacing for n, side in zip(shape, sides, strict=True))
+    problem = rc.ContactProblem(rc.Body(ball, STEEL), grid=rc.Grid(shape, size), threads=1)
+    hertz = hertz_sphere(force, radius, modulus)
+    return problem.solve(force=force), hertz.p_max, hertz.semi_axes[0]
+
+
+def list_balls() -> list[list[str]]:
+    rows = [["cells in the radius", "greatest shear: mean, std, %", "stated, %", "within 2 std", "depth: mean, std, %"]]
+    shear, lowest = find_greatest_shear()
+    for cells in (1.5, 3, 6, 12, 16, 24):
+        rng, values = np.random.default_rng(200), []
+        for _ in range(12):
+            solution, p0, radius = press_ball(cells, rng)
+            found = solution.stress().maximum_shear
+            values.append((found.value / p0 / shear, found.uncertainty / p0 / shear, found.depth / radius / lowest))
+        value, stated, depth = (100.0 * column for column in np.array(values).T)
+        within = np.mean(np.abs(value - 100.0) < 2.0 * stated)
+        rows.append(
+            [
+                f"{cells:g}",
+                f"{value.mean() - 100.0:.2f}, {value.std():.2f}",
+                f"{np.median(stated):.2g}",
+                f"{within:.2f}",
+                f"{depth.mean() - 100.0:.1f}, {depth.std():.1f}",
+            ]
+        )
+    return rows
+
+
+def solve_rough(cells: int, seed: int, hurst: float, load: float, aspect: int) -> rc.ContactSolution:
+    surface = rc.SelfAffineSurface(hurst=hurst, rms_slope=0.05, shortest=1e-4, longest=1e-3, rolloff=3e-4, seed=seed)
+    grid = rc.Grid((cells // aspect, cells), 1e-3)
+    problem = rc.ContactProblem(rc.Body(surface, STEEL), grid=grid, boundary="periodic", threads=1)
+    return problem.solve(pressure=load * 0.05 / STEEL.compliance)
+
+
+def list_rough() -> list[list[str]]:
+    scenes = [
+        (seed, hurst, load, aspect)
+        for seed, (hurst, load, aspect) in enumerate(
+            ((0.8, 0.02, 1), (0.5, 0.05, 1), (0.8, 0.2, 1), (0.3, 0.1, 2)) * 2, 70
+        )
+    ]
+    exact = [solve_rough(480, *scene).stress().maximum for scene in scenes]
+    rows = [["cells in the shortest wave", "depth, cells", "error: median, largest, %", "stated, %", "within 2 std"]]
+    for cells in (40, 80, 160, 240):
+        found = [solve_rough(cells, *scene).stress().maximum for scene in scenes]
+        depth = [one.depth / (1e-3 * scene[3] / cells) for one, scene in zip(found, scenes, strict=True)]
+        error = np.array([abs(one.value / true.value - 1.0) for one, true in zip(found, exact, strict=True)])
+        stated = np.array([one.uncertainty / one.value for one in found])
+        rows.append(
+            [
+                f"{cells // 10}",
+                f"{min(depth):.1f} .. {max(depth):.1f}",
+                f"{100 * np.median(error):.2g}, {100 * error.max():.2g}",
+                f"{100 * np.median(stated):.2g}",
+                f"{np.mean(error < 2.0 * stated):.2f}",
+            ]
+        )
+    return rows
+
+
+def list_costs() -> list[list[str]]:
+    rows = [["cells", "boundary", "depths", "CPU, s", "memory, MiB"]]
+    for cells in (256, 1024):
+        surface = rc.SelfAffineSurface(
+            hurst=0.8, rms_slope=0.05, shortest=8e-6, longest=1e-6 * cells, rolloff=2.5e-7 * cells, seed=4
+        )
+        for boundary in ("free", "periodic"):
+            grid = rc.Grid((cells, cells), 1e-6 * cells)
+            problem = rc.ContactProblem(rc.Body(surface, STEEL), grid=grid, boundary=boundary, threads=1)
+            solution = problem.solve(pressure=100e6)
+            for count in (8, 64):
+                depths = np.geomspace(1e-6, 0.25 * grid.size[0], count)
+                started = time.process_time()
+                _ = solution.stress(depths).maximum
+                spent = time.process_time() - started
+                tracemalloc.start()
+                for _ in solution.stress(depths):
+                    pass
+                peak = tracemalloc.get_traced_memory()[1] / 2**20
+                tracemalloc.stop()
+                rows.append([f"{cells} x {cells}", boundary, f"{count}", f"{spent:.1f}", f"{peak:.0f}"])
+    return rows
+
+
+def draw(folder: Path = FIGURES) -> None:
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.06, shortest=6e-6, longest=60e-6, rolloff=30e-6, seed=7)
+    grid = rc.Grid((384, 384), 100e-6)
+    problem = rc.ContactProblem(rc.Body(surface, STEEL), grid=grid, boundary="periodic", threads=1)
+    solution = problem.solve(pressure=1.2e9)
+    stress = solution.stress(np.linspace(0.0, 10e-6, 101))
+    maximum = solution.stress().maximum
+    row = int(np.argmin(np.abs(grid.x[:, 0] - maximum.x)))
+    cut = stress.von_mises[:, row] / 1e9
+    figure = Figure(figsize=(11, 4.6), layout="constrained")
+    pressure, field = figure.subplots(2, 1, sharex=True, height_ratios=(1, 2.2))
+    y = 1e6 * grid.y[0]
+    pressure.fill_between(y, solution.pressure[row] / 1e9, color="0.6")
+    pressure.set(ylabel="pressure, GPa", xlim=(-50, 50), ylim=(0, None))
+    image = field.imshow(cut, extent=(-50, 50, 10.05, -0.05), cmap="inferno", aspect="auto", interpolation="bilinear")
+    field.plot(1e6 * maximum.y, 1e6 * maximum.depth, "+", color="tab:cyan", markersize=10)
+    field.set(xlabel="y, µm", ylabel="depth, µm")
+    figure.colorbar(image, ax=field, label="von Mises stress, GPa")
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / "stress.png", dpi=110)
+
+
+TABLES = {
+    "stress-balls": DocTable(list_balls, seconds=25, units=2.0),
+    "stress-rough": DocTable(list_rough, seconds=50, units=2.0),
+    "stress-cost": DocTable(list_costs, seconds=90, timed=("CPU, s", "memory, MiB")),
+}
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["figure"]:
+        draw()
+    else:
+        write_tables(TABLES)

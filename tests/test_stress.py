@@ -1,0 +1,472 @@
+"""Stress below the surface: Love's cells, Hertz in Huber's closed form, equilibrium, and the maximum."""
+
+from __future__ import annotations
+
+import math
+import tracemalloc
+
+import attrs
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from scipy import optimize
+
+import roughcontact as rc
+from roughcontact._responses.subsurface.cells import COMPONENTS, ODD_IN_X, ODD_IN_Y, Depth, cell_stress
+from roughcontact._responses.subsurface.field import StressField, greatest_shear
+from roughcontact._responses.subsurface.free import FreePlanes
+from roughcontact._responses.subsurface.periodic import PeriodicPlanes
+from roughcontact._responses.subsurface.planes import find_steps
+from roughcontact.checks import memory
+from roughcontact.reference import hertz_sphere
+
+NU = 0.3
+STEEL = rc.Elastic(200e9, NU)
+RADIUS = 1e-2
+XX, YY, ZZ, YZ, XZ, XY = range(6)
+
+
+def boussinesq(x, y, z, nu):
+    """Return the stress by a unit force on the surface, shape (6, ...); Johnson (1985), sec. 3.2."""
+    square, away = x * x + y * y, np.sqrt(x * x + y * y + z * z)
+    lateral = 1.0 - 2.0 * nu
+    diagonal = lateral / (away * (away + z))
+    round_x = lateral * y * y * z / (away**3 * square)
+    round_y = lateral * x * x * z / (away**3 * square)
+    return np.array(
+        [
+            diagonal * (x * x - y * y) / square + round_x - 3 * x * x * z / away**5,
+            diagonal * (y * y - x * x) / square + round_y - 3 * y * y * z / away**5,
+            -3 * z**3 / away**5,
+            -3 * y * z * z / away**5,
+            -3 * x * z * z / away**5,
+            lateral * x * y * (2 * away + z) / (away**3 * (away + z) ** 2) - 3 * x * y * z / away**5,
+        ]
+    ) / (2.0 * np.pi)
+
+
+def huber(x, y, z, a, nu):
+    """Return the stress below Hertz's contact of radius a over its maximum pressure, shape (6, ...), for z > 0.
+
+    Huber, Ann. Phys. 319 (1904) 153-163, https://doi.org/10.1002/andp.19043190611
+    """
+    r = np.hypot(x, y)
+    half = 0.5 * (r * r + z * z - a * a)
+    u = half + np.sqrt(half**2 + a * a * z * z)
+    t = z / np.sqrt(u)
+    rest = (1 - 2 * nu) / 3 * (a / r) ** 2 * (1 - t**3)
+    angle = (1 + nu) * np.sqrt(u) / a * np.arctan(a / np.sqrt(u))
+    normal = -(t**3) * a * a * u / (u * u + a * a * z * z)
+    radial = rest - normal + t * ((1 - nu) * u / (a * a + u) + angle - 2)
+    hoop = -rest - t * (2 * nu + (1 - nu) * u / (a * a + u) - angle)
+    shear = -r * z * z / (u * u + a * a * z * z) * a * a * np.sqrt(u) / (a * a + u)
+    c, s = x / r, y / r
+    return np.array(
+        [
+            radial * c * c + hoop * s * s,
+            radial * s * s + hoop * c * c,
+            normal,
+            shear * s,
+            shear * c,
+            (radial - hoop) * c * s,
+        ]
+    )
+
+
+def greatest_on_axis(nu):
+    """Return the greatest shear on Hertz's axis over the maximum pressure, and its depth over the radius."""
+
+    def negative(z):
+        xx, _, zz, *_ = huber(1e-6, 0.0, z, 1.0, nu)
+        return 0.5 * (zz - xx)
+
+    found = optimize.minimize_scalar(negative, bounds=(0.1, 1.0), method="bounded", options={"xatol": 1e-9})
+    return -found.fun, found.x
+
+
+def press_ball(cells, shape, *, sides=(1.0, 1.0), place=(0.0, 0.0), boundary="free", material=STEEL):
+    """Return the contact of a ball with a radius of so many cells, and Hertz's solution."""
+    spacing = 4e-6
+    modulus, radius = 1.0 / material.compliance, cells * spacing
+    force = 4.0 * modulus * radius**3 / (3.0 * RADIUS)
+    size = tuple(n * side * spacing for n, side in zip(shape, sides, strict=True))
+    ball = rc.ParaboloidSurface(RADIUS, center=tuple(spacing * p for p in place))
+    problem = rc.ContactProblem(rc.Body(ball, material), grid=rc.Grid(shape, size), boundary=boundary, threads=1)
+    return problem.solve(force=force), hertz_sphere(force, RADIUS, modulus), problem
+
+
+def rough(cells, seed, boundary="periodic", load=2e-3, length=1e-3, young=200e9, aspect=1):
+    surface = rc.SelfAffineSurface(
+        hurst=0.7, rms_slope=0.05, shortest=length / 8, longest=length, rolloff=length / 3, seed=seed
+    )
+    problem = rc.ContactProblem(
+        rc.Body(surface, rc.Elastic(young, NU)),
+        grid=rc.Grid((cells, cells * aspect), length),
+        boundary=boundary,
+        threads=1,
+    )
+    return problem.solve(pressure=load * young), problem
+
+
+def superpose(pressure, z, nu, sides, images):
+    """Return the stress by all cells and so many rings of images of the domain, summed one by one, float64."""
+    nx, ny = pressure.shape
+    reach_x, reach_y = max(nx * images, nx - 1), max(ny * images, ny - 1)
+    table = cell_stress(Depth(z, nu), (reach_x + 1, reach_y + 1), sides, np.float64)
+    x, y = np.arange(-reach_x, reach_x + 1), np.arange(-reach_y, reach_y + 1)
+    # The outermost image lies half on each side.
+    ends = [np.where(images * (np.abs(o) == n * images), 0.5, 1.0) for o, n in ((x, nx), (y, ny))]
+    stress = np.empty((6, nx, ny))
+    for place in range(6):
+        kernel = table[place][np.abs(x)][:, np.abs(y)] * ends[0][:, np.newaxis] * ends[1]
+        kernel *= np.sign(x)[:, np.newaxis] if ODD_IN_X[place] else 1.0
+        kernel *= np.sign(y) if ODD_IN_Y[place] else 1.0
+        mx, my = (nx, ny) if images else (2 * nx, 2 * ny)
+        folded = np.zeros((mx, my))
+        np.add.at(folded, ((x % mx)[:, np.newaxis], y % my), kernel)
+        whole = np.fft.ifft2(np.fft.fft2(folded) * np.fft.fft2(pressure, (mx, my))).real
+        stress[place] = whole[:nx, :ny]
+    return stress
+
+
+@pytest.mark.parametrize(("nu", "z", "sides"), [(0.3, 0.4, (1.0, 0.7)), (0.0, 2.0, (1.0, 1.0)), (0.5, 1.0, (0.3, 2.0))])
+def test_a_cell_is_the_integral_of_point_forces(nu, z, sides):
+    nodes, weights = np.polynomial.legendre.leggauss(80)
+    table = cell_stress(Depth(z, nu), (4, 3), sides, np.float64)
+    for i, j in ((0, 0), (1, 0), (0, 2), (3, 1)):
+        x = (i - 0.5 * nodes[:, np.newaxis]) * sides[0]
+        y = (j - 0.5 * nodes[np.newaxis, :]) * sides[1]
+        points = boussinesq(x, y, z, nu)
+        whole = np.einsum("aij,i,j->a", points, weights, weights) * sides[0] * sides[1] / 4.0
+        np.testing.assert_allclose(table[:, i, j], whole, atol=1e-9)
+
+
+@pytest.mark.parametrize("sides", [(1.0, 1.0), (1.0, 1.7)])
+@pytest.mark.parametrize("z", [0.0, 0.3, 2.5, 11.0])
+def test_transforms_are_the_sums_over_cells(sides, z):
+    pressure = np.random.default_rng(5).random((24, 15)).astype(np.float32)
+    free = FreePlanes(pressure, sides, (4, 1)).at(z, NU, (1, 1))
+    np.testing.assert_allclose(free, superpose(pressure, z, NU, sides, 0), atol=2e-6)
+    # Only without a mean does the sum over images converge.
+    even = pressure - np.float32(pressure.mean(dtype=np.float64))
+    periodic = PeriodicPlanes(even, sides).at(z, NU, (1, 1))
+    np.testing.assert_allclose(periodic, superpose(even, z, NU, sides, 16), atol=3e-6)
+
+
+def test_the_mean_pressure_of_a_periodic_body_is_confined():
+    for z in (0.0, 0.5, 30.0):
+        stress = PeriodicPlanes(np.full((12, 8), 1.0, np.float32), (1.0, 1.0)).at(z, NU, (1, 1))
+        lateral = -NU / (1.0 - NU)
+        expected = np.array([lateral, lateral, -1.0, 0.0, 0.0, 0.0])[:, np.newaxis, np.newaxis]
+        np.testing.assert_allclose(stress, np.broadcast_to(expected, stress.shape), atol=1e-6)
+
+
+@pytest.mark.parametrize("planes", [FreePlanes, PeriodicPlanes])
+@pytest.mark.parametrize(("shape", "z"), [((128, 64), 8.0), ((64, 160), 17.0), ((96, 33), 40.0), ((64, 64), 700.0)])
+def test_fewer_points_at_depth_lose_nothing(planes, shape, z):
+    rng = np.random.default_rng(int(z))
+    pressure = (rng.random(shape) * (rng.random(shape) < 0.2)).astype(np.float32)
+    steps = find_steps(shape, (1.0, 1.0), z)
+    assert max(steps) > 1
+    made = planes(pressure, (1.0, 1.0), steps) if planes is FreePlanes else planes(pressure, (1.0, 1.0))
+    few = made.at(z, NU, steps)
+    # A finer grid has points there: each cell is cut into 2 x 2, and the middle of the block is a corner of the cells.
+    fine = np.kron(pressure, np.ones((2, 2), np.float32))
+    double = planes(fine, (1.0, 1.0), (1, 1)) if planes is FreePlanes else planes(fine, (1.0, 1.0))
+    many = double.at(2.0 * z, NU, (1, 1))
+    for axis, step in ((1, steps[0]), (2, steps[1])):
+        # Cubic interpolation halfway between four points.
+        first = np.arange(few.shape[axis]) * 2 * step + step - 1
+        taken = [np.take(many, np.clip(first + k, 0, many.shape[axis] - 1), axis=axis) for k in (-1, 0, 1, 2)]
+        many = (9.0 * (taken[1] + taken[2]) - taken[0] - taken[3]) / 16.0
+    inner = (slice(None), slice(1, -1), slice(1, -1))
+    assert np.abs(few - many)[inner].max() < 3e-4 * np.abs(many).max()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_greatest_shear_below_a_ball_is_hertzs(seed):
+    rng = np.random.default_rng(seed)
+    sides = (1.0, float(rng.uniform(0.6, 1.0)))
+    shape = 40, int(40 / sides[1])
+    solution, hertz, _ = press_ball(16.0, shape, sides=sides, place=rng.uniform(-0.5, 0.5, 2))
+    value, depth = greatest_on_axis(NU)
+    found = solution.stress().maximum_shear
+    assert found.value == pytest.approx(value * hertz.p_max, rel=5e-4)
+    assert found.depth == pytest.approx(depth * hertz.semi_axes[0], rel=5e-3)
+    assert abs(found.value - value * hertz.p_max) < 3.0 * found.uncertainty
+    assert found.warnings == ()
+
+
+def test_the_reference_has_the_known_maximum():
+    value, depth = greatest_on_axis(0.3)
+    assert (round(value, 3), round(depth, 2)) == (0.310, 0.48)
+
+
+@pytest.mark.parametrize("material", [STEEL, rc.Elastic(200e9, 0.0), rc.Elastic(200e9, 0.5)])
+def test_hertz_at_all_points(material):
+    place = (0.31, -0.17)
+    solution, hertz, _ = press_ball(16.0, (48, 44), place=place, material=material)
+    grid, a = solution.grid, hertz.semi_axes[0]
+    spacing = grid.spacing[0]
+    # Depth in cells, and the error that uniform pressure on cells leaves, over the maximum pressure.
+    for cells, error in ((4, 4e-3), (8, 1.2e-3), (16, 4e-4)):
+        found = solution.stress([cells * spacing]).components[0] / hertz.p_max
+        exact = huber(grid.x - place[0] * spacing, grid.y - place[1] * spacing, cells * spacing, a, material.poisson)
+        assert np.abs(found - exact).max() < error
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_at_the_surface_the_normal_stress_is_the_pressure(boundary):
+    solution, _ = rough(48, 3, boundary)
+    xx, yy, zz, yz, xz, _ = solution.stress(0.0).components[0] / solution.pressure.max()
+    np.testing.assert_allclose(zz, -solution.pressure / solution.pressure.max(), atol=2e-6)
+    assert max(np.abs(yz).max(), np.abs(xz).max()) < 1e-6
+    # On a free surface the trace is that of the pressure alone.
+    if boundary == "free":
+        np.testing.assert_allclose(xx + yy + zz, 2.0 * (1.0 + NU) * zz, atol=5e-6)
+
+
+def test_far_away_the_contact_is_a_point():
+    solution, _, _ = press_ball(4.0, (64, 48), place=(7.3, -3.1))
+    grid = solution.grid
+    x, y = (float(np.sum(solution.pressure * axis) / np.sum(solution.pressure)) for axis in (grid.x, grid.y))
+    for depth in (60.0, 1000.0):
+        z = depth * grid.spacing[0]
+        found = solution.stress(z).components[0]
+        exact = solution.force * boussinesq(grid.x - x, grid.y - y, z, NU)
+        # The square of the radius over the depth, and what the transforms leave.
+        assert np.abs(found - exact).max() < ((4.0 / depth) ** 2 + 3e-4) * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_the_stress_is_in_equilibrium(boundary):
+    solution, _ = rough(64, 1, boundary, aspect=2)
+    dx, dy = solution.grid.spacing
+    z, step = 6.0 * dx, 0.25 * dx
+    above, here, below = solution.stress([z - step, z, z + step]).components
+    inner = (slice(3, -3), slice(3, -3))
+
+    def differ(field, axis, spacing):
+        return sum(
+            weight * (np.roll(field, -k, axis) - np.roll(field, k, axis)) / spacing
+            for k, weight in ((1, 0.75), (2, -0.15), (3, 1.0 / 60.0))
+        )[inner]
+
+    for x_part, y_part, z_part in ((XX, XY, XZ), (XY, YY, YZ), (XZ, YZ, ZZ)):
+        parts = (
+            differ(here[x_part], 0, dx),
+            differ(here[y_part], 1, dy),
+            ((below - above)[z_part] / (2.0 * step))[inner],
+        )
+        assert np.abs(sum(parts)).max() < 3e-3 * max(np.abs(part).max() for part in parts)
+
+
+def test_a_periodic_contact_far_from_its_images_is_a_free_one():
+    # The mean pressure, 2 % of the maximum, changes the stress by a part of itself.
+    free, hertz, _ = press_ball(8.0, (96, 96))
+    periodic, _, _ = press_ball(8.0, (96, 96), boundary="periodic")
+    z = 4.0 * free.grid.spacing[0]
+    mean = periodic.mean_pressure / hertz.p_max
+    one, other = (solution.stress(z).components[0][:, 24:72, 24:72] / hertz.p_max for solution in (free, periodic))
+    assert np.abs(one - other).max() < mean
+    assert periodic.stress().maximum.value == pytest.approx(free.stress().maximum.value, rel=mean)
+
+
+@pytest.mark.parametrize(
+    "planes", [lambda p: FreePlanes(p, (1.0, 1.0), (1, 1)), lambda p: PeriodicPlanes(p, (1.0, 1.0))]
+)
+def test_stresses_add_and_follow_the_symmetry(planes):
+    one, other = np.random.default_rng(2).random((2, 20, 14)).astype(np.float32)
+    first, second = planes(one).at(1.5, NU, (1, 1)), planes(other).at(1.5, NU, (1, 1))
+    np.testing.assert_allclose(planes(one + other).at(1.5, NU, (1, 1)), first + second, atol=3e-6)
+    turned = planes(np.ascontiguousarray(one.T)).at(1.5, NU, (1, 1)).transpose(0, 2, 1)
+    np.testing.assert_allclose(turned, first[[YY, XX, ZZ, XZ, YZ, XY]], atol=2e-6)
+    mirrored = planes(np.ascontiguousarray(one[::-1])).at(1.5, NU, (1, 1))[:, ::-1]
+    signs = np.where(ODD_IN_X, -1.0, 1.0)[:, np.newaxis, np.newaxis]
+    np.testing.assert_allclose(mirrored, signs * first, atol=2e-6)
+
+
+@given(hnp.arrays(np.float64, (6, 5), elements=st.floats(-10.0, 10.0)))
+def test_invariants_are_those_of_the_principal_stresses(values):
+    xx, yy, zz, yz, xz, xy = values
+    tensors = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).transpose(2, 0, 1)
+    low, middle, high = np.linalg.eigvalsh(tensors).T
+    size = 1.0 + np.abs(values).max()
+    np.testing.assert_allclose(greatest_shear(values), 0.5 * (high - low), atol=1e-7 * size)
+    field = StressField(1.0, rc.Grid((5, 2), 1.0), np.repeat(values[:, :, np.newaxis], 2, axis=2), 2.0)
+    mises = np.sqrt(0.5 * ((high - low) ** 2 + (high - middle) ** 2 + (middle - low) ** 2))
+    np.testing.assert_allclose(field.von_mises[:, 0], 2.0 * mises, atol=1e-6 * size)
+    np.testing.assert_allclose(field.shear[:, 0], high - low, atol=2e-7 * size)
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize(("length", "stiffness"), [(2.0**-20, 2.0**-30), (2.0**20, 1.0), (1.0, 2.0**30)])
+def test_units_change_nothing_but_the_scale(boundary, length, stiffness):
+    heights = 1e-6 * np.random.default_rng(4).standard_normal((32, 24))
+    one, other = (
+        rc.ContactProblem(
+            rc.Body(rc.HeightMap(heights * factor, size=(1e-3 * factor, 8e-4 * factor), periodic=True), material),
+            boundary=boundary,
+            threads=1,
+        ).solve(pressure=2e-3 * material.young)
+        for factor, material in ((1.0, STEEL), (length, rc.Elastic(200e9 * stiffness, NU)))
+    )
+    depths = np.array([0.3, 4.0, 12.0]) * one.grid.spacing[0]
+    np.testing.assert_array_equal(one.stress(depths).components * stiffness, other.stress(depths * length).components)
+    assert one.stress().maximum.value * stiffness == other.stress().maximum.value
+
+
+@pytest.mark.parametrize(
+    ("boundary", "aspect", "seed"), [("periodic", 1, 21), ("periodic", 2, 22), ("periodic", 1, 23)]
+)
+def test_the_uncertainty_of_the_maximum_holds_on_rough_surfaces(boundary, aspect, seed):
+    exact, _ = rough(192 // aspect, seed, boundary, aspect=aspect)
+    true = exact.stress().maximum
+    for cells in (48, 96):
+        found = rough(cells // aspect, seed, boundary, aspect=aspect)[0].stress().maximum
+        assert abs(found.value - true.value) < 3.0 * math.hypot(found.uncertainty, true.uncertainty)
+        assert found.uncertainty < 0.15 * found.value
+
+
+def test_the_array_and_the_fields_are_the_same():
+    solution, _ = rough(32, 6)
+    h = solution.grid.spacing[0]
+    stress = solution.stress([2.0 * h, 0.5 * h, 9.0 * h])
+    assert len(stress) == 3
+    assert stress.components.shape == (3, len(COMPONENTS), 32, 32)
+    assert stress.von_mises.shape == (3, 32, 32)
+    fields = list(stress)
+    assert [field.depth for field in fields] == [*stress.depths]
+    assert [field.grid.shape for field in fields] == [(32, 32), (32, 32), (16, 16)]
+    for place in (0, 1):
+        np.testing.assert_array_equal(fields[place].components, stress.components[place])
+        np.testing.assert_allclose(fields[place].von_mises, stress.von_mises[place], rtol=1e-5)
+        assert stress.profile[place] == pytest.approx(fields[place].von_mises.max(), rel=0.05)
+    np.testing.assert_array_equal(stress[-1].components, fields[2].components)
+    assert "maximum von Mises" in str(stress)
+    assert "16 x 16" in str(fields[2])
+    assert not stress.components.flags.writeable
+
+
+def test_memory_does_not_grow_with_the_depths():
+    solution, _ = rough(128, 6, "free")
+    peaks = []
+    for count in (3, 24):
+        tracemalloc.start()
+        for _ in solution.stress(np.linspace(0.5, 7.5, count) * solution.grid.spacing[0]):
+            pass
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.05 * peaks[0]
+
+
+def test_an_array_beyond_the_memory_is_refused(monkeypatch):
+    solution, _ = rough(128, 6)
+    monkeypatch.setattr(memory, "available_memory", lambda *_: 2**20)
+    with pytest.raises(rc.InputError, match="one at a time"):
+        _ = solution.stress(np.linspace(1e-6, 1e-3, 64)).components
+
+
+def test_the_maximum_says_why_it_must_not_be_trusted():
+    solution, _, _ = press_ball(3.0, (32, 32))
+    shallow = solution.stress().maximum
+    assert "only 1.4 cells" in " ".join(shallow.warnings)
+    assert shallow.uncertainty > 0.003 * shallow.value
+    ends = solution.stress([1.5e-5, 3e-5]).maximum
+    assert "smallest of the depths" in " ".join(ends.warnings)
+    assert "doubtful" in str(ends)
+    bordering, _ = rough(48, 1, "free", load=0.02)
+    found = bordering.stress().maximum
+    assert found.uncertainty == found.value
+    assert "border" in " ".join(found.warnings)
+    wrapped, _ = rough(48, 1, "wrapped")
+    assert "wrapped" in " ".join(wrapped.stress().maximum.warnings)
+
+
+def test_the_edge_of_a_punch_has_no_maximum():
+    grid = rc.Grid((40, 40), 1e-3)
+    heights = np.where(np.hypot(grid.x, grid.y) < 2.5e-4, 1e-3, 0.0)
+    problem = rc.ContactProblem(rc.Body(rc.HeightMap(heights, 1e-3), STEEL), threads=1)
+    found = problem.solve(force=100.0).stress().maximum
+    assert found.uncertainty == found.value
+    assert "sharp edge" in " ".join(found.warnings)
+
+
+def test_both_bodies_carry_the_same_pressure():
+    ball = rc.ParaboloidSurface(RADIUS)
+    counter = rc.Body(rc.FlatSurface(), rc.Elastic(70e9, 0.0))
+    problem = rc.ContactProblem(rc.Body(ball, STEEL), counter, grid=rc.Grid((32, 32), 3e-4), threads=1)
+    solution = problem.solve(force=20.0)
+    z = 5e-5
+    one, other = (solution.stress(z, body=name).components[0] for name in ("body", "counterbody"))
+    for same in (ZZ, YZ, XZ):
+        np.testing.assert_allclose(one[same], other[same], atol=1e-6 * solution.pressure.max())
+    assert np.abs(one[XX] - other[XX]).max() > 0.05 * solution.pressure.max()
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
+@pytest.mark.parametrize("shape", [(1, 24), (24, 1), (2, 3), (3, 50)])
+def test_narrow_grids(boundary, shape):
+    size = tuple(1e-5 * n for n in shape)
+    body = rc.Body(rc.ParaboloidSurface(RADIUS), STEEL)
+    problem = rc.ContactProblem(body, grid=rc.Grid(shape, size), boundary=boundary, threads=1)
+    stress = problem.solve(pressure=1e8).stress()
+    assert np.isfinite(stress.components).all()
+    assert math.isfinite(stress.maximum.value)
+
+
+@attrs.frozen
+class Coated(rc.Love):
+    def effective_modulus(self, wavenumber, compliance):
+        return np.full(wavenumber.shape, 2.0 / compliance)
+
+
+def test_what_has_no_stress_gets_a_sentence():
+    solution, _, _ = press_ball(4.0, (16, 16))
+    for depths in (-1e-6, [], "deep", [1e-6, math.nan], [[1e-6]], math.inf, 1.0, True and [None]):
+        with pytest.raises(rc.InputError, match=r"depth"):
+            solution.stress(depths)
+    with pytest.raises(rc.InputError, match="no stress below its surface"):
+        solution.stress(body="counterbody")
+    with pytest.raises(rc.InputError, match="'counterbody'"):
+        solution.stress(body="third")
+    for index in (2, -3, 0.0, "x", True):
+        with pytest.raises(rc.InputError, match="number of a depth"):
+            _ = solution.stress([1e-6, 2e-6])[index]
+    coated = rc.ContactProblem(
+        rc.Body(rc.ParaboloidSurface(RADIUS), STEEL), grid=rc.Grid((16, 16), 2e-4), kernel=Coated(), threads=1
+    )
+    with pytest.raises(rc.InputError, match="homogeneous"):
+        coated.solve(force=1.0).stress()
+    with pytest.raises(rc.InputError, match="does not say which problem"):
+        attrs.evolve(solution, origin=None).stress()
+
+
+@pytest.mark.parametrize("start", [0.3, 40.0])
+def test_the_load_of_first_yield_of_a_ball(start):
+    _, hertz, problem = press_ball(12.0, (40, 40), place=(0.2, 0.4))
+    strength = 0.55 * hertz.p_max
+    # On the axis the von Mises stress is twice the greatest shear.
+    pressure = strength / (2.0 * greatest_on_axis(NU)[0])
+    modulus = 1.0 / STEEL.compliance
+    force = math.pi**3 * RADIUS**2 * pressure**3 / (6.0 * modulus**2)
+    found = problem.solve(force=start * force * 0.05).first_yield(strength)
+    assert found.force.value == pytest.approx(force, rel=6e-3)
+    assert abs(found.force.value - force) < 3.0 * found.force.uncertainty
+    assert found.maximum.value == pytest.approx(strength, rel=2e-4)
+    assert found.mean_pressure.value == pytest.approx(found.force.value / problem.grid.area)
+    assert "first yield" in str(found)
+
+
+def test_first_yield_that_cannot_be_gets_a_sentence():
+    soft = rc.ElasticPerfectlyPlastic(200e9, NU, hardness=1e9)
+    problem = rc.ContactProblem(rc.Body(rc.ParaboloidSurface(RADIUS), soft), grid=rc.Grid((16, 16), 3e-4), threads=1)
+    solution = problem.solve(force=10.0)
+    with pytest.raises(rc.InputError, match="No load was found"):
+        solution.first_yield(5e9)
+    assert solution.first_yield(0.45e9).maximum.value == pytest.approx(0.45e9, rel=1e-3)
+    for strength in (0.0, -1.0, math.nan, "hard"):
+        with pytest.raises(rc.InputError, match="yield stress"):
+            solution.first_yield(strength)
