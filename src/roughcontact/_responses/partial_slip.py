@@ -178,7 +178,7 @@ class CiavarellaJaeger(Response[PartialSlip]):
         energy = _dissipate(solution, stuck, 4.0 * self.friction**2 * ratio)
         if energy.uncertainty > _UNRESOLVED * energy.value and energy.uncertainty > 0.0:
             warnings += ("the slip zone is too narrow for this grid to resolve the dissipated energy",)
-        doubts = (*stick_area.warnings, *(str(one.status) for one in (solution, stuck) if not one.status.success))
+        uncertified = (*stick_area.warnings, *(str(one.status) for one in (solution, stuck) if not one.status.success))
         return PartialSlip(
             tangential_force=self.tangential_force,
             friction=self.friction,
@@ -189,7 +189,7 @@ class CiavarellaJaeger(Response[PartialSlip]):
             slip_area=slip_area,
             displacement=_displace(solution, stuck, self.friction * ratio),
             energy=energy,
-            warnings=tuple(dict.fromkeys((*warnings, *doubts))),
+            warnings=tuple(dict.fromkeys((*warnings, *uncertified))),
         )
 
 
