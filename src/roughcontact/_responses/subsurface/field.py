@@ -41,12 +41,12 @@ class StressField:
     @property
     def von_mises(self) -> Array:
         """Von Mises equivalent stress, shape (nx, ny), Pa."""
-        return np.asarray(np.sqrt(3.0 * shear_invariant(self.values)) * np.float64(self.scale))
+        return np.asarray(von_mises(self.values) * np.float64(self.scale))
 
     @property
     def shear(self) -> Array:
-        """Greatest shear stress, half the difference of the extreme principal stresses, shape (nx, ny), Pa."""
-        return np.asarray(greatest_shear(self.values) * np.float64(self.scale))
+        """Maximum shear stress, half the difference of the extreme principal stresses, shape (nx, ny), Pa."""
+        return np.asarray(maximum_shear(self.values) * np.float64(self.scale))
 
     def __str__(self) -> str:
         return (
@@ -67,8 +67,13 @@ def shear_invariant(values: RealArray) -> RealArray:
     return np.asarray(normal)
 
 
-def greatest_shear(values: RealArray) -> RealArray:
-    r"""Return the greatest shear stress of stresses in the order `COMPONENTS`, along the first axis.
+def von_mises(values: RealArray) -> RealArray:
+    """Return the von Mises equivalent stress of stresses in the order `COMPONENTS`, along the first axis."""
+    return np.asarray(np.sqrt(3.0 * shear_invariant(values)))
+
+
+def maximum_shear(values: RealArray) -> RealArray:
+    r"""Return the maximum shear stress of stresses in the order `COMPONENTS`, along the first axis.
 
     .. math:: \tau = \sqrt{J_2} \sin(\theta + \pi/3), \quad \cos 3\theta = \frac{3\sqrt 3}{2} \frac{J_3}{J_2^{3/2}}
     """
