@@ -121,7 +121,7 @@ class TestLaw:
             ({"pressures": 1e8}, "a list"),
             ({"responses": "stiffness"}, "a list of registered names"),
             ({"responses": 5}, "a list of registered names"),
-            ({"responses": ["stifness"]}, "There is no response named 'stifness'"),
+            ({"responses": ["stiff"]}, "There is no response named 'stiff'"),
             ({"responses": [Spring(), Spring("S")]}, "name of a column"),
             ({"responses": {"area": Spring()}}, "name of a column"),
             ({"responses": [Words()]}, "not a number with an uncertainty"),
@@ -153,6 +153,16 @@ class TestOwnResponses:
         assert law["conductance"].values == pytest.approx(stiffness * 2 / (1 / 50 + 1 / 20) / modulus, rel=2e-3)
         assert law["conductance"].unit == "W/(m2 K)"
         assert (law["stiffness"].uncertainties > 0.0).all()
+
+
+    def test_leakage_falls_with_the_load_and_is_that_of_the_domain(self):
+        flow = rc.responses.create("leakage", viscosity=1e-3, pressure_drop=1e5)
+        law = rc.interface_law(problem(), [1e8, 1.5e8], [flow])
+        leakage = law["leakage"]
+        assert leakage.unit == "m3/s"
+        single = problem().solve(pressure=1e8).leakage(viscosity=1e-3, pressure_drop=1e5)
+        assert leakage.values[0] == pytest.approx(single.value, rel=1e-3)
+        assert leakage.values[1] < leakage.values[0]
 
 
 class TestFit:

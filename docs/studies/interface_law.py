@@ -16,11 +16,11 @@ FIGURES = Path(__file__).parent.parent / "figures"
 SEEDS = (1, 2, 3)
 
 
-def make_law(seed: int, cells: int = 256) -> rc.typing.InterfaceLaw:
+def make_law(seed: int, cells: int = 512) -> rc.typing.InterfaceLaw:
     """Return the law of a steel surface on a flat of steel."""
     steel = rc.Elastic(young=210e9, poisson=0.3)
     surface = rc.SelfAffineSurface(
-        hurst=0.8, rms_slope=0.05, shortest=6.25e-6, longest=200e-6, rolloff=25e-6, seed=seed
+        hurst=0.8, rms_slope=0.05, shortest=3.125e-6, longest=200e-6, rolloff=12.5e-6, seed=seed
     )
     problem = rc.ContactProblem(
         rc.Body(surface, steel),
@@ -46,10 +46,10 @@ def make_rows() -> list[list[str]]:
     return rows
 
 
-def draw(folder: Path = FIGURES, cells: int = 256) -> None:
+def draw(folder: Path = FIGURES, cells: int = 512) -> None:
     from matplotlib.figure import Figure
 
-    law = make_law(1, cells)
+    law = make_law(2, cells)
     figure = Figure(figsize=(12, 3.8), layout="constrained")
     for axes, name in zip(figure.subplots(1, 3), ("area", "mean_gap", "conductance"), strict=True):
         law.plot(name, axes)
@@ -57,7 +57,7 @@ def draw(folder: Path = FIGURES, cells: int = 256) -> None:
     figure.savefig(folder / "interface_law.png", dpi=120)
 
 
-TABLES = {"interface-law": DocTable(make_rows, seconds=40)}
+TABLES = {"interface-law": DocTable(make_rows, seconds=150)}
 
 if __name__ == "__main__":
     draw()

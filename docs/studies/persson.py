@@ -75,7 +75,7 @@ def draw(folder: Path = FIGURES, cells: int = 256) -> None:
     figure = Figure(figsize=(9.5, 3.6), layout="constrained")
     area, gap = figure.subplots(1, 2)
     loads = np.geomspace(0.002, 0.3, 14)
-    for hurst, color in ((0.3, "C0"), (0.8, "C1")):
+    for hurst, color, marker in ((0.3, "C0", "o"), (0.8, "C1", "x")):
         surface = rc.SelfAffineSurface(
             hurst=hurst, rms_slope=0.1, shortest=8.0 / cells, longest=1.0, rolloff=1.0 / ROLLOFF, seed=1
         )
@@ -86,10 +86,17 @@ def draw(folder: Path = FIGURES, cells: int = 256) -> None:
         theory = rc.reference.persson(heights, grid, problem.plan.modulus, pressures)
         rms = float(heights.std())
         area.loglog(
-            loads, [one.area().fraction for one in solutions], "o", color=color, label=f"solved, Hurst {hurst:g}"
+            loads,
+            [one.area().fraction for one in solutions],
+            marker,
+            color=color,
+            markerfacecolor="none",
+            label=f"solved, Hurst {hurst:g}",
         )
         area.loglog(loads, theory.area_fraction, "-", color=color, label="Persson")
-        gap.semilogx(loads, [float(np.mean(one.gap)) / rms for one in solutions], "o", color=color)
+        gap.semilogx(
+            loads, [float(np.mean(one.gap)) / rms for one in solutions], marker, color=color, markerfacecolor="none"
+        )
         gap.semilogx(loads, theory.mean_gap / rms, "-", color=color)
     area.set(xlabel="pressure / (E* rms slope)", ylabel="area over nominal area", title="real contact area")
     gap.set(xlabel="pressure / (E* rms slope)", ylabel="mean gap / rms height", title="mean gap")

@@ -35,8 +35,17 @@ def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes:
     if fit is not None:
         ends = np.array(fit.pressures)
         label = f"exponent {fit.exponent:.3f} +- {fit.exponent_std:.1g}"
-        axes.plot(ends, fit.factor * (ends / fit.pivot) ** fit.exponent, "--", color="0.3", linewidth=1, label=label)
-    axes.set(xscale="log", yscale="log", xlabel="nominal mean pressure")
+        axes.plot(
+            ends,
+            fit.factor * (ends / fit.pivot) ** fit.exponent,
+            "--",
+            color="0.2",
+            linewidth=1.5,
+            zorder=3,
+            label=label,
+        )
+    # The mean gap falls with the logarithm of the pressure, the others rise with powers of it.
+    axes.set(xscale="log", yscale="linear" if column.name == "mean_gap" else "log", xlabel="nominal mean pressure")
     axes.set_ylabel(column.name.replace("_", " ") + (f", {column.unit}" if column.unit else ""))
     axes.xaxis.set_major_formatter(EngFormatter("Pa"))
     axes.grid(alpha=0.3, which="both")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -80,9 +80,13 @@ def interface_law(
 def _name_columns(chosen: object) -> dict[str, Response[Any]]:
     """Return the responses by the names of their columns."""
     what, allowed = "The responses", "a list of registered names or responses, or a mapping from names to them"
-    if isinstance(chosen, (str, bytes)) or not isinstance(chosen, Iterable):
+    try:
+        items = tuple(chosen.items()) if isinstance(chosen, Mapping) else tuple((None, one) for one in chosen)  # type: ignore[attr-defined]
+    # A class of the caller's may fail in any way.
+    except Exception:
+        items = None
+    if items is None or isinstance(chosen, (str, bytes)):
         raise InputError.about(what, chosen, allowed)
-    items = chosen.items() if isinstance(chosen, Mapping) else ((None, one) for one in chosen)
     found: dict[str, Response[Any]] = {}
     for given, one in items:
         response = responses.resolve(one)

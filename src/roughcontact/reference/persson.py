@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 from scipy import special
 
-from roughcontact.checks import Array, number, numbers, read_only
+from roughcontact.checks import Array, number, read_only
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.grid import Grid
@@ -108,10 +108,12 @@ def persson(
     15.9 %
     """
     modulus = number(modulus, "The contact modulus", "Pa", above=0.0)
-    allowed = "a number or a list of numbers above 0 (Pa)"
-    pressures = numbers(pressure, "The pressure", allowed)
-    if pressures.ndim > 1 or pressures.size == 0 or not (np.isfinite(pressures).all() and (pressures > 0.0).all()):
-        raise InputError.about("The pressure", pressure, allowed)
+    several = isinstance(pressure, (list, tuple)) or (isinstance(pressure, np.ndarray) and pressure.ndim > 0)
+    given = list(pressure) if several else [pressure]  # type: ignore[arg-type]
+    if not given:
+        raise InputError.about("The pressure", pressure, "a number or a list of numbers above 0 (Pa)")
+    found = np.array([number(one, "The pressure", "Pa", above=0.0) for one in given])
+    pressures = found if several else found.reshape(())
     return evaluate_persson(list_waves(heights, grid, periodic), modulus, pressures)
 
 

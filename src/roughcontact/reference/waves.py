@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact.checks import Array, flag, heights_array
+from roughcontact.checks import SMALLEST, Array, flag, heights_array
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 
@@ -68,7 +68,9 @@ def list_waves(heights: Array, grid: Grid, periodic: bool) -> Waves:
     if heights.shape != grid.shape:
         raise InputError.about("The heights", heights, f"of the shape of the grid, {grid.shape}")
     periodic = flag(periodic, "periodic=")
-    largest = float(np.abs(heights).max()) or 1.0
+    largest = float(np.abs(heights).max())
+    if largest < SMALLEST:
+        raise InputError(f"The heights are below {SMALLEST:g} m: there is no roughness.")
     scaled = heights / largest
     scaled -= scaled.mean()
     unit = float(np.abs(scaled).max())
