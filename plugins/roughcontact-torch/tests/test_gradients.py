@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 
 import numpy as np
-
 import roughcontact as rc
 
 PAGE = Path(__file__).parents[3] / "docs" / "gradients.md"
