@@ -154,7 +154,6 @@ class TestOwnResponses:
         assert law["conductance"].unit == "W/(m2 K)"
         assert (law["stiffness"].uncertainties > 0.0).all()
 
-
     def test_leakage_falls_with_the_load_and_is_that_of_the_domain(self):
         flow = rc.responses.create("leakage", viscosity=1e-3, pressure_drop=1e5)
         law = rc.interface_law(problem(), [1e8, 1.5e8], [flow])

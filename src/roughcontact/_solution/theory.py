@@ -12,7 +12,7 @@ from roughcontact.checks import Array
 from roughcontact.grid import Boundary, Grid
 from roughcontact.reference.persson import PerssonContact, evaluate_persson
 from roughcontact.reference.roughness import find_lay, find_shape
-from roughcontact.reference.waves import Waves, list_waves
+from roughcontact.reference.waves import Waves, transform_waves
 from roughcontact.units import si
 
 if TYPE_CHECKING:
@@ -87,10 +87,11 @@ def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
 
 def _find_waves(initial_gap: Array, grid: Grid) -> Waves | None:
     """Return the waves of isotropic Gaussian roughness that the grid resolves; None of anything else."""
-    skewness, kurtosis = find_shape(-initial_gap)
+    # Of the heights, which are the gap with the other sign, the skewness has the other sign.
+    skewness, kurtosis = find_shape(initial_gap)
     if abs(skewness) > _SKEWNESS or not _KURTOSIS[0] <= kurtosis <= _KURTOSIS[1]:
         return None
-    waves = list_waves(-initial_gap, grid, periodic=True)
+    waves = transform_waves(initial_gap, grid)
     square = waves.square
     slope = waves.sum(square)
     cell = max(grid.spacing) / grid.spacing[0]
