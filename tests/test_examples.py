@@ -17,6 +17,7 @@ PAGES = [
         ROOT / "docs" / f"{name}.md"
         for name in (
             "area",
+            "gradients",
             "interface_laws",
             "maps",
             "mistakes",
@@ -72,6 +73,13 @@ def test_overview(monkeypatch, tmp_path):
     assert (tmp_path / "overview.png").stat().st_size > 10_000
 
 
+def test_gradients(monkeypatch, tmp_path):
+    module = study("gradients", monkeypatch)
+    assert [row[0] for row in module.make_rows(1, (1,))][1:3] == ["ball, radius of 3 cells", "ball, radius of 6 cells"]
+    module.main(32, 1, 2, tmp_path)
+    assert (tmp_path / "gradients.png").stat().st_size > 10_000
+
+
 def test_partial_slip(monkeypatch, tmp_path):
     module = study("partial_slip", monkeypatch)
     assert [row[0] for row in module.make_rows((3,), 2)] == ["contact radius, cells", "3"]
@@ -123,11 +131,11 @@ def test_finite_elements(monkeypatch):
 
 @pytest.mark.slow
 def test_the_plan_states_the_memory_of_a_solve(monkeypatch):
-    """Peak resident memory of a process of its own, to a tenth."""
+    """Peak resident memory of a process of its own, to a tenth; less if others hold up its second thread."""
     memory = study("memory", monkeypatch)
     for case in (("periodic", 0.0, 0.05), ("periodic", 0.0, 0.5), ("free", 0.0, 0.05), ("free", 0.0, 0.5)):
         _, measured, stated = memory.measure_in_process(2048, *case)
-        assert stated == pytest.approx(measured, rel=0.1), case
+        assert 0.9 * measured <= stated <= 1.25 * measured, case
 
 
 def test_omitted(monkeypatch, capsys):

@@ -79,7 +79,9 @@ GOOD = {
     "shortest": 3e-4, "size": 1e-3, "solution": SOLUTION, "source": MAP, "spacing": (1e-4, 1e-4),
     "quantity": "peak-pressure",
     "status": rc.Status.CONVERGED, "surface": WAVE, "task": TASK, "tolerance": 1e-6, "values": SOLUTION.pressure,
-    "wavelength": 1e-3, "wavenumber": 1e4, "young": 1e9,
+    "wavelength": 1e-3, "wavenumber": 1e4, "yield_stress": 1e9, "conductivity": 50.0, "viscosity": 1e-3,
+    "pressure_drop": 1e5, "of": "participation", "tangential_force": 1.0, "friction": 0.2, "response": "stress",
+    "index": 0, "young": 1e9,
 }  # fmt: skip
 # ... where the same name means something else.
 GOOD_FOR = {
@@ -219,6 +221,7 @@ OBJECTS = {
     "Grid": GRID, "WavySurface": WAVE, "SelfAffineSurface": ROUGH, "HeightMap": MAP, "SurfaceSum": WAVE + WAVE,
     "Body": rc.Body(WAVE, STEEL), "ContactProblem": PROBLEM, "limited": LIMITED, "SolvePlan": PLAN, "Sweep": SWEEP,
     "ContactSolution": SOLUTION, "ContactPatches": SOLUTION.patches, "Study": STUDY, "areas": rc.areas,
+    "Stress": SOLUTION.stress(),
     "kernels": rc.kernels, "Love": rc.Love(), "FourierHalfSpace": rc.FourierHalfSpace(), "DCFFT": rc.DCFFT(),
     "CircularFFT": rc.CircularFFT(), "Direct": rc.Direct(), "PolonskyKeer": rc.PolonskyKeer(),
     "ProjectedConjugateGradient": rc.ProjectedConjugateGradient(), "SpectralGradient": rc.SpectralGradient(),

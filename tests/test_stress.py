@@ -327,7 +327,7 @@ def test_the_uncertainty_of_the_maximum_holds_on_rough_surfaces(boundary, aspect
     for cells in (48, 96):
         found = rough(cells // aspect, seed, boundary, aspect=aspect)[0].stress().maximum
         assert abs(found.value - true.value) < 3.0 * math.hypot(found.uncertainty, true.uncertainty)
-        assert found.uncertainty < 0.1 * found.value
+        assert found.uncertainty < 0.15 * found.value
 
 
 def test_the_array_and_the_fields_are_the_same():
@@ -464,8 +464,9 @@ def test_first_yield_that_cannot_be_gets_a_sentence():
     soft = rc.ElasticPerfectlyPlastic(200e9, NU, hardness=1e9)
     problem = rc.ContactProblem(rc.Body(rc.ParaboloidSurface(RADIUS), soft), grid=rc.Grid((16, 16), 3e-4), threads=1)
     solution = problem.solve(force=10.0)
-    with pytest.raises(rc.InputError, match=r"load|carr"):
+    with pytest.raises(rc.InputError, match="No load was found"):
         solution.first_yield(5e9)
+    assert solution.first_yield(0.45e9).maximum.value == pytest.approx(0.45e9, rel=1e-3)
     for strength in (0.0, -1.0, math.nan, "hard"):
         with pytest.raises(rc.InputError, match="yield stress"):
             solution.first_yield(strength)

@@ -23,6 +23,7 @@ from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, Prepa
 from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._problem import SolvePlan, Sweep
 from roughcontact._responses import (
+    Conductance,
     FrettingLoop,
     Leakage,
     PartialSlip,
@@ -67,6 +68,7 @@ __all__ = [
     "BeyondResolution",
     "BoundKernel",
     "Check",
+    "Conductance",
     "ContactConditions",
     "ContactFields",
     "ContactPatches",

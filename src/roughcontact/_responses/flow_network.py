@@ -116,16 +116,6 @@ class FlowNetwork:
             field.reshape(-1)[self.cells] = self._gather(*faces, *extra)
         return fields[0], fields[1]
 
-    def compare_rules(self, faces: Array, lost: Array) -> float:
-        """Return how much the flow rises if the film is linear between two cells, over the flow.
-
-        It is the lower bound of that rise by Thomson's principle, with the flow through each face as it is.
-        """
-        one, other = self.film[self.first], self.film[self.second]
-        ratio = one * other / (one**2 - one * other + other**2)
-        flow = float(lost.sum())
-        return flow / (flow - float(np.sum(faces * (1.0 - ratio)))) - 1.0
-
 
 def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool) -> FlowNetwork | None:
     """Return the network of the open cells, or None if no path of cell sides joins both ends.

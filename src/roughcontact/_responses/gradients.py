@@ -15,6 +15,7 @@ from roughcontact._solution import ContactSolution
 from roughcontact._solution.responses import Response, responses
 from roughcontact.checks import Array, callback, choice, numbers, read_only
 from roughcontact.errors import InputError
+from roughcontact.errors.door import outside
 
 PressureDerivative: TypeAlias = Callable[[Array], Array]
 
@@ -30,9 +31,9 @@ _HARDLY_CHANGES = (
 
 def _number(value: str | PressureDerivative) -> str | PressureDerivative:
     if not isinstance(value, str):
-        if (function := callback(value, "of=", "pressure")) is None:
+        if callback(value, "of=", "pressure") is None:
             raise InputError.about("of=", value, "a name or a function of the pressure")
-        return function
+        return value
     if value in _OF_EDGE:
         raise InputError(
             f"The {value} changes only as the edge of the contact moves from cell to cell, so that it has no gradient "
@@ -75,10 +76,10 @@ class Gradient(Response[Array]):
     Notes
     -----
     Exact while the cells in contact remain the same, but for ``"area"``. That takes each patch to be Hertzian, of an
-    area that grows as its force to the power 2/3: it is right to 1 % for separate summits and 10 to 20 % too small
-    where patches merge. Under a given load the area hardly changes with the heights, and even the sign may be wrong:
-    descend on the ``"participation"``, :math:`\frac{9}{8} (\int p)^2 / \int p^2`, the area of Hertzian spots of one
-    size.
+    area that grows as its force to the power 2/3: right to 1 % for separate summits, and 10 to 20 %, a quarter at most,
+    too small where patches merge. Under a given load the area hardly changes with the heights, and even the sign may be
+    wrong: descend on the ``"participation"``, :math:`\frac{9}{8} (\int p)^2 / \int p^2`, the area of Hertzian spots of
+    one size.
     """
 
     of: str | PressureDerivative = attrs.field(converter=_number)
@@ -111,7 +112,7 @@ class Gradient(Response[Array]):
             return SENSITIVITIES[self.of](solution)
         shape = solution.grid.shape
         allowed = f"finite numbers of shape {shape}, the derivatives with respect to the pressure of each cell"
-        values = numbers(self.of(solution.pressure), "What of= returns", allowed)
+        values = numbers(outside(self.of)(solution.pressure), "What of= returns", allowed)
         if values.shape != shape or not np.isfinite(values).all():
             raise InputError.about("What of= returns", values, allowed)
         return Sensitivity(pressure=values)

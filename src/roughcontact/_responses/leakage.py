@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 
 import attrs
@@ -10,6 +9,7 @@ import numpy as np
 
 from roughcontact._responses.flow_network import FlowNetwork, find_paths, make_network
 from roughcontact._responses.flow_solvers import solve_network
+from roughcontact._responses.flow_uncertainty import estimate_uncertainty
 from roughcontact._responses.throats import Throat, find_throat
 from roughcontact._solution import ContactSolution, Response, responses
 from roughcontact.checks import Array, Mask, integer, number, read_only
@@ -17,8 +17,6 @@ from roughcontact.errors import InputError, NotConverged
 from roughcontact.grid import Boundary, Grid
 from roughcontact.units import si
 
-# Standard deviation of the flow over its change from one rule for the faces to another, from docs/studies/leakage.py.
-_FACES = 0.5
 # Cells across a throat below which it is not resolved, and the fraction of the drop from which it matters.
 _CELLS, _SHARE = 3.0, 0.1
 # Gap below which a liquid does not flow as a continuum, m: some molecules of water.
@@ -150,38 +148,43 @@ class GapFlow(Response[Leakage]):
             If the flow does not converge.
         """
         gap, open_cells = solution.gap, find_open_cells(solution)
-        periodic = solution.boundary is not Boundary.FREE
-        (along, across), warnings = solution.grid.spacing, _list_warnings(solution)
+        (along, across), periodic = solution.grid.spacing, solution.boundary is not Boundary.FREE
         if self.axis == 1:
             gap, open_cells, along, across = gap.T, open_cells.T, across, along
         network = make_network(gap, open_cells, aspect=across / along, periodic=periodic)
-        of_all = {"grid": solution.grid, **attrs.asdict(self)}
-        if network is None:
-            if find_paths(open_cells, periodic=periodic, corners=True).any():
-                warnings = (*warnings, "The two sides are joined through corners of cells alone: refine the grid.")
-            return Leakage(**of_all, warnings=warnings)
+        if network is not None:
+            return self._measure(solution, network, open_cells, across / along)
+        warnings = _list_warnings(solution)
+        if find_paths(open_cells, periodic=periodic, corners=True).any():
+            warnings = (*warnings, "The two sides are joined through corners of cells alone: refine the grid.")
+        return Leakage(grid=solution.grid, **attrs.asdict(self), warnings=warnings)
+
+    def _measure(self, solution: ContactSolution, network: FlowNetwork, open_cells: Mask, aspect: float) -> Leakage:
+        """Return the flow through a network, with its uncertainty and its throat."""
+        grid, periodic = solution.grid, solution.boundary is not Boundary.FREE
         pressure, converged = solve_network(network)
         if not converged:
             raise NotConverged("The flow through the gap did not converge; the contact is in .solution.", solution)
         faces, lost = network.dissipation(pressure)
-        throat = find_throat(network, lost, open_cells, solution.grid, self.axis, periodic=periodic)
         flow, ends = float(lost.sum()), network.find_ends(pressure)
-        # A gap that is uncertain by the residual of the contact.
         gap_error = solution.residuals.error * solution.residuals.scale / network.widest
-        moved = 3.0 * gap_error * float(np.sum(lost / network.film)) / flow
-        relative = math.hypot(_FACES * network.compare_rules(faces, lost), moved)
+        relative = estimate_uncertainty(
+            network, faces, lost, open_cells, aspect=aspect, periodic=periodic, gap_error=gap_error
+        )
+        throat = find_throat(network, lost, open_cells, grid, self.axis, periodic=periodic)
         unit = flow_unit(self.viscosity, self.pressure_drop, network.widest)
-        mean = float(np.mean(gap, where=open_cells)) * float(np.mean(open_cells)) / network.widest
+        mean = float(np.mean(np.where(find_open_cells(solution), solution.gap, 0.0))) / network.widest
         return Leakage(
-            **of_all,
+            grid=grid,
+            **attrs.asdict(self),
             value=unit * flow,
             uncertainty=unit * flow * relative,
             connected=True,
-            flow_factor=flow / (mean**3 * across * gap.shape[1] / (along * gap.shape[0])),
+            flow_factor=flow / mean**3 * grid.size[self.axis] / grid.size[1 - self.axis],
             throat=throat,
             inflow=unit * ends[0],
             outflow=unit * ends[1],
-            warnings=(*warnings, *_judge_throat(throat, min(gap.shape))),
+            warnings=(*_list_warnings(solution), *_judge_throat(throat, min(grid.shape))),
             network=network,
             pressure=pressure,
         )

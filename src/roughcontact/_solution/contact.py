@@ -104,7 +104,9 @@ class ContactSolution(ContactFields):
 
     def conductance(self, conductivity: float | Sequence[float], film_resistance: float = 0.0) -> Conductance:
         """Return the thermal or electrical contact conductance; see `roughcontact._responses.ContactConductance`."""
-        return self.response(responses.create("conductance", conductivity, film_resistance=film_resistance))
+        asked = responses.create("conductance", conductivity, film_resistance=film_resistance)
+        found: Conductance = self.response(asked)
+        return found
 
     def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
         """Return the stress below a surface, Pa, at depths, m; see `roughcontact._responses.StressBelow`."""
@@ -131,7 +133,9 @@ class ContactSolution(ContactFields):
 
         See `roughcontact._responses.CiavarellaJaeger`.
         """
-        return self.response(responses.create("partial-slip", tangential_force=tangential_force, friction=friction))
+        asked = responses.create("partial-slip", tangential_force=tangential_force, friction=friction)
+        found: PartialSlip = self.response(asked)
+        return found
 
     def saturated_area(self, estimator: str | AreaEstimator = "level-set") -> Area:
         """Return the part of the contact area where the pressure has reached the limit; zero without a limit.

@@ -8,6 +8,7 @@ import attrs
 
 from roughcontact._problem import ContactProblem, problem_of
 from roughcontact._problem.sweep import predict_pressure
+from roughcontact._problem.task import maximum_pressure
 from roughcontact._responses.subsurface.maximum import StressMaximum
 from roughcontact._responses.subsurface.stress import StressBelow, body_name
 from roughcontact._solution import ContactSolution, Estimate, Response, responses
@@ -23,6 +24,8 @@ _SLOPE, _FLATTEST = 1.0 / 3.0, 0.05
 # Largest step of the load, and relative width of a bracket in which the stress jumps from cell to cell, both
 # logarithmic; distance of two loads from which their slope is used.
 _STEP, _NARROW, _APART = math.log(300.0), 1e-4, 1e-2
+# Largest part of the load that the bodies can carry.
+_CARRIED = 0.999
 
 
 @attrs.frozen(eq=False)
@@ -92,15 +95,17 @@ class FirstYield(Response[YieldPoint]):
     def respond(self, solution: ContactSolution) -> YieldPoint:
         """Return the load of first yield, searched from that of the solution; see `Response.respond`."""
         problem, trials = problem_of(solution), [self._measure(solution)]
+        carried = maximum_pressure(problem.plan) * solution.grid.area
+        heaviest = math.log(_CARRIED * carried) if math.isfinite(carried) else math.inf
         while not trials[-1].close:
-            if len(trials) == _MAXIMUM_TRIES:
+            load = _choose_load(trials, heaviest)
+            if load is None:
+                break
+            if len(trials) == _MAXIMUM_TRIES or (trials[-1].load >= heaviest - _NARROW and trials[-1].excess < 0.0):
                 raise InputError(
                     f"No load was found at which the von Mises stress reaches {si(self.yield_stress, 'Pa')}: "
                     f"at {si(trials[-1].solution.force, 'N')} it is {si(trials[-1].maximum.value, 'Pa')}."
                 )
-            load = _choose_load(trials)
-            if load is None:
-                break
             trials.append(self._measure(_solve(problem, trials, load)))
         last = min(trials, key=lambda one: abs(one.excess))
         slope = max(_find_slope(trials), _FLATTEST)
@@ -150,11 +155,11 @@ def _find_slope(trials: list[_Trial]) -> float:
     return (last.excess - other.excess) / (last.load - other.load)
 
 
-def _choose_load(trials: list[_Trial]) -> float | None:
-    """Return the logarithm of the next force to try; None where the stress jumps across the yield stress."""
+def _choose_load(trials: list[_Trial], heaviest: float) -> float | None:
+    """Return the logarithm of the next force to try, up to one; None where the stress jumps across the yield stress."""
     last = trials[-1]
     step = -last.excess / max(_find_slope(trials), _FLATTEST)
-    load = last.load + min(max(step, -_STEP), _STEP)
+    load = min(last.load + min(max(step, -_STEP), _STEP), heaviest)
     low = max((one.load for one in trials if one.excess < 0.0), default=-math.inf)
     high = min((one.load for one in trials if one.excess > 0.0), default=math.inf)
     if 0.0 <= high - low <= _NARROW:
