@@ -168,7 +168,7 @@ def test_area_of_separate_summits():
 
 
 def test_area_under_a_given_load_says_what_it_is_worth():
-    scene = Scene.draw(1)
+    scene = Scene.draw(4)
     solution = scene.solve(pressure=scene.pressure)
     assert solution.patches.count > 1
     with pytest.warns(UserWarning, match="even its sign may be wrong"):

@@ -65,7 +65,7 @@ def test_the_solution_is_that_of_the_matrix(boundary, load, hardness, compliance
             assert np.abs(found.residual.ravel()[chosen] - residual).max() < 1e-5 * np.abs(right).max()
 
 
-def test_in_full_contact_the_mean_is_left_out():
+def test_in_full_contact_the_mean_is_omitted():
     _, solution = rough("periodic", 40.0)
     tangent = Tangent(solution)
     assert tangent.is_rigid

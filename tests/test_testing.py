@@ -26,6 +26,7 @@ HARDNESS = np.linspace(1e8, 1e9, 120).reshape(12, 10)
 # Registered classes that cannot be made without arguments.
 MADE = {
     "conductance": [rc.responses.create("conductance", (50.0, 20.0)), rc.responses.create("conductance", 1.0, 1e-9)],
+    "leakage": [rc.responses.create("leakage", viscosity=1e-3, pressure_drop=1e5)],
     "elastic": [rc.Elastic(200e9, 0.3)],
     "elastic-perfectly-plastic": [rc.ElasticPerfectlyPlastic(2e11, 0.3, h) for h in (1e9, 1e5, HARDNESS)],
     "gradient": [rc.responses.create("gradient", of) for of in ("approach", "mean-gap", "participation")],

@@ -57,7 +57,15 @@ class ContactSolution(ContactFields):
         InputError
             If there is no such estimator.
         """
-        chosen = areas.resolve(estimator)
+        # Every number and response asks for this one.
+        default = isinstance(estimator, str) and estimator == DEFAULT_AREA
+        return self._default_area if default else self._estimate_area(areas.resolve(estimator))
+
+    @cached_property
+    def _default_area(self) -> Area:
+        return self._estimate_area(areas.resolve(DEFAULT_AREA))
+
+    def _estimate_area(self, chosen: AreaEstimator) -> Area:
         area = chosen.estimate(self)
         if not isinstance(area, Area) or not np.isfinite([area.value, area.uncertainty]).all():
             raise InputError(
