@@ -70,8 +70,8 @@ class Gradient(Response[Array]):
         pressure, shape (nx, ny), Pa, and returns the derivative of J with respect to it, shape (nx, ny).
     with_respect_to
         ``"heights"``: the sum of the heights of both bodies in each cell, m; the result has shape (nx, ny).
-        ``"modulus"``: the contact modulus E*, Pa, or all moduli in proportion; ``"load"``: the pressure, force or
-        approach, as it was given. The result has shape ().
+        ``"modulus"``: the contact modulus E*, Pa, with that of any layers in proportion; ``"load"``: the pressure,
+        force or approach, as it was given. The result has shape ().
 
     Notes
     -----
