@@ -68,6 +68,19 @@ def test_error_against_run_time(monkeypatch, tmp_path):
     assert (tmp_path / "error_vs_time.png").stat().st_size > 10_000
 
 
+def test_theory_and_laws(monkeypatch, tmp_path):
+    persson, laws = study("persson", monkeypatch), study("interface_law", monkeypatch)
+    area, ratio, gap, stiffness = persson.measure(0.8, 1, (0.05,), 256)[0]
+    assert 0.09 < area < 0.13
+    assert 0.7 < ratio < 0.8
+    assert abs(gap) < 0.1
+    assert 0.8 < stiffness < 1.1
+    persson.draw(tmp_path, 64)
+    laws.draw(tmp_path, 128)
+    for name in ("theory_beside.png", "interface_law.png"):
+        assert (tmp_path / name).stat().st_size > 10_000
+
+
 def test_overview(monkeypatch, tmp_path):
     study("overview", monkeypatch).main(128, 128, tmp_path)
     assert (tmp_path / "overview.png").stat().st_size > 10_000
