@@ -23,8 +23,8 @@ FIGURES = Path(__file__).parent.parent / "figures"
 STEEL = rc.Elastic(young=200e9, poisson=0.3)
 
 
-def find_greatest_shear() -> tuple[float, float]:
-    """Return the greatest shear stress on Hertz's axis over p0, and its depth over the radius; Johnson (1985), 3.45."""
+def find_maximum_shear() -> tuple[float, float]:
+    """Return the maximum shear stress on Hertz's axis over p0, and its depth over the radius; Johnson (1985), 3.45."""
 
     def negative(z: float) -> float:
         axial = -1.0 / (1.0 + z * z)
@@ -49,8 +49,8 @@ def press_ball(cells: float, rng: np.random.Generator) -> tuple[rc.ContactSoluti
 
 
 def list_balls() -> list[list[str]]:
-    rows = [["cells in the radius", "greatest shear: mean, std, %", "stated, %", "within 2 std", "depth: mean, std, %"]]
-    shear, lowest = find_greatest_shear()
+    rows = [["cells in the radius", "maximum shear: mean, std, %", "stated, %", "within 2 std", "depth: mean, std, %"]]
+    shear, lowest = find_maximum_shear()
     for cells in (1.5, 3, 6, 12, 16, 24):
         rng, values = np.random.default_rng(200), []
         for _ in range(12):

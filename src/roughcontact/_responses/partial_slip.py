@@ -178,7 +178,8 @@ class CiavarellaJaeger(Response[PartialSlip]):
         energy = _dissipate(solution, stuck, 4.0 * self.friction**2 * ratio)
         if energy.uncertainty > _UNRESOLVED * energy.value and energy.uncertainty > 0.0:
             warnings += ("the slip zone is too narrow for this grid to resolve the dissipated energy",)
-        doubts = (*stick_area.warnings, *(str(one.status) for one in (solution, stuck) if not one.status.success))
+        warnings += stick_area.warnings
+        warnings += tuple(str(one.status) for one in (solution, stuck) if not one.status.success)
         return PartialSlip(
             tangential_force=self.tangential_force,
             friction=self.friction,
@@ -189,7 +190,7 @@ class CiavarellaJaeger(Response[PartialSlip]):
             slip_area=slip_area,
             displacement=_displace(solution, stuck, self.friction * ratio),
             energy=energy,
-            warnings=tuple(dict.fromkeys((*warnings, *doubts))),
+            warnings=tuple(dict.fromkeys(warnings)),
         )
 
 
@@ -253,7 +254,9 @@ def _approach_std(contact: ContactSolution, stuck: ContactSolution) -> float:
     sliding = (contact.force - stuck.force) / contact.force
     alike = sliding / math.hypot(sliding, _CANCELLED)
     solved = (one.residuals.error * one.residuals.scale for one in (contact, stuck))
-    return math.hypot(*(alike * find_shift(one)[1] for one in (contact, stuck)), *solved)
+    std = math.hypot(*(alike * find_shift(one)[1] for one in (contact, stuck)), *solved)
+    # However few the cells, the difference lies between zero and some twice its value.
+    return min(std, abs(contact.approach - stuck.approach))
 
 
 def _dissipate(contact: ContactSolution, stuck: ContactSolution, factor: float) -> Estimate:

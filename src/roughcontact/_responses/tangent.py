@@ -96,7 +96,7 @@ class Tangent:
     def solve(self, right: Array, tolerance: float = 1e-12) -> LinearSolution:
         """Solve for a right side by conjugate gradients, preconditioned by the inverse kernel.
 
-        Where `is_rigid`, the mean of the right side is left out and the solution has the mean zero.
+        Where `is_rigid`, the mean of the right side is omitted and the solution has the mean zero.
 
         Parameters
         ----------

@@ -8,14 +8,17 @@ import attrs
 import numpy as np
 
 from roughcontact._responses.flow_network import FlowNetwork
-from roughcontact.checks import Array, Mask, Pair
+from roughcontact.checks import Array, Mask, Pair, RealArray
 from roughcontact.grid import Grid
 from roughcontact.units import si
+
+# Cells of large loss that are looked at.
+_CANDIDATES = 50
 
 
 @attrs.frozen
 class Throat:
-    """The place where the flow through a gap loses most power.
+    """The place where the flow through a gap loses most power over a length, in a square of its own width.
 
     Attributes
     ----------
@@ -61,32 +64,56 @@ def find_throat(
     periodic
         Whether the gap repeats across the flow.
     """
-    tightest = int(np.argmax(lost))
-    i, j = divmod(int(network.cells[tightest]), network.shape[1])
     along, across = grid.spacing if axis == 0 else grid.spacing[::-1]
-    diagonal, per_step = math.hypot(along, across), math.sqrt(2.0)
-    widths = []
+    field = np.zeros(network.shape)
+    field.reshape(-1)[network.cells] = lost
+    left, total, best = field.copy(), float(lost.sum()), (-1.0, 0.0, (0, 0), 0.0, 0.0)
+    for _ in range(_CANDIDATES):
+        i, j = divmod(int(np.argmax(left)), network.shape[1])
+        width, cells = _measure_width(open_cells, (i, j), along, across, periodic=periodic)
+        square = _square_around((i, j), math.ceil(0.5 * cells), network.shape, periodic=periodic)
+        share = float(field[square].sum()) / total
+        best = max(best, (share / width, share, (i, j), width, cells))
+        left[square] = 0.0
+    _, share, (i, j), width, cells = best
+    place = (i, j) if axis == 0 else (j, i)
+    position = int(np.searchsorted(network.cells, i * network.shape[1] + j))
+    return Throat(
+        place=(float(grid.x[place[0], 0]), float(grid.y[0, place[1]])),
+        gap=float(network.film[position]) * network.widest,
+        width=width,
+        cells=cells,
+        share=share,
+    )
+
+
+def _measure_width(
+    open_cells: Mask, at: tuple[int, int], along: float, across: float, *, periodic: bool
+) -> tuple[float, float]:
+    """Return the shortest of four lines through a cell from contact to contact: its length, and the same in cells."""
+    diagonal, widths = math.hypot(along, across), []
     for step, length, cells in (
         ((1, 0), along, 1.0),
         ((0, 1), across, 1.0),
-        ((1, 1), diagonal, per_step),
-        ((1, -1), diagonal, per_step),
+        ((1, 1), diagonal, math.sqrt(2.0)),
+        ((1, -1), diagonal, math.sqrt(2.0)),
     ):
-        count = 1 + sum(
-            _count_open(open_cells, (i, j), (sign * step[0], sign * step[1]), periodic=periodic) for sign in (1, -1)
-        )
+        both = step, (-step[0], -step[1])
+        count = 1 + sum(_count_open(open_cells, at, one, periodic=periodic) for one in both)
         # Around a periodic domain a cell is met from both sides.
-        count = min(count, max(network.shape))
+        count = min(count, max(open_cells.shape))
         widths.append((count * length, count * cells))
-    width, cells = min(widths)
-    place = (i, j) if axis == 0 else (j, i)
-    return Throat(
-        place=(float(grid.x[place[0], 0]), float(grid.y[0, place[1]])),
-        gap=float(network.film[tightest]) * network.widest,
-        width=width,
-        cells=cells,
-        share=_share(network, lost, (i, j), math.ceil(0.5 * cells), periodic=periodic),
-    )
+    return min(widths)
+
+
+def _square_around(
+    at: tuple[int, int], reach: int, shape: tuple[int, int], *, periodic: bool
+) -> tuple[RealArray, RealArray]:
+    """Return the indices of the cells up to `reach` cells away."""
+    rows = np.arange(max(at[0] - reach, 0), min(at[0] + reach + 1, shape[0]))
+    columns = np.arange(at[1] - reach, at[1] + reach + 1)
+    columns = np.unique(columns % shape[1]) if periodic else columns[(columns >= 0) & (columns < shape[1])]
+    return rows[:, np.newaxis], columns
 
 
 def _count_open(open_cells: Mask, start: tuple[int, int], step: tuple[int, int], *, periodic: bool) -> int:
@@ -99,13 +126,3 @@ def _count_open(open_cells: Mask, start: tuple[int, int], step: tuple[int, int],
             break
         count += 1
     return count
-
-
-def _share(network: FlowNetwork, lost: Array, at: tuple[int, int], reach: int, *, periodic: bool) -> float:
-    """Return the part of the loss in the square of cells up to `reach` cells away."""
-    i, j = np.divmod(network.cells, network.shape[1])
-    beside = np.abs(j - at[1])
-    if periodic:
-        beside = np.minimum(beside, network.shape[1] - beside)
-    near = (np.abs(i - at[0]) <= reach) & (beside <= reach)
-    return float(np.sum(lost, where=near) / np.sum(lost))

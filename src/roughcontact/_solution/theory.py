@@ -12,7 +12,7 @@ from roughcontact.checks import Array
 from roughcontact.grid import Boundary, Grid
 from roughcontact.reference.persson import PerssonContact, evaluate_persson
 from roughcontact.reference.roughness import find_lay, find_shape
-from roughcontact.reference.waves import Waves, list_waves
+from roughcontact.reference.waves import Waves, transform_waves
 from roughcontact.units import si
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ _RATIO, _CONTACT = (0.65, 0.9), (0.01, 0.4)
 # Surfaces that the theory describes: relative sampling error of the mean square height and slope, ratio of the rms
 # slopes along two directions, skewness, kurtosis, and the part of the mean square slope from waves below four cells.
 _FEW_HEIGHTS, _FEW_SLOPES, _LAY, _SKEWNESS, _KURTOSIS, _UNRESOLVED = 0.35, 0.15, 1.5, 0.6, (2.0, 4.5), 0.3
+# Relative standard deviation of the area of one patch at a given load, from random scenes.
+_SCATTER = 0.25
 # Cells of the largest grid whose spectrum is taken unasked: 0.6 s.
 _LARGEST = 2**22
 
@@ -41,8 +43,8 @@ class TheoryBeside:
     gap_ratio
         Its mean gap over the solved one; nan in full contact.
     departure
-        By how much `area_ratio` is outside the range of 0.65 to 0.9, in standard deviations of sampling and of the
-        solved area; zero inside, and where the range does not apply.
+        By how much `area_ratio` is outside the range of 0.65 to 0.9, in standard deviations of sampling, of few patches
+        and of the solved area; zero inside, and where the range does not apply.
     """
 
     contact: PerssonContact
@@ -79,7 +81,8 @@ def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
         nearest = min(max(ratio, _RATIO[0]), _RATIO[1])
         square = waves.square
         sampling = waves.spread(square) / waves.sum(square)
-        departure = abs(ratio - nearest) / (nearest * math.hypot(sampling, area.uncertainty / area.value))
+        few = _SCATTER / math.sqrt(solution.patches.count)
+        departure = abs(ratio - nearest) / (nearest * math.hypot(sampling, few, area.uncertainty / area.value))
     gap = float(np.mean(solution.gap))
     gap_ratio = float(contact.mean_gap) / gap if gap > solution.residuals.scale * 1e-3 else math.nan
     return TheoryBeside(contact, ratio, gap_ratio, departure)
@@ -87,10 +90,11 @@ def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
 
 def _find_waves(initial_gap: Array, grid: Grid) -> Waves | None:
     """Return the waves of isotropic Gaussian roughness that the grid resolves; None of anything else."""
-    skewness, kurtosis = find_shape(-initial_gap)
+    # Of the heights, which are the gap with the other sign, the skewness has the other sign.
+    skewness, kurtosis = find_shape(initial_gap)
     if abs(skewness) > _SKEWNESS or not _KURTOSIS[0] <= kurtosis <= _KURTOSIS[1]:
         return None
-    waves = list_waves(-initial_gap, grid, periodic=True)
+    waves = transform_waves(initial_gap, grid)
     square = waves.square
     slope = waves.sum(square)
     cell = max(grid.spacing) / grid.spacing[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
@@ -17,9 +17,6 @@ from roughcontact.errors import InputError, MissingPackage
 from roughcontact.laws import abaqus, calculix, moose
 from roughcontact.laws.fits import PowerFit, fit_power
 from roughcontact.units import si
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 @attrs.frozen(eq=False)
@@ -197,7 +194,7 @@ class InterfaceLaw:
         _write(target, table)
         _write(target.with_suffix(".i"), blocks)
 
-    def plot(self, column: str = "stiffness", axes: Axes | None = None) -> Axes:
+    def plot(self, column: str = "stiffness", axes: Any = None) -> Any:
         """Draw a column over the pressure with a band of two standard deviations, and its power law (extra ``plot``).
 
         Parameters

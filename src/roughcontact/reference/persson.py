@@ -24,9 +24,6 @@ _BANDS, _PRESSURES = 256, 512
 # pressure, and constant.
 _LIGHT, _FULL = 1e-3, 8.0
 
-# Power over that of the strongest wave below which it is rounding.
-_ROUNDING = 1e-28
-
 
 @guarded
 @attrs.frozen(eq=False)
@@ -75,7 +72,7 @@ def persson(
 
     .. math:: U = \frac{E^*}{4} \sum_q q\, C_q\, s\,(\gamma + (1 - \gamma) s^2), \quad
               \bar u = \int_p^\infty \frac{1}{p'} \frac{\mathrm{d}U}{\mathrm{d}p'} \mathrm{d}p', \quad
-              k = -\frac{\mathrm{d}p}{\mathrm{d}\bar u} = p \Big/ \frac{\mathrm{d}U}{\mathrm{d}p}
+              k = -\frac{\mathrm{d}p}{\mathrm{d}\bar u} = p \left( \frac{\mathrm{d}U}{\mathrm{d}p} \right)^{-1}
 
     with :math:`\gamma = 0.45`. The theory holds for nominally flat, isotropic, Gaussian roughness of many waves; its
     area is 17 to 31 % below that of solved contacts, the less the larger the contact.
@@ -138,10 +135,7 @@ def evaluate_persson(waves: Waves, modulus: float, pressures: Array) -> PerssonC
 
 def _list_bands(waves: Waves) -> tuple[Array, Array]:
     """Return of each band of wave numbers the elastic energy and, up to its end, the variance of the pressure."""
-    square = waves.square
-    power = (waves.count * waves.power).ravel()
-    used = power > _ROUNDING * power.max()
-    power, square = power[used], square.ravel()[used]
+    square, power = waves.square, waves.count * waves.power
     q = np.sqrt(square)
     low, high = float(q.min()), float(q.max())
     width = math.log(high / low) / _BANDS or 1.0

@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array
+from roughcontact.checks import Array, heights_array
 from roughcontact.errors.door import guarded
 from roughcontact.grid import Grid
 from roughcontact.reference.waves import Waves, list_waves
@@ -73,7 +73,7 @@ class Roughness:
 def roughness(heights: Array, grid: Grid, *, periodic: bool = True) -> Roughness:
     r"""Return the spectral moments of heights, and the summits that follow from them, with their sampling errors.
 
-    .. math:: m_0 = \sum_q C_q, \quad m_2 = \tfrac12 \sum_q q^2 C_q, \quad m_4 = \tfrac38 \sum_q q^4 C_q, \quad
+    .. math:: m_0 = \sum_q C_q, \quad m_2 = \frac{1}{2} \sum_q q^2 C_q, \quad m_4 = \frac{3}{8} \sum_q q^4 C_q, \quad
               \alpha = \frac{m_0 m_4}{m_2^2}
 
     The derivatives are taken from the spectrum, not from differences of heights, which lose a third of m4 for waves of
@@ -81,7 +81,7 @@ def roughness(heights: Array, grid: Grid, *, periodic: bool = True) -> Roughness
     heights, and their mean curvature are
 
     .. math:: D = \frac{m_4}{6 \sqrt 3\, \pi\, m_2}, \quad \bar z = 4 \sqrt{\frac{m_0}{\pi \alpha}}, \quad
-              \sigma_s^2 = \Big(1 - \frac{0.8968}{\alpha}\Big) m_0, \quad
+              \sigma_s^2 = \left(1 - \frac{0.8968}{\alpha}\right) m_0, \quad
               \bar\kappa = \frac{8}{3} \sqrt{\frac{m_4}{\pi}}
 
     Parameters
@@ -114,7 +114,7 @@ def roughness(heights: Array, grid: Grid, *, periodic: bool = True) -> Roughness
     # d ln(deviation) / d ln(alpha); below alpha = 1.5 no isotropic surface lies.
     broad = max(alpha, 1.5)
     bend = 0.5 * 0.8968 / (broad - 0.8968)
-    skewness, kurtosis = find_shape(heights)
+    skewness, kurtosis = find_shape(heights_array(heights))
     return Roughness(
         estimate(m0 * unit**2, (1, 0, 0), "m2"),
         estimate(m2 * (unit / cell) ** 2, (0, 1, 0), ""),
@@ -133,11 +133,13 @@ def roughness(heights: Array, grid: Grid, *, periodic: bool = True) -> Roughness
 
 def find_shape(heights: Array) -> tuple[float, float]:
     """Return skewness and kurtosis of heights, which must not all be equal."""
-    rough = heights / float(np.abs(heights).max())
-    rough = rough - rough.mean()
-    rough = rough / math.sqrt(float(np.mean(rough**2)))
+    rough = heights / max(float(heights.max()), -float(heights.min()))
+    rough -= rough.mean()
+    rough /= max(float(rough.max()), -float(rough.min()))
     square = rough**2
-    return float(np.mean(square * rough)), float(np.mean(square**2))
+    second = float(square.mean())
+    third, fourth = (float(np.einsum("ij,ij->", square, other)) / rough.size for other in (rough, square))
+    return third / second**1.5, fourth / second**2
 
 
 def find_lay(waves: Waves) -> float:

@@ -15,6 +15,9 @@ from roughcontact.grid import Grid
 # Modes in a Hann window w for each independent one: the mean of w^4 over the squared mean of w^2, along each axis.
 _DEPENDENT = (35.0 / 18.0) ** 2
 
+# Power over that of the strongest wave below which it is rounding.
+_ROUNDING = 1e-28
+
 
 @attrs.frozen(eq=False)
 class Waves:
@@ -23,11 +26,11 @@ class Waves:
     Attributes
     ----------
     qx, qy
-        Wave numbers, shapes (nx, 1) and (1, ny // 2 + 1), rad a cell along x.
+        Wave numbers, shape (waves,), rad a cell along x.
     power
-        Mean square of the mode q or -q, shape (nx, ny // 2 + 1).
+        Mean square of the mode q or -q, shape (waves,).
     count
-        Modes that an entry stands for, two or one, shape (1, ny // 2 + 1).
+        Modes that an entry stands for, two or one, shape (waves,).
     height, cell
         Units of the heights and lengths, m.
     dependent
@@ -44,7 +47,7 @@ class Waves:
 
     @property
     def square(self) -> Array:
-        """Squared wave numbers, shape (nx, ny // 2 + 1)."""
+        """Squared wave numbers, shape (waves,)."""
         return np.asarray(self.qx**2 + self.qy**2)
 
     def sum(self, weight: Array | float) -> float:
@@ -67,29 +70,31 @@ def list_waves(heights: Array, grid: Grid, periodic: bool) -> Waves:
     heights = heights_array(heights)
     if heights.shape != grid.shape:
         raise InputError.about("The heights", heights, f"of the shape of the grid, {grid.shape}")
-    periodic = flag(periodic, "periodic=")
-    largest = float(np.abs(heights).max())
+    return transform_waves(heights, grid, flag(periodic, "periodic="))
+
+
+def transform_waves(heights: Array, grid: Grid, periodic: bool = True) -> Waves:
+    """Return the waves of heights that have been checked; see `list_waves`."""
+    largest = max(float(heights.max()), -float(heights.min()))
     if largest < SMALLEST:
         raise InputError(f"The heights are below {SMALLEST:g} m: there is no roughness.")
     scaled = heights / largest
     scaled -= scaled.mean()
-    unit = float(np.abs(scaled).max())
+    unit = max(float(scaled.max()), -float(scaled.min()))
     if unit <= 16.0 * float(np.finfo(np.float64).eps):
         raise InputError("All heights are equal: there is no roughness.")
     scaled /= unit
-    if not periodic:
-        scaled = _window(scaled)
-    power = np.abs(scipy.fft.rfft2(scaled, norm="forward")) ** 2
+    modes = scipy.fft.rfft2(scaled if periodic else _window(scaled), norm="forward")
+    power = modes.real**2
+    power += modes.imag**2
     power[0, 0] = 0.0
+    # Of a band-limited surface most modes are rounding.
+    i, j = np.nonzero(power > _ROUNDING * power.max())
     nx, ny = grid.shape
-    count = np.full((1, power.shape[1]), 2.0)
-    count[0, 0] = 1.0
-    if ny % 2 == 0:
-        count[0, -1] = 1.0
     ratio = grid.spacing[0] / grid.spacing[1]
-    qx = 2.0 * np.pi * scipy.fft.fftfreq(nx)[:, np.newaxis]
-    qy = 2.0 * np.pi * ratio * scipy.fft.rfftfreq(ny)[np.newaxis, :]
-    return Waves(qx, qy, power, count, unit * largest, grid.spacing[0], 1.0 if periodic else _DEPENDENT)
+    qx, qy = 2.0 * np.pi * scipy.fft.fftfreq(nx)[i], 2.0 * np.pi * ratio * scipy.fft.rfftfreq(ny)[j]
+    count = np.where((j == 0) | (2 * j == ny), 1.0, 2.0)
+    return Waves(qx, qy, power[i, j], count, unit * largest, grid.spacing[0], 1.0 if periodic else _DEPENDENT)
 
 
 def _window(heights: Array) -> Array:

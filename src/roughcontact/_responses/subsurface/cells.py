@@ -75,7 +75,7 @@ def cell_stress(depth: Depth, shape: tuple[int, int], sides: Pair, dtype: type[A
 
 
 def _sum_corners(x: RealArray, y: RealArray, z: Any, poisson: float) -> tuple[RealArray, ...]:
-    """Return the terms of one corner for each component; those that depend on x or on y alone are left out."""
+    """Return the terms of one corner for each component; those that depend on x or on y alone are omitted."""
     scale, shear = 0.5 / math.pi, 1.0 - 2.0 * poisson
     xx, yy, xy = x * x, y * y, x * y
     square = xx + yy

@@ -41,12 +41,12 @@ class StressField:
     @property
     def von_mises(self) -> Array:
         """Von Mises equivalent stress, shape (nx, ny), Pa."""
-        return np.asarray(np.sqrt(3.0 * shear_invariant(self.values)) * np.float64(self.scale))
+        return np.asarray(von_mises(self.values) * np.float64(self.scale))
 
     @property
     def shear(self) -> Array:
-        """Greatest shear stress, half the difference of the extreme principal stresses, shape (nx, ny), Pa."""
-        return np.asarray(greatest_shear(self.values) * np.float64(self.scale))
+        """Maximum shear stress, half the difference of the extreme principal stresses, shape (nx, ny), Pa."""
+        return np.asarray(maximum_shear(self.values) * np.float64(self.scale))
 
     def __str__(self) -> str:
         return (
@@ -67,17 +67,22 @@ def shear_invariant(values: RealArray) -> RealArray:
     return np.asarray(normal)
 
 
-def greatest_shear(values: RealArray) -> RealArray:
-    r"""Return the greatest shear stress of stresses in the order `COMPONENTS`, along the first axis.
+def von_mises(values: RealArray) -> RealArray:
+    """Return the von Mises equivalent stress of stresses in the order `COMPONENTS`, along the first axis."""
+    return np.asarray(np.sqrt(3.0 * shear_invariant(values)))
+
+
+def maximum_shear(values: RealArray) -> RealArray:
+    r"""Return the maximum shear stress of stresses in the order `COMPONENTS`, along the first axis.
 
     .. math:: \tau = \sqrt{J_2} \sin(\theta + \pi/3), \quad \cos 3\theta = \frac{3\sqrt 3}{2} \frac{J_3}{J_2^{3/2}}
     """
-    square = shear_invariant(values)
+    root = np.sqrt(shear_invariant(values))
+    # Over the root, so that the third invariant does not leave the range of float32.
+    size = np.where(root > 0.0, root, 1.0)
     mean = (values[0] + values[1] + values[2]) / 3.0
-    xx, yy, zz = (normal - mean for normal in values[:3])
-    yz, xz, xy = values[3:]
+    xx, yy, zz = ((normal - mean) / size for normal in values[:3])
+    yz, xz, xy = (shear / size for shear in values[3:])
     cube = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        cosine = 1.5 * math.sqrt(3.0) * cube / square**1.5
-    angle = np.arccos(np.clip(np.where(square > 0.0, cosine, 0.0), -1.0, 1.0)) / 3.0
-    return np.asarray(np.sqrt(square) * np.sin(angle + math.pi / 3.0))
+    angle = np.arccos(np.clip(1.5 * math.sqrt(3.0) * cube, -1.0, 1.0)) / 3.0
+    return np.asarray(root * np.sin(angle + math.pi / 3.0))

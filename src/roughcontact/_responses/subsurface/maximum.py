@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import attrs
 import numpy as np
 
-from roughcontact._responses.subsurface.field import StressField, greatest_shear, shear_invariant
+from roughcontact._responses.subsurface.field import StressField, maximum_shear, shear_invariant, von_mises
 from roughcontact.checks import Array, RealArray
 from roughcontact.grid import Boundary
 from roughcontact.units import si
@@ -65,26 +65,26 @@ class PlanePeak:
 
 def find_von_mises(field: StressField, boundary: Boundary) -> PlanePeak:
     """Return the maximum of the von Mises stress in a plane, between the points by a parabola along each axis."""
-    return _find_peak(field, boundary, np.sqrt(3.0 * shear_invariant(field.values)), lambda near: near)
+    return _find_peak(field, boundary, von_mises(field.values), von_mises)
 
 
 def find_shear(field: StressField, boundary: Boundary) -> PlanePeak:
-    """Return the maximum of the greatest shear stress in a plane, between the points by a parabola along each axis."""
+    """Return the largest of the maximum shear stresses in a plane, between the points by a parabola along each axis."""
     # It lies between sqrt(3)/2 and 1 of the root, so that few points need the angle.
     root = np.sqrt(shear_invariant(field.values))
     shear = math.sqrt(0.75) * root
     near = np.nonzero(root >= float(shear.max()))
-    shear[near] = greatest_shear(field.values[:, near[0], near[1]])
-    return _find_peak(field, boundary, shear, None)
+    shear[near] = maximum_shear(field.values[:, near[0], near[1]])
+    return _find_peak(field, boundary, shear, maximum_shear)
 
 
 def _find_peak(
-    field: StressField, boundary: Boundary, measure: RealArray, given: Callable[[RealArray], RealArray] | None
+    field: StressField, boundary: Boundary, stress: RealArray, measure: Callable[[RealArray], RealArray]
 ) -> PlanePeak:
-    i, j = (int(place) for place in np.unravel_index(int(np.argmax(measure)), measure.shape))
-    value, offsets = float(measure[i, j]), []
+    i, j = (int(place) for place in np.unravel_index(int(np.argmax(stress)), stress.shape))
+    value, offsets = float(stress[i, j]), []
     for axis, place in enumerate((i, j)):
-        count = measure.shape[axis]
+        count = stress.shape[axis]
         beside = np.array((place - 1, place + 1))
         if boundary is Boundary.PERIODIC:
             beside %= count
@@ -92,8 +92,8 @@ def _find_peak(
             offsets.append(0.0)
             continue
         points = (beside, j) if axis == 0 else (i, beside)
-        left, right = measure[points] if given else greatest_shear(field.values[:, *points])
-        shift, rise = _fit_parabola(float(left), float(measure[i, j]), float(right))
+        left, right = measure(field.values[:, *points])
+        shift, rise = _fit_parabola(float(left), float(stress[i, j]), float(right))
         offsets.append(shift)
         value += rise
     grid = field.grid

@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._problem import problem_of
 from roughcontact._responses.subsurface.cells import COMPONENTS
-from roughcontact._responses.subsurface.field import StressField, shear_invariant
+from roughcontact._responses.subsurface.field import StressField, von_mises
 from roughcontact._responses.subsurface.free import FreePlanes
 from roughcontact._responses.subsurface.maximum import (
     PlanePeak,
@@ -95,7 +95,7 @@ class Stress:
         """Von Mises equivalent stress at all depths, shape (depths, nx, ny), Pa."""
         stress = self._allocate((len(self), *self._grid.shape))
         for place, depth in enumerate(self.depths):
-            np.sqrt(3.0 * shear_invariant(self._field(float(depth), (1, 1)).values), out=stress[place])
+            stress[place] = von_mises(self._field(float(depth), (1, 1)).values)
             stress[place] *= self._scale
         return read_only(stress)
 
@@ -106,7 +106,7 @@ class Stress:
 
     @property
     def maximum_shear(self) -> StressMaximum:
-        """The maximum of the greatest shear stress, with its place and uncertainty."""
+        """The maximum shear stress, of all directions, with its place and uncertainty."""
         return self._find_maximum(1)
 
     @property
@@ -136,7 +136,7 @@ class Stress:
 
     @cached_property
     def _peaks(self) -> list[tuple[PlanePeak, PlanePeak]]:
-        """The maxima of von Mises stress and greatest shear at each depth, from the smallest to the largest."""
+        """The maxima of von Mises stress and maximum shear at each depth, from the smallest to the largest."""
         order = np.unique(self.depths, return_index=True)[1]
         fields = (self[int(index)] for index in order)
         return [
