@@ -29,6 +29,7 @@ MADE = {
     "leakage": [rc.responses.create("leakage", viscosity=1e-3, pressure_drop=1e5)],
     "elastic": [rc.Elastic(200e9, 0.3)],
     "elastic-perfectly-plastic": [rc.ElasticPerfectlyPlastic(2e11, 0.3, h) for h in (1e9, 1e5, HARDNESS)],
+    "first-yield": [rc.responses.create("first-yield", 1e9)],
     "gradient": [rc.responses.create("gradient", of) for of in ("approach", "mean-gap", "participation")],
     "paraboloid": [rc.ParaboloidSurface((1e-2, 2e-2))],
     "partial-slip": [rc.responses.create("partial-slip", tangential_force=1e-3, friction=0.3)],
@@ -295,7 +296,37 @@ class Credulous(rc.SurfaceReader):
 
 
 WAVY = rc.WavySurface(1e-6, 1e-5)
+
+
+@attrs.frozen
+class Answers(rc.Response):
+    """The area as a response, but for one thing."""
+
+    fault: str
+
+    def respond(self, solution):
+        area = solution.area()
+        value, warnings = area.value, ()
+        if self.fault == "mute":
+            return None
+        if self.fault == "corner":
+            value += 1e-3 * float(solution.initial_gap[0, 0])
+        if self.fault == "metres":
+            value += 1e-10
+        if self.fault == "moody":
+            value *= 1 + next(MOODS)
+        if self.fault == "words":
+            warnings = "doubtful"
+        return rc.Estimate(value, 0.0, "m2", warnings)
+
+
+MOODS = iter(np.linspace(0.0, 1.0, 100))
 BROKEN = [
+    (Answers("mute"), "serves a rough contact"),
+    (Answers("words"), "valid numbers and warnings"),
+    (Answers("moody"), "repeatable"),
+    (Answers("corner"), "mirrored and shifted contacts"),
+    (Answers("metres"), "scales with units"),
     (Nothing(), "coefficients or spectrum"),
     (Crooked("shape"), "shapes and types"),
     (Crooked("nan"), "finite"),
