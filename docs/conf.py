@@ -62,8 +62,9 @@ default_role = "py:obj"
 # What other packages, the standard library and our private modules call their types.
 nitpick_ignore_regex = [
     (r"py:class", r"(abc|argparse|attrs?|collections|concurrent|contextlib|enum|numpy|os|pathlib|typing)\..*"),
-    (r"py:class", r"(Array|(npt\.)?ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray)"),
-    (r"py:class", r"roughcontact\.(load\.Load|registry\.[A-Z]|studies\.chain\.Chain)"),
+    (r"py:class", r"(Array|(npt\.)?ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray|T_co)"),
+    (r"py:class", r"roughcontact\.(load\.Load|registry\.[A-Z]|studies\.chain\.Chain|_solution\.contact\.T)"),
+    (r"py:class", r"roughcontact\._responses\.flow_network\.FlowNetwork"),
 ]
 
 
