@@ -89,7 +89,7 @@ def draw_currents(axes: Axes, cells: int) -> None:
     flows = solution.conductance(50.0).patches
     field = np.full((cells, cells), np.nan)
     field[solution.contact] = 1e3 * flows[solution.patches.labels[solution.contact] - 1]
-    image = axes.imshow(field.T, origin="lower", extent=(0.0, 1e6 * SIZE) * 2, cmap="viridis", norm="log")
+    image = axes.imshow(field.T, origin="lower", extent=(-5e5 * SIZE, 5e5 * SIZE) * 2, cmap="viridis", norm="log")
     axes.figure.colorbar(image, ax=axes, label="mW/K")
     axes.set(title="through each patch, 50 W/(m K)", xlabel="x, µm", ylabel="y, µm")
 
@@ -99,7 +99,7 @@ def draw_loads(axes: Axes, cells: int, loads: int) -> None:
     problem = rough(cells, 0.8, 4, wide=True)
     pressures = np.geomspace(3e-3, 0.5, loads) * 0.1 * MODULUS
     solutions = problem.sweep(pressure=pressures.tolist()).solutions
-    for film, color in ((0.0, "#1b6ca8"), (1e-8, "#3c8d53"), (1e-7, "#d1495b")):
+    for film, color in ((0.0, "#1b6ca8"), (1e-8, "#e69f00"), (1e-7, "#3b1f5b")):
         found = [solution.conductance(50.0, film).per_area for solution in solutions]
         label = f"film of {1e6 * film:g} mm² K/W" if film else "no film"
         axes.plot(1e-6 * pressures, 1e-6 * np.array(found), "o-", color=color, ms=4, label=label)

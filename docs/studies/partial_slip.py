@@ -67,7 +67,7 @@ def draw_profile(axes: Axes, cells: int) -> None:
     a, p_max = cells * CELL, 1.5 * solution.force / (math.pi * (cells * CELL) ** 2)
     x, middle = solution.grid.x[:, 0] / a, solution.grid.shape[1] // 2
     fine = np.linspace(-1.2, 1.2, 1001)
-    for fraction, color in zip(FRACTIONS, ("#3c8d53", "#1b6ca8", "#d1495b"), strict=True):
+    for fraction, color in zip(FRACTIONS, ("#e69f00", "#1b6ca8", "#3b1f5b"), strict=True):
         found, c = slide(solution, fraction), (1 - fraction) ** (1 / 3)
         exact = np.sqrt(np.maximum(1 - fine**2, 0)) - c * np.sqrt(np.maximum(1 - (fine / c) ** 2, 0))
         axes.plot(fine, exact, "-", color=color, label=f"{fraction:g}")

@@ -135,7 +135,7 @@ def draw_answer(axes: Axes, cells: int) -> None:
     solution = rough(cells, 0.8, 3).solve(pressure=0.1 * 0.1 * MODULUS)
     answer = Tangent(solution).solve(np.ones((cells, cells)), 1e-3).values
     field = np.where(solution.contact, 1e-15 * answer, np.nan)
-    extent = (0.0, 1e6 * SIZE) * 2
+    extent = (-5e5 * SIZE, 5e5 * SIZE) * 2
     image = axes.imshow(field.T, origin="lower", extent=extent, cmap="viridis", vmax=np.nanpercentile(field, 98))
     axes.figure.colorbar(image, ax=axes, label="dp/dδ, GPa/µm")
     axes.set(title="answer to an approach", xlabel="x, µm", ylabel="y, µm")
@@ -156,7 +156,7 @@ def draw_balls(axes: Axes, draws: int) -> None:
 
 def draw_law(axes: Axes, cells: int, loads: int) -> None:
     """Draw the stiffness of surfaces of three Hurst exponents over the load."""
-    for hurst, color in ((0.3, "#3c8d53"), (0.5, "#1b6ca8"), (0.8, "#d1495b")):
+    for hurst, color in ((0.3, "#e69f00"), (0.5, "#1b6ca8"), (0.8, "#3b1f5b")):
         problem = rough(cells, hurst, 4, wide=True)
         height = float(problem.initial_gap.std())
         pressures = np.geomspace(3e-3, 0.4, loads) * 0.1 * MODULUS
