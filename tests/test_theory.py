@@ -99,6 +99,43 @@ class TestMoments:
         assert "m0" in text
 
 
+class TestBearingArea:
+    def test_of_a_gaussian_surface_is_the_normal_distribution(self):
+        rng = np.random.default_rng(8)
+        curve = rc.reference.bearing_area(
+            rng.standard_normal((400, 300)) * 1e-6 + 5e-3, [-2e-6, -1e-6, 0.0, 1e-6, 2e-6]
+        )
+        exact = np.array([0.97725, 0.84134, 0.5, 0.15866, 0.02275])
+        assert np.abs(curve.fractions - exact).max() < 5e-3
+        # Independent heights: the binomial deviation.
+        np.testing.assert_allclose(curve.uncertainties, np.sqrt(exact * (1 - exact) / 120_000), rtol=0.6)
+
+    def test_falls_from_one_to_zero_and_its_integral_is_the_mean(self):
+        surface, grid = rough(seed=4, cells=64)
+        heights = surface.heights(grid)
+        curve = rc.reference.bearing_area(heights)
+        assert np.all(np.diff(curve.fractions) <= 0.0)
+        assert curve.fractions[0] == 1.0 - 1.0 / heights.size
+        assert curve.fractions[-1] == 0.0
+        mean = curve.levels[0] + np.trapezoid(curve.fractions, curve.levels)
+        assert abs(mean) < 1e-2 * np.ptp(heights)
+
+    def test_elastic_bodies_touch_on_less_at_the_same_mean_gap(self):
+        surface, grid = rough(seed=2, cells=128)
+        solution = solve(surface, grid, 0.02)
+        heights = surface.heights(grid)
+        levels = np.linspace(heights.min() - heights.mean(), heights.max() - heights.mean(), 400)
+        curve = rc.reference.bearing_area(heights, levels)
+        gaps = np.array([np.maximum(level - heights + heights.mean(), 0.0).mean() for level in levels])
+        overlap = np.interp(solution.gap.mean(), gaps, curve.fractions)
+        assert solution.area().fraction < 0.8 * overlap
+
+    @pytest.mark.parametrize("levels", [[np.nan], [[0.0, 1.0]], "high", 0.0])
+    def test_bad_levels_get_a_sentence(self, levels):
+        with pytest.raises(rc.InputError, match="finite numbers"):
+            rc.reference.bearing_area(np.eye(4), levels)
+
+
 class TestPersson:
     def test_of_one_wave_is_the_integral(self):
         """Of a single wave number the sums have one term: the gap is an integral over the pressure."""
