@@ -68,6 +68,7 @@ def test_error_against_run_time(monkeypatch, tmp_path):
     assert (tmp_path / "error_vs_time.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_theory_and_laws(monkeypatch, tmp_path):
     persson, laws = study("persson", monkeypatch), study("interface_law", monkeypatch)
     area, ratio, gap, stiffness = persson.measure(0.8, 1, (0.05,), 256)[0]
@@ -86,6 +87,7 @@ def test_overview(monkeypatch, tmp_path):
     assert (tmp_path / "overview.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_gradients(monkeypatch, tmp_path):
     module = study("gradients", monkeypatch)
     assert [row[0] for row in module.make_rows(1, (1,))][1:3] == ["ball, radius of 3 cells", "ball, radius of 6 cells"]

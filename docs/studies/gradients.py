@@ -164,7 +164,7 @@ def main(cells: int = 64, rounds: int = 12, steps: int = 5, folder: Path = FIGUR
     figure.savefig(folder / "gradients.png", dpi=110)
 
 
-TABLES = {"area-gradient": DocTable(make_rows, seconds=8, units=2)}
+TABLES = {"area-gradient": DocTable(make_rows, seconds=12, units=2)}
 
 if __name__ == "__main__":
     write_tables(TABLES)

@@ -177,7 +177,7 @@ def main(cells: int = 256, draws: int = 24, loads: int = 8, folder: Path = FIGUR
 
 
 TABLES = {
-    "stiffness-balls": DocTable(make_balls, seconds=9, units=3),
+    "stiffness-balls": DocTable(make_balls, seconds=12, units=3),
     "stiffness-rough": DocTable(make_rough, seconds=150, units=3),
     "stiffness-cost": DocTable(make_cost, seconds=150, timed=("solve, s", "area, %", "stiffness, %", "conductance, %")),
 }

@@ -143,7 +143,7 @@ class GapFlow(Response[Leakage]):
         InputError
             If the gap is not finite.
         MissingPackage
-            If more than 1.5 million open cells join the sides and pyamg is not installed.
+            If more than 3 million open cells join the sides and pyamg is not installed.
         NotConverged
             If the flow does not converge.
         """
