@@ -107,7 +107,7 @@ def fit_power_law(heights: Array, grid: Grid, shortest: float) -> PowerLaw:
         raise InputError(
             f"The height map of {grid} is too small to extrapolate its spectrum from waves of "
             f"{si(_NARROW * shortest, 'm')} to {si(shortest, 'm')}, of which it must hold at least {_WAVES:g} a side: "
-            "give a larger map, or a shorter resolved="
+            "give a larger map, or a shorter resolved=."
         )
     edges = np.geomspace(start, limit, _BANDS + 1)
     mean, squares, centre = (
