@@ -120,7 +120,12 @@ def test_site_needs_no_network(site):
 
 def test_site_shows_what_slots_hide(site):
     page = (site / "html" / "api" / "problem.html").read_text(encoding="utf-8")
-    for name in ("ContactSolution.gap", "ContactSolution.contact", "ContactSolution.patches", "ContactProblem.plan"):
+    for name in (
+        "typing.ContactFields.gap",
+        "typing.ContactFields.contact",
+        "typing.ContactFields.patches",
+        "ContactProblem.plan",
+    ):
         assert f'id="roughcontact.{name}"' in page
 
 
