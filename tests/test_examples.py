@@ -110,6 +110,7 @@ def test_which_estimator(monkeypatch, tmp_path):
         assert (tmp_path / name).stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_lost_heights(monkeypatch, tmp_path):
     module = study("lost_heights", monkeypatch)
     monkeypatch.setattr("roughcontact_paper.synthetic_pair.PLACES", 1)

@@ -131,7 +131,7 @@ def main(cells: int = 256, loads: int = 8, points: int = 12, folder: Path = FIGU
     figure.savefig(folder / "conductance.png", dpi=110)
 
 
-TABLES = {"conductance": DocTable(make_rows, seconds=6, units=3)}
+TABLES = {"conductance": DocTable(make_rows, seconds=11, units=3)}
 
 if __name__ == "__main__":
     write_tables(TABLES)
