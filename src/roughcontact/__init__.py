@@ -8,6 +8,7 @@ import inspect
 from roughcontact.errors import interrupt as _interrupt  # noqa: F401 - for an interrupt of what follows
 
 # isort: split
+from roughcontact import examples as examples
 from roughcontact import typing
 from roughcontact._areas import AreaEstimator, Blend, CellCount, Hertz, LevelSet, LevelSetRichardson, Perimeter, areas
 from roughcontact._convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
@@ -22,9 +23,11 @@ from roughcontact._solution import (
     Estimate,
     QuantityEstimator,
     Response,
+    SolutionWriter,
     Status,
     quantities,
     responses,
+    writers,
 )
 from roughcontact._solvers import PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, solvers
 from roughcontact._surfaces import (
@@ -55,6 +58,7 @@ from roughcontact.errors.door import guarded
 from roughcontact.files import SurfaceReader, read_surface, readers
 from roughcontact.grid import Boundary, Grid
 from roughcontact.laws import interface_law
+from roughcontact.panel import Panel, panels
 from roughcontact.refinement import beyond_resolution, extrapolate, on_grid
 from roughcontact.report import Reference, error_vs_time
 from roughcontact.running_in import run_in
@@ -62,7 +66,7 @@ from roughcontact.studies import Study
 
 __version__ = "0.1.0"
 
-_MODULES = ("errors", "extrapolation", "reference", "testing", "typing")
+_MODULES = ("errors", "examples", "extrapolation", "reference", "testing", "typing")
 
 __all__ = [
     "DCFFT",
@@ -98,6 +102,7 @@ __all__ = [
     "NotConverged",
     "OutOfMemory",
     "Overlap",
+    "Panel",
     "ParaboloidSurface",
     "Perimeter",
     "PlacedMap",
@@ -109,6 +114,7 @@ __all__ = [
     "Rigid",
     "RoughContactError",
     "SelfAffineSurface",
+    "SolutionWriter",
     "Solver",
     "SpectralGradient",
     "SphereSurface",
@@ -132,6 +138,7 @@ __all__ = [
     "match",
     "materials",
     "on_grid",
+    "panels",
     "parts",
     "quantities",
     "read_surface",
@@ -142,6 +149,7 @@ __all__ = [
     "stability",
     "stability_gallery",
     "surfaces",
+    "writers",
 ]
 
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
 
 from roughcontact._solution import AreaEstimator, ContactSolution
-from roughcontact.checks import Array, number
+from roughcontact.checks import Array, flag, number
 from roughcontact.errors import InputError
 from roughcontact.load import Load
+from roughcontact.panel import Panel
+from roughcontact.panel.figures import plot
 from roughcontact.units import si
 
 # Relative error of the area at which the search for its load ends; where the area jumps from cell to cell,
@@ -73,6 +76,10 @@ class Sweep:
     def convolutions(self) -> int:
         """Convolutions of all solves together."""
         return sum(solution.convolutions for solution in self.solutions)
+
+    def plot(self, panel: str | Panel | None = None, *, axes: Any = None, dark: bool = False) -> Any:
+        """Draw the results over the load (extra ``plot``); see `ContactSolution.plot`."""
+        return plot("sweep", self, panel, axes, flag(dark, "dark="))
 
     def __str__(self) -> str:
         rows = zip(self.mean_pressure, self.force, self.approach, self.area, self.stiffness, strict=True)

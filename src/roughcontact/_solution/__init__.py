@@ -15,6 +15,7 @@ from roughcontact._solution.results import (
     areas,
     quantities,
 )
+from roughcontact._solution.writers import SolutionWriter, writers
 
 __all__ = [
     "DEFAULT_AREA",
@@ -27,8 +28,10 @@ __all__ = [
     "QuantityEstimator",
     "Residuals",
     "Response",
+    "SolutionWriter",
     "Status",
     "areas",
     "quantities",
     "responses",
+    "writers",
 ]

@@ -30,9 +30,12 @@ from roughcontact._solution.results import (
 from roughcontact._solution.saturation import estimate_saturated_area
 from roughcontact._solution.summary import summarize
 from roughcontact._solution.theory import TheoryBeside, compare_with_theory
+from roughcontact._solution.writers import write_solution, writers
 from roughcontact._surfaces import HeightMap
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
+from roughcontact.panel import Panel
+from roughcontact.panel.figures import plot
 
 if TYPE_CHECKING:
     from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress, YieldPoint
@@ -190,10 +193,10 @@ class ContactSolution(ContactFields):
         Parameters
         ----------
         path
-            Ending in ``.npz``, or in ``.nc`` for netCDF with units (extra ``store``); an existing file is
-            replaced. It holds the fields, shape (nx, ny), under their own names, the force, approach and area,
-            the versions of the packages, and the problem: each part by its registered name and fields. Python
-            warns of a part whose class is not registered.
+            Its ending names one of the registered ``writers``; an existing file is replaced. ``.npz``, or ``.nc`` for
+            netCDF with units (extra ``store``), can be loaded again: they hold the fields, shape (nx, ny), under
+            their own names, the force, approach and area, the versions of the packages, and the problem: each part
+            by its registered name and fields. Python warns of a part whose class is not registered.
 
         Raises
         ------
@@ -202,7 +205,34 @@ class ContactSolution(ContactFields):
         MissingPackage
             If netCDF is asked for without its packages.
         """
-        storage.write(checks.path(path, "The file"), self)
+        write_solution(self, checks.path(path, "The file"))
+
+    def to_html(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return a report, one page of HTML that opens without a network; written to a file if a path is given."""
+        writer: Any = writers.create("html")
+        if path is not None:
+            writer.write(self, checks.path(path, "The report"))
+        text: str = writer.text(self)
+        return text
+
+    def plot(self, panel: str | Panel | None = None, *, axes: Any = None, dark: bool = False) -> Any:
+        """Draw the contact (extra ``plot``).
+
+        Parameters
+        ----------
+        panel
+            Registered name or instance of one panel; None: the four that say most, side by side.
+        axes
+            Matplotlib's axes to draw one panel on; None: new ones.
+        dark
+            Whether the background is dark.
+
+        Returns
+        -------
+        matplotlib.axes.Axes or matplotlib.figure.Figure
+            The axes of one panel, or the figure of several.
+        """
+        return plot("solution", self, panel, axes, checks.flag(dark, "dark="))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, verify: bool = True) -> ContactSolution:

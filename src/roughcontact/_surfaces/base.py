@@ -11,9 +11,11 @@ import attrs
 import numpy as np
 
 from roughcontact._surfaces.resampling import shift_by_half_cell
-from roughcontact.checks import Array, Mask
+from roughcontact.checks import Array, Mask, flag
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
+from roughcontact.panel import Panel, SampledSurface
+from roughcontact.panel.figures import plot
 from roughcontact.registry import Registry
 
 # Two evaluations of the same heights at the same points agree to this fraction of their range: rounding.
@@ -122,6 +124,36 @@ class Surface(abc.ABC):
         if not periodic:
             raise InputError(f"The heights of {name} depend on the size of the domain, so it cannot be shifted.")
         return _Samples(grid, shift_by_half_cell(heights, grid))
+
+    def plot(
+        self, grid: Grid | None = None, panel: str | Panel | None = None, *, axes: Any = None, dark: bool = False
+    ) -> Any:
+        """Draw the surface (extra ``plot``).
+
+        Parameters
+        ----------
+        grid
+            The cells; None: those of a surface that has its own.
+        panel
+            Registered name or instance of one panel of surfaces; None: the standard ones, side by side.
+        axes
+            Matplotlib's axes to draw one panel on; None: new ones.
+        dark
+            Whether the background is dark.
+
+        Returns
+        -------
+        matplotlib.axes.Axes or matplotlib.figure.Figure
+            The axes of one panel, or the figure of several.
+        """
+        chosen = grid or self.own_grid
+        if chosen is None:
+            raise InputError("The surface has no grid of its own: give one, as in plot(rc.Grid(shape, size)).")
+        heights, missing = np.array(self.heights(chosen)), self.non_measured_on(chosen)
+        if missing is not None:
+            heights[missing] = np.nan
+        sampled = SampledSurface(heights, chosen, bool(getattr(self, "periodic", False)))
+        return plot("surface", sampled, panel, axes, flag(dark, "dark="))
 
     def reseed(self, increment: int) -> Surface | None:
         """Return the surface with `increment` added to each of its random seeds; None if it has none.

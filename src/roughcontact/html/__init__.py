@@ -1,0 +1,1 @@
+"""A solution as one page that opens in any browser."""
