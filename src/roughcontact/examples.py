@@ -144,6 +144,6 @@ def _deepen(surface: SelfAffineSurface, grid: Grid) -> Array:
 
 def _make(heights: Array, grid: Grid, text: str) -> HeightMap:
     """Return the map of heights, NaN at non-measured points, which are filled as `read_surface` fills them."""
-    rounded = np.round(heights - np.nanmean(heights), _DIGITS)
+    rounded = np.asarray(np.round(heights - np.nanmean(heights), _DIGITS), dtype=np.float64)
     mask = np.isnan(rounded)
     return HeightMap(fill(rounded) if mask.any() else rounded, grid.size, non_measured=mask, history=(text,))
