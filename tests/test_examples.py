@@ -16,9 +16,7 @@ import roughcontact as rc
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-# Their blocks continue each other; those of other pages stand alone.
-TUTORIALS = sorted((ROOT / "docs").glob("tutorial_*.md"))
-# The blocks and lines of which one takes more than some ten seconds.
+# Commands that take more than some ten seconds.
 SLOW = ("roughcontact paper", "roughcontact report")
 # Waits until it is ended; tests/test_app*.py drive it.
 SERVES = ("roughcontact app",)
@@ -45,12 +43,7 @@ def needs(line):
     return None
 
 
-BLOCKS = [
-    pytest.param(block, id=f"{page.stem}-{number}")
-    for page in PAGES
-    if page not in TUTORIALS
-    for number, block in enumerate(blocks_of(page, "python"))
-]
+SCRIPTS = [pytest.param(page, id=page.stem) for page in PAGES if blocks_of(page, "python")]
 LINES = [
     pytest.param(line, id=f"{page.stem}-{number}", marks=[pytest.mark.slow] if line.startswith(SLOW) else [])
     for page in PAGES
@@ -85,17 +78,11 @@ def run(command, place):
     return subprocess.run(command, capture_output=True, text=True, check=False, cwd=place, env=environment)
 
 
-@pytest.mark.parametrize("block", BLOCKS)
-def test_scripts_of_the_pages_run(block, place):
-    done = run([sys.executable, "-W", "error", "-c", block], place)
+@pytest.mark.parametrize("page", SCRIPTS)
+def test_scripts_of_the_pages_run(page, place):
+    """The python blocks of a page, one after the other, as a reader would run them."""
+    done = run([sys.executable, "-W", "error", "-c", "\n".join(blocks_of(page, "python"))], place)
     assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.parametrize("page", [pytest.param(page, id=page.stem) for page in TUTORIALS])
-def test_tutorials_run_block_after_block(page, place):
-    blocks = blocks_of(page, "python")
-    assert len(blocks) > 2
-    test_scripts_of_the_pages_run("\n".join(blocks), place)
     if page.stem == "tutorial_conductance":
         assert (place / "ground_on_aluminium.inp").read_text("ascii").count("*GAP CONDUCTANCE, PRESSURE") == 1
 
