@@ -8,7 +8,7 @@ import numpy.typing as npt
 from roughcontact._areas.cells import find_sharp_edges
 from roughcontact._areas.contour import find_distances
 from roughcontact._areas.dual_cells import DualCells, find_dual_cells
-from roughcontact._areas.polygons import Corners, find_crossings
+from roughcontact._areas.polygons import Corners, find_crossings, find_kinds, measure_polygons
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array, IntArray, Mask
 from roughcontact.grid import Boundary
@@ -20,6 +20,27 @@ _CORNERS = np.array(((0, 0), (1, 0), (1, 1), (0, 1)))
 def outline(solution: ContactSolution) -> Array:
     """Return the edge of the contact as straight pieces: their ends (x, y), shape (n, 2, 2), m; contact on the left."""
     return _trace(solution)[0]
+
+
+def edge_law(solution: ContactSolution) -> float:
+    r"""Return the slope of the distribution of the pressure over the nominal area at zero pressure, 1/Pa2.
+
+    At the distance d from the edge :math:`p = K\sqrt{d}`, so that the distribution begins with
+    :math:`(2 p / A_0) \oint ds / K^2`, along the edge and over the nominal area.
+    """
+    dual, grid = find_dual_cells(solution, 1), solution.grid
+    i, j = dual.find_edge(solution.contact)
+    k = dual.corners(i, j)
+    touching = solution.contact.ravel()[k]
+    distance = find_distances(solution, k, touching, grid.spacing)
+    pressure = np.where(solution.saturated.ravel()[k], 0.0, solution.pressure.ravel()[k])
+    # In a dual cell all distances follow from one K: that of the corner furthest inside.
+    deepest, each = np.argmax(pressure, axis=0), np.arange(i.size)
+    square, depth = pressure[deepest, each] ** 2, distance[deepest, each]
+    elastic = (square > 0.0) & (depth > 0.0)
+    _, lengths, _ = measure_polygons(distance, touching, find_kinds(touching), grid.spacing)
+    weights = dual.weights[0][i] * dual.weights[1][j] * lengths
+    return float(np.sum((weights * depth)[elastic] / square[elastic])) * 2.0 / grid.area
 
 
 def contours(solution: ContactSolution) -> list[Array]:
