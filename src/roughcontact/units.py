@@ -8,6 +8,7 @@ import re
 import attrs
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
+_RAISED = {1: "", 2: "²", 3: "³"}
 # Units that begin with a power or an inverse, such as m2 or 1/m.
 _POWER = re.compile(r"[^\W\d]+\d|1/")
 
@@ -21,6 +22,23 @@ def si(value: float, unit: str, digits: int = 4) -> str:
     if power not in _PREFIXES or _POWER.match(unit):
         return f"{value:.{digits}g} {unit}"
     return f"{value / 10.0**power:.{digits}g} {_PREFIXES[power]}{unit}"
+
+
+def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
+    """Return the unit with the prefix that suits numbers up to `largest`, and what they are multiplied by for it.
+
+    Parameters
+    ----------
+    largest
+        Largest magnitude among the numbers, in the SI unit raised to the power.
+    unit, power
+        SI unit and the power that it is raised to, such as ``"m"`` and 2 for areas.
+    """
+    thousands = 0
+    if 0.0 < largest < math.inf:
+        thousands = 3 * math.floor(math.log10(largest) / (3 * power) + 1e-9)
+    exponent = min(max(thousands, min(_PREFIXES)), max(_PREFIXES))
+    return 10.0 ** (-exponent * power), f"{_PREFIXES[exponent]}{unit}{_RAISED[power]}"
 
 
 def binary(size: float) -> str:

@@ -6,6 +6,7 @@ import abc
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import attrs
+import numpy as np
 
 from roughcontact.checks import Array
 from roughcontact.registry import Registry
@@ -56,3 +57,8 @@ class SampledSurface:
     heights: Array
     grid: Grid
     periodic: bool
+
+    @property
+    def rms_height(self) -> float:
+        """Root mean square of the measured heights about their mean, m."""
+        return float(np.nanstd(self.heights))
