@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from typing import Any
 
 import attrs
+import numpy as np
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
 # Areas and volumes, whose prefix is raised to the power behind it; and units with another power or an inverse.
@@ -54,6 +56,18 @@ def binary(size: float) -> str:
     """Return a number of bytes in words such as ``1.5 GiB``."""
     power = min(max(0, int(size).bit_length() - 1) // 10, 4)
     return f"{size / 2 ** (10 * power):.4g} {('bytes', 'KiB', 'MiB', 'GiB', 'TiB')[power]}"
+
+
+def counted(count: int, what: str) -> str:
+    """Return a number of things in words such as ``1 load`` and ``2 loads``."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def outlined(value: Any) -> str:
+    """Return an array in words such as ``<8 x 8 float64>``, and anything else as `repr` does."""
+    if isinstance(value, np.ndarray):
+        return f"<{' x '.join(map(str, value.shape))} {value.dtype}>" if value.ndim else repr(value.item())
+    return repr(value)
 
 
 @attrs.frozen
