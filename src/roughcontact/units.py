@@ -15,6 +15,7 @@ _AREA_OR_VOLUME, _POWER = re.compile(r"m([23])\b"), re.compile(r"[^\W\d]+\d|1/")
 
 # Decimals beyond which a number is written with an exponent.
 _DECIMALS = 9
+_RAISED = {1: "", 2: "²", 3: "³"}
 
 
 def si(value: float, unit: str, digits: int = 4) -> str:
@@ -50,6 +51,23 @@ class PlainText(str):
 
     def __repr__(self) -> str:
         return str(self)
+
+
+def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
+    """Return the unit with the prefix that suits numbers up to `largest`, and what they are multiplied by for it.
+
+    Parameters
+    ----------
+    largest
+        Largest magnitude among the numbers, in the SI unit raised to the power.
+    unit, power
+        SI unit and the power that it is raised to, such as ``"m"`` and 2 for areas.
+    """
+    thousands = 0
+    if 0.0 < largest < math.inf:
+        thousands = 3 * math.floor(math.log10(largest) / (3 * power) + 1e-9)
+    exponent = min(max(thousands, min(_PREFIXES)), max(_PREFIXES))
+    return 10.0 ** (-exponent * power), f"{_PREFIXES[exponent]}{unit}{_RAISED[power]}"
 
 
 def binary(size: float) -> str:
