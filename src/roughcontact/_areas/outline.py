@@ -1,4 +1,4 @@
-"""The edge of the contact as lines, for figures: closed, because both dual cells beside a side share one point on it."""
+"""The edge of the contact as lines for figures, closed: both dual cells beside a side share one point on it."""
 
 from __future__ import annotations
 

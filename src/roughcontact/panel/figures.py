@@ -9,7 +9,7 @@ from typing import Any
 
 from roughcontact.archive import replacing
 from roughcontact.errors import InputError
-from roughcontact.panel import Panel, panels
+from roughcontact.panel.base import Panel, panels
 from roughcontact.panel.layout import arrange
 from roughcontact.panel.theme import require_matplotlib, style, theme_of
 

@@ -32,8 +32,8 @@ def _axis(value: object) -> int:
 class ProfilePanel(Panel):
     """A cut through both bodies, deformed, with the contact marked; the heights are exaggerated.
 
-    The displacement is divided between the bodies in proportion to their compliances. Where the problem of a solution is
-    not known, one body has the combined heights and all of the displacement.
+    The displacement is divided between the bodies in proportion to their compliances. Where the problem of a solution
+    is not known, one body has the combined heights and all of the displacement.
 
     Attributes
     ----------

@@ -31,9 +31,9 @@ _ROUNDING = 1e-18
 class SpectrumPanel(Panel):
     r"""The power spectral density :math:`C(q) = A\,|h_q|^2`, m4, over the wave number.
 
-    With the coefficients :math:`h_q` of the Fourier series on the area A, the mean square height is the
-    integral of C over the plane of wave numbers over :math:`4 \pi^2`. It is the mean over all directions, and over those within
-    22.5 degrees of x and of y. A map that does not repeat is drawn less its quadratic form and through a window; its
+    With the coefficients :math:`h_q` of the Fourier series on the area A, the mean square height is the integral of C
+    over the plane of wave numbers, over :math:`4 \pi^2`. The curves are the means over all directions, and over those
+    within 22.5 degrees of x and of y. A map that does not repeat is taken less its quadratic form and through a window;
     non-measured points are filled.
 
     References
@@ -90,7 +90,7 @@ def spectral_density(sampled: SampledSurface) -> tuple[Array, Array, Array]:
 
 
 def average_in_bands(q: Array, density: Array) -> tuple[Array, Array]:
-    """Return wave numbers and the mean density of the waves, shapes (n,), in bands of equal ratio that are not empty."""
+    """Return wave numbers and the mean density of the waves, shapes (n,), in bands of equal ratio with waves."""
     used = q > 0.0
     q, density = q[used], density[used]
     if not q.size:
