@@ -20,9 +20,9 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
 for (name, material), marker in zip(materials.items(), "os", strict=True):
     problem = rc.ContactProblem(rc.Body(rc.SphereSurface(5e-3), material), grid=grid)
     sweep = problem.sweep(force=np.linspace(5, 40, 8))
-    middle = sweep.solutions[-1].pressure[:, 80] / 1e9
+    middle = sweep[-1].pressure[:, 80] / 1e9
     left.plot(1e6 * grid.x[:, 0], middle, label=name)
-    right.plot(sweep.force, [1e12 * area.value for area in sweep.areas()], f"{marker}-", label=name)
+    right.plot(sweep.force, 1e12 * sweep.area, f"{marker}-", label=name)
 left.set(xlabel="x, µm", ylabel="pressure at 40 N, GPa", ylim=(0, None))
 right.set(xlabel="force, N", ylabel="contact area, µm²", xlim=(0, None), ylim=(0, None))
 left.legend(loc="lower center")
