@@ -7,6 +7,7 @@ built, so that it reads the same without a network.
 from __future__ import annotations
 
 import doctest
+import importlib.util
 import inspect
 import re
 import sys
@@ -54,6 +55,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "auto_gallery",
     "filename_pattern": r"\.py$",
+    "ignore_pattern": "__init__" if importlib.util.find_spec("roughcontact_layered") else "layered",
     "within_subsection_order": "FileNameSortKey",
     "capture_repr": (),
     "download_all_examples": False,
