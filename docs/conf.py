@@ -24,6 +24,7 @@ import roughcontact
 
 project = "roughcontact"
 author = "The roughcontact developers"
+project_copyright = "2026, the roughcontact developers"
 version = release = roughcontact.__version__
 language = "en"
 
