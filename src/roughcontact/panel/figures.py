@@ -39,3 +39,12 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
         target = pyplot.figure(layout="constrained").add_subplot() if axes is None else axes
         chosen.draw(subject, target)
         return target
+
+
+def make_figure(kind: str, subject: Any, panel: str | Panel | None = None, dark: bool = False) -> Any:
+    """Return the figure that `plot` draws, but one that pyplot does not know of: to be saved, in any thread."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(layout="constrained")
+    plot(kind, subject, panel, figure.add_subplot(), dark)
+    return figure
