@@ -111,4 +111,3 @@ class Session:
             "folder": str(folder),
             "calibration": self.jobs.calibration,
         }
-
