@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from typing import Any
 
 import attrs
+import numpy as np
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
 # Areas and volumes, whose prefix is raised to the power behind it; and units with another power or an inverse.
@@ -13,6 +15,7 @@ _AREA_OR_VOLUME, _POWER = re.compile(r"m([23])\b"), re.compile(r"[^\W\d]+\d|1/")
 
 # Decimals beyond which a number is written with an exponent.
 _DECIMALS = 9
+_RAISED = {1: "", 2: "²", 3: "³"}
 
 
 def si(value: float, unit: str, digits: int = 4) -> str:
@@ -50,10 +53,39 @@ class PlainText(str):
         return str(self)
 
 
+def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
+    """Return the unit with the prefix that suits numbers up to `largest`, and what they are multiplied by for it.
+
+    Parameters
+    ----------
+    largest
+        Largest magnitude among the numbers, in the SI unit raised to the power.
+    unit, power
+        SI unit and the power that it is raised to, such as ``"m"`` and 2 for areas.
+    """
+    thousands = 0
+    if 0.0 < largest < math.inf:
+        thousands = 3 * math.floor(math.log10(largest) / (3 * power) + 1e-9)
+    exponent = min(max(thousands, min(_PREFIXES)), max(_PREFIXES))
+    return 10.0 ** (-exponent * power), f"{_PREFIXES[exponent]}{unit}{_RAISED[power]}"
+
+
 def binary(size: float) -> str:
     """Return a number of bytes in words such as ``1.5 GiB``."""
     power = min(max(0, int(size).bit_length() - 1) // 10, 4)
     return f"{size / 2 ** (10 * power):.4g} {('bytes', 'KiB', 'MiB', 'GiB', 'TiB')[power]}"
+
+
+def counted(count: int, what: str) -> str:
+    """Return a number of things in words such as ``1 load`` and ``2 loads``."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def outlined(value: Any) -> str:
+    """Return an array in words such as ``<8 x 8 float64>``, and anything else as `repr` does."""
+    if isinstance(value, np.ndarray):
+        return f"<{' x '.join(map(str, value.shape))} {value.dtype}>" if value.ndim else repr(value.item())
+    return repr(value)
 
 
 @attrs.frozen

@@ -8,10 +8,10 @@ import attrs
 import numpy as np
 
 from roughcontact._areas.cells import count_sides, find_straight_rows, measure_sides
-from roughcontact._areas.contour import outline
 from roughcontact._areas.curvature import curvature_resolution
 from roughcontact._areas.edges import UNSURE, TracedEdges, trace_edges
 from roughcontact._areas.hertz import hertz_areas
+from roughcontact._areas.outline import contours, outline
 from roughcontact._areas.total import list_warnings, total_area
 from roughcontact._solution import Area, AreaEstimator, ContactSolution
 from roughcontact.checks import Array
@@ -105,6 +105,14 @@ class LevelSet(AreaEstimator):
     def outline(self, solution: ContactSolution) -> Array:
         """Return the edge as line segments for a figure: both ends (x, y) of each, shape (n, 2, 2), m."""
         return outline(solution)
+
+    def contours(self, solution: ContactSolution) -> list[Array]:
+        """Return the edge as lines for a figure, (x, y) of shape (n, 2), m, the contact on their left.
+
+        The last point of a closed line is its first. Lines that cross a periodic border continue beyond it, and a line
+        around the domain ends at the image of its first point; lines that reach a free border end there.
+        """
+        return contours(solution)
 
 
 @attrs.frozen
