@@ -1,4 +1,4 @@
-"""What the settings of the page describe: a surface, a problem, loads. Nothing here is particular to the page's server."""
+"""What the settings of the page describe: a surface, a problem, loads."""
 
 from __future__ import annotations
 
