@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import re
 import secrets
 import threading
 import time
@@ -26,50 +27,11 @@ _BLOCK, _SHOWN = 1 << 16, 100
 _PATIENCE = 300.0
 # Endings of instruments' files, which no reader claims; any other is read without an ending.
 _INSTRUMENTS = frozenset(
-    [
-        ".al3d",
-        ".asd",
-        ".bcr",
-        ".bcrf",
-        ".di",
-        ".dzi",
-        ".frt",
-        ".gwy",
-        ".h5",
-        ".hgt",
-        ".ibw",
-        ".jpk",
-        ".lext",
-        ".map",
-        ".mat",
-        ".mi",
-        ".mnt",
-        ".nanoscope",
-        ".nc",
-        ".nid",
-        ".nms",
-        ".opd",
-        ".opdx",
-        ".oir",
-        ".os3d",
-        ".plu",
-        ".plux",
-        ".poir",
-        ".ps",
-        ".sdf",
-        ".spm",
-        ".stp",
-        ".sur",
-        ".top",
-        ".vk3",
-        ".vk4",
-        ".vk6",
-        ".vk7",
-        ".x3p",
-        ".xyz",
-        ".zmg",
-        ".zon",
-    ]
+    re.findall(
+        r"\.\w+",
+        ".al3d .asd .bcr .bcrf .di .dzi .frt .gwy .h5 .hgt .ibw .jpk .lext .map .mat .mi .mnt .nanoscope .nc .nid .nms "
+        ".opd .opdx .oir .os3d .plu .plux .poir .ps .sdf .spm .stp .sur .top .vk3 .vk4 .vk6 .vk7 .x3p .xyz .zmg .zon",
+    )
 )
 
 
