@@ -40,9 +40,7 @@ LONG = {"surface": "self-affine", "cells": "1536", "shortest": "0.4", "loads": "
 
 # An array of objects, which numpy would read by pickle.
 PICKLED = (
-    b"\x93NUMPY\x01\x00v\x00{'descr': '|O', 'fortran_order': False, 'shape': (2, 2), }".ljust(128)
-    + b"cos\nsystem\n."
-)
+    b"\x93NUMPY\x01\x00v\x00{'descr': '|O', 'fortran_order': False, 'shape': (2, 2), }".ljust(128) + b"cos\nsystem\n."
 )
 
 
