@@ -151,6 +151,11 @@ class HeightMap(Surface):
         """Return the map as a `SurfaceTopography.Topography` in m, masked at non-measured points."""
         return make_topography(self)
 
+    def __repr__(self) -> str:
+        periodic = ", periodic" if self.periodic else ""
+        lost = "" if self.non_measured is None else f", {int(self.non_measured.sum())} points non-measured"
+        return f"<HeightMap {self.grid}{periodic}{lost}>"
+
     def heights(self, grid: Grid) -> Array:
         """Return the heights on the map's own grid, shape `grid.shape`, m: a map is resampled only on request."""
         if not self.grid.matches(grid):

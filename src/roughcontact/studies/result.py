@@ -94,7 +94,7 @@ class StudyResult:
         estimators = list(dict.fromkeys(name for record in self.records for name in record.areas))
 
         def spread(values: Iterable[Any], missing: object, kind: type) -> RealArray:
-            filled = np.full([len(known) for known in positions], missing, dtype=kind)
+            filled: RealArray = np.full([len(known) for known in positions], missing, dtype=kind)
             for where, value in zip(index, values, strict=True):
                 filled[where] = value
             return filled
