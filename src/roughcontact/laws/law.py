@@ -103,7 +103,7 @@ class InterfaceLaw:
 
     def __repr__(self) -> str:
         low, high = (si(float(pressure), "Pa") for pressure in self.pressures[[0, -1]])
-        return f"<InterfaceLaw: {counted(len(self.pressures), 'load')}, {low} to {high}: {', '.join(self.columns)}>"
+        return f"<InterfaceLaw {counted(len(self.pressures), 'load')}, {low} to {high}: {', '.join(self.columns)}>"
 
     def _repr_html_(self) -> str:
         return self._table.to_html(" ".join([*self.description, *(f"Warning: {text}" for text in self.warnings)]))

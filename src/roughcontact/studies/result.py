@@ -143,7 +143,7 @@ class StudyResult:
         return Table(columns, units | {"load": self._load_unit})
 
     def __repr__(self) -> str:
-        return f"<StudyResult: {self}>"
+        return f"<StudyResult {self}>"
 
     def _repr_html_(self) -> str:
         table, axes = self._table, self._places
