@@ -25,10 +25,7 @@ _BLOCK, _SHOWN = 1 << 16, 100
 # Seconds in which a file of the largest size must have come; it is sent on one machine.
 _PATIENCE = 300.0
 # Endings of instruments' files, which no reader claims; any other is read without an ending.
-_INSTRUMENTS = (
-    "al3d asd bcr bcrf di dzi frt gwy h5 hgt ibw jpk lext map mat mi mnt nanoscope nc nid nms opd opdx oir os3d "
-    "plu plux poir ps sdf spm stp sur top vk3 vk4 vk6 vk7 x3p xyz zmg zon"
-).split()
+_INSTRUMENTS = ["al3d", "asd", "bcr", "bcrf", "di", "dzi", "frt", "gwy", "h5", "hgt", "ibw", "jpk", "lext", "map", "mat", "mi", "mnt", "nanoscope", "nc", "nid", "nms", "opd", "opdx", "oir", "os3d", "plu", "plux", "poir", "ps", "sdf", "spm", "stp", "sur", "top", "vk3", "vk4", "vk6", "vk7", "x3p", "xyz", "zmg", "zon"]
 
 
 @attrs.frozen

@@ -18,7 +18,7 @@ from roughcontact.app.forecast import forecast_seconds
 from roughcontact.app.outputs import Outputs, draw_panel
 from roughcontact.app.progress import Progress
 from roughcontact.app.scene import Scene, Upload, describe, inspect_file, make_loads, make_problem, make_scene
-from roughcontact.app.settings import DEFAULTS, Settings, read_settings
+from roughcontact.app.settings import Settings, read_settings
 from roughcontact.checks import Array
 from roughcontact.errors import RoughContactError
 from roughcontact.load import Load
