@@ -129,6 +129,11 @@ class HeightMap(Surface):
         """The heights as given, shape (nx, ny), m, read-only."""
         return self._heights
 
+    def __repr__(self) -> str:
+        periodic = ", periodic" if self.periodic else ""
+        lost = "" if self.non_measured is None else f", {int(self.non_measured.sum())} points non-measured"
+        return f"<HeightMap {self.grid}{periodic}{lost}>"
+
     @classmethod
     def from_topography(cls, topography: Any, *, non_measured: str = "refuse") -> HeightMap:
         """Return the map of a two-dimensional `SurfaceTopography.Topography`, its unit converted to m.
@@ -150,11 +155,6 @@ class HeightMap(Surface):
     def to_topography(self) -> Any:
         """Return the map as a `SurfaceTopography.Topography` in m, masked at non-measured points."""
         return make_topography(self)
-
-    def __repr__(self) -> str:
-        periodic = ", periodic" if self.periodic else ""
-        lost = "" if self.non_measured is None else f", {int(self.non_measured.sum())} points non-measured"
-        return f"<HeightMap {self.grid}{periodic}{lost}>"
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights on the map's own grid, shape `grid.shape`, m: a map is resampled only on request."""
