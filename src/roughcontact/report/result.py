@@ -14,7 +14,8 @@ from roughcontact.archive import replacing
 from roughcontact.checks import choice
 from roughcontact.report.reference import QUANTITIES, UNITS, Reference
 from roughcontact.report.row import ReportRow, Timing, advise, find_varying_parts, format_percent
-from roughcontact.units import si
+from roughcontact.tables import Table
+from roughcontact.units import counted, si
 
 _LABELS = {"area": "area", "p_max": "maximum pressure", "approach": "approach"}
 # Errors whose ratio is above this count as equal, so that chance does not decide between them.
@@ -71,6 +72,14 @@ class ErrorReport:
         enough too: a coarse grid may be right by chance.
         """
         return advise(self.rows, self.reference, area)
+
+    def __repr__(self) -> str:
+        return f"<ErrorReport {counted(len(self.rows), 'row')}: {self.description}>"
+
+    def _repr_html_(self) -> str:
+        headings, body, notes = self._make_table()
+        columns = dict(zip(headings, zip(*body, strict=True), strict=True))
+        return Table(columns).to_html(*self._make_head(), *notes)
 
     def __str__(self) -> str:
         headings, body, footnotes = self._make_table()
