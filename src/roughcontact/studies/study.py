@@ -81,9 +81,9 @@ class Study:
     """
 
     problems: Mapping[str, ContactProblem] = attrs.field(converter=_problems)
-    pressure: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple)
-    force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple)
-    approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple)
+    pressure: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, metadata={"unit": "Pa"})
+    force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, metadata={"unit": "N"})
+    approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, metadata={"unit": "m"})
     areas: tuple[str, ...] = attrs.field(default=(DEFAULT_AREA,), converter=_names)
     seeds: tuple[int, ...] = attrs.field(default=(), converter=_seeds)
 
