@@ -28,7 +28,7 @@ from roughcontact._solution.results import (
     require_estimate,
 )
 from roughcontact._solution.saturation import estimate_saturated_area
-from roughcontact._solution.summary import summarize
+from roughcontact._solution.summary import abbreviate, summarize
 from roughcontact._solution.theory import TheoryBeside, compare_with_theory
 from roughcontact._solution.writers import write_solution, writers
 from roughcontact._surfaces import HeightMap
@@ -267,5 +267,16 @@ class ContactSolution(ContactFields):
         return storage.to_xarray(self)
 
     def __str__(self) -> str:
-        measured = [one for one in self._maps if not one.periodic]
-        return summarize(self, measured, self._materials)
+        return summarize(self, self._measured, self._materials)
+
+    def __repr__(self) -> str:
+        return abbreviate(self)
+
+    def _repr_html_(self) -> str:
+        writer: Any = writers.create("html")
+        text: str = writer.table(self)
+        return text
+
+    @property
+    def _measured(self) -> list[HeightMap]:
+        return [one for one in self._maps if not one.periodic]

@@ -26,8 +26,9 @@ from roughcontact.description import (
     public_class,
     rebuild,
 )
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
+from roughcontact.tables import make_dataset
 
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
@@ -149,10 +150,6 @@ def to_xarray(solution: ContactSolution) -> Any:
 
 
 def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
-    try:
-        import xarray
-    except ImportError:
-        raise MissingPackage("Datasets need the package xarray: pip install 'roughcontact[store]'.") from None
     grid, variables = solution.grid, {}
     for name, values in packed.items():
         axes = ("x", "y") if name in _FIELDS else tuple(f"{name}_{axis}" for axis in range(values.ndim))
@@ -161,7 +158,7 @@ def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
     places = {"x": ("x", grid.x[:, 0], {"units": "m"}), "y": ("y", grid.y[0], {"units": "m"})}
     made_by = ", ".join(f"{name} {number}" for name, number in versions().items())
     title = {"title": "contact of rough surfaces", "status": str(solution.status), "versions": made_by}
-    return xarray.Dataset(variables, coords=places, attrs=title)
+    return make_dataset(variables, places, title)
 
 
 def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:

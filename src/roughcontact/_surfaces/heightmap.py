@@ -128,6 +128,11 @@ class HeightMap(Surface):
         """The heights as given, shape (nx, ny), m, read-only."""
         return self._heights
 
+    def __repr__(self) -> str:
+        periodic = ", periodic" if self.periodic else ""
+        lost = "" if self.non_measured is None else f", {int(self.non_measured.sum())} points non-measured"
+        return f"<HeightMap {self.grid}{periodic}{lost}>"
+
     def heights(self, grid: Grid) -> Array:
         """Return the heights on the map's own grid, shape `grid.shape`, m: a map is resampled only on request."""
         if not self.grid.matches(grid):

@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import roughcontact as rc
+from roughcontact._problem.sweep import Sweep
+from roughcontact._problem.sweep_table import make_table
 from roughcontact._solution.origin import versions
 from roughcontact.units import si
 from roughcontact.units.text import fit
@@ -81,67 +83,41 @@ def _finite(value: Any) -> Any:
 
 
 def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
-    """Return a header and a row for each load, in SI units."""
-    rows = [_row(solution, estimator) for solution in solutions]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue().rstrip("\n")
-
-
-def _row(solution: rc.ContactSolution, estimator: str | None) -> dict[str, Any]:
-    area, peak = solution.area(), solution.peak_pressure()
-    row = {
-        "force_N": solution.force,
-        "mean_pressure_Pa": solution.mean_pressure,
-        "approach_m": solution.approach,
-        "area_m2": float(area.value),
-        "area_uncertainty_m2": float(area.uncertainty),
-        "area_fraction": float(area.fraction),
-        "peak_pressure_Pa": float(peak.value),
-        "peak_pressure_uncertainty_Pa": float(peak.uncertainty),
-        "saturated_area_m2": float(solution.saturated_area().value),
+    """Return a header and a row for each load, in SI units: the columns of `Sweep.to_pandas`, and more."""
+    columns: dict[str, Sequence[Any]] = {
+        **make_table(Sweep(tuple(solutions))).columns,
+        "saturated_area": [float(solution.saturated_area().value) for solution in solutions],
+        "status": [solution.status.name for solution in solutions],
+        "warnings": [" ".join(_warnings(solution)) for solution in solutions],
+        "convolutions": [solution.convolutions for solution in solutions],
+        "seconds": [solution.seconds for solution in solutions],
     }
     if estimator is not None:
-        other = solution.area(estimator)
-        row |= {"other_area_m2": float(other.value), "other_area_uncertainty_m2": float(other.uncertainty)}
-    return {
-        **row,
-        "status": solution.status.name,
-        "warnings": " ".join(dict.fromkeys((*solution.warnings, *area.warnings))),
-        "convolutions": solution.convolutions,
-        "seconds": solution.seconds,
-    }
+        others = [solution.area(estimator) for solution in solutions]
+        columns["other_area"] = [float(area.value) for area in others]
+        columns["other_area_uncertainty"] = [float(area.uncertainty) for area in others]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    # A stiffness that is not known, of a single load, is an empty field.
+    writer.writerows(["" if value != value else value for value in row] for row in zip(*columns.values(), strict=True))
+    return text.getvalue().rstrip("\n")
 
 
 def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
     """Return the answer for people: that of one load, or a table over several, of at most 80 columns."""
-    lines = [str(solutions[0])] if len(solutions) == 1 else _table(solutions)
+    lines = [str(solutions[0])]
+    if len(solutions) > 1:
+        texts: dict[str, list[str]] = {}
+        for solution in solutions:
+            for text in _warnings(solution):
+                texts.setdefault(text, []).append(si(solution.force, "N"))
+        lines = [str(Sweep(tuple(solutions))), "+-: one standard deviation"]
+        lines += [f"warning  {text} [at {', '.join(at)}]" for text, at in texts.items()]
     if estimator is not None:
         lines += ["", *(f"Area: {solution.area(estimator)}" for solution in solutions)]
     return fit("\n".join(lines))
 
 
-def _table(solutions: Sequence[rc.ContactSolution]) -> list[str]:
-    row = "{:>10} {:>13} {:>10} {:>9} {:>8} {:>13} {:>8}"
-    lines = [row.format("force", "mean pressure", "approach", "area, %", "+- %", "max pressure", "+- %")]
-    texts: dict[str, list[str]] = {}
-    for solution in solutions:
-        area, peak, force = solution.area(), solution.peak_pressure(), si(solution.force, "N")
-        spreads = [f"{100 * found.uncertainty / found.value:.2g}" if found.value else "" for found in (area, peak)]
-        lines.append(
-            row.format(
-                force,
-                si(solution.mean_pressure, "Pa"),
-                si(solution.approach, "m"),
-                f"{100 * area.fraction:.4g}",
-                spreads[0],
-                si(peak.value, "Pa"),
-                spreads[1],
-            )
-        )
-        for text in dict.fromkeys((*solution.warnings, *area.warnings)):
-            texts.setdefault(text, []).append(force)
-    lines.append("+-: one standard deviation of the value before it; area in % of nominal")
-    return [*lines, *(f"warning  {text} [at {', '.join(at)}]" for text, at in texts.items())]
+def _warnings(solution: rc.ContactSolution) -> tuple[str, ...]:
+    return tuple(dict.fromkeys((*solution.warnings, *solution.area().warnings)))

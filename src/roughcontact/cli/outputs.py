@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import roughcontact as rc
 from roughcontact import checks
 from roughcontact.archive import replacing
+from roughcontact.panel.theme import require_matplotlib
 from roughcontact.units.text import fit
 
 PICTURES = frozenset({".png", ".svg", ".pdf"})
-# Dots per inch of a picture, so that cells of usual maps are not lost.
-_RESOLUTION = 200
 
 
 def plan_outputs(given: Sequence[str], report: str | None) -> list[Path]:
@@ -58,24 +56,12 @@ def plan_picture(text: str, others: Sequence[str] = ()) -> Path:
     return path
 
 
-def require_matplotlib() -> None:
-    """Raise `MissingPackage` without matplotlib, before anything is computed."""
-    if find_spec("matplotlib") is None:
-        raise rc.MissingPackage("Pictures need matplotlib: pip install 'roughcontact[plot]'.")
-
-
 def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.ContactSolution]) -> str:
     """Write a solution, or those of a sweep with their numbers, and a picture of the subject; say what was written."""
     written = []
     for path in files:
         if path.suffix in PICTURES:
-            # Until the standard panels are there.
-            if "heights" not in rc.panels and path.suffix == ".png" and isinstance(subject, rc.ContactSolution):
-                from roughcontact.cli.picture import draw_solution
-
-                draw_solution(subject, path)
-            else:
-                save_picture(subject.plot(), path)
+            save_picture(subject.plot(), path)
             written.append(path)
             continue
         for number, solution in enumerate(solutions, 1):
@@ -86,9 +72,11 @@ def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.Co
 
 
 def save_picture(drawn: Any, path: Path) -> None:
-    """Write a figure, or that of some axes, completely or not at all."""
-    figure = getattr(drawn, "figure", None) or drawn
+    """Write the figure of some axes, or a figure, completely or not at all, and let pyplot forget it."""
+    from matplotlib import pyplot
+
     content = io.BytesIO()
-    figure.savefig(content, dpi=_RESOLUTION, format=path.suffix.removeprefix("."))
+    drawn.figure.savefig(content, format=path.suffix.removeprefix("."))
+    pyplot.close(drawn.figure)
     with replacing(path) as partial:
         partial.write_bytes(content.getvalue())
