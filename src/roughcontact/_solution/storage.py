@@ -165,11 +165,6 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
     """Return all arrays by name, and everything else as data that JSON can hold."""
     parts: dict[str, RealArray] = {}
     origin, limit = solution.origin, solution.pressure_limit
-    figures = {
-        "maximum_pressure": float(solution.pressure.max()),
-        **_estimate(solution, "area"),
-        **_estimate(solution, "saturated_area"),
-    }
     described = ("moduli", "history", "boundary", *_REALS, *_COUNTS)
     tables = {name: attrs.asdict(getattr(solution, name)) for name in ("grid", "residuals")}
     header = {
@@ -187,8 +182,17 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
         "load": None if origin is None else describe(origin.load, parts),
     }
     fields = {name: getattr(solution, name) for name in _FIELDS}
-    scalars = {name: figures.get(name, getattr(solution, name, None)) for name in _SCALARS}
-    return {**fields, **scalars, **{_PART + name: values for name, values in parts.items()}}, header
+    return {**fields, **scalars_of(solution), **{_PART + name: values for name, values in parts.items()}}, header
+
+
+def scalars_of(solution: ContactSolution) -> dict[str, float]:
+    """Return the numbers that files state beside the fields, by name, in SI units."""
+    figures = {
+        "maximum_pressure": float(solution.pressure.max()),
+        **_estimate(solution, "area"),
+        **_estimate(solution, "saturated_area"),
+    }
+    return {name: figures.get(name, getattr(solution, name, math.nan)) for name in _SCALARS}
 
 
 def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:

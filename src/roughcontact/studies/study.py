@@ -27,10 +27,6 @@ from roughcontact.studies.tasks import run_chains
 from roughcontact.units import counted
 
 _ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds")
-# Names that are no axes: the columns of its tables.
-_RESERVED = {*_ARGUMENTS, *(one.name for one in attrs.fields(Record)), "area", "area_uncertainty", "estimator"} - {
-    "seed"
-}
 # Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts; for `explain` only.
 _CONVOLUTIONS = 25
 # Units in which texts of a study file are read.
@@ -121,14 +117,14 @@ class Study:
     ) -> None:
         made: Any = problems
         if callable(problems):
-            made = BuiltProblems.over(problems, axes, _RESERVED)
+            made = BuiltProblems.over(problems, axes, _ARGUMENTS)
         elif axes:
             raise InputError.unknown("argument of Study", min(axes), _ARGUMENTS)
         self.__attrs_init__(made, pressure=pressure, force=force, approach=approach, areas=areas, seeds=seeds)
 
     def __attrs_post_init__(self) -> None:
         if isinstance(self.problems, BuiltProblems) and self.seeds:
-            raise InputError("With a function seeds= says nothing: make seed one of its parameters, seed=[...].")
+            raise InputError("A function takes its seed as a parameter: give seed=[...] instead of seeds=.")
         for name, problem in self._known_problems:
             if self.seeds and not _has_random_surface(problem):
                 raise InputError(f"Seeds are given, but no surface of the problem {name!r} has one: leave seeds= out.")
