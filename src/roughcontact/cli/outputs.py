@@ -16,13 +16,13 @@ from roughcontact.units.text import fit
 PICTURES = frozenset({".png", ".svg", ".pdf"})
 
 
-def plan_outputs(given: Sequence[str], report: str | None) -> list[Path]:
+def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path]) -> list[Path]:
     """Return the files to be written; a name without an ending is that of a folder, which is made.
 
     Raises
     ------
     InputError
-        If a folder is missing, no writer knows an ending, or a file would be written twice.
+        If a folder is missing, no writer knows an ending, or a height map would be overwritten.
     MissingPackage
         If a picture is asked for without matplotlib.
     """
@@ -42,6 +42,8 @@ def plan_outputs(given: Sequence[str], report: str | None) -> list[Path]:
     for path in files:
         if not path.parent.is_dir():
             raise rc.InputError(f"There is no folder {str(path.parent)!r} to write {path.name!r} into.")
+        if path.exists() and any(known.exists() and path.samefile(known) for known in maps):
+            raise rc.InputError(f"The output {str(path)!r} is a height map that is read: give another name.")
         if path.suffix in PICTURES:
             require_matplotlib()
     return files

@@ -10,6 +10,7 @@ from typing import Any
 import attrs
 
 import roughcontact as rc
+from roughcontact import checks
 from roughcontact._problem.sweep import run_sweep
 from roughcontact._surfaces.continuation import find_maps
 from roughcontact.checks import Array
@@ -72,7 +73,8 @@ examples:
         if options.area is not None:
             rc.areas.resolve(options.area)
         _refuse_for_several(options)
-        files = plan_outputs(options.output, options.report)
+        maps = [name for name in (options.surface, options.counterbody) if name is not None]
+        files = plan_outputs(options.output, options.report, [checks.path(name, "The map") for name in maps])
         piped = options.json or options.csv
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
