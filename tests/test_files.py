@@ -284,8 +284,8 @@ def test_options_of_readers_are_checked(tmp_path):
     np.savetxt(tmp_path / "map.csv", HEIGHTS, delimiter=";")
     with pytest.raises(rc.InputError, match=r"no option of the reader 'npz', which reads map\.npz, named 'decimal'"):
         rc.read_surface(tmp_path / "map.npz", decimal=",")
-    with pytest.raises(rc.InputError, match=r"named 'seperator'\. Did you mean 'separator'"):
-        rc.read_surface(tmp_path / "map.csv", size=1e-3, seperator=";")
+    with pytest.raises(rc.InputError, match=r"named 'separators'\. Did you mean 'separator'"):
+        rc.read_surface(tmp_path / "map.csv", size=1e-3, separators=";")
     with pytest.raises(rc.InputError, match="Give decimal to the reader itself"):
         rc.read_surface(tmp_path / "map.csv", size=1e-3, reader=rc.readers.create("txt"), decimal=".")
     for options, words in (
