@@ -18,6 +18,8 @@ from roughcontact.files.layout import SEPARATORS, WORDS
 from roughcontact.files.points import put_on_grid
 from roughcontact.files.text import read_table
 
+# Endings of files that need no instrument's reader.
+_ENDINGS = (".npz", ".npy", ".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz", ".mat", ".tif")
 # Numbers in a row of a profile x z and of a list of points x y z; and rows from which on a table is one: 3 x 3 points.
 _COLUMNS_OF_PROFILES, _COLUMNS_OF_POINTS, _ROWS_OF_LISTS = 2, 3, 9
 
@@ -158,7 +160,7 @@ class InstrumentReader(SurfaceReader):
         except ImportError:
             raise MissingPackage(
                 f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
-                "(Files .npz, .npy, .txt, .csv, .dat and .asc are read without it.)"
+                f"(Files {', '.join(_ENDINGS)} are read without it.)"
             ) from None
         topography = read_topography(str(path))
         if topography.dim != 2:
