@@ -73,7 +73,12 @@ class ErrorReport:
         It adds what the other estimators need. A case counts only if all finer grids of the report are accurate
         enough too: a coarse grid may be right by chance.
         """
-        return advise(self.rows, self.reference, area)
+        advice = advise(self.rows, self.reference, area)
+        if not any(row.of_reference for row in self.rows):
+            return advice
+        return (
+            f"{advice} The errors are those of coarser grids, against {self.reference.source}; not of the measurement."
+        )
 
     def __repr__(self) -> str:
         return f"<ErrorReport {counted(len(self.rows), 'row')}: {self.description}>"
@@ -157,6 +162,8 @@ class ErrorReport:
         return headings, body, [*reasons, *self._make_notes(bool(front))]
 
     def _error(self, row: ReportRow, name: str) -> str:
+        if name in row.of_reference:
+            return "reference"
         error = getattr(row, f"{name}_error")
         if name not in row.unresolved:
             return format_percent(error)
@@ -168,6 +175,8 @@ class ErrorReport:
         notes = ["* on the Pareto front: no other case is both cheaper and more accurate."] if front else []
         if any(row.unresolved for row in self.rows):
             notes.append("(in brackets) not resolved: the error is below the error bound of the reference.")
+        if any(row.of_reference for row in self.rows):
+            notes.append("reference: this case is the reference; the errors of the others are those of coarser grids.")
         return [
             *notes,
             "area: in % of nominal; errors of it, of the maximum pressure and of the approach are relative.",
