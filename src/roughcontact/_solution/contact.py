@@ -30,6 +30,7 @@ from roughcontact._solution.results import (
 from roughcontact._solution.saturation import estimate_saturated_area
 from roughcontact._solution.summary import abbreviate, summarize
 from roughcontact._solution.theory import TheoryBeside, compare_with_theory
+from roughcontact._solution.vti import to_pyvista
 from roughcontact._solution.writers import write_solution, writers
 from roughcontact._surfaces import HeightMap
 from roughcontact.checks import Array
@@ -265,6 +266,14 @@ class ContactSolution(ContactFields):
     def to_xarray(self) -> Any:
         """Return the solution as an `xarray.Dataset` over x and y, m, with units (extra ``store``)."""
         return storage.to_xarray(self)
+
+    def to_pyvista(self) -> Any:
+        """Return the solution as `pyvista.ImageData`, for views in three dimensions (extra ``vtk``).
+
+        Its cells, in the plane z = 0 about the centre of the domain, have ``pressure``, Pa, ``gap``, ``initial_gap``,
+        ``displacement`` and the ``heights`` of the body, m, and ``contact``; the scalars, as ``force``, are field data.
+        """
+        return to_pyvista(self)
 
     def __str__(self) -> str:
         return summarize(self, self._measured, self._materials)

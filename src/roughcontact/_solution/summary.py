@@ -39,9 +39,9 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
     return answers
 
 
-def list_doubts(solution: ContactSolution) -> list[str]:
+def list_all_warnings(solution: ContactSolution) -> list[str]:
     """Return the warnings of a solution, and those of what `list_answers` estimates."""
-    doubts = dict.fromkeys(_attempt(lambda: solution.warnings, ()))
+    gathered = dict.fromkeys(_attempt(lambda: solution.warnings, ()))
     estimates: dict[str, Callable[[], Area | Estimate]] = {
         "contact area": solution.area,
         "maximum pressure": solution.peak_pressure,
@@ -54,8 +54,8 @@ def list_doubts(solution: ContactSolution) -> list[str]:
         # The others have the warnings of the area too.
         texts = () if found is None else tuple(text for text in found.warnings if text not in seen)
         seen.update(texts)
-        doubts.update(dict.fromkeys(f"The {name} is doubtful: {text}" for text in texts))
-    return list(doubts)
+        gathered.update(dict.fromkeys(f"The {name} is doubtful: {text}" for text in texts))
+    return list(gathered)
 
 
 def describe_maps(maps: Sequence[HeightMap]) -> str:
@@ -73,7 +73,7 @@ def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: M
     if maps:
         rows.insert(1, ("", describe_maps(maps)))
     rows.insert(len(rows) if solution.status.success else 0, status)
-    rows += [("warning", text) for text in list_doubts(solution)]
+    rows += [("warning", text) for text in list_all_warnings(solution)]
     if solution.theory is not None:
         rows.append(("Persson", str(solution.theory)))
     if solution.accuracy is not None:

@@ -15,7 +15,10 @@ from roughcontact._problem.problem import ContactProblem
 from roughcontact.checks import number
 from roughcontact.errors import InputError, RoughContactError, shorten
 from roughcontact.errors.door import outside
+from roughcontact.studies.record import Record
 
+# Columns of the tables of a study, which are no axes.
+_COLUMNS = {*(one.name for one in attrs.fields(Record)), "area", "area_uncertainty", "estimator"} - {"seed"}
 # Values of an axis, and problems of a study.
 _MOST = 1_000_000
 # Characters of an exception that a sentence repeats.
@@ -41,7 +44,7 @@ class BuiltProblems(Mapping[str, ContactProblem]):
 
     @classmethod
     def over(
-        cls, build: Callable[..., ContactProblem], axes: Mapping[str, object], reserved: set[str]
+        cls, build: Callable[..., ContactProblem], axes: Mapping[str, object], arguments: Iterable[str]
     ) -> BuiltProblems:
         """Return the problems at all combinations of the values on the axes.
 
@@ -51,7 +54,7 @@ class BuiltProblems(Mapping[str, ContactProblem]):
             If an axis is not a parameter of the function, has a reserved name or no list of different values, or a
             parameter without a default has no axis.
         """
-        _require_parameters(build, axes, reserved)
+        _require_parameters(build, axes, arguments)
         checked = {name: _axis(name, values) for name, values in axes.items()}
         count = math.prod(map(len, checked.values()))
         if count > _MOST:
@@ -87,14 +90,14 @@ def _name(point: Mapping[str, Any]) -> str:
     return ", ".join(f"{name}={value}" for name, value in point.items()) or "problem"
 
 
-def _require_parameters(build: Callable[..., object], axes: Mapping[str, object], reserved: set[str]) -> None:
+def _require_parameters(build: Callable[..., object], axes: Mapping[str, object], arguments: Iterable[str]) -> None:
     """Raise `InputError` unless the function can be called with the axes by name."""
     try:
         parameters = inspect.signature(build).parameters
     # Functions written in C have no signature.
     except (ValueError, TypeError):
         return
-    if taken := reserved & {*axes, *parameters}:
+    if taken := {*arguments, *_COLUMNS} & {*axes, *parameters}:
         name = min(taken)
         raise InputError(f"A study uses the name {name!r} itself: give the parameter of the function another one.")
     by_name = {
@@ -103,7 +106,7 @@ def _require_parameters(build: Callable[..., object], axes: Mapping[str, object]
     anything = any(one.kind is one.VAR_KEYWORD for one in parameters.values())
     for name in axes:
         if name not in by_name and not anything:
-            raise InputError.unknown("parameter of the function, nor argument of Study,", name, {*by_name, *reserved})
+            raise InputError.unknown("parameter of the function, nor argument of Study,", name, {*by_name, *arguments})
     for name, one in parameters.items():
         if one.default is one.empty and name not in axes and one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD):
             raise InputError(f"The function needs a value of {name!r}: give a list of them, {name}=[...].")

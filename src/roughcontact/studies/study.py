@@ -27,12 +27,10 @@ from roughcontact.studies.tasks import run_chains
 from roughcontact.units import counted
 
 _ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds")
-# Names that are no axes: the columns of its tables.
-_RESERVED = {*_ARGUMENTS, *(one.name for one in attrs.fields(Record)), "area", "area_uncertainty", "estimator"} - {
-    "seed"
-}
 # Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts; for `explain` only.
 _CONVOLUTIONS = 25
+# Units in which texts of a study file are read.
+_PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
 
 
 def _problems(value: object) -> Mapping[str, ContactProblem]:
@@ -100,9 +98,9 @@ class Study:
     """
 
     problems: Mapping[str, ContactProblem] = attrs.field(converter=_problems)
-    pressure: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
-    force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
-    approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
+    pressure: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_PASCAL)
+    force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_NEWTON)
+    approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_METRE)
     areas: tuple[str, ...] = attrs.field(default=(DEFAULT_AREA,), converter=_names, kw_only=True)
     seeds: tuple[int, ...] = attrs.field(default=(), converter=_seeds, kw_only=True)
 
@@ -119,14 +117,14 @@ class Study:
     ) -> None:
         made: Any = problems
         if callable(problems):
-            made = BuiltProblems.over(problems, axes, _RESERVED)
+            made = BuiltProblems.over(problems, axes, _ARGUMENTS)
         elif axes:
             raise InputError.unknown("argument of Study", min(axes), _ARGUMENTS)
         self.__attrs_init__(made, pressure=pressure, force=force, approach=approach, areas=areas, seeds=seeds)
 
     def __attrs_post_init__(self) -> None:
         if isinstance(self.problems, BuiltProblems) and self.seeds:
-            raise InputError("With a function seeds= says nothing: make seed one of its parameters, seed=[...].")
+            raise InputError("A function takes its seed as a parameter: give seed=[...] instead of seeds=.")
         for name, problem in self._known_problems:
             if self.seeds and not _has_random_surface(problem):
                 raise InputError(f"Seeds are given, but no surface of the problem {name!r} has one: leave seeds= out.")
@@ -246,7 +244,7 @@ class Study:
         problems = ", ".join(f"{name}={len(values)}" for name, values in self.axes.items())
         loads = self.loads
         what = problems or counted(len(self.problems), "problem")
-        return f"<Study: {what}, {counted(len(loads), 'load')} of {loads[0].kind}>"
+        return f"<Study {what}, {counted(len(loads), 'load')} of {loads[0].kind}>"
 
     @property
     def axes(self) -> Mapping[str, tuple[Any, ...]]:
