@@ -6,9 +6,9 @@ A layer of 8 µm on a steel ball, by the plug-in ``roughcontact-layered``: a sti
 """
 
 import matplotlib.pyplot as plt
-from roughcontact_layered import Layer, LayeredKernel
 
 import roughcontact as rc
+from roughcontact_layered import Layer, LayeredKernel
 
 steel = rc.Elastic(young=210e9, poisson=0.3)
 grid = rc.Grid((128, 128), 80e-6)

@@ -11,6 +11,7 @@ import numpy as np
 from doc_tables import DocTable, write_tables
 
 import roughcontact as rc
+from roughcontact.panel import style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 SEEDS = (1, 2, 3)
@@ -46,6 +47,7 @@ def make_rows() -> list[list[str]]:
     return rows
 
 
+@style()
 def draw(folder: Path = FIGURES, cells: int = 512) -> None:
     from matplotlib.figure import Figure
 

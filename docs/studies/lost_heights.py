@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact.extrapolation import exponential
+from roughcontact.panel import style
 from roughcontact_paper.synthetic_pair import SIZE, coarsen, new_pair, run_in_pair
 
 FIGURES = Path(__file__).parent.parent / "figures"
@@ -88,7 +89,7 @@ def draw(axes: Axes, rows: list[list[str]], title: str) -> None:
     axes.set_xticks(cells, [str(n) for n in cells])
     axes.minorticks_off()
     axes.set(title=title, xlabel="cells along a side", ylim=(-40, 250))
-    axes.grid(alpha=0.3)
+    axes.grid(True)
 
 
 @functools.cache
@@ -111,6 +112,7 @@ def make_rows(**grids: int) -> list[list[str]]:
     return lines
 
 
+@style()
 def main(lines: list[list[str]], folder: Path = FIGURES) -> None:
     """Draw the lines of the table."""
     figure = Figure(figsize=(12, 8), layout="constrained")
