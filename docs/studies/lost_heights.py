@@ -72,7 +72,7 @@ def compare_grids(name: str, pair: rc.ContactProblem, force: float, grids: tuple
 
 def draw(axes: Axes, rows: list[list[str]], title: str) -> None:
     cells = [int(row[1]) for row in rows]
-    for heading, label, style in (
+    for heading, label, dashes in (
         ("counted", "cells counted", "o-"),
         ("eq. 28 through the counts so far", "eq. 28 through the counts so far", "s-"),
         ("sub-grid", "sub-grid, total", "D-"),
@@ -80,7 +80,7 @@ def draw(axes: Axes, rows: list[list[str]], title: str) -> None:
         ("lost heights", "coarse map, by heights that scaling removed", "v--"),
     ):
         texts = [row[COLUMNS.index(heading)].rstrip(" %") for row in rows]
-        axes.plot(cells, [math.nan if text == "-" else float(text) for text in texts], style, label=label)
+        axes.plot(cells, [math.nan if text == "-" else float(text) for text in texts], dashes, label=label)
     axes.axhline(0.0, color="0.5", lw=0.8)
     axes.set_xscale("log", base=2)
     axes.set_yscale("symlog", linthresh=5.0)
