@@ -344,7 +344,8 @@ class TestFigures:
         assert "at 150 mN, free boundary" in title
 
     def test_warnings_are_hinted_at(self):
-        solution = ball(8, force=3.0)
+        tilted = rc.HeightMap(np.add.outer(np.arange(16.0), np.cos(np.arange(16.0))) * 1e-8, 1e-5)
+        solution = rc.ContactProblem(rc.Body(tilted, STEEL), boundary="periodic").solve(pressure=1e8)
         title = solution.plot().get_suptitle()
         assert solution.warnings
         assert title.endswith("print(solution)")
@@ -401,8 +402,8 @@ class TestFigures:
             hertz.plot("gap", axes=5)
         with pytest.raises(rc.InputError, match="The panel 'area-load' draws a sweep, not a solution"):
             hertz.plot("area-load")
-        with pytest.raises(rc.InputError, match=r"There is no panel named 'presure'\. Did you mean 'pressure'"):
-            hertz.plot("presure")
+        with pytest.raises(rc.InputError, match=r"There is no panel named 'pressur'\. Did you mean 'pressure'"):
+            hertz.plot("pressur")
         open_before = pyplot.get_fignums()
         with pytest.raises(rc.InputError):
             hertz.plot(rc.panels.create("profile", position=1.0))
