@@ -1,15 +1,149 @@
-"""Height maps that the package makes itself: small, and the same on every machine."""
+"""Height maps that the package makes itself: small, synthetic, plausible, and the same on every machine."""
 
 from __future__ import annotations
 
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact import checks
 from roughcontact._surfaces import HeightMap, SelfAffineSurface
+from roughcontact._surfaces.filling import fill
+from roughcontact.archive import replacing
+from roughcontact.checks import Array
 from roughcontact.errors.door import guarded
 from roughcontact.grid import Grid
+
+# Digits behind the point of heights in m: a picometre, far below every roughness, hides the rounding of machines.
+_DIGITS = 12
+# Standard deviation of the logarithm of the depth of skewed surfaces: a skewness of about -1.
+_DEPTH = 0.33
+
+
+@guarded
+def ball() -> HeightMap:
+    """Return a map of a bearing ball: 256 x 256 cells of 1 µm around its highest point.
+
+    The ball has a radius of 5 mm. Its roughness is isotropic, Sq about 12 nm, Hurst exponent 0.8, waves of 8 µm and
+    more with a roll-off at 40 µm. It is tilted by 0.5 mrad, as it may lie under an instrument.
+    """
+    grid = Grid((256, 256), 256e-6)
+    rough = _crop(
+        SelfAffineSurface(hurst=0.8, rms_height=12e-9, shortest=8e-6, longest=80e-6, rolloff=40e-6, seed=7), grid
+    )
+    return _make(rough - (grid.x**2 + grid.y**2) / (2 * 5e-3) + 5e-4 * grid.x, grid, "the example of a bearing ball")
 
 
 @guarded
 def ground_ring() -> HeightMap:
-    """Return a map of a ground ring: rough, with a lay along y."""
-    surface = SelfAffineSurface(hurst=0.8, rms_height=0.1e-6, shortest=4e-6, longest=256e-6, rolloff=64e-6, seed=1)
-    grid = Grid((128, 128), 256e-6)
-    return HeightMap(surface.heights(grid), size=grid.size)
+    """Return a map of the ground raceway of a bearing's inner ring: 256 x 256 cells of 1 µm.
+
+    The raceway is a cylinder of radius 15 mm around an axis along x. Grinding left a lay along y, around the ring: Sq
+    about 150 nm, Hurst exponent 0.8, waves across the lay of 8 µm and more with a roll-off at 32 µm, five times as long
+    along it. The map is tilted by about 0.5 mrad.
+    """
+    grid = Grid((256, 256), 256e-6)
+    ground = SelfAffineSurface(
+        hurst=0.8,
+        rms_height=150e-9,
+        shortest=8e-6,
+        longest=64e-6,
+        rolloff=32e-6,
+        peklenik=5.0,
+        lay=math.pi / 2,
+        seed=3,
+    )
+    return _make(_crop(ground, grid) - grid.y**2 / (2 * 15e-3) + 1e-3 * grid.y, grid, "the example of a ground ring")
+
+
+@guarded
+def lapped_plate() -> HeightMap:
+    """Return a map of a lapped plate: 128 x 128 cells of 0.5 µm.
+
+    It is flat and isotropic, and lapping has left more deep valleys than high summits: Sq about 50 nm, skewness about
+    -0.9, waves of 4 µm and more. The map is tilted by 2 mrad.
+    """
+    grid = Grid((128, 128), 64e-6)
+    lapped = SelfAffineSurface(hurst=0.8, rms_height=1.0, shortest=4e-6, longest=32e-6, rolloff=8e-6, seed=2)
+    return _make(140e-9 * _deepen(lapped, grid) + 2e-3 * grid.x, grid, "the example of a lapped plate")
+
+
+@guarded
+def honed_liner() -> HeightMap:
+    """Return a map of a honed cylinder liner with non-measured points: 256 x 192 cells of 2 µm.
+
+    The bore, of radius 41 mm, has its axis along x. Two lays cross at 25 degrees to either side of y; valleys are
+    deeper than summits are high: Sq about 0.24 µm, waves of two cells and more. As in optical measurements the bottoms
+    of the deepest valleys, 1 % of the points, are not measured.
+    """
+    grid = Grid((256, 192), (512e-6, 384e-6))
+    heights = grid.y**2 / (2 * 41e-3)
+    for degrees, seed in ((65.0, 11), (115.0, 12)):
+        honed = SelfAffineSurface(
+            hurst=0.8,
+            rms_height=1.0,
+            shortest=4e-6,
+            longest=120e-6,
+            rolloff=60e-6,
+            peklenik=4.0,
+            lay=math.radians(degrees),
+            seed=seed,
+        )
+        heights = heights + 0.5e-6 * _deepen(honed, grid)
+    valleys = heights < np.quantile(heights, 0.01)
+    return _make(np.where(valleys, np.nan, heights), grid, "the example of a honed liner")
+
+
+@guarded
+def write(folder: str | os.PathLike[str] = ".") -> tuple[Path, ...]:
+    """Write the example maps as the files that the docs mention, and return their paths.
+
+    ``ball.npz``, ``ring.npz``, ``map.npz`` (the lapped plate) and ``liner.npz`` (the honed liner, NaN at non-measured
+    points) hold `heights`, m, and `size`, m; ``map.csv`` the heights of ``map.npz`` in µm, one row for each x. Files of
+    these names are replaced.
+
+    Parameters
+    ----------
+    folder
+        Where to; it is made if there is none.
+    """
+    target = checks.path(folder, "The folder of the examples")
+    target.mkdir(parents=True, exist_ok=True)
+    maps = {"ball": ball(), "ring": ground_ring(), "map": lapped_plate(), "liner": honed_liner()}
+    for name, surface in maps.items():
+        values = (
+            surface.values if surface.non_measured is None else np.where(surface.non_measured, np.nan, surface.values)
+        )
+        with replacing(target / f"{name}.npz") as partial, partial.open("wb") as file:
+            np.savez_compressed(file, heights=values, size=surface.size)
+    with replacing(target / "map.csv") as partial:
+        np.savetxt(partial, 1e6 * maps["map"].values, fmt="%.6f", delimiter=",")
+    return (*(target / f"{name}.npz" for name in maps), target / "map.csv")
+
+
+def _crop(surface: SelfAffineSurface, grid: Grid) -> Array:
+    """Return a part of a surface twice as long: what is measured does not repeat at the border."""
+    return surface.heights(_double(grid))[: grid.shape[0], : grid.shape[1]]
+
+
+def _double(grid: Grid) -> Grid:
+    (nx, ny), (lx, ly) = grid.shape, grid.size
+    return Grid((2 * nx, 2 * ny), (2 * lx, 2 * ly))
+
+
+def _deepen(surface: SelfAffineSurface, grid: Grid) -> Array:
+    """Return heights of rms one made lognormal, their valleys deeper than summits high, without shorter waves."""
+    whole = _double(grid)
+    spectrum = np.fft.rfft2(-np.exp(-_DEPTH * surface.heights(whole)))
+    fx, fy = np.fft.fftfreq(whole.shape[0], whole.spacing[0]), np.fft.rfftfreq(whole.shape[1], whole.spacing[1])
+    spectrum[np.hypot(fx[:, None], fy) * surface.shortest > 1.0] = 0.0
+    return np.fft.irfft2(spectrum, whole.shape)[: grid.shape[0], : grid.shape[1]]
+
+
+def _make(heights: Array, grid: Grid, text: str) -> HeightMap:
+    """Return the map of heights, NaN at non-measured points, which are filled as `read_surface` fills them."""
+    rounded = np.asarray(np.round(heights - np.nanmean(heights), _DIGITS), dtype=np.float64)
+    mask = np.isnan(rounded)
+    return HeightMap(fill(rounded) if mask.any() else rounded, grid.size, non_measured=mask, history=(text,))

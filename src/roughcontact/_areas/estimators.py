@@ -174,6 +174,10 @@ class Blend(AreaEstimator):
     Small patches follow from load and curvature (`Hertz`), large ones from their edges (`LevelSet`,
     `LevelSetRichardson`). Patches with sharp edges are counted, and no patch is smaller than its load
     over the pressure limit.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), sections 4.2 and 5.1, https://doi.org/10.1017/CBO9781139171731
     """
 
     def estimate(self, solution: ContactSolution) -> Area:

@@ -26,8 +26,9 @@ from roughcontact.description import (
     public_class,
     rebuild,
 )
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
+from roughcontact.tables import make_dataset
 
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
@@ -149,36 +150,28 @@ def to_xarray(solution: ContactSolution) -> Any:
 
 
 def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
-    try:
-        import xarray
-    except ImportError:
-        raise MissingPackage("Datasets need the package xarray: pip install 'roughcontact[store]'.") from None
     grid, variables = solution.grid, {}
     for name, values in packed.items():
         axes = ("x", "y") if name in _FIELDS else tuple(f"{name}_{axis}" for axis in range(values.ndim))
         words, unit = {**_FIELDS, **_SCALARS}.get(name, (None, None))
         variables[name] = (axes, values, {"long_name": words, "units": unit} if words else {})
     places = {"x": ("x", grid.x[:, 0], {"units": "m"}), "y": ("y", grid.y[0], {"units": "m"})}
-    made_by = ", ".join(f"{name} {number}" for name, number in versions().items())
+    made_with = versions() if solution.origin is None else solution.origin.versions
+    made_by = ", ".join(f"{name} {number}" for name, number in made_with.items())
     title = {"title": "contact of rough surfaces", "status": str(solution.status), "versions": made_by}
-    return xarray.Dataset(variables, coords=places, attrs=title)
+    return make_dataset(variables, places, title)
 
 
 def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
     """Return all arrays by name, and everything else as data that JSON can hold."""
     parts: dict[str, RealArray] = {}
     origin, limit = solution.origin, solution.pressure_limit
-    figures = {
-        "maximum_pressure": float(solution.pressure.max()),
-        **_estimate(solution, "area"),
-        **_estimate(solution, "saturated_area"),
-    }
     described = ("moduli", "history", "boundary", *_REALS, *_COUNTS)
     tables = {name: attrs.asdict(getattr(solution, name)) for name in ("grid", "residuals")}
     header = {
         "kind": _KIND,
         "key": key_of_origin(origin),
-        "versions": versions(),
+        "versions": versions() if origin is None else dict(origin.versions),
         "programs": [] if origin is None else origin.programs,
         "status": solution.status.name,
         "pressure_limit": describe(limit if limit.ndim else float(limit), parts),
@@ -190,8 +183,17 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
         "load": None if origin is None else describe(origin.load, parts),
     }
     fields = {name: getattr(solution, name) for name in _FIELDS}
-    scalars = {name: figures.get(name, getattr(solution, name, None)) for name in _SCALARS}
-    return {**fields, **scalars, **{_PART + name: values for name, values in parts.items()}}, header
+    return {**fields, **scalars_of(solution), **{_PART + name: values for name, values in parts.items()}}, header
+
+
+def scalars_of(solution: ContactSolution) -> dict[str, float]:
+    """Return the numbers that files state beside the fields, by name, in SI units."""
+    figures = {
+        "maximum_pressure": float(solution.pressure.max()),
+        **_estimate(solution, "area"),
+        **_estimate(solution, "saturated_area"),
+    }
+    return {name: figures.get(name, getattr(solution, name, math.nan)) for name in _SCALARS}
 
 
 def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:
@@ -218,8 +220,9 @@ def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dic
     origin = None
     if header["problem"] is not None:
         load = {name: float(value) for name, value in rebuild(header["load"], parts).items()}
-        origin = Origin(None, load, saved=(header["problem"], parts))
-        origin = origin if origin.missing else Origin(origin.problem, load)
+        made_by = {str(name): str(number) for name, number in header["versions"].items()}
+        origin = Origin(None, load, saved=(header["problem"], parts), versions=made_by)
+        origin = origin if origin.missing else Origin(origin.problem, load, versions=made_by)
     return {
         **{name: float(rebuild(header[name], parts)) for name in _REALS},
         **{name: int(header[name]) for name in _COUNTS},

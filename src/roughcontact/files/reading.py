@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import contextlib
+import inspect
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
 
 from roughcontact import checks
 from roughcontact._surfaces import HeightMap
-from roughcontact.checks import Array, Mask, choice, number, pair
+from roughcontact._surfaces.filling import TREATMENTS, complete
+from roughcontact.checks import choice, number, pair
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.errors.door import guarded
 from roughcontact.files.base import RawMap, SurfaceReader, readers
-from roughcontact.files.filling import fill
 from roughcontact.units import si
 
-_TREATMENTS = {"fill": "filled from their neighbours", "keep": "kept so"}
 _FALLBACK = "instrument"
 # A given size agrees with that of the file to this fraction: six digits, as people type them.
 _SAME_SIZE = 1e-6
@@ -33,6 +34,7 @@ def read_surface(
     non_measured: str = "refuse",
     unit: float | None = None,
     reader: str | SurfaceReader = "auto",
+    **options: Any,
 ) -> HeightMap:
     """Return the height map in a file, m, positive outward.
 
@@ -52,6 +54,9 @@ def read_surface(
         What a height of one in the file means, m, where the file does not state it: 1e-6 for micrometres.
     reader
         Registered name or instance; ``"auto"`` chooses by the ending of the file name.
+    **options
+        Fields of the reader. Of text files ``separator=``, ``decimal=`` and ``skip_rows=``: what separates the numbers,
+        their decimal mark, and how many lines at the beginning are not heights, where these are not found rightly.
 
     Raises
     ------
@@ -60,12 +65,16 @@ def read_surface(
     MissingPackage
         If the package that reads such files is not installed.
     """
-    choice(non_measured, "The treatment of non-measured points", ("refuse", *_TREATMENTS))
+    choice(non_measured, "The treatment of non-measured points", TREATMENTS)
     file = checks.path(path, "The height map")
-    raw = read_raw(file, reader)
+    raw = read_raw(file, reader, **options)
     given = size if raw.size is None else raw.size
     if given is None:
-        raise InputError(f"The file {file.name} does not state the size of its domain: give size=(x, y), m.")
+        known = f" ({raw.hint})" if raw.hint else ""
+        raise InputError(
+            f"The file {file.name} does not state the size of its domain{known}: give size=(x, y), m (on the command "
+            "line --size)."
+        )
     if size is not None and raw.size is not None:
         sides = pair(size, "The size of the height map", "m", above=0.0)
         if not np.allclose(sides, raw.size, rtol=_SAME_SIZE, atol=0.0):
@@ -73,21 +82,23 @@ def read_surface(
                 f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
                 f"which is not the size given: leave size= out."
             )
-    heights, mask, done = _complete(raw, file, non_measured)
+    heights, mask, done = complete(
+        raw.heights, f"the file {file.name}", non_measured, " (on the command line --non-measured)"
+    )
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
     scale = _unit(raw, unit, file)
     in_units = "" if unit is None else f", heights in units of {si(unit, 'm')}"
     # The heights as they were read are freed before others are made.
     del raw, heights
     values = surface.values if unit is None else surface.values * scale
-    return attrs.evolve(surface, heights=values, history=(f"{done}: {surface.grid}{in_units}",))
+    return attrs.evolve(surface, heights=values, history=(f"read from {file.name}{done}: {surface.grid}{in_units}",))
 
 
-def read_raw(file: Path, reader: str | SurfaceReader = "auto") -> RawMap:
+def read_raw(file: Path, reader: str | SurfaceReader = "auto", **options: Any) -> RawMap:
     """Return the map as it stands in a file; see `read_surface`."""
     if not file.is_file():
         raise InputError(f"There is no file {str(file)!r}{' (it is a folder)' if file.is_dir() else ''}.")
-    chosen = readers.resolve(_reader_for(file) if reader == "auto" else reader)
+    chosen = _make_reader(_reader_for(file) if reader == "auto" else reader, file, options)
     try:
         raw = chosen.read(file)
     except InputError as error:
@@ -105,6 +116,18 @@ def read_raw(file: Path, reader: str | SurfaceReader = "auto") -> RawMap:
     return raw
 
 
+def _make_reader(choice: str | SurfaceReader, file: Path, options: dict[str, Any]) -> SurfaceReader:
+    """Return the reader with its options."""
+    if not options:
+        return readers.resolve(choice)
+    if not isinstance(choice, str):
+        raise InputError(f"Give {', '.join(options)} to the reader itself, or name the reader.")
+    known = [name.lstrip("_") for name in inspect.signature(readers[choice]).parameters]
+    if unknown := [name for name in options if name not in known]:
+        raise InputError.unknown(f"option of the reader {choice!r}, which reads {file.name},", unknown[0], known)
+    return readers.create(choice, **options)
+
+
 def _reader_for(file: Path) -> str:
     suffix = file.suffix.lower()
     for name in readers:
@@ -116,29 +139,13 @@ def _reader_for(file: Path) -> str:
 
 
 def _unit(raw: RawMap, given: float | None, file: Path) -> float:
+    if given is None and raw.needs_unit:
+        raise InputError(
+            f"The heights in {file.name} are numbers without a unit: give what one of them means, m, such as unit=1e-9 "
+            "(on the command line --unit 1nm)."
+        )
     if given is None:
         return 1.0
     if raw.metric:
         raise InputError(f"The file {file.name} states its own unit of height: leave unit= out.")
     return number(given, "The unit of the heights", "m", above=0.0)
-
-
-def _complete(raw: RawMap, file: Path, treatment: str) -> tuple[Array, Mask | None, str]:
-    """Return heights at all points, the non-measured points if they are to be kept, and what was done."""
-    heights, read = raw.heights, f"read from {file.name}"
-    if heights.dtype.kind != "f" or heights.ndim != 2:
-        return heights, None, read
-    mask = ~np.isfinite(heights)
-    count = int(np.count_nonzero(mask))
-    if count == 0:
-        return heights, None, read
-    found = f"{count} of {heights.size} points"
-    if count == heights.size:
-        raise InputError(f"The file {file.name} holds no valid point at all.")
-    if treatment == "refuse":
-        raise InputError(
-            f"In the file {file.name} {found} were not measured: fill them from their neighbours with "
-            "non_measured='fill', or keep them with non_measured='keep' (on the command line --non-measured)."
-        )
-    done = f"{read}, {found} non-measured and {_TREATMENTS[treatment]}"
-    return fill(heights), mask if treatment == "keep" else None, done

@@ -1,0 +1,20 @@
+"""``roughcontact examples``: the height maps that the docs mention."""
+
+from __future__ import annotations
+
+import argparse
+
+import roughcontact as rc
+from roughcontact.cli import Command
+
+
+class Examples(Command):
+    """Write the example height maps that the docs mention: ball.npz, ring.npz, map.npz, map.csv, liner.npz."""
+
+    def declare(self, parser: argparse.ArgumentParser) -> None:
+        parser.add_argument("folder", nargs="?", default=".", metavar="FOLDER", help="where to (this folder)")
+
+    def run(self, options: argparse.Namespace) -> int:
+        for path in rc.examples.write(options.folder):
+            print(path)
+        return 0
