@@ -27,7 +27,8 @@ def draw_band(
     color: str | None = None,
 ) -> Any:
     """Draw a curve and a band of two standard deviations around it, shapes (n,); return its line."""
-    color = theme_of(axes).lines[len(axes.lines) % 6] if color is None else color
+    cycle = theme_of(axes).lines
+    color = cycle[len(axes.lines) % len(cycle)] if color is None else color
     (line,) = axes.plot(x, values, marker=marker, linestyle="-", color=color, label=label or "_curve")
     low = (
         np.maximum(values - 2.0 * deviations, _LOWEST * values) if np.all(values >= 0.0) else values - 2.0 * deviations
