@@ -9,10 +9,10 @@ import attrs
 import numpy as np
 import scipy.fft
 
+from roughcontact._surfaces.filling import fill
 from roughcontact._surfaces.spectrum import mean_in_bands, power_spectrum
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
-from roughcontact.files.filling import fill
 from roughcontact.panel import Panel, SampledSurface
 from roughcontact.panel.curves import add_key, say, scale_axes
 from roughcontact.panel.theme import theme_of
