@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import io
 
-import matplotlib
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from matplotlib import pyplot
-from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact.panel.figures import make_figure

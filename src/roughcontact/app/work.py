@@ -18,16 +18,14 @@ from roughcontact.app.forecast import forecast_seconds
 from roughcontact.app.outputs import Outputs, draw_panel
 from roughcontact.app.progress import Progress
 from roughcontact.app.scene import Scene, Upload, describe, inspect_file, make_loads, make_problem, make_scene
-from roughcontact.app.settings import DEFAULTS, Settings, read_settings
+from roughcontact.app.settings import Settings, read_settings
 from roughcontact.checks import Array
 from roughcontact.errors import RoughContactError
 from roughcontact.load import Load
 from roughcontact.units import binary
 
 # How the time of a solve is estimated.
-_BASIS = (
-    "The time is estimated from the cells and a transform timed on this machine; it may be a third or three times that."
-)
+_BASIS = "The time is estimated from the cells and a transform timed here; it may be a third or three times that."
 _CORRECTED = "The time is estimated from the cells and a transform timed here, corrected by the runs before."
 
 Send = Callable[[dict[str, Any]], None]
