@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeVar
@@ -28,14 +29,14 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
     """Return the answer in words by name: the contact area, the load, the maximum pressure and the approach."""
     peak = _attempt(solution.peak_pressure, None)
     answers = {
-        "contact area": _format_area(_attempt(solution.area, None), solution.grid.area),
+        "contact area": _format_area(_attempt(solution.area, None), solution),
         "force": si(solution.force, "N", 6),
         "mean pressure": si(solution.mean_pressure, "Pa", 6),
         "max pressure": _UNKNOWN if peak is None else str(attrs.evolve(peak, warnings=())),
         "approach": si(solution.approach, "m", 6),
     }
     if solution.capped:
-        answers["saturated"] = _format_area(_attempt(solution.saturated_area, None), solution.grid.area)
+        answers["saturated"] = _format_area(_attempt(solution.saturated_area, None), solution)
     return answers
 
 
@@ -102,10 +103,11 @@ def _percentages(area: Area, nominal: float) -> tuple[float, float]:
     return 100.0 * area.fraction, 100.0 * area.uncertainty / nominal
 
 
-def _format_area(area: Area | None, nominal: float) -> str:
-    if area is None:
+def _format_area(area: Area | None, solution: ContactSolution) -> str:
+    # Of a pressure that is not a number no cell is in contact.
+    if area is None or not math.isfinite(solution.force):
         return _UNKNOWN
-    percent = with_spread(*_percentages(area, nominal))
+    percent = with_spread(*_percentages(area, solution.grid.area))
     return f"{percent} % of nominal, {si(area.value, 'm2')} [{area.estimator}]"
 
 
