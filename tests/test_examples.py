@@ -17,6 +17,7 @@ PAGES = [
         ROOT / "docs" / f"{name}.md"
         for name in (
             "area",
+            "bridges",
             "gradients",
             "interface_laws",
             "maps",
