@@ -8,7 +8,7 @@ from roughcontact._problem.problem import ContactProblem
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import choice
 from roughcontact.diagnostics import field_checks, kernel_checks, repeat_checks
-from roughcontact.diagnostics.check import Check, SolvedProblem, Verdict, find_worst, format_row, skip, summarize
+from roughcontact.diagnostics.check import Check, SolvedProblem, Verdict, find_worst, skip, summarize
 from roughcontact.diagnostics.rules import RULES
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -47,11 +47,12 @@ class StabilityReport:
         return Table(columns).to_html(summarize([check.verdict for check in self.checks]))
 
     def __str__(self) -> str:
-        lines, before = [format_row("verdict", "check", "value", "what was measured; what to do")], ""
-        for check in self.checks:
+        lines, before = [summarize([check.verdict for check in self.checks]), ""], ""
+        # What is wrong comes first.
+        for check in sorted(self.checks, key=lambda check: -list(Verdict).index(check.verdict)):
             lines.append(str(attrs.evolve(check, finding="as above") if check.finding == before else check))
             before = check.finding
-        return "\n".join([*lines, summarize([check.verdict for check in self.checks])])
+        return "\n".join(lines)
 
 
 @guarded
