@@ -26,8 +26,8 @@ from matplotlib.figure import Figure
 import roughcontact as rc
 from roughcontact.__main__ import main as command
 from roughcontact.archive import remove_stale, replacing
-from roughcontact.cli.picture import draw_solution
 from roughcontact.errors import NotWritten
+from roughcontact.panel.figures import save_figure
 from roughcontact.studies.record import read_index, write_index
 
 # SIGKILLs at random moments of a study, by how it runs and what is killed. docs/trust.md states their sum.
@@ -355,7 +355,7 @@ FORMATS = {
     "records.csv": lambda path, made: made["result"].to_csv(path),
     "report.csv": lambda path, made: made["report"].to_csv(path),
     **{f"report.{ending}": lambda path, made: made["report"].draw(path) for ending in ("png", "svg", "pdf")},
-    "solution.png": lambda path, made: draw_solution(made["solution"], path),
+    "solution.png": lambda path, made: save_figure("solution", made["solution"], path),
     "study.json": lambda path, made: write_index(path, made["result"].records),
     "table.csv": lambda path, made: paper_output().write_results([made["table"]], {}, path.parent),
     "figure.png": lambda path, made: paper_output().write_results([], {"figure": Figure()}, path.parent),
@@ -547,7 +547,8 @@ ELSEWHERE = {
     ("__init__.py", "seal"): "is given the unfinished file",
     ("netcdf.py", "write_netcdf"): "writes to memory first",
     ("picture.py", "draw_report"): "draws in memory first",
-    ("picture.py", "draw_solution"): "draws in memory first",
+    ("figures.py", "save_figure"): "draws in memory first",
+    ("sheet.py", "savefig"): "chooses the pixels for the caller's file",
     ("output.py", "write_results"): "draws in memory first",
     ("inputs.py", "_damaged"): "writes to a temporary folder",
 }

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.files.reading import fill
+from roughcontact._surfaces.filling import fill
 
 HEIGHTS = np.random.default_rng(0).random((5, 7)) * 1e-6
 
@@ -361,7 +361,7 @@ def test_many_points_are_filled_as_few_are(monkeypatch):
     heights[rng.random(heights.shape) < 0.3] = np.nan
     heights[90, 100] = heights[20:180, 60] = 1e-3
     iterated = fill(heights)
-    monkeypatch.setattr("roughcontact.files.filling._DIRECT", heights.size)
+    monkeypatch.setattr("roughcontact._surfaces.filling._DIRECT", heights.size)
     # The direct solution loses digits to the mean height.
     np.testing.assert_allclose(iterated - 1e-3, fill(heights - 1e-3), atol=1e-11 * 1e-7, rtol=0)
     known = np.isfinite(heights)

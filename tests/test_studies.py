@@ -453,7 +453,7 @@ class TestFiles:
 
     def test_the_command_runs_and_goes_on(self, study_file, capsys):
         assert main(["run", str(study_file), "--dry-run"]) == 0
-        assert "4 solves (2 problems, 1 seeds, 2 loads of force)" in capsys.readouterr().out
+        assert "4 solves (2 problems, 1 seed, 2 loads of force)" in capsys.readouterr().out
         assert main(["run", str(study_file)]) == 0
         folder = study_file.with_suffix("")
         assert capsys.readouterr().out == f"4 solves, 4 of them now, in {folder}\n"

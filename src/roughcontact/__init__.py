@@ -9,6 +9,7 @@ from roughcontact.errors import interrupt as _interrupt  # noqa: F401 - for an i
 
 # isort: split
 from roughcontact import examples as examples
+from roughcontact import panel as panel
 from roughcontact import typing
 from roughcontact._areas import AreaEstimator, Blend, CellCount, Hertz, LevelSet, LevelSetRichardson, Perimeter, areas
 from roughcontact._convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
@@ -66,7 +67,7 @@ from roughcontact.studies import Study
 
 __version__ = "0.1.0"
 
-_MODULES = ("errors", "examples", "extrapolation", "reference", "testing", "typing")
+_MODULES = ("errors", "examples", "extrapolation", "panel", "reference", "testing", "typing")
 
 __all__ = [
     "DCFFT",

@@ -10,10 +10,10 @@ import numpy as np
 
 from roughcontact import checks
 from roughcontact._surfaces import HeightMap, SelfAffineSurface
+from roughcontact._surfaces.filling import fill
 from roughcontact.archive import replacing
 from roughcontact.checks import Array
 from roughcontact.errors.door import guarded
-from roughcontact.files.filling import fill
 from roughcontact.grid import Grid
 
 # Digits behind the point of heights in m: a picometre, far below every roughness, hides the rounding of machines.

@@ -1,32 +1,91 @@
-"""Numbers with SI prefixes and uncertainties, for people to read."""
+"""Numbers with SI prefixes and uncertainties, and texts, for people to read."""
 
 from __future__ import annotations
 
 import math
 import re
+from typing import Any
 
 import attrs
+import numpy as np
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
-# Units that begin with a power or an inverse, such as m2 or 1/m.
-_POWER = re.compile(r"[^\W\d]+\d|1/")
+# Areas and volumes, whose prefix is raised to the power behind it; and units with another power or an inverse.
+_AREA_OR_VOLUME, _POWER = re.compile(r"m([23])\b"), re.compile(r"[^\W\d]+\d|1/")
+
+# Decimals beyond which a number is written with an exponent.
+_DECIMALS = 9
+_RAISED = {1: "", 2: "²", 3: "³"}
 
 
 def si(value: float, unit: str, digits: int = 4) -> str:
-    """Return `value` in words such as ``12.5 µm``, with so many significant digits."""
+    """Return `value` in words such as ``12.5 µm`` or ``360 µm2``, with so many significant digits."""
     if value == 0.0 or not math.isfinite(value):
         return f"{value:g} {unit}"
-    power = 3 * math.floor(math.log10(abs(value)) / 3 + 1e-9)
-    # A prefix would be raised to the power of the unit behind it.
-    if power not in _PREFIXES or _POWER.match(unit):
+    raised = _AREA_OR_VOLUME.match(unit)
+    order = int(raised[1]) if raised else 1
+    # Areas have 0.01 to 10000 of their unit and volumes 0.001 to a million, as people write them.
+    shift = order if raised else 0
+    power = 3 * math.floor((math.log10(abs(value)) + shift) / (3 * order) + 1e-9)
+    if power not in _PREFIXES or (raised and power > 0) or (_POWER.match(unit) and not raised):
         return f"{value:.{digits}g} {unit}"
-    return f"{value / 10.0**power:.{digits}g} {_PREFIXES[power]}{unit}"
+    rounded = float(f"{value / 10.0 ** (order * power):.{digits}g}")
+    return f"{rounded:.{max(digits, 3 * order)}g} {_PREFIXES[power]}{unit}"
+
+
+def with_spread(value: float, uncertainty: float) -> str:
+    """Return a number and its uncertainty, of two digits, in words such as ``(1.142 +- 0.012)``."""
+    if not (uncertainty > 0.0 and math.isfinite(value) and math.isfinite(uncertainty)):
+        return f"{value:.5g}"
+    decimals = 1 - math.floor(math.log10(uncertainty))
+    if abs(decimals) > _DECIMALS:
+        return f"({value:.5g} +- {uncertainty:.2g})"
+    texts = (f"{round(number, decimals):.{max(0, decimals)}f}" for number in (value, uncertainty))
+    return f"({' +- '.join(texts)})"
+
+
+class PlainText(str):
+    """A text that a notebook and the interpreter show as it prints, line by line."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
+def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
+    """Return the unit with the prefix that suits numbers up to `largest`, and what they are multiplied by for it.
+
+    Parameters
+    ----------
+    largest
+        Largest magnitude among the numbers, in the SI unit raised to the power.
+    unit, power
+        SI unit and the power that it is raised to, such as ``"m"`` and 2 for areas.
+    """
+    thousands = 0
+    if 0.0 < largest < math.inf:
+        thousands = 3 * math.floor(math.log10(largest) / (3 * power) + 1e-9)
+    exponent = min(max(thousands, min(_PREFIXES)), max(_PREFIXES))
+    return 10.0 ** (-exponent * power), f"{_PREFIXES[exponent]}{unit}{_RAISED[power]}"
 
 
 def binary(size: float) -> str:
     """Return a number of bytes in words such as ``1.5 GiB``."""
     power = min(max(0, int(size).bit_length() - 1) // 10, 4)
     return f"{size / 2 ** (10 * power):.4g} {('bytes', 'KiB', 'MiB', 'GiB', 'TiB')[power]}"
+
+
+def counted(count: int, what: str) -> str:
+    """Return a number of things in words such as ``1 load`` and ``2 loads``."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def outlined(value: Any) -> str:
+    """Return an array in words such as ``<8 x 8 float64>``, and anything else as `repr` does."""
+    if isinstance(value, np.ndarray):
+        return f"<{' x '.join(map(str, value.shape))} {value.dtype}>" if value.ndim else repr(value.item())
+    return repr(value)
 
 
 @attrs.frozen

@@ -23,7 +23,7 @@ import numpy as np
 
 from roughcontact._areas import calibration
 from roughcontact._areas.dual_cells import Owners, find_dual_cells
-from roughcontact._areas.polygons import INSIDE, Corners, find_crossings, find_kinds, find_segments, measure_polygons
+from roughcontact._areas.polygons import INSIDE, Corners, find_kinds, measure_polygons
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array, IntArray, Mask
 
@@ -83,7 +83,7 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     # Beside non-measured points the contact ends with the cells.
     counted = jagged | beside
     size = (stride * solution.grid.spacing[0], stride * solution.grid.spacing[1])
-    distance = _find_distances(solution, k, touching, size)
+    distance = find_distances(solution, k, touching, size)
     parts, chords, euler = measure_polygons(distance, touching, kind, size)
     parts = np.where(counted, inside / 4.0 * (size[0] * size[1]), parts)
     alike = _count_alike(parts / (size[0] * size[1]), chords / size[0], distance)
@@ -135,19 +135,6 @@ def _count_alike(parts: Array, chords: Array, distance: Corners) -> Array:
     return alike
 
 
-def outline(solution: ContactSolution) -> Array:
-    """Return the edge of the contact as straight pieces, for a figure: their ends (x, y), shape (n, 2, 2), m."""
-    dual = find_dual_cells(solution, 1)
-    i, j = dual.find_edge(solution.contact)
-    k, size = dual.corners(i, j), solution.grid.spacing
-    touching = solution.contact.ravel()[k]
-    crossing = find_crossings(_find_distances(solution, k, touching, size))
-    first = np.stack((i, j), axis=-1) - dual.before
-    which, ends = find_segments(crossing, touching)
-    origin = np.array((solution.grid.x[0, 0], solution.grid.y[0, 0]))
-    return np.asarray(origin + (first[which][:, np.newaxis] + ends) * size)
-
-
 def find_modulus_change(solution: ContactSolution) -> float:
     """Return the logarithm of the change of E* over two octaves of wavelength at the edge; zero without layers."""
     length = calibration.EDGE_LENGTH * math.sqrt(solution.grid.cell_area)
@@ -155,7 +142,7 @@ def find_modulus_change(solution: ContactSolution) -> float:
     return abs(math.log(longer / shorter))
 
 
-def _find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: tuple[float, float]) -> Corners:
+def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: tuple[float, float]) -> Corners:
     """Return the signed distance from the edge at the corners `k` of dual cells, shape (4, n), m."""
     step = np.sqrt(size[0] * size[1])
     modulus = solution.effective_modulus(1.0 / (calibration.EDGE_LENGTH * step))

@@ -8,10 +8,10 @@ import attrs
 import numpy as np
 
 from roughcontact._areas.cells import count_sides, find_straight_rows, measure_sides
-from roughcontact._areas.contour import outline
 from roughcontact._areas.curvature import curvature_resolution
 from roughcontact._areas.edges import UNSURE, TracedEdges, trace_edges
 from roughcontact._areas.hertz import hertz_areas
+from roughcontact._areas.outline import contours, outline
 from roughcontact._areas.total import list_warnings, total_area
 from roughcontact._solution import Area, AreaEstimator, ContactSolution
 from roughcontact.checks import Array
@@ -106,6 +106,14 @@ class LevelSet(AreaEstimator):
         """Return the edge as line segments for a figure: both ends (x, y) of each, shape (n, 2, 2), m."""
         return outline(solution)
 
+    def contours(self, solution: ContactSolution) -> list[Array]:
+        """Return the edge as lines for a figure, (x, y) of shape (n, 2), m, the contact on their left.
+
+        The last point of a closed line is its first. Lines that cross a periodic border continue beyond it, and a line
+        around the domain ends at the image of its first point; lines that reach a free border end there.
+        """
+        return contours(solution)
+
 
 @attrs.frozen
 class LevelSetRichardson(AreaEstimator):
@@ -166,6 +174,10 @@ class Blend(AreaEstimator):
     Small patches follow from load and curvature (`Hertz`), large ones from their edges (`LevelSet`,
     `LevelSetRichardson`). Patches with sharp edges are counted, and no patch is smaller than its load
     over the pressure limit.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), sections 4.2 and 5.1, https://doi.org/10.1017/CBO9781139171731
     """
 
     def estimate(self, solution: ContactSolution) -> Area:

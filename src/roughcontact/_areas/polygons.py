@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact.checks import Array, IntArray, Mask
+from roughcontact.checks import Array, Mask
 
 Corners: TypeAlias = npt.NDArray[np.float64]
 
@@ -37,16 +37,6 @@ def find_crossings(distance: Corners) -> Corners:
     """Return where the edge crosses each side, as a fraction of the side from its first corner."""
     away = np.abs(distance)
     return _divide(away, away[[1, 2, 3, 0]])
-
-
-def find_segments(crossing: Corners, contact: Mask) -> tuple[IntArray, Array]:
-    """Return the straight pieces of the edge: their dual cells, shape (n,), and ends within, shape (n, 2, 2)."""
-    corner = np.array(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)))
-    points = corner[:, np.newaxis] + crossing[..., np.newaxis] * (np.roll(corner, -1, axis=0) - corner)[:, np.newaxis]
-    crossed = contact != np.roll(contact, -1, axis=0)
-    # Where all four sides are crossed each corner of one kind is cut off.
-    cells, sides = np.nonzero(crossed.T)
-    return cells[::2], points[sides, cells].reshape(-1, 2, 2)
 
 
 def measure_polygons(

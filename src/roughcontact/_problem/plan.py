@@ -20,7 +20,7 @@ from roughcontact.checks.memory import available_memory, require_memory
 from roughcontact.checks.threads import choose_threads
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
-from roughcontact.units import binary, si
+from roughcontact.units import PlainText, binary, si
 
 # Peak memory of a solve in float64 arrays of the grid's size, at fractions of the cells in contact below the
 # pressure limit, without and with a free boundary; measured by docs/studies/memory.py. Vectors hold
@@ -145,7 +145,10 @@ class SolvePlan:
             *(("omitted", text) for text in self.omitted),
             *(("warning", text) for text in self.warnings),
         ]
-        return "\n".join(f"{label:<10} {text}" for label, text in rows)
+        return PlainText("\n".join(f"{label:<10} {text}" for label, text in rows))
+
+    def __repr__(self) -> str:
+        return str(self)
 
     def _format_memory(self) -> str:
         light, full = (

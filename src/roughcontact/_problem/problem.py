@@ -11,7 +11,7 @@ import attrs
 
 from roughcontact._convolvers import Convolver, PreparedConvolution, convolvers
 from roughcontact._kernels import BoundKernel, InfluenceKernel, kernels
-from roughcontact._problem.accuracy import Target, solve_within
+from roughcontact._problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
 from roughcontact._problem.certificate import verify_solution
 from roughcontact._problem.plan import SolvePlan, make_plan, require_memory_of_solve
@@ -142,12 +142,15 @@ class ContactProblem:
     @property
     def parts(self) -> dict[str, Any]:
         """The arguments that determine its solutions, by name: all but `threads` and `memory_limit`."""
-        names = (field.name for field in attrs.fields(type(self)) if field.name not in _OF_MACHINE)
-        return {name: getattr(self, name) for name in names}
+        return attrs.asdict(self, recurse=False, filter=lambda field, _: field.name not in _OF_MACHINE)
 
     def explain(self) -> str:
         """Return in words what a solve will do, and what is omitted and why."""
         return str(self.plan)
+
+    def __repr__(self) -> str:
+        bodies = " on ".join(type(body.surface).__name__ for body in (self.body, self.counterbody))
+        return f"<ContactProblem {self._grid}, {self.boundary}: {bodies}>"
 
     def solve(
         self,
@@ -202,9 +205,7 @@ class ContactProblem:
         throw, on_step = flag(throw, "throw="), callback(on_step, "on_step=", "step")
         target = Target.of(area_within, peak_within)
         if target is None:
-            problem = (
-                self if tolerance is None else attrs.evolve(self, solver=self.plan.solver.with_tolerance(tolerance))
-            )
+            problem = self if tolerance is None else with_tolerance(self, tolerance)
             return problem._solve(load, start, throw=throw, on_step=on_step)
         if start is not None:
             raise InputError("With area_within= or peak_within= the grid is chosen: omit start=, which needs one.")
@@ -294,6 +295,6 @@ class ContactProblem:
         throw: bool = True,
         on_step: Callable[[Step], None] | None = None,
     ) -> ContactSolution:
-        solution = run_solve(self, self._gap, load, start, on_step)
-        solution = attrs.evolve(solution, origin=Origin(self.parts, load.arguments, source=weakref.ref(self)))
+        origin = Origin(self.parts, load.arguments, source=weakref.ref(self))
+        solution = attrs.evolve(run_solve(self, self._gap, load, start, on_step), origin=origin)
         return require_success(solution) if throw else solution

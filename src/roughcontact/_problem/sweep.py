@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from typing import Any
+import os
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, overload
 
 import attrs
 import numpy as np
 
+from roughcontact._problem.sweep_table import make_table, to_dataset
 from roughcontact._solution import AreaEstimator, ContactSolution
-from roughcontact.checks import Array, flag, number
+from roughcontact.checks import Array, flag, item_of, number
 from roughcontact.errors import InputError
 from roughcontact.load import Load
 from roughcontact.panel import Panel
 from roughcontact.panel.figures import plot
-from roughcontact.units import si
+from roughcontact.units import counted, si
 
 # Relative error of the area at which the search for its load ends; where the area jumps from cell to cell,
 # the search ends at its uncertainty.
@@ -35,7 +37,9 @@ _FARTHEST = 0.5
 
 @attrs.frozen(eq=False)
 class Sweep:
-    """Solutions at several loads, and their results as columns of a table.
+    """Solutions at several loads, and their results as columns of a table: iterable, with `len` and ``[]``.
+
+    ``sweep[0]`` is a solution, ``sweep[:3]`` a sweep.
 
     Attributes
     ----------
@@ -44,6 +48,22 @@ class Sweep:
     """
 
     solutions: tuple[ContactSolution, ...]
+
+    def __iter__(self) -> Iterator[ContactSolution]:
+        return iter(self.solutions)
+
+    def __len__(self) -> int:
+        return len(self.solutions)
+
+    @overload
+    def __getitem__(self, index: int) -> ContactSolution: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sweep: ...
+
+    def __getitem__(self, index: int | slice) -> ContactSolution | Sweep:
+        chosen = item_of(self.solutions, index, "The index of a sweep")
+        return Sweep(chosen) if isinstance(chosen, tuple) else chosen
 
     @property
     def force(self) -> Array:
@@ -66,6 +86,11 @@ class Sweep:
         return np.array([solution.area().value for solution in self.solutions])
 
     @property
+    def area_uncertainty(self) -> Array:
+        """One standard deviation of each area, m2."""
+        return np.array([solution.area().uncertainty for solution in self.solutions])
+
+    @property
     def stiffness(self) -> Array:
         """Slopes dF/d(approach) through neighbouring loads, N/m; nan where there is no neighbour."""
         if len(self.solutions) < 2 or np.unique(self.approach).size < len(self.solutions):
@@ -81,14 +106,45 @@ class Sweep:
         """Draw the results over the load (extra ``plot``); see `ContactSolution.plot`."""
         return plot("sweep", self, panel, axes, flag(dark, "dark="))
 
+    def to_pandas(self) -> Any:
+        """Return the results as a `pandas.DataFrame`, a row for each load (extra ``table``).
+
+        Its columns are ``mean_pressure``, ``force``, ``approach``, ``area``, ``area_uncertainty``, ``area_fraction``,
+        ``peak_pressure``, ``peak_pressure_uncertainty`` and ``stiffness``, in the units of ``frame.attrs["units"]``.
+        """
+        return make_table(self).to_pandas()
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; it may replace a file."""
+        make_table(self).to_csv(path)
+
+    def to_xarray(self) -> Any:
+        """Return the results and fields as an `xarray.Dataset` over the load, x and y, m (extra ``store``).
+
+        ``pressure`` and ``gap`` have the dimensions (load, x, y), ``initial_gap`` has (x, y), and the columns of
+        `to_pandas` have (load,); the coordinate ``load`` is what was asked, in its unit. The fields are copies.
+        """
+        return to_dataset(self)
+
+    def __repr__(self) -> str:
+        low, high = (si(float(bound), "Pa") for bound in (self.mean_pressure.min(), self.mean_pressure.max()))
+        return f"<Sweep: {counted(len(self), 'load')}, mean pressure {low} to {high}, {self.solutions[0].grid}>"
+
+    def _repr_html_(self) -> str:
+        return make_table(self).to_html(f"{counted(len(self), 'load')}, {self.solutions[0].grid}")
+
     def __str__(self) -> str:
-        rows = zip(self.mean_pressure, self.force, self.approach, self.area, self.stiffness, strict=True)
+        rows = zip(
+            self.mean_pressure, self.force, self.approach, self.area, self.area_uncertainty, self.stiffness, strict=True
+        )
         nominal = self.solutions[0].grid.area
-        lines = [f"{'mean pressure':>14} {'force':>12} {'approach':>12} {'area, %':>10} {'stiffness':>14}"]
-        lines += [
-            f"{si(p, 'Pa'):>14} {si(f, 'N'):>12} {si(d, 'm'):>12} {100 * a / nominal:>10.4g} {si(k, 'N/m'):>14}"
-            for p, f, d, a, k in rows
-        ]
+        lines = [f"{'mean pressure':>14} {'force':>11} {'approach':>11} {'area, %':>18} {'stiffness':>13}"]
+        for pressure, force, approach, area, uncertainty, stiffness in rows:
+            percent = f"{100 * area / nominal:.4g} +- {100 * uncertainty / nominal:.1g}"
+            lines.append(
+                f"{si(pressure, 'Pa'):>14} {si(force, 'N'):>11} {si(approach, 'm'):>11} {percent:>18} "
+                f"{si(stiffness, 'N/m'):>13}"
+            )
         return "\n".join(lines)
 
 

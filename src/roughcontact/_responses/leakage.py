@@ -89,9 +89,9 @@ class Leakage:
         doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
         if not self.connected:
             return f"no flow along {axis}: no open path joins the two sides{doubtful}"
-        spread = f"{100 * self.uncertainty / self.value:.2g} %" if self.value > 0.0 else f"{self.uncertainty:.2g} m3/s"
+        spread = f"{100 * self.uncertainty / self.value:.2g} %" if self.value > 0.0 else si(self.uncertainty, "m3/s", 2)
         return (
-            f"{self.value:.5g} m3/s +- {spread} along {axis}, flow factor {self.flow_factor:.4g}; "
+            f"{si(self.value, 'm3/s', 5)} +- {spread} along {axis}, flow factor {self.flow_factor:.4g}; "
             f"{self.throat}{doubtful}"
         )
 

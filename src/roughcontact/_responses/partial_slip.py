@@ -111,7 +111,8 @@ class PartialSlip:
 
     def __str__(self) -> str:
         sliding = self.tangential_force / (self.friction * self.contact.force)
-        areas = (f"{area.value:.5g} m2 +- {area.uncertainty:.2g} m2" for area in (self.stick_area, self.slip_area))
+        both = self.stick_area, self.slip_area
+        areas = (f"{si(area.value, 'm2', 5)} +- {si(area.uncertainty, 'm2', 2)}" for area in both)
         rows = {
             "tangential force": f"{si(self.tangential_force, 'N')}, {100 * sliding:.3g} % of that of sliding",
             "displacement": self.displacement,

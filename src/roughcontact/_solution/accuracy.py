@@ -96,6 +96,6 @@ class Accuracy:
         seconds = sum(trial.seconds for trial in self.trials)
         return (
             f"{self.asked}, two standard deviations: {reached}\n"
-            f"  grids solved   {', '.join(map(str, self.trials))}, {seconds:.2g} s in all\n"
-            f"  tolerance      {self.tolerance:.1e}{estimator}"
+            f"grids solved   {', '.join(map(str, self.trials))}, {seconds:.2g} s in all\n"
+            f"tolerance      {self.tolerance:.1e}{estimator}"
         )

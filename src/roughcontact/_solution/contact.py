@@ -28,8 +28,9 @@ from roughcontact._solution.results import (
     require_estimate,
 )
 from roughcontact._solution.saturation import estimate_saturated_area
-from roughcontact._solution.summary import summarize
+from roughcontact._solution.summary import abbreviate, summarize
 from roughcontact._solution.theory import TheoryBeside, compare_with_theory
+from roughcontact._solution.vti import to_pyvista
 from roughcontact._solution.writers import write_solution, writers
 from roughcontact._surfaces import HeightMap
 from roughcontact.checks import Array
@@ -266,6 +267,25 @@ class ContactSolution(ContactFields):
         """Return the solution as an `xarray.Dataset` over x and y, m, with units (extra ``store``)."""
         return storage.to_xarray(self)
 
+    def to_pyvista(self) -> Any:
+        """Return the solution as `pyvista.ImageData`, for views in three dimensions (extra ``vtk``).
+
+        Its cells, in the plane z = 0 about the centre of the domain, have ``pressure``, Pa, ``gap``, ``initial_gap``,
+        ``displacement`` and the ``heights`` of the body, m, and ``contact``; the scalars, as ``force``, are field data.
+        """
+        return to_pyvista(self)
+
     def __str__(self) -> str:
-        measured = [one for one in self._maps if not one.periodic]
-        return summarize(self, measured, self._materials)
+        return summarize(self, self._measured, self._materials)
+
+    def __repr__(self) -> str:
+        return abbreviate(self)
+
+    def _repr_html_(self) -> str:
+        writer: Any = writers.create("html")
+        text: str = writer.table(self)
+        return text
+
+    @property
+    def _measured(self) -> list[HeightMap]:
+        return [one for one in self._maps if not one.periodic]

@@ -15,6 +15,7 @@ from roughcontact.checks import Array, read_only
 from roughcontact.errors import InputError
 from roughcontact.registry import Registry
 from roughcontact.units import Estimate as Estimate
+from roughcontact.units import si
 
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
@@ -158,9 +159,10 @@ class Area:
 
     def __str__(self) -> str:
         relative = self.uncertainty / self.value if self.value > 0.0 else 0.0
-        spread = f"{100 * relative:.2g} %" if self.value > 0.0 else f"{self.uncertainty:.2g} m2"
+        spread = f"{100 * relative:.2g} %" if self.value > 0.0 else si(self.uncertainty, "m2", 2)
         doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
-        return f"{self.value:.5g} m2 ({100 * self.fraction:.4g} % of nominal) +- {spread} [{self.estimator}]{doubtful}"
+        value, percent = si(self.value, "m2", 5), 100 * self.fraction
+        return f"{value} ({percent:.4g} % of nominal) +- {spread} [{self.estimator}]{doubtful}"
 
 
 def judge_maps(area: Area, maps: Iterable[HeightMap], cell_area: float) -> Area:

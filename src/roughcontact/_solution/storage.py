@@ -26,8 +26,9 @@ from roughcontact.description import (
     public_class,
     rebuild,
 )
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
+from roughcontact.tables import make_dataset
 
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
@@ -149,10 +150,6 @@ def to_xarray(solution: ContactSolution) -> Any:
 
 
 def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
-    try:
-        import xarray
-    except ImportError:
-        raise MissingPackage("Datasets need the package xarray: pip install 'roughcontact[store]'.") from None
     grid, variables = solution.grid, {}
     for name, values in packed.items():
         axes = ("x", "y") if name in _FIELDS else tuple(f"{name}_{axis}" for axis in range(values.ndim))
@@ -161,18 +158,13 @@ def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
     places = {"x": ("x", grid.x[:, 0], {"units": "m"}), "y": ("y", grid.y[0], {"units": "m"})}
     made_by = ", ".join(f"{name} {number}" for name, number in versions().items())
     title = {"title": "contact of rough surfaces", "status": str(solution.status), "versions": made_by}
-    return xarray.Dataset(variables, coords=places, attrs=title)
+    return make_dataset(variables, places, title)
 
 
 def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
     """Return all arrays by name, and everything else as data that JSON can hold."""
     parts: dict[str, RealArray] = {}
     origin, limit = solution.origin, solution.pressure_limit
-    figures = {
-        "maximum_pressure": float(solution.pressure.max()),
-        **_estimate(solution, "area"),
-        **_estimate(solution, "saturated_area"),
-    }
     described = ("moduli", "history", "boundary", *_REALS, *_COUNTS)
     tables = {name: attrs.asdict(getattr(solution, name)) for name in ("grid", "residuals")}
     header = {
@@ -190,8 +182,17 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
         "load": None if origin is None else describe(origin.load, parts),
     }
     fields = {name: getattr(solution, name) for name in _FIELDS}
-    scalars = {name: figures.get(name, getattr(solution, name, None)) for name in _SCALARS}
-    return {**fields, **scalars, **{_PART + name: values for name, values in parts.items()}}, header
+    return {**fields, **scalars_of(solution), **{_PART + name: values for name, values in parts.items()}}, header
+
+
+def scalars_of(solution: ContactSolution) -> dict[str, float]:
+    """Return the numbers that files state beside the fields, by name, in SI units."""
+    figures = {
+        "maximum_pressure": float(solution.pressure.max()),
+        **_estimate(solution, "area"),
+        **_estimate(solution, "saturated_area"),
+    }
+    return {name: figures.get(name, getattr(solution, name, math.nan)) for name in _SCALARS}
 
 
 def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:

@@ -1,50 +1,125 @@
-"""A solution as text."""
+"""A solution as text: the answer first, then how far it can be trusted, then the work."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, TypeVar
 
 import attrs
 
 from roughcontact._materials import Material
+from roughcontact._solution.results import Area
 from roughcontact._surfaces import HeightMap
-from roughcontact.units import si
+from roughcontact.units import Estimate, si, with_spread
 
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
 
-# Width of a printed warning, characters.
-_WIDTH = 120
+S, T = TypeVar("S"), TypeVar("T")
+_UNKNOWN = "not determined"
+# Columns of a printed solution, and those of the labels.
+_WIDTH, _LABEL = 80, 15
+# Cells up to which the area is estimated unasked for the one line of `repr`: 0.1 s.
+_SMALL = 2**20
+
+
+def list_answers(solution: ContactSolution) -> dict[str, str]:
+    """Return the answer in words by name: the contact area, the load, the maximum pressure and the approach."""
+    peak = _attempt(solution.peak_pressure, None)
+    answers = {
+        "contact area": _format_area(_attempt(solution.area, None), solution.grid.area),
+        "force": si(solution.force, "N", 6),
+        "mean pressure": si(solution.mean_pressure, "Pa", 6),
+        "max pressure": _UNKNOWN if peak is None else str(attrs.evolve(peak, warnings=())),
+        "approach": si(solution.approach, "m", 6),
+    }
+    if solution.capped:
+        answers["saturated"] = _format_area(_attempt(solution.saturated_area, None), solution.grid.area)
+    return answers
+
+
+def list_all_warnings(solution: ContactSolution) -> list[str]:
+    """Return the warnings of a solution, and those of what `list_answers` estimates."""
+    gathered = dict.fromkeys(_attempt(lambda: solution.warnings, ()))
+    estimates: dict[str, Callable[[], Area | Estimate]] = {
+        "contact area": solution.area,
+        "maximum pressure": solution.peak_pressure,
+    }
+    if solution.capped:
+        estimates["saturated area"] = solution.saturated_area
+    seen: set[str] = set()
+    for name, estimate in estimates.items():
+        found = _attempt(estimate, None)
+        # The others have the warnings of the area too.
+        texts = () if found is None else tuple(text for text in found.warnings if text not in seen)
+        seen.update(texts)
+        gathered.update(dict.fromkeys(f"The {name} is doubtful: {text}" for text in texts))
+    return list(gathered)
+
+
+def describe_maps(maps: Sequence[HeightMap]) -> str:
+    """Return what the area of measured maps does not know; empty without maps."""
+    if not maps:
+        return ""
+    shortest = si(2.0 * max(max(one.grid.spacing) for one in maps), "m", 3)
+    return f"of the map as interpolated: waves below {shortest} are not in it"
 
 
 def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: Mapping[str, Material]) -> str:
-    """Return how the solve ended, the main numbers of the contact, and the warnings, line by line."""
+    """Return the answer, how the solve ended, the warnings and the work, line by line; a failure first of all."""
+    status = ("status", str(solution.status))
+    rows = [*list_answers(solution).items()]
+    if maps:
+        rows.insert(1, ("", describe_maps(maps)))
+    rows.insert(len(rows) if solution.status.success else 0, status)
+    rows += [("warning", text) for text in list_all_warnings(solution)]
+    if solution.theory is not None:
+        rows.append(("Persson", str(solution.theory)))
+    if solution.accuracy is not None:
+        rows.append(("accuracy", str(solution.accuracy)))
     rigid = [name for name, material in materials.items() if material.compliance == 0.0]
     alone = f": the {rigid[0]} is rigid" if rigid else ""
-    # The area below says the same warnings.
-    peak = attrs.evolve(solution.peak_pressure(), warnings=())
-    lines = [
-        f"{solution.status}",
-        f"  after {solution.iterations} iterations, {solution.convolutions} convolutions, {solution.seconds:.2g} s",
-        f"  residuals      {solution.residuals}",
-        f"  modulus E*     {si(solution.modulus, 'Pa', 6)}{alone}",
-        f"  force          {si(solution.force, 'N', 6)}",
-        f"  mean pressure  {si(solution.mean_pressure, 'Pa', 6)}",
-        f"  max pressure   {peak}",
-        f"  approach       {si(solution.approach, 'm', 6)}",
-        f"  contact area   {solution.area()}",
+    rows += [
+        ("modulus E*", f"{si(solution.modulus, 'Pa', 6)}{alone}"),
+        ("residuals", str(solution.residuals)),
+        ("work", f"{solution.iterations} iterations, {solution.convolutions} convolutions, {solution.seconds:.2g} s"),
     ]
-    if maps:
-        shortest = si(2.0 * max(max(one.grid.spacing) for one in maps), "m", 3)
-        lines.append(f"                 of the map as interpolated: waves below {shortest} are not in it")
-    if solution.capped:
-        lines.append(f"  saturated      {solution.saturated_area()}")
-    if solution.theory is not None:
-        lines.append(f"  Persson        {solution.theory}")
-    if solution.accuracy is not None:
-        lines.append(f"  accuracy       {solution.accuracy}")
-    for text in solution.warnings:
-        lines.append(textwrap.fill(text, _WIDTH, initial_indent="  warning        ", subsequent_indent=17 * " "))
-    return "\n".join(lines)
+    return "\n".join(line for label, text in rows for line in _wrap(label, text))
+
+
+def abbreviate(solution: ContactSolution) -> str:
+    """Return the solution in one line; the area is in it where it takes a moment only."""
+    shape, (verdict, _, _) = " x ".join(map(str, solution.grid.shape)), str(solution.status).partition(":")
+    texts = [verdict, si(solution.mean_pressure, "Pa")]
+    area = _attempt(solution.area, None) if solution.grid.cells <= _SMALL and solution.status.success else None
+    if area is not None:
+        texts.append(f"contact area {with_spread(*_percentages(area, solution.grid.area))} %")
+    return f"<ContactSolution {shape}, {solution.boundary}: {', '.join(texts)}>"
+
+
+def _percentages(area: Area, nominal: float) -> tuple[float, float]:
+    return 100.0 * area.fraction, 100.0 * area.uncertainty / nominal
+
+
+def _format_area(area: Area | None, nominal: float) -> str:
+    if area is None:
+        return _UNKNOWN
+    percent = with_spread(*_percentages(area, nominal))
+    return f"{percent} % of nominal, {si(area.value, 'm2')} [{area.estimator}]"
+
+
+def _attempt(estimate: Callable[[], T], otherwise: S) -> T | S:
+    """Return an estimate, or something else where it fails: what did not converge is printed as well."""
+    try:
+        return estimate()
+    # Estimators are plug-ins.
+    except Exception:
+        return otherwise
+
+
+def _wrap(label: str, text: str) -> Iterator[str]:
+    indent = f"{label:<{_LABEL}}"
+    for line in text.splitlines():
+        yield from textwrap.wrap(line, _WIDTH, initial_indent=indent, subsequent_indent=_LABEL * " ") or [indent]
+        indent = ""

@@ -16,6 +16,7 @@ from roughcontact._surfaces.base import Surface
 from roughcontact._surfaces.quality import find_period, list_map_warnings
 from roughcontact._surfaces.resampling import resample, shift_by_half_cell
 from roughcontact._surfaces.statistics import repeats
+from roughcontact._surfaces.topography import make_topography, read_map
 from roughcontact.checks import Array, Mask, Pair, choice, heights_array, instance_of, integer, pair
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
@@ -127,6 +128,33 @@ class HeightMap(Surface):
     def values(self) -> Array:
         """The heights as given, shape (nx, ny), m, read-only."""
         return self._heights
+
+    def __repr__(self) -> str:
+        periodic = ", periodic" if self.periodic else ""
+        lost = "" if self.non_measured is None else f", {int(self.non_measured.sum())} points non-measured"
+        return f"<HeightMap {self.grid}{periodic}{lost}>"
+
+    @classmethod
+    def from_topography(cls, topography: Any, *, non_measured: str = "refuse") -> HeightMap:
+        """Return the map of a two-dimensional `SurfaceTopography.Topography`, its unit converted to m.
+
+        Parameters
+        ----------
+        topography
+            With its unit, size and periodicity.
+        non_measured
+            As of `read_surface`: ``"refuse"``, ``"fill"`` or ``"keep"``.
+
+        Raises
+        ------
+        InputError
+            If it is not one, has no unit, or has non-measured points that are refused.
+        """
+        return cls(**read_map(topography, non_measured))
+
+    def to_topography(self) -> Any:
+        """Return the map as a `SurfaceTopography.Topography` in m, masked at non-measured points."""
+        return make_topography(self)
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights on the map's own grid, shape `grid.shape`, m: a map is resampled only on request."""

@@ -8,7 +8,7 @@ import mmap
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,7 @@ import numpy.typing as npt
 from roughcontact.errors import InputError
 from roughcontact.errors.door import outside
 
+T = TypeVar("T")
 Array: TypeAlias = npt.NDArray[np.float64]
 RealArray: TypeAlias = npt.NDArray[Any]
 IntArray: TypeAlias = npt.NDArray[np.intp]
@@ -87,6 +88,22 @@ def integer(value: object, what: str, *, at_least: int) -> int:
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < at_least:
         raise InputError.about(what, value, allowed)
     return int(value)
+
+
+def item_of(items: tuple[T, ...], index: object, what: str) -> T | tuple[T, ...]:
+    """Return the item at a position, or the items of a slice, or raise `InputError`."""
+    if isinstance(index, slice):
+        try:
+            chosen = items[index]
+        except (TypeError, ValueError):
+            chosen = ()
+        if not chosen:
+            raise InputError.about(what, index, f"a slice of at least one of {len(items)}")
+        return chosen
+    whole = isinstance(index, (int, np.integer)) and not isinstance(index, bool)
+    if not (whole and -len(items) <= index < len(items)):  # type: ignore[operator]
+        raise InputError.about(what, index, f"a whole number from 0 to {len(items) - 1}, or a slice")
+    return items[int(index)]  # type: ignore[call-overload, no-any-return]
 
 
 def flag(value: object, what: str) -> bool:

@@ -27,7 +27,7 @@ class Solve(Command):
 
     def run(self, options: argparse.Namespace) -> int:
         """Return 0, or 3 if the solution has warnings, or raise `NotConverged` after writing what was reached."""
-        from roughcontact.cli.picture import draw_solution
+        from roughcontact.panel.figures import save_figure
 
         folder = checks.path(options.output, "The output folder")
         folder.mkdir(parents=True, exist_ok=True)
@@ -38,7 +38,7 @@ class Solve(Command):
         solution = problem.solve(**load, **accuracy, throw=False)
         try:
             solution.save(folder / "solution.npz")
-            draw_solution(solution, folder / "solution.png")
+            save_figure("solution", solution, folder / "solution.png")
             print(f"\nWritten to {folder}: solution.npz, solution.png")
         finally:
             # The last lines are the results and their warnings.

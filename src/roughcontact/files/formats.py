@@ -8,6 +8,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 
+from roughcontact._surfaces.topography import read_topography
 from roughcontact.archive import read_npy, read_npz
 from roughcontact.checks import choice, integer
 from roughcontact.checks.memory import require_memory
@@ -156,18 +157,11 @@ class InstrumentReader(SurfaceReader):
         try:
             # Its imports warn of optional parallel packages.
             with warnings.catch_warnings(action="ignore"):
-                from SurfaceTopography import read_topography
+                from SurfaceTopography import read_topography as read_file
         except ImportError:
             raise MissingPackage(
                 f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
                 f"(Files {', '.join(_ENDINGS)} are read without it.)"
             ) from None
-        topography = read_topography(str(path))
-        if topography.dim != 2:
-            raise InputError("it holds a line profile, not a height map")
-        if topography.unit is None:
-            raise InputError("it does not state its unit of length")
-        topography = topography.to_unit("m")
-        heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
-        lx, ly = (float(side) for side in topography.physical_sizes)
-        return RawMap(heights, (lx, ly), bool(topography.is_periodic), metric=True)
+        heights, size, periodic = read_topography(read_file(str(path)))
+        return RawMap(heights, size, periodic, metric=True)

@@ -14,14 +14,13 @@ import numpy as np
 
 from roughcontact import checks
 from roughcontact._surfaces import HeightMap
-from roughcontact.checks import Array, Mask, choice, number, pair
+from roughcontact._surfaces.filling import TREATMENTS, complete
+from roughcontact.checks import choice, number, pair
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.errors.door import guarded
 from roughcontact.files.base import RawMap, SurfaceReader, readers
-from roughcontact.files.filling import fill
 from roughcontact.units import si
 
-_TREATMENTS = {"fill": "filled from their neighbours", "keep": "kept so"}
 _FALLBACK = "instrument"
 # A given size agrees with that of the file to this fraction: six digits, as people type them.
 _SAME_SIZE = 1e-6
@@ -66,7 +65,7 @@ def read_surface(
     MissingPackage
         If the package that reads such files is not installed.
     """
-    choice(non_measured, "The treatment of non-measured points", ("refuse", *_TREATMENTS))
+    choice(non_measured, "The treatment of non-measured points", TREATMENTS)
     file = checks.path(path, "The height map")
     raw = read_raw(file, reader, **options)
     given = size if raw.size is None else raw.size
@@ -83,14 +82,16 @@ def read_surface(
                 f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
                 f"which is not the size given: leave size= out."
             )
-    heights, mask, done = _complete(raw, file, non_measured)
+    heights, mask, done = complete(
+        raw.heights, f"the file {file.name}", non_measured, " (on the command line --non-measured)"
+    )
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
     scale = _unit(raw, unit, file)
     in_units = "" if unit is None else f", heights in units of {si(unit, 'm')}"
     # The heights as they were read are freed before others are made.
     del raw, heights
     values = surface.values if unit is None else surface.values * scale
-    return attrs.evolve(surface, heights=values, history=(f"{done}: {surface.grid}{in_units}",))
+    return attrs.evolve(surface, heights=values, history=(f"read from {file.name}{done}: {surface.grid}{in_units}",))
 
 
 def read_raw(file: Path, reader: str | SurfaceReader = "auto", **options: Any) -> RawMap:
@@ -148,24 +149,3 @@ def _unit(raw: RawMap, given: float | None, file: Path) -> float:
     if raw.metric:
         raise InputError(f"The file {file.name} states its own unit of height: leave unit= out.")
     return number(given, "The unit of the heights", "m", above=0.0)
-
-
-def _complete(raw: RawMap, file: Path, treatment: str) -> tuple[Array, Mask | None, str]:
-    """Return heights at all points, the non-measured points if they are to be kept, and what was done."""
-    heights, read = raw.heights, f"read from {file.name}"
-    if heights.dtype.kind != "f" or heights.ndim != 2:
-        return heights, None, read
-    mask = ~np.isfinite(heights)
-    count = int(np.count_nonzero(mask))
-    if count == 0:
-        return heights, None, read
-    found = f"{count} of {heights.size} points"
-    if count == heights.size:
-        raise InputError(f"The file {file.name} holds no valid point at all.")
-    if treatment == "refuse":
-        raise InputError(
-            f"In the file {file.name} {found} were not measured: fill them from their neighbours with "
-            "non_measured='fill', or keep them with non_measured='keep' (on the command line --non-measured)."
-        )
-    done = f"{read}, {found} non-measured and {_TREATMENTS[treatment]}"
-    return fill(heights), mask if treatment == "keep" else None, done

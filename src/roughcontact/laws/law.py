@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -13,10 +12,11 @@ import numpy as np
 from roughcontact import checks
 from roughcontact.archive import replacing
 from roughcontact.checks import Array, read_only
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError
 from roughcontact.laws import abaqus, calculix, moose
 from roughcontact.laws.fits import PowerFit, fit_power
-from roughcontact.units import si
+from roughcontact.tables import Table
+from roughcontact.units import counted, si
 
 
 @attrs.frozen(eq=False)
@@ -95,24 +95,22 @@ class InterfaceLaw:
 
     def to_pandas(self) -> Any:
         """Return the table as a `pandas.DataFrame` in the units of ``frame.attrs["units"]`` (extra ``table``)."""
-        try:
-            import pandas
-        except ImportError:
-            raise MissingPackage("A data frame needs the package pandas: pip install 'roughcontact[table]'.") from None
-        frame = pandas.DataFrame({name: values.copy() for name, values in self.to_table().items()})
-        frame.attrs["units"] = self._units
-        return frame
+        return self._table.to_pandas()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the table to a CSV file in SI units, with all digits; it may replace a file."""
-        table, units = self.to_table(), self._units
-        with (
-            replacing(checks.path(path, "The table")) as partial,
-            partial.open("w", newline="", encoding="utf-8") as file,
-        ):
-            writer = csv.writer(file)
-            writer.writerow([f"{name} [{units[name] or 1}]" for name in table])
-            writer.writerows([repr(float(value)) for value in row] for row in zip(*table.values(), strict=True))
+        self._table.to_csv(path)
+
+    def __repr__(self) -> str:
+        low, high = (si(float(pressure), "Pa") for pressure in self.pressures[[0, -1]])
+        return f"<InterfaceLaw: {counted(len(self.pressures), 'load')}, {low} to {high}: {', '.join(self.columns)}>"
+
+    def _repr_html_(self) -> str:
+        return self._table.to_html(" ".join([*self.description, *(f"Warning: {text}" for text in self.warnings)]))
+
+    @property
+    def _table(self) -> Table:
+        return Table(self.to_table(), self._units)
 
     @property
     def _units(self) -> dict[str, str]:

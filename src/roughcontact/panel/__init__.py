@@ -1,58 +1,28 @@
-"""Pictures of a solution, a surface or a sweep: the base class, the registry, and figures made of several panels."""
+"""Pictures of a solution, a surface or a sweep: the base class, the look, and what panels are drawn with.
 
-from __future__ import annotations
+Nothing of matplotlib is loaded until something is drawn.
+"""
 
-import abc
-from typing import TYPE_CHECKING, Any, ClassVar
+from roughcontact.panel.base import Panel, SampledSurface, panels
+from roughcontact.panel.curves import add_key, draw_band, scale_axes
+from roughcontact.panel.figures import make_figure
+from roughcontact.panel.maps import draw_map, draw_mask, name_colors
+from roughcontact.panel.theme import DARK, LIGHT, Theme, style, theme_of
 
-import attrs
-
-from roughcontact.checks import Array
-from roughcontact.registry import Registry
-
-if TYPE_CHECKING:
-    from roughcontact.grid import Grid
-
-
-class Panel(abc.ABC):
-    """One picture, drawn into axes of matplotlib. Subclass it, say what it draws, and define `draw`.
-
-    Attributes
-    ----------
-    subject
-        What it draws: ``"solution"``, ``"surface"`` (then `draw` gets a `SampledSurface`) or ``"sweep"``.
-    """
-
-    subject: ClassVar[str] = "solution"
-
-    @abc.abstractmethod
-    def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a solution, a surface or a sweep into `matplotlib.axes.Axes`.
-
-        Raises
-        ------
-        InputError
-            If there is nothing to draw: the sentence says why.
-        """
-
-
-panels = Registry(Panel, "panel", "roughcontact.panels", in_files=False)
-
-
-@attrs.frozen(eq=False)
-class SampledSurface:
-    """Heights of a surface on a grid, as a `Panel` of surfaces gets them.
-
-    Attributes
-    ----------
-    heights
-        Shape `grid.shape`, m, positive outward; NaN at non-measured points.
-    grid
-        The cells.
-    periodic
-        Whether the surface repeats beyond its border.
-    """
-
-    heights: Array
-    grid: Grid
-    periodic: bool
+__all__ = [
+    "DARK",
+    "LIGHT",
+    "Panel",
+    "SampledSurface",
+    "Theme",
+    "add_key",
+    "draw_band",
+    "draw_map",
+    "draw_mask",
+    "make_figure",
+    "name_colors",
+    "panels",
+    "scale_axes",
+    "style",
+    "theme_of",
+]

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import io
+import textwrap
+from pathlib import Path
 from typing import Any
 
-from roughcontact.errors import InputError, MissingPackage
-from roughcontact.panel import Panel, panels
+from roughcontact.archive import replacing
+from roughcontact.errors import InputError
+from roughcontact.panel.base import Panel, panels
+from roughcontact.panel.layout import arrange
+from roughcontact.panel.theme import require_matplotlib, style, theme_of
 
 # The panels of a figure where none is named.
 _STANDARD = {
@@ -13,29 +19,100 @@ _STANDARD = {
     "surface": ("map", "spectrum", "bearing-curve", "autocorrelation"),
     "sweep": ("load-approach", "area-load", "stiffness-load"),
 }
+# Characters in a line of a sentence that stands in place of a panel.
+_WIDTH = 40
 
 
 def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bool) -> Any:
-    """Return the axes of one panel, or the figure of all standard panels of a kind of subject."""
-    try:
-        from matplotlib import pyplot
-        from matplotlib.axes import Axes
-    except ImportError:
-        raise MissingPackage("Drawing needs matplotlib: pip install 'roughcontact[plot]'.") from None
+    """Return the axes of one panel, or the figure of all standard panels of a kind of subject, made by pyplot."""
+    require_matplotlib()
+    from matplotlib import pyplot
+    from matplotlib.axes import Axes
+
+    from roughcontact.panel.sheet import Sheet
+
     if axes is not None and not isinstance(axes, Axes):
         raise InputError.about("The axes", axes, "an Axes of matplotlib, or None")
-    with pyplot.style.context("dark_background" if dark else "default"):
+    if panel is None and axes is not None:
+        raise InputError("Axes hold one panel: name it, as in plot('pressure', axes=axes).")
+    chosen = None if panel is None else _resolve(kind, panel)
+    if axes is not None:
+        with style(theme_of(axes).is_dark):
+            chosen.draw(subject, axes)
+        return axes
+    with style(dark):
+        figure = pyplot.figure(FigureClass=Sheet)
+        try:
+            return _fill(figure, kind, subject) if chosen is None else _fill_one(figure, chosen, subject)
+        except BaseException:
+            pyplot.close(figure)
+            raise
+
+
+def make_figure(kind: str, subject: Any, panel: str | Panel | None = None, dark: bool = False) -> Any:
+    """Return the figure that `plot` draws, but one that pyplot does not know of: to be saved, in any thread."""
+    require_matplotlib()
+    from roughcontact.panel.sheet import Sheet
+
+    with style(dark):
+        figure = Sheet()
         if panel is None:
-            if axes is not None:
-                raise InputError("Axes hold one panel: name it, as in plot('pressure', axes=axes).")
-            names = _STANDARD[kind]
-            figure = pyplot.figure(figsize=(4.8 * len(names), 4.2), layout="constrained")
-            for place, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
-                panels.create(name).draw(subject, place)
-            return figure
-        chosen = panels.resolve(panel)
-        if chosen.subject != kind:
-            raise InputError(f"The panel {panel!r} draws a {chosen.subject}, not a {kind}.")
-        target = pyplot.figure(layout="constrained").add_subplot() if axes is None else axes
-        chosen.draw(subject, target)
-        return target
+            return _fill(figure, kind, subject)
+        _fill_one(figure, _resolve(kind, panel), subject)
+        return figure
+
+
+def _resolve(kind: str, panel: str | Panel) -> Panel:
+    chosen = panels.resolve(panel)
+    if chosen.subject != kind:
+        known = ", ".join(repr(name) for name in panels if panels[name].subject == kind)
+        raise InputError(f"The panel {panel!r} draws a {chosen.subject}, not a {kind}, of which there are {known}.")
+    return chosen
+
+
+def _fill(figure: Any, kind: str, subject: Any) -> Any:
+    """Draw all standard panels, where one refuses, what it says."""
+    layout = arrange(kind, subject, len(_STANDARD[kind]))
+    figure.set_size_inches(layout.size)
+    figure.set_layout_engine(layout.engine)
+    figure.saving_dpi = layout.dpi
+    places = figure.subplots(layout.rows, layout.columns, squeeze=False).ravel()
+    for name, axes in zip(_STANDARD[kind], places, strict=True):
+        try:
+            panels.create(name).draw(subject, axes)
+        except InputError as error:
+            axes.cla()
+            axes.set_axis_off()
+            axes.text(0.5, 0.5, textwrap.fill(str(error), _WIDTH), ha="center", va="center", transform=axes.transAxes)
+    figure.suptitle(layout.title)
+    _keep_colors(figure)
+    return figure
+
+
+def _fill_one(figure: Any, panel: Panel, subject: Any) -> Any:
+    layout = arrange(panel.subject, subject, 1)
+    figure.set_size_inches(layout.size)
+    figure.set_layout_engine(layout.engine)
+    figure.saving_dpi = layout.dpi
+    axes = figure.add_subplot()
+    panel.draw(subject, axes)
+    _keep_colors(figure)
+    return axes
+
+
+def _keep_colors(figure: Any) -> None:
+    """Let ticks that are made later, at drawing, have the colours and sizes of the theme."""
+    from matplotlib import rcParams
+
+    for axes in figure.axes:
+        for name in ("x", "y"):
+            color, size = rcParams[f"{name}tick.color"], rcParams[f"{name}tick.labelsize"]
+            axes.tick_params(axis=name, which="both", color=color, labelcolor=color, labelsize=size)
+
+
+def save_figure(kind: str, subject: Any, path: Path) -> None:
+    """Write the figure of all standard panels to a PNG file, completely or not at all."""
+    content = io.BytesIO()
+    make_figure(kind, subject).savefig(content, format="png")
+    with replacing(path) as partial:
+        partial.write_bytes(content.getvalue())

@@ -72,15 +72,15 @@ class BeyondResolution:
 
     def __str__(self) -> str:
         nominal = self.measured.value / self.measured.fraction if self.measured.fraction else 0.0
-        lines = ["   shortest wave   cells  rms slope     area, m2        +-  of nominal, %"]
-        row = "{:>16} {:>7} {:>10} {:>12.5g} {:>9.2g} {:>14.4g}"
-        first = self.measured.value, self.measured.uncertainty, 100.0 * self.measured.fraction
-        lines.append(row.format("as measured", "", "", *first))
+        lines = ["   shortest wave   cells  rms slope         area         +-  of nominal, %"]
+        row = "{:>16} {:>7} {:>10} {:>12} {:>10} {:>14.4g}"
+        area, std = si(self.measured.value, "m2"), si(self.measured.uncertainty, "m2", 2)
+        lines.append(row.format("as measured", "", "", area, std, 100.0 * self.measured.fraction))
         for wave, slope, mean, std in zip(self.wavelengths, self.rms_slopes, self.means, self.stds, strict=True):
-            cells = f"{wave / self.cell:.3g}"
-            lines.append(row.format(si(wave, "m"), cells, f"{slope:.3g}", mean, std, 100.0 * mean / nominal))
+            texts = si(wave, "m"), f"{wave / self.cell:.3g}", f"{slope:.3g}", si(mean, "m2"), si(std, "m2", 2)
+            lines.append(row.format(*texts, 100.0 * mean / nominal))
         low, high = self.range
-        return "\n".join([*lines, f"area from {low:.4g} to {high:.4g} m2"])
+        return "\n".join([*lines, f"area from {si(low, 'm2')} to {si(high, 'm2')}"])
 
 
 @guarded

@@ -112,7 +112,7 @@ class ErrorReport:
         known = []
         for name in self.reference.quantities:
             value = getattr(self.reference, name)
-            text = f"{value:.5g} m2" if name == "area" else si(value, UNITS[name], 5)
+            text = si(value, UNITS[name], 5)
             bound = format_percent(self.reference.relative_uncertainty(name)).removeprefix("+")
             known.append(f"{_LABELS[name]} {text} +- {bound} %")
         row, varying = self.rows[0], find_varying_parts(self.rows)

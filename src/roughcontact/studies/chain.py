@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import traceback
 from collections.abc import Mapping
 from functools import cached_property
@@ -32,15 +33,64 @@ _LONGEST = 300
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class Chain:
+class Point:
+    """One problem of a study, and its loads.
+
+    Attributes
+    ----------
+    name, seed, parameters
+        The name of the problem in the study, its seed, and the value on each axis.
+    loads
+        Its loads.
+    """
+
+    name: str
+    seed: int | None = None
+    parameters: Mapping[str, Any] = attrs.Factory(dict)
+    loads: tuple[Load, ...]
+
+    def record(self, key: str, load: Load, status: str = "FAILED", message: str = "") -> Record:
+        """Return the record of a load that has no solution."""
+        return Record(
+            problem=self.name,
+            seed=self.seed,
+            parameters=self.parameters,
+            control=load.kind,
+            load=load.value,
+            key=key,
+            status=status,
+            message=message,
+        )
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Unbuilt(Point):
+    """A problem that could not be built.
+
+    Attributes
+    ----------
+    message
+        Why not, in a sentence.
+    """
+
+    message: str
+
+    def refused(self) -> ChainResult:
+        """Return its records. What was not built has no key: theirs is made from the name and the load."""
+        keys = [key_of([self.name, load.arguments]) for load in self.loads]
+        return ChainResult(
+            [self.record(key, load, "REFUSED", self.message) for key, load in zip(keys, self.loads, strict=True)]
+        )
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Chain(Point):
     """One problem at all loads of a study, each solve starting from those before.
 
     Attributes
     ----------
-    name, seed
-        The name of the problem in the study, and its seed.
-    problem, loads
-        The problem, before it is given the seed, and its loads.
+    problem
+        The problem, before it is given the seed.
     areas
         Area estimators.
     folder
@@ -49,10 +99,7 @@ class Chain:
         Earlier records, by key.
     """
 
-    name: str
-    seed: int | None
     problem: ContactProblem
-    loads: tuple[Load, ...]
     areas: tuple[str, ...]
     folder: Path
     known: Mapping[str, Record] = attrs.Factory(dict)
@@ -70,6 +117,10 @@ class Chain:
             what = f"The problem {self.name!r} cannot be given the seed {self.seed}"
             raise InputError(f"{what}: {error!r:.200}.") from error
 
+    def alone(self) -> Chain:
+        """Return the chain without what its problem has computed, which takes the memory of its fields."""
+        return attrs.evolve(self, problem=copy.copy(self.problem))
+
     @cached_property
     def seeded(self) -> ContactProblem:
         """Return the problem with its seed; a surface is first evaluated when its problem is made."""
@@ -83,18 +134,6 @@ class Chain:
     def path(self, key: str) -> Path:
         """Return the file of the solution with a key."""
         return self.folder / f"{key}.npz"
-
-    def record(self, key: str, load: Load, status: str = "FAILED", message: str = "") -> Record:
-        """Return the record of a load that has no solution."""
-        return Record(
-            problem=self.name,
-            seed=self.seed,
-            control=load.kind,
-            load=load.value,
-            key=key,
-            status=status,
-            message=message,
-        )
 
     def failed(self, message: str) -> ChainResult:
         """Return the records of a chain that could not be run at all."""
@@ -178,7 +217,8 @@ def _find(chain: Chain, key: str, load: Load) -> tuple[Record | None, ContactSol
     """Return the record of a solution on disk, and the solution if it was read; None if there is no intact one."""
     known = chain.known.get(key)
     if known is not None:
-        known = attrs.evolve(known, problem=chain.name, seed=chain.seed, control=load.kind, load=load.value)
+        place = {"problem": chain.name, "seed": chain.seed, "parameters": chain.parameters}
+        known = attrs.evolve(known, **place, control=load.kind, load=load.value)
     try:
         figures = read_figures(solution_path(chain.folder, key), key)
         if known is None or not known.agrees_with(figures):

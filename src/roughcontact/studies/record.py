@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import math
@@ -59,6 +58,8 @@ class Record:
         Area and standard deviation, m2, by the name of the estimator.
     iterations, convolutions, seconds
         Cost of the solve.
+    parameters
+        The value on each axis of the study; empty without axes.
     """
 
     problem: str = attrs.field(converter=str)
@@ -77,6 +78,7 @@ class Record:
     iterations: int = attrs.field(default=0, converter=int)
     convolutions: int = attrs.field(default=0, converter=int)
     seconds: float = attrs.field(default=math.nan, converter=float)
+    parameters: Mapping[str, Any] = attrs.field(factory=dict, converter=dict)
 
     def agrees_with(self, figures: Mapping[str, Any]) -> bool:
         """Tell whether it states the figures of its file; the areas of other estimators are not in the file."""
@@ -94,57 +96,15 @@ class Record:
         return self.status in Status.__members__ and Status[self.status].success
 
     def row(self) -> dict[str, Any]:
-        """Return the figures by name, one for each column of a table."""
+        """Return the figures by name, one for each column of a table; the parameters come first."""
         figures = attrs.asdict(self, recurse=False)
-        areas = figures.pop("areas")
+        areas, parameters = figures.pop("areas"), figures.pop("parameters")
+        if parameters:
+            del figures["seed"]
+            figures = {**parameters, **figures}
         for name, (value, uncertainty) in areas.items():
             figures[f"area {name}"], figures[f"uncertainty {name}"] = value, uncertainty
         return figures
-
-
-@attrs.frozen(eq=False, kw_only=True)
-class StudyResult:
-    """All records of a study, in its order.
-
-    Attributes
-    ----------
-    folder
-        The folder of the solutions.
-    records
-        One for each problem, seed and load.
-    computed
-        How many of them were solved now, and not found in the folder.
-    """
-
-    folder: Path
-    records: tuple[Record, ...]
-    computed: int
-
-    @property
-    def failed(self) -> tuple[Record, ...]:
-        """The records without a certified solution, or without an area that was asked for: their messages say why."""
-        return tuple(record for record in self.records if record.message or not record.success)
-
-    def solution(self, record: Record) -> ContactSolution:
-        """Return the solution of a record from its file; `InputError` if there is none, or it is damaged."""
-        return read_solution(self.folder, record.key)
-
-    def to_csv(self, path: str | Path) -> None:
-        """Write the records as a table, completely or not at all."""
-        rows = [record.row() for record in self.records]
-        columns = list(dict.fromkeys(name for row in rows for name in row))
-        with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, columns)
-            writer.writeheader()
-            writer.writerows(rows)
-
-    def __str__(self) -> str:
-        counts = {
-            "a certified solution": sum(not record.success for record in self.records),
-            "all areas": sum(record.success for record in self.failed),
-        }
-        bad = "".join(f", {count} without {what}" for what, count in counts.items() if count)
-        return f"{len(self.records)} solves, {self.computed} of them now{bad}, in {self.folder}"
 
 
 def solution_path(folder: Path, key: str) -> Path:
@@ -185,7 +145,12 @@ def write_index(path: Path, records: Sequence[Record]) -> None:
         partial.write_text(_index(records), encoding="utf-8")
 
 
+def _stated(record: Record) -> dict[str, Any]:
+    """Return the fields of a record; without parameters it reads as in a list of a version that had none."""
+    return {name: value for name, value in attrs.asdict(record).items() if name != "parameters" or value}
+
+
 def _index(records: Sequence[Record]) -> str:
-    lines = ",\n".join(json.dumps(describe(attrs.asdict(record), {})) for record in records)
+    lines = ",\n".join(json.dumps(describe(_stated(record), {})) for record in records)
     digest = hashlib.sha256(lines.encode()).hexdigest()
     return f'{{"format": "{_FORMAT}", "sha256": "{digest}", "records": [\n{lines}\n]}}\n'

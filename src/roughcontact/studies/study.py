@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
+from typing import Any
 
 import attrs
 
@@ -17,19 +18,27 @@ from roughcontact.checks import callback, integer
 from roughcontact.description import key_of
 from roughcontact.errors import InputError, NotWritten, StudyStopped
 from roughcontact.load import Load
-from roughcontact.studies.chain import Chain, name_full_disk
-from roughcontact.studies.record import Record, StudyResult, read_index, write_index
+from roughcontact.studies.axes import BuiltProblems
+from roughcontact.studies.chain import Chain, Unbuilt, name_full_disk
+from roughcontact.studies.chains import Chains
+from roughcontact.studies.record import Record, read_index, write_index
+from roughcontact.studies.result import StudyResult
 from roughcontact.studies.tasks import run_chains
+from roughcontact.units import counted
 
+_ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds")
 # Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts; for `explain` only.
 _CONVOLUTIONS = 25
 
 
-def _problems(value: object) -> dict[str, ContactProblem]:
+def _problems(value: object) -> Mapping[str, ContactProblem]:
+    if isinstance(value, BuiltProblems):
+        return value
     if isinstance(value, ContactProblem):
         value = {"problem": value}
     if not isinstance(value, Mapping) or not value:
-        raise InputError.about("The problems of a study", value, "a ContactProblem, or a mapping of names to them")
+        allowed = "a ContactProblem, a mapping of names to them, or a function that builds one"
+        raise InputError.about("The problems of a study", value, allowed)
     for name, problem in value.items():
         if not isinstance(name, str) or not isinstance(problem, ContactProblem):
             raise InputError.about(f"The problem {name!r} of a study", problem, "a ContactProblem under a name")
@@ -57,38 +66,64 @@ def _seeds(value: Iterable[int]) -> tuple[int, ...]:
     return tuple(integer(seed, "A seed of the study", at_least=0) for seed in value)
 
 
-@attrs.frozen(eq=False, kw_only=True)
+@attrs.frozen(eq=False, init=False)
 class Study:
     """Every problem with every seed at every load, and every estimator's area of each.
 
     Parameters
     ----------
     problems
-        A `ContactProblem`, or several by name.
+        A `ContactProblem`, or several by name; or a function that returns one, called with a value of each axis by
+        name when its solves begin. What it cannot build is in the records, with the reason.
     pressure, force, approach
         Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. Each solve starts from
         the solutions at the loads before.
     areas
         Names of area estimators.
     seeds
-        Added to the seed of each random surface of each problem; if empty, the surfaces are used as they are.
+        Added to the seed of each random surface of each problem; if empty, the surfaces are used as they are. A
+        function has an axis instead, ``seed=[...]``.
+    **axes
+        Values of the parameters of the function, numbers or texts: ``hurst=[0.3, 0.8], seed=range(8)``. All
+        combinations are solved, and the records state them as `Record.parameters`.
 
     Raises
     ------
     InputError
         If an argument is of a wrong type, there is not exactly one list of loads, a load cannot be carried,
-        or seeds are given for a problem without random surfaces.
+        or seeds are given for a problem without random surfaces; if the axes are not parameters of the function, or
+        it does not build its first problem.
     """
 
     problems: Mapping[str, ContactProblem] = attrs.field(converter=_problems)
-    pressure: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple)
-    force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple)
-    approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple)
-    areas: tuple[str, ...] = attrs.field(default=(DEFAULT_AREA,), converter=_names)
-    seeds: tuple[int, ...] = attrs.field(default=(), converter=_seeds)
+    pressure: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
+    force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
+    approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
+    areas: tuple[str, ...] = attrs.field(default=(DEFAULT_AREA,), converter=_names, kw_only=True)
+    seeds: tuple[int, ...] = attrs.field(default=(), converter=_seeds, kw_only=True)
+
+    def __init__(
+        self,
+        problems: ContactProblem | Mapping[str, ContactProblem] | Callable[..., ContactProblem],
+        *,
+        pressure: Iterable[float] | None = None,
+        force: Iterable[float] | None = None,
+        approach: Iterable[float] | None = None,
+        areas: str | Sequence[str] = (DEFAULT_AREA,),
+        seeds: Iterable[int] = (),
+        **axes: Iterable[Any],
+    ) -> None:
+        made: Any = problems
+        if callable(problems):
+            made = BuiltProblems.over(problems, axes, _ARGUMENTS)
+        elif axes:
+            raise InputError.unknown("argument of Study", min(axes), _ARGUMENTS)
+        self.__attrs_init__(made, pressure=pressure, force=force, approach=approach, areas=areas, seeds=seeds)
 
     def __attrs_post_init__(self) -> None:
-        for name, problem in self.problems.items():
+        if isinstance(self.problems, BuiltProblems) and self.seeds:
+            raise InputError("A function takes its seed as a parameter: give seed=[...] instead of seeds=.")
+        for name, problem in self._known_problems:
             if self.seeds and not _has_random_surface(problem):
                 raise InputError(f"Seeds are given, but no surface of the problem {name!r} has one: leave seeds= out.")
             for load in self.loads:
@@ -98,34 +133,52 @@ class Study:
                     raise InputError(f"Problem {name!r}: {error}") from error
 
     @property
+    def _known_problems(self) -> list[tuple[str, ContactProblem]]:
+        """All problems, or the first of those that are built one by one."""
+        names = list(self.problems)[:1] if isinstance(self.problems, BuiltProblems) else self.problems
+        return [(name, self.problems[name]) for name in names]
+
+    @property
     def loads(self) -> tuple[Load, ...]:
         """The loads, of one kind."""
         return Load.sequence(pressure=self.pressure, force=self.force, approach=self.approach)
 
     @property
     def key(self) -> str:
-        """A name for the study, made from its content."""
-        parts = {name: problem.parts for name, problem in self.problems.items()}
-        return key_of([parts, [load.arguments for load in self.loads], self.seeds])[:12]
+        """A name for the study, made from its content; with a function, from its name and the axes."""
+        described: Any = {}
+        if isinstance(self.problems, BuiltProblems):
+            described = [_name_of(self.problems.build), dict(self.problems.axes)]
+        else:
+            described = {name: problem.parts for name, problem in self.problems.items()}
+        return key_of([described, [load.arguments for load in self.loads], self.seeds])[:12]
 
     def chains(self, folder: Path = Path()) -> Iterator[Chain]:
         """Yield each problem with each seed, at all loads."""
-        for name, problem in self.problems.items():
-            for seed in self.seeds or (None,):
-                yield Chain(name=name, seed=seed, problem=problem, loads=self.loads, areas=self.areas, folder=folder)
+        for chain in self._points(folder, {}):
+            if isinstance(chain, Unbuilt):
+                raise InputError(chain.message)
+            yield chain
+
+    def _points(self, folder: Path, known: Mapping[str, Record]) -> Chains:
+        return Chains(self.problems, self.seeds, self.loads, self.areas, folder, known)
 
     def explain(self) -> str:
-        """Return in words the plan of every problem and the cost of the study."""
-        plans = [f"{name}:\n{problem.explain()}" for name, problem in self.problems.items()]
-        loads, seeds = self.loads, max(1, len(self.seeds))
-        count = len(self.problems) * seeds * len(loads)
-        memory = max(problem.plan.memory for problem in self.problems.values())
-        cells = sum(problem.plan.grid.cells for problem in self.problems.values()) * count // len(self.problems)
+        """Return in words the plan of every problem, or of the first that is built, and the cost of the study."""
+        known = self._known_problems
+        plans = [f"{name}:\n{problem.explain()}" for name, problem in known]
+        loads, seeds, problems = self.loads, max(1, len(self.seeds)), len(self.problems)
+        count = problems * seeds * len(loads)
+        memory = max(problem.plan.memory for _, problem in known)
+        cells = sum(problem.plan.grid.cells for _, problem in known) * count // len(known)
+        what = f"{counted(problems, 'problem')}, {counted(seeds, 'seed')}, {counted(len(loads), 'load')}"
         total = (
-            f"{count} solves ({len(self.problems)} problems, {seeds} seeds, {len(loads)} loads of {loads[0].kind}), "
+            f"{counted(count, 'solve')} ({what} of {loads[0].kind}), "
             f"{cells / 1e6:.3g} million cells in all, about {_CONVOLUTIONS} convolutions each, "
             f"at most {memory / 2**20:.3g} MiB for one"
         )
+        if len(known) < problems:
+            total = f"{total}, if all problems are like the first"
         return "\n\n".join([*plans, total])
 
     def run(
@@ -166,13 +219,7 @@ class Study:
         remove_stale(target)
         index = target / f"study-{self.key}.json"
         known = read_index(index)
-        # A worker needs the records of its own chain only.
-        chains = [
-            attrs.evolve(
-                chain, known={key: known[key] for key in chain.solution_keys() if key in known} if known else {}
-            )
-            for chain in self.chains(target)
-        ]
+        chains = self._points(target, known)
         done: dict[int, list[Record]] = {}
         computed = 0
         stops: list[str] = []
@@ -188,8 +235,19 @@ class Study:
                 if executor is None and stops:
                     break
         if stops:
-            raise _stop_error(stops[0], done, chains)
+            raise _stop_error(stops[0], done, len(chains) * len(self.loads))
         return StudyResult(folder=target, records=tuple(_in_order(done, {})), computed=computed)
+
+    def __repr__(self) -> str:
+        problems = ", ".join(f"{name}={len(values)}" for name, values in self.axes.items())
+        loads = self.loads
+        what = problems or counted(len(self.problems), "problem")
+        return f"<Study: {what}, {counted(len(loads), 'load')} of {loads[0].kind}>"
+
+    @property
+    def axes(self) -> Mapping[str, tuple[Any, ...]]:
+        """The values of each parameter of the function; empty without one."""
+        return self.problems.axes if isinstance(self.problems, BuiltProblems) else {}
 
 
 def _make_folder(folder: str | Path) -> Path:
@@ -218,9 +276,8 @@ def _in_order(done: Mapping[int, list[Record]], known: Mapping[str, Record]) -> 
     return found + [record for key, record in known.items() if key not in keys]
 
 
-def _stop_error(reason: str, done: Mapping[int, list[Record]], chains: Sequence[Chain]) -> StudyStopped:
+def _stop_error(reason: str, done: Mapping[int, list[Record]], total: int) -> StudyStopped:
     count = sum(len(records) for records in done.values())
-    total = sum(len(chain.loads) for chain in chains)
     return StudyStopped(
         f"{reason}: {count} of {total} solves are reported, and every finished solution is on disk. "
         "Correct this and run the study again: it solves only what is missing."
@@ -229,3 +286,7 @@ def _stop_error(reason: str, done: Mapping[int, list[Record]], chains: Sequence[
 
 def _has_random_surface(problem: ContactProblem) -> bool:
     return any(body.surface.reseed(0) is not None for body in (problem.body, problem.counterbody))
+
+
+def _name_of(function: Callable[..., Any]) -> str:
+    return f"{getattr(function, '__module__', '')}:{getattr(function, '__qualname__', type(function).__qualname__)}"

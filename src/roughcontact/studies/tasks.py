@@ -8,7 +8,7 @@ from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 
 from roughcontact.checks.threads import share_machine
 from roughcontact.errors import RoughContactError
-from roughcontact.studies.chain import Chain, ChainResult, name_exception, run_chain
+from roughcontact.studies.chain import Chain, ChainResult, Unbuilt, name_exception, run_chain
 
 # Workers that a chain is given to, one after the other, if they die.
 _TRIES = 3
@@ -16,24 +16,33 @@ _TRIES = 3
 _NOT_SENT = (pickle.PicklingError, AttributeError, TypeError, MemoryError)
 
 
-def run_chains(chains: Sequence[Chain], executor: Executor | None) -> Generator[tuple[int, ChainResult], None, None]:
-    """Yield the position of each chain and its results, in the order in which they are finished."""
+def run_chains(
+    chains: Sequence[Chain | Unbuilt], executor: Executor | None
+) -> Generator[tuple[int, ChainResult], None, None]:
+    """Yield the position of each chain and its results, in the order in which they are finished.
+
+    A chain is taken from the sequence, which may build its problem then, when it is run or submitted.
+    """
     if executor is None:
-        yield from enumerate(map(run_chain, chains))
+        yield from enumerate(map(_run, chains))
         return
     todo = [(position, 1) for position in range(len(chains))]
     waiting: dict[Future[ChainResult], tuple[int, int]] = {}
     try:
         while todo or waiting:
             for position, tries in todo:
+                chain = chains[position]
+                if isinstance(chain, Unbuilt):
+                    yield position, chain.refused()
+                    continue
                 try:
-                    waiting[executor.submit(_run_beside_others, chains[position])] = position, tries
+                    waiting[executor.submit(_run_beside_others, chain.alone())] = position, tries
                 except Exception as error:
-                    yield position, _explain_loss(chains[position], error)
+                    yield position, _explain_loss(chain, error)
             todo = []
             for future in as_completed(list(waiting)):
                 position, tries = waiting.pop(future)
-                result = _result(future, chains[position], tries)
+                result = _result(future, chains, position, tries)
                 if result is None:
                     todo.append((position, tries + 1))
                     break
@@ -47,12 +56,18 @@ def run_chains(chains: Sequence[Chain], executor: Executor | None) -> Generator[
             future.cancel()
 
 
+def _run(chain: Chain | Unbuilt) -> ChainResult:
+    return chain.refused() if isinstance(chain, Unbuilt) else run_chain(chain)
+
+
 def _run_beside_others(chain: Chain) -> ChainResult:
     with share_machine():
         return run_chain(chain)
 
 
-def _result(future: Future[ChainResult], chain: Chain, tries: int) -> ChainResult | None:
+def _result(
+    future: Future[ChainResult], chains: Sequence[Chain | Unbuilt], position: int, tries: int
+) -> ChainResult | None:
     """Return the result of a task, or None if another worker is to try it."""
     error = BrokenExecutor("it cancelled a task") if future.cancelled() else future.exception()
     if error is None:
@@ -63,11 +78,13 @@ def _result(future: Future[ChainResult], chain: Chain, tries: int) -> ChainResul
     if tries < _TRIES and not isinstance(error, (BrokenExecutor, RoughContactError, *_NOT_SENT)):
         # A worker died: its finished solutions are on disk, and another one does the rest.
         return None
-    return _explain_loss(chain, error)
+    return _explain_loss(chains[position], error)
 
 
-def _explain_loss(chain: Chain, error: Exception) -> ChainResult:
+def _explain_loss(chain: Chain | Unbuilt, error: Exception) -> ChainResult:
     """Return the result of a chain that no worker has returned."""
+    if isinstance(chain, Unbuilt):
+        return chain.refused()
     if isinstance(error, (RoughContactError, *_NOT_SENT)):
         return chain.failed(name_exception("Sending the problem to a worker", error))
     if isinstance(error, RuntimeError):

@@ -6,10 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact.checks import Array
+from roughcontact.checks import Array, Mask
 from roughcontact.checks.memory import require_memory
 from roughcontact.errors import InputError
 
+_DONE = {"fill": "filled from their neighbours", "keep": "kept so"}
+# What can be done with non-measured points.
+TREATMENTS = ("refuse", *_DONE)
 # Up to so many points Laplace's equation is solved directly, in less than a second; that takes memory as n log n and
 # time as n^1.5, but iterations take both as n.
 _DIRECT = 2**15
@@ -22,6 +25,41 @@ _DAMPING = 2.0 / 3.0
 _SIDE = 3
 # Relative residual to which conjugate gradients go, and steps; 15 to 40 are needed.
 _TOLERANCE, _STEPS = 1e-13, 300
+
+
+def complete(heights: Array, where: str, treatment: str, option: str = "") -> tuple[Array, Mask | None, str]:
+    """Return heights at all points, the non-measured points if they are to be kept, and in words what was done.
+
+    Parameters
+    ----------
+    heights
+        Heights, NaN at non-measured points.
+    where
+        What has them, for sentences: ``"the file x.npz"``.
+    treatment, option
+        One of `TREATMENTS`; where else than by ``non_measured=`` it is chosen, for sentences.
+
+    Raises
+    ------
+    InputError
+        If there are non-measured points and these are refused, or no others.
+    """
+    if heights.dtype.kind != "f" or heights.ndim != 2:
+        return heights, None, ""
+    mask = ~np.isfinite(heights)
+    count = int(np.count_nonzero(mask))
+    if count == 0:
+        return heights, None, ""
+    found = f"{count} of {heights.size} points"
+    if count == heights.size:
+        raise InputError(f"{where[0].upper()}{where[1:]} holds no valid point at all.")
+    if treatment == "refuse":
+        raise InputError(
+            f"In {where} {found} were not measured: fill them from their neighbours with "
+            f"non_measured='fill', or keep them with non_measured='keep'{option}."
+        )
+    done = f", {found} non-measured and {_DONE[treatment]}"
+    return fill(heights), mask if treatment == "keep" else None, done
 
 
 def fill(heights: Array) -> Array:

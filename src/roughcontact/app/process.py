@@ -1,0 +1,142 @@
+"""A process that does tasks for the server, so that none of them can hold it up or take it down."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import multiprocessing
+import os
+import queue
+import signal
+import threading
+import time
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from typing import Any
+
+from roughcontact.errors import RoughContactError
+from roughcontact.errors.door import translated
+
+# Bytes of one message: answers and plans are thousands.
+_LONGEST = 4_000_000
+_CONTEXT = multiprocessing.get_context("spawn")
+
+
+class TaskEnded(Exception):
+    """A task did not come to its result: the text is a sentence for the user."""
+
+
+class Worker:
+    """A process that does one task after the other; it is started by the first."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._process: Any = None
+        self._pipe: Connection | None = None
+        self._closed = False
+
+    def start(self) -> None:
+        """Start the process, so that the first task need not wait for it."""
+        with contextlib.suppress(TaskEnded, OSError):
+            self._started()
+
+    def do(
+        self, task: dict[str, Any], limit: float | None = None, on_event: Callable[[dict[str, Any]], None] | None = None
+    ) -> dict[str, Any]:
+        """Return the result of a task.
+
+        Parameters
+        ----------
+        task
+            What `roughcontact.app.work.run` takes.
+        limit
+            Seconds after which the process is ended; None: as long as it takes.
+        on_event
+            Called with each message on the way.
+
+        Raises
+        ------
+        TaskEnded
+            With the sentence of an error of the task, or if the process ended or took too long.
+        """
+        end = None if limit is None else time.monotonic() + limit
+        try:
+            pipe = self._started()
+            pipe.send_bytes(json.dumps(task).encode())
+            while True:
+                if end is not None and not pipe.poll(max(0.0, end - time.monotonic())):
+                    self.end()
+                    raise TaskEnded(f"This took more than {limit:g} s and was ended.")
+                message = json.loads(pipe.recv_bytes(_LONGEST))
+                if "result" in message:
+                    result: dict[str, Any] = message["result"]
+                    return result
+                if "error" in message:
+                    raise TaskEnded(str(message["error"]))
+                if on_event is not None:
+                    on_event(message["event"])
+        except (EOFError, OSError, ValueError):
+            self.end()
+            raise TaskEnded("The process that did this ended before its time; memory may have run out.") from None
+
+    def end(self) -> None:
+        """End the process, whatever it does; the task that it was doing raises `TaskEnded`, the next one starts another."""
+        with self._lock:
+            process, self._process = self._process, None
+        if process is not None:
+            process.kill()
+            process.join()
+
+    def close(self) -> None:
+        """End the process for good."""
+        self._closed = True
+        self.end()
+
+    def _started(self) -> Connection:
+        with self._lock:
+            if self._closed:
+                raise TaskEnded("This was cancelled.")
+            if self._process is None or self._pipe is None or not self._process.is_alive():
+                self._pipe, theirs = _CONTEXT.Pipe()
+                self._process = _CONTEXT.Process(target=_serve, args=(theirs,), daemon=True)
+                self._process.start()
+                theirs.close()
+            return self._pipe
+
+
+def _serve(pipe: Connection) -> None:
+    """Do the tasks that come through the pipe; runs in the process of a `Worker`."""
+    # Ctrl-C in the terminal is for the server, which then ends its workers.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.environ["MPLBACKEND"] = "agg"
+    tasks: queue.Queue[bytes] = queue.Queue()
+    threading.Thread(target=_receive, args=(pipe, tasks), daemon=True).start()
+    from roughcontact.app.work import run
+
+    # The first picture need not wait for it.
+    with contextlib.suppress(ImportError):
+        import matplotlib.pyplot  # noqa: F401
+
+    while True:
+        task = json.loads(tasks.get())
+        try:
+            message = {"result": run(task, lambda event: _send(pipe, {"event": event}))}
+        # Whatever a file or a plug-in does becomes a sentence.
+        except Exception as error:
+            known = translated(error, "The task")
+            message = {"error": str(known) if isinstance(known, RoughContactError) else f"{known}"}
+        _send(pipe, message)
+
+
+def _receive(pipe: Connection, tasks: queue.Queue[bytes]) -> None:
+    """Queue what comes through the pipe; when the server is gone, end this process, whatever it does."""
+    while True:
+        try:
+            tasks.put(pipe.recv_bytes())
+        except (EOFError, OSError):
+            os._exit(1)
+
+
+def _send(pipe: Connection, message: dict[str, Any]) -> None:
+    # Numbers that JSON does not know would stop the page from reading the others.
+    pipe.send_bytes(json.dumps(message, allow_nan=False).encode())

@@ -1,0 +1,48 @@
+"""How far a run has come, in numbers for a bar and in words."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+from roughcontact._solvers import Step
+
+# Seconds between two messages: an iteration of a small grid takes a millisecond.
+_INTERVAL = 0.1
+# Part of a solve that the coarse grids are counted as.
+_COARSE = 0.1
+
+
+class Progress:
+    """Messages about a run of several solves, each of many iterations."""
+
+    def __init__(self, shape: tuple[int, int], loads: int, tolerance: float, send: Callable[[dict[str, Any]], None]):
+        self._shape, self._loads, self._tolerance, self._send = shape, loads, tolerance, send
+        self._solve, self._fraction, self._load, self._last = 0, 0.0, "", 0.0
+
+    def begin(self, load: str) -> None:
+        """Begin the next solve."""
+        self._solve, self._fraction, self._load, self._last = self._solve + 1, 0.0, load, 0.0
+
+    def step(self, step: Step) -> None:
+        """Count an iteration."""
+        if step.shape == self._shape and 0.0 < step.error < math.inf:
+            # Errors fall about as a power of the iterations: digits measure what is done.
+            digits = math.log(min(1.0, step.error)) / math.log(self._tolerance)
+            self._fraction = max(self._fraction, _COARSE + (1.0 - _COARSE) * min(1.0, max(0.0, digits)))
+        now = time.monotonic()
+        if now - self._last < _INTERVAL:
+            return
+        self._last = now
+        cells = " x ".join(map(str, step.shape))
+        of_several = f"load {self._solve} of {self._loads}, " if self._loads > 1 else ""
+        self._send(
+            {
+                "phase": "solving",
+                "fraction": (self._solve - 1 + self._fraction) / self._loads,
+                "text": f"{of_several}{self._load}: {cells} cells, iteration {step.iteration}, error {step.error:.1e} "
+                f"(ends at {self._tolerance:.0e})",
+            }
+        )

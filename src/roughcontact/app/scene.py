@@ -1,0 +1,210 @@
+"""What the settings of the page describe: a surface, a problem, loads. Nothing here is particular to the page's server."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import attrs
+import numpy as np
+
+from roughcontact import examples
+from roughcontact._materials import Elastic, ElasticPerfectlyPlastic, Material
+from roughcontact._problem import RIGID_FLAT, Body, ContactProblem
+from roughcontact._problem.plan import require_memory_of_solve
+from roughcontact._surfaces import FlatSurface, HeightMap, SelfAffineSurface, SphereSurface, Surface, WavySurface
+from roughcontact.app.settings import Settings, load_values, plain, quantity, whole
+from roughcontact.checks import Pair
+from roughcontact.errors import InputError
+from roughcontact.files import RawMap, read_surface
+from roughcontact.files.reading import read_raw
+from roughcontact.grid import Boundary, Grid
+from roughcontact.load import Load
+from roughcontact.units import si
+
+EXAMPLES: dict[str, Callable[[], HeightMap]] = {"ground_ring": examples.ground_ring}
+_FORMS: dict[str, str | int] = {"plane": "plane", "quadratic": 2, "sphere": "sphere"}
+
+
+@attrs.frozen
+class Upload:
+    """A file that the page has sent: where it lies under a name of the server's, and the name that the user knows."""
+
+    path: Path = attrs.field(converter=Path)
+    name: str
+
+
+@attrs.frozen(eq=False)
+class Scene:
+    """A surface on its grid.
+
+    Attributes
+    ----------
+    surface
+        The heights of the body, the ball included.
+    rough
+        The heights without the ball, as they are shown.
+    grid
+        The cells.
+    """
+
+    surface: Surface
+    rough: Surface
+    grid: Grid
+
+
+def make_scene(settings: Settings, upload: Upload | None) -> Scene:
+    """Return the surface that the settings describe, or raise `InputError`."""
+    kind = settings["surface"]
+    rough: Surface
+    if kind in ("file", "example"):
+        found = _read(settings, upload) if kind == "file" else _example(settings)
+        rough = found if settings["form"] == "none" else found.detrend(_FORMS[settings["form"]])
+        grid = found.grid
+    else:
+        cells = whole(settings, "cells", "The number of cells along a side")
+        grid = Grid((cells, cells), quantity(settings, "side", "The side of the domain", "length"))
+        rough = _make_synthetic(settings)
+    # Before there are heights.
+    require_memory_of_solve(grid, Boundary(settings["boundary"]))
+    if not settings["ball"]:
+        return Scene(rough, rough, grid)
+    ball = SphereSurface(quantity(settings, "ball", "The radius of the ball", "length"))
+    return Scene(rough + ball, rough, grid)
+
+
+def make_problem(settings: Settings, scene: Scene) -> ContactProblem:
+    """Return the problem that the settings describe, or raise `InputError`."""
+    if settings["counterbody"] == "rigid":
+        counterbody = RIGID_FLAT
+    else:
+        counterbody = Body(FlatSurface(), _make_material(settings, "counterbody_", "the counterbody"))
+    body = Body(scene.surface, _make_material(settings, "", "the body"))
+    return ContactProblem(body, counterbody, grid=scene.grid, boundary=settings["boundary"])
+
+
+def make_loads(settings: Settings, problem: ContactProblem) -> tuple[Load, ...]:
+    """Return the loads, after a check that the bodies can carry them, or raise `InputError`."""
+    values = load_values(settings)
+    return tuple(problem.require_load(**{settings["load"]: value}) for value in values)
+
+
+def inspect_file(upload: Upload) -> dict[str, object]:
+    """Return the facts that a file of heights states, for the page to ask for the others."""
+    return _facts(_read_raw(upload))
+
+
+def _facts(raw: RawMap) -> dict[str, object]:
+    values = raw.heights if raw.heights.dtype.kind == "f" else np.zeros(1)
+    return {
+        "shape": list(raw.heights.shape),
+        "size": None if raw.size is None else list(raw.size),
+        "metric": raw.metric,
+        "non_measured": int(np.count_nonzero(~np.isfinite(values))),
+    }
+
+
+def _read_raw(upload: Upload) -> RawMap:
+    try:
+        return read_raw(upload.path)
+    except InputError as error:
+        raise _renamed(error, upload) from error
+
+
+def _read(settings: Settings, upload: Upload | None) -> HeightMap:
+    if upload is None:
+        named = settings["file_name"] or "the height map"
+        raise InputError(f"Choose a file, or drop one on the page: {named} is not here.")
+    facts = _facts(_read_raw(upload))
+    if facts["size"] is None and not (settings["size_x"] and settings["size_y"]):
+        cells = " x ".join(map(str, facts["shape"]))  # type: ignore[call-overload]
+        raise InputError(f"The file {upload.name} holds {cells} heights but not the size of its domain: fill it in.")
+    if not facts["metric"] and not settings["height_unit"]:
+        raise InputError(f"The file {upload.name} does not state the unit of its heights: choose it.")
+    if facts["non_measured"] and settings["non_measured"] == "refuse":
+        raise InputError(
+            f"In the file {upload.name} {facts['non_measured']} points were not measured: choose whether to fill "
+            "them from their neighbours or to keep them as points that never touch."
+        )
+    try:
+        surface = read_surface(
+            upload.path,
+            size=None if facts["size"] is not None else _size(settings),
+            unit=None if facts["metric"] else float(f"1{_exponent(settings['height_unit'])}"),
+            non_measured=settings["non_measured"],
+        )
+    except InputError as error:
+        raise _renamed(error, upload) from error
+    return attrs.evolve(surface, history=tuple(step.replace(upload.path.name, upload.name) for step in surface.history))
+
+
+def _size(settings: Settings) -> Pair:
+    x, y = (
+        quantity(settings, name, f"The side of the map along {name[-1]}", "length", "size_unit")
+        for name in ("size_x", "size_y")
+    )
+    return x, y
+
+
+def _exponent(unit: str) -> str:
+    known = {"m": "e0", "mm": "e-3", "um": "e-6", "nm": "e-9"}
+    if unit not in known:
+        raise InputError.about("The unit of the heights", unit, f"one of {', '.join(known)}")
+    return known[unit]
+
+
+def _renamed(error: InputError, upload: Upload) -> InputError:
+    """Return the error with the name of the file that the user knows."""
+    return type(error)(str(error).replace(str(upload.path), upload.name).replace(upload.path.name, upload.name))
+
+
+def _example(settings: Settings) -> HeightMap:
+    if settings["example"] not in EXAMPLES:
+        raise InputError.unknown("example", settings["example"], EXAMPLES)
+    return EXAMPLES[settings["example"]]()
+
+
+def _make_synthetic(settings: Settings) -> Surface:
+    if settings["surface"] == "wavy":
+        return WavySurface(
+            quantity(settings, "amplitude", "The amplitude", "length"),
+            quantity(settings, "wavelength", "The wavelength", "length"),
+        )
+    if settings["surface"] == "sphere":
+        return SphereSurface(quantity(settings, "radius", "The radius of the sphere", "length"))
+    return SelfAffineSurface(
+        hurst=plain(settings, "hurst", "The Hurst exponent"),
+        rms_height=quantity(settings, "rms_height", "The rms height", "length"),
+        shortest=quantity(settings, "shortest", "The shortest wavelength", "length", "wave_unit"),
+        longest=quantity(settings, "longest", "The longest wavelength", "length", "wave_unit"),
+        seed=whole(settings, "seed", "The seed"),
+    )
+
+
+def _make_material(settings: Settings, prefix: str, whose: str) -> Material:
+    young = quantity(settings, f"{prefix}young", f"Young's modulus of {whose}", "modulus")
+    poisson = plain(settings, f"{prefix}poisson", f"Poisson's ratio of {whose}")
+    if not settings[f"{prefix}hardness"]:
+        return Elastic(young, poisson)
+    hardness = quantity(settings, f"{prefix}hardness", f"The hardness of {whose}", "modulus")
+    return ElasticPerfectlyPlastic(young, poisson, hardness)
+
+
+def describe(scene: Scene) -> dict[str, object]:
+    """Return what the page shows of a surface beside its picture."""
+    heights = scene.rough.heights(scene.grid)
+    missing = scene.rough.non_measured_on(scene.grid)
+    measured = heights if missing is None else heights[~missing]
+    warnings = scene.rough.warnings if isinstance(scene.rough, HeightMap) else ()
+    (nx, ny), (lx, ly) = scene.grid.shape, scene.grid.size
+    return {
+        "rows": [
+            ["Cells", f"{nx} x {ny}"],
+            ["Size", f"{si(lx, 'm')} x {si(ly, 'm')}"],
+            ["Sq (rms height)", si(float(np.std(measured)), "m")],
+            ["Sz (peak to valley)", si(float(np.ptp(measured)), "m")],
+            ["Non-measured points", "none" if missing is None else f"{int(missing.sum())} of {missing.size}"],
+        ],
+        "history": list(scene.rough.provenance),
+        "warnings": [f"{text[0].upper()}{text[1:]}." for text in warnings],
+    }

@@ -1,0 +1,263 @@
+"""The server of the page: on this machine alone, behind a token, with bounds on all that it takes."""
+
+from __future__ import annotations
+
+import hmac
+import http
+import json
+import re
+import socket
+import threading
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from importlib import resources
+from typing import Any
+from urllib.parse import parse_qs
+
+from roughcontact.app.process import TaskEnded
+from roughcontact.app.session import Session
+from roughcontact.errors import RoughContactError
+from roughcontact.errors.door import translated
+
+# The loopback address: no other machine can reach it.
+HOST = "127.0.0.1"
+# Bytes of settings; seconds without a byte; connections at a time.
+_LONGEST_BODY, _SILENCE, _CONNECTIONS = 1 << 16, 30.0, 64
+# Bytes of a refused request that are read before the answer, so that the client sees it.
+_DRAINED = 1 << 20
+_TYPES = {
+    "css": "text/css; charset=utf-8",
+    "csv": "text/csv; charset=utf-8",
+    "html": "text/html; charset=utf-8",
+    "js": "text/javascript; charset=utf-8",
+    "npz": "application/octet-stream",
+    "png": "image/png",
+    "svg": "image/svg+xml",
+}
+_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; form-action 'none'; "
+    "base-uri 'none'; frame-ancestors 'none'"
+)
+# A report is a page of its own, without scripts, and reaches nothing.
+_REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:; sandbox"
+_LENGTH = re.compile(r"[0-9]{1,12}")
+_RUN = re.compile(r"(?P<run>[0-9a-f]{24})(?:/(?P<name>[a-z0-9-]+\.[a-z]+))?")
+
+
+class Refusal(Exception):
+    """A request that is not served: status and sentence."""
+
+    def __init__(self, status: int, sentence: str):
+        super().__init__(sentence)
+        self.status = status
+
+
+class AppServer(ThreadingHTTPServer):
+    """The page at an address of this machine, until it is closed.
+
+    Parameters
+    ----------
+    session
+        What it serves.
+    port
+        The port; 0 for any that is free.
+    """
+
+    daemon_threads = True
+    allow_reuse_address = False
+
+    def __init__(self, session: Session, port: int = 0):
+        super().__init__((HOST, port), _Handler)
+        self.session = session
+        folder = resources.files("roughcontact.app") / "static"
+        self.pages = {entry.name: entry.read_bytes() for entry in folder.iterdir() if entry.is_file()}
+        self._connections = threading.BoundedSemaphore(_CONNECTIONS)
+
+    @property
+    def hosts(self) -> tuple[str, ...]:
+        """The names of this server in requests: any other is that of an attacker's page (DNS rebinding)."""
+        return tuple(f"{name}:{self.server_port}" for name in (HOST, "localhost"))
+
+    @property
+    def address(self) -> str:
+        """The link to the page, with its token."""
+        return f"http://{HOST}:{self.server_port}/{self.session.token}/"
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Serve a request in a thread of its own, if there are not too many."""
+        if self._connections.acquire(blocking=False):
+            super().process_request(request, client_address)
+        else:
+            self.shutdown_request(request)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        """Serve it, and let another one in."""
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._connections.release()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say nothing of a client that went away."""
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """One request; whatever it is, it ends in an answer or in a sentence."""
+
+    server: AppServer
+    timeout = _SILENCE
+    server_version, sys_version = "roughcontact", ""
+
+    def do_GET(self) -> None:
+        self._answer(self._get)
+
+    def do_POST(self) -> None:
+        self._answer(self._post)
+
+    def log_message(self, *_: Any) -> None:
+        """Write no log: paths hold the token."""
+
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        """Send a sentence instead of a page; for what the base class refuses."""
+        self.close_connection = True
+        known = http.HTTPStatus(code).phrase
+        self._send(code, "text/plain; charset=utf-8", f"This request is not served: {known}.".encode())
+
+    def _answer(self, serve: Any) -> None:
+        try:
+            serve(self._admit())
+        except Refusal as refusal:
+            self._fail(refusal.status, str(refusal))
+        except (TaskEnded, RoughContactError) as error:
+            self._fail(http.HTTPStatus.UNPROCESSABLE_ENTITY, str(error))
+        except TimeoutError:
+            self._fail(http.HTTPStatus.REQUEST_TIMEOUT, "The request came too slowly.")
+        except ConnectionError:
+            self.close_connection = True
+        except Exception as error:
+            self._fail(http.HTTPStatus.INTERNAL_SERVER_ERROR, str(translated(error, "The page")))
+
+    def _admit(self) -> str:
+        """Return the path below the token, or raise `Refusal`."""
+        names = self.headers.get_all("Host", [])
+        if len(names) != 1 or names[0].lower() not in self.server.hosts:
+            raise Refusal(http.HTTPStatus.FORBIDDEN, f"Open the page as {HOST}: this server has no other name.")
+        path = self.path.partition("?")[0]
+        token, slash, rest = path.removeprefix("/").partition("/")
+        if not hmac.compare_digest(token.encode("utf-8", "replace"), self.server.session.token.encode()) or not slash:
+            raise Refusal(
+                http.HTTPStatus.FORBIDDEN,
+                "This link is not of the run of 'roughcontact app' that serves here: open the address that it has "
+                "printed. There, 'Restore from a link' takes the settings of an old link.",
+            )
+        origin = f"http://{names[0].lower()}"
+        if self.command == "POST" and self.headers.get_all("Origin", []) != [origin]:
+            raise Refusal(http.HTTPStatus.FORBIDDEN, "Only the page of this server may send this.")
+        return rest
+
+    def _get(self, path: str) -> None:
+        session = self.server.session
+        folder, _, rest = path.partition("/")
+        if path == "" or path in self.server.pages:
+            name = path or "index.html"
+            self._send(200, _TYPES[name.rpartition(".")[2]], self.server.pages[name])
+        elif path == "api/start":
+            self._send_json(session.describe())
+        elif folder == "pictures" and (picture := session.picture(rest)) is not None:
+            self._send(200, _TYPES["png"], picture)
+        elif folder == "runs" and (found := _RUN.fullmatch(rest)):
+            self._send_run(found["run"], found["name"])
+        else:
+            raise Refusal(http.HTTPStatus.NOT_FOUND, "There is nothing at this address.")
+
+    def _send_run(self, run: str, name: str | None) -> None:
+        jobs = self.server.session.jobs
+        job = jobs.find(run)
+        if job is None:
+            raise Refusal(http.HTTPStatus.NOT_FOUND, "This run is not known here any more: solve again.")
+        if name is None:
+            self._send_json(jobs.describe(job))
+            return
+        file = job.file(name)
+        if file is None:
+            raise Refusal(http.HTTPStatus.NOT_FOUND, "This run has no such file.")
+        ending = name.rpartition(".")[2]
+        extra = {"Content-Security-Policy": _REPORT_POLICY} if ending == "html" else {}
+        if ending in ("csv", "npz"):
+            extra = {"Content-Disposition": f'attachment; filename="roughcontact-{name}"'}
+        self._send(200, _TYPES[ending], file.read_bytes(), extra)
+
+    def _post(self, path: str) -> None:
+        session, parts = self.server.session, path.split("/")
+        if path == "api/upload":
+            self._upload()
+            return
+        actions = {"api/surface": session.show_surface, "api/plan": session.plan, "api/runs": session.start}
+        if path in actions:
+            self._send_json(actions[path](self._read_json()))
+        elif path == "api/file":
+            self._send_json(session.find_upload(str(self._read_json())))
+        elif parts[:2] == ["api", "cancel"] and (job := session.jobs.find("/".join(parts[2:]))):
+            self._read_json()
+            session.jobs.cancel(job)
+            self._send_json(session.jobs.describe(job))
+        else:
+            raise Refusal(http.HTTPStatus.NOT_FOUND, "There is nothing at this address, or this run is not known.")
+
+    def _upload(self) -> None:
+        names = parse_qs(self.path.partition("?")[2], max_num_fields=4).get("name", [])
+        size = self._length()
+        try:
+            self.server.session.uploads.require_size(size)
+        except RoughContactError as error:
+            raise Refusal(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE, str(error)) from None
+        self._send_json(self.server.session.upload(self.rfile, size, names[0] if names else ""))
+
+    def _length(self) -> int:
+        lengths = self.headers.get_all("Content-Length", [])
+        if len(lengths) != 1 or not _LENGTH.fullmatch(lengths[0]) or "Transfer-Encoding" in self.headers:
+            raise Refusal(http.HTTPStatus.LENGTH_REQUIRED, "The request must state its length.")
+        return int(lengths[0])
+
+    def _read_json(self) -> Any:
+        size = self._length()
+        if size > _LONGEST_BODY:
+            raise Refusal(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"Settings have at most {_LONGEST_BODY} bytes.")
+        body = self.rfile.read(size)
+        try:
+            return json.loads(body.decode())
+        except (ValueError, RecursionError):
+            raise Refusal(http.HTTPStatus.BAD_REQUEST, "The settings are not JSON.") from None
+
+    def _fail(self, status: int, sentence: str) -> None:
+        self.close_connection = True
+        self._send_json({"error": sentence}, status)
+        # A client that still sends gets the answer only if what it sends is read.
+        self.connection.settimeout(1.0)
+        try:
+            self.connection.shutdown(socket.SHUT_WR)
+            left = _DRAINED
+            while left > 0 and (block := self.connection.recv(min(left, 1 << 16))):
+                left -= len(block)
+        except OSError:
+            pass
+
+    def _send_json(self, data: Any, status: int = 200) -> None:
+        self._send(status, "application/json", json.dumps(data, allow_nan=False).encode())
+
+    def _send(self, status: int, kind: str, body: bytes, extra: dict[str, str] | None = None) -> None:
+        headers = {
+            "Content-Type": kind,
+            "Content-Length": str(len(body)),
+            "Content-Security-Policy": _POLICY,
+            "X-Content-Type-Options": "nosniff",
+            "Referrer-Policy": "no-referrer",
+            "Cross-Origin-Resource-Policy": "same-origin",
+            "Cross-Origin-Opener-Policy": "same-origin",
+            "Cache-Control": "no-store",
+            "Connection": "close",
+        }
+        self.send_response(status)
+        for name, value in (headers | (extra or {})).items():
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(body)

@@ -1,0 +1,145 @@
+"""The settings of the page: flat names and texts, as its form and its link hold them, and the checks of both."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from decimal import Decimal
+from typing import TypeAlias
+
+from roughcontact.errors import InputError, short
+
+Settings: TypeAlias = Mapping[str, str]
+
+# Powers of ten of the units that the page offers, by the kind of quantity; SI first.
+UNITS: dict[str, dict[str, int]] = {
+    "length": {"m": 0, "mm": -3, "um": -6, "nm": -9},
+    "modulus": {"Pa": 0, "MPa": 6, "GPa": 9},
+    "pressure": {"Pa": 0, "kPa": 3, "MPa": 6, "GPa": 9},
+    "force": {"N": 0, "mN": -3, "uN": -6, "kN": 3},
+    "approach": {"m": 0, "mm": -3, "um": -6, "nm": -9},
+}
+# What the form holds at first; each setting has its text here and no other is taken.
+DEFAULTS: dict[str, str] = {
+    "surface": "example",
+    "example": "ground_ring",
+    "file": "",
+    "file_name": "",
+    "size_x": "",
+    "size_y": "",
+    "size_unit": "um",
+    "height_unit": "",
+    "non_measured": "refuse",
+    "form": "none",
+    "hurst": "0.8",
+    "rms_height": "0.1",
+    "rms_height_unit": "um",
+    "shortest": "4",
+    "longest": "50",
+    "wave_unit": "um",
+    "seed": "1",
+    "amplitude": "0.5",
+    "amplitude_unit": "um",
+    "wavelength": "25",
+    "wavelength_unit": "um",
+    "radius": "1",
+    "radius_unit": "mm",
+    "cells": "256",
+    "side": "100",
+    "side_unit": "um",
+    "ball": "",
+    "ball_unit": "mm",
+    "young": "210",
+    "young_unit": "GPa",
+    "poisson": "0.3",
+    "hardness": "",
+    "hardness_unit": "GPa",
+    "counterbody": "rigid",
+    "counterbody_young": "210",
+    "counterbody_young_unit": "GPa",
+    "counterbody_poisson": "0.3",
+    "counterbody_hardness": "",
+    "counterbody_hardness_unit": "GPa",
+    "load": "pressure",
+    "loads": "100",
+    "load_unit": "MPa",
+    "boundary": "free",
+}
+_CHOICES = {
+    "surface": ("example", "file", "self-affine", "wavy", "sphere"),
+    "non_measured": ("refuse", "fill", "keep"),
+    "form": ("none", "plane", "quadratic", "sphere"),
+    "counterbody": ("rigid", "deformable"),
+    "load": ("force", "pressure", "approach"),
+    "boundary": ("free", "periodic", "wrapped"),
+}
+# Characters of one setting; and the digits of a number, its exponent included, that float64 can tell apart.
+_LONGEST = 300
+_NUMBER = re.compile(r"[-+]?(?:[0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})(?:[eE][-+]?[0-9]{1,2})?")
+_WHOLE = re.compile(r"[0-9]{1,9}")
+# Loads of one run: a curve has no more points that can be told apart.
+_MOST_LOADS = 40
+
+
+def read_settings(data: object) -> Settings:
+    """Return the settings that a page has sent, completed by those it has not, or raise `InputError`."""
+    if not isinstance(data, dict):
+        raise InputError("The settings must be an object of names and texts.")
+    found = dict(DEFAULTS)
+    for name, value in data.items():
+        if name not in DEFAULTS:
+            raise InputError.unknown("setting", name, DEFAULTS)
+        if not isinstance(value, str) or len(value) > _LONGEST:
+            raise InputError.about(f"The setting {name!r}", value, f"a text of at most {_LONGEST} characters")
+        found[name] = value.strip()
+    for name, allowed in _CHOICES.items():
+        if found[name] not in allowed:
+            raise InputError.about(f"The setting {name!r}", found[name], f"one of {', '.join(allowed)}")
+    return found
+
+
+def plain(settings: Settings, name: str, label: str) -> float:
+    """Return a setting without a unit as a number."""
+    return _number(settings[name], label, 0)
+
+
+def quantity(settings: Settings, name: str, label: str, kind: str, unit: str | None = None) -> float:
+    """Return a setting in SI units; its unit is another setting, ``NAME_unit`` by default."""
+    return _number(settings[name], label, _power(settings, unit or f"{name}_unit", kind))
+
+
+def whole(settings: Settings, name: str, label: str) -> int:
+    """Return a setting that is a whole number."""
+    if not _WHOLE.fullmatch(settings[name]):
+        raise InputError.about(label, settings[name], "a whole number such as 256")
+    return int(settings[name])
+
+
+def load_values(settings: Settings) -> list[float]:
+    """Return the loads in SI units."""
+    kind = settings["load"]
+    power = _power(settings, "load_unit", kind)
+    texts = re.split(r"[;\s]+", settings["loads"].strip("; \t"))
+    if len(texts) > _MOST_LOADS:
+        raise InputError.about("The number of loads", len(texts), f"at most {_MOST_LOADS}")
+    values = [_number(text, "The load" if len(texts) == 1 else "Each load", power) for text in texts]
+    if len(set(values)) < len(values):
+        raise InputError("A load is given twice: give each load once.")
+    return values
+
+
+def _power(settings: Settings, name: str, kind: str) -> int:
+    units = UNITS[kind]
+    if settings[name] not in units:
+        raise InputError.about(f"The unit of the {kind}", settings[name], f"one of {', '.join(units)}")
+    return units[settings[name]]
+
+
+def _number(text: str, label: str, power: int) -> float:
+    if not text:
+        raise InputError(f"{label} is missing: fill it in.")
+    if not _NUMBER.fullmatch(text):
+        decimal = " Write decimals with a point, and several loads with blanks between them." if "," in text else ""
+        raise InputError(f"{label} must be a number such as 2.5, but got {short(text)}.{decimal}")
+    # In decimals, so that 12.5 um is the number 12.5e-6 of a script to the last bit.
+    return float(Decimal(text).scaleb(power))

@@ -1,0 +1,25 @@
+// Requests to the server: all paths are relative, below the token of the link.
+
+async function answerOf(response) {
+  const data = await response.json();
+  if (!response.ok) throw new Error(data.error || "The server refused this.");
+  return data;
+}
+
+async function request(path, options) {
+  let response;
+  try {
+    response = await fetch(path, options);
+  } catch {
+    throw new Error("The server does not answer: is 'roughcontact app' still running?");
+  }
+  return answerOf(response);
+}
+
+export const get = (path) => request(path, {});
+
+export const post = (path, data) =>
+  request(path, { method: "POST", body: JSON.stringify(data), headers: { "Content-Type": "application/json" } });
+
+export const upload = (file) =>
+  request(`api/upload?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });

@@ -1,0 +1,185 @@
+// One run: its progress, its answer, its pictures and files.
+
+import { get, post } from "./api.js";
+import { Viewer } from "./viewer.js";
+
+const byId = (name) => document.getElementById(name);
+const ENDED = ["done", "failed", "cancelled"];
+const PHASES = {
+  waiting: "Waiting", starting: "Starting", preparing: "Preparing", solving: "Solving", evaluating: "Evaluating",
+  drawing: "Drawing", done: "Done", failed: "Failed", cancelled: "Cancelled",
+};
+const INTERVAL = 400;
+let viewer;
+let current = "";
+let shown = {};
+let timer = 0;
+
+export function showList(place, texts) {
+  place.hidden = !texts.length;
+  place.replaceChildren(...texts.map((text) => element("li", text)));
+}
+
+export function element(name, text = "", attributes = {}) {
+  const made = document.createElement(name);
+  made.textContent = text;
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  return made;
+}
+
+export function follow(run, onChange) {
+  clearTimeout(timer);
+  viewer ??= new Viewer(byId("picture"), "Picture of the answer");
+  current = run;
+  shown = { panel: "", phase: "", answers: 0, outputs: -1 };
+  byId("run").hidden = false;
+  for (const name of ["answer", "run-problem", "progress"]) byId(name).hidden = true;
+  viewer.hide();
+  byId("cancel").onclick = () => post(`api/cancel/${run}`, {}).catch(() => {});
+  poll(run, onChange);
+}
+
+async function poll(run, onChange) {
+  let state;
+  try {
+    state = await get(`runs/${run}`);
+  } catch (error) {
+    if (run === current) problem(error.message);
+    return;
+  }
+  if (run !== current) return;
+  render(state);
+  onChange(state);
+  if (!ENDED.includes(state.phase)) timer = setTimeout(() => poll(run, onChange), INTERVAL);
+}
+
+function problem(text) {
+  byId("run-problem").hidden = !text;
+  byId("run-problem").textContent = text;
+  if (text) byId("progress").hidden = true;
+}
+
+function render(state) {
+  const ended = ENDED.includes(state.phase);
+  byId("progress").hidden = ended;
+  const bar = byId("bar");
+  if (["waiting", "starting", "preparing"].includes(state.phase)) bar.removeAttribute("value");
+  else bar.value = state.fraction;
+  byId("phase").textContent = `${PHASES[state.phase]}, ${state.seconds.toFixed(0)} s. ${state.text}`;
+  if (state.phase !== shown.phase) byId("live").textContent = `${PHASES[state.phase]}. ${ended ? "" : state.text}`;
+  problem(state.phase === "failed" ? state.error : state.phase === "cancelled" ? "The run was cancelled." : "");
+  if (state.answers.length && !shown.answers) renderAnswer(state);
+  if (state.outputs.length !== shown.outputs || state.phase !== shown.phase) renderOutputs(state);
+  byId("drawing").hidden = state.phase !== "drawing";
+  showList(byId("run-notes"), state.notes);
+  Object.assign(shown, { phase: state.phase, answers: state.answers.length, outputs: state.outputs.length });
+}
+
+const quantity = (answer, name) => answer.quantities.find((one) => one.name === name);
+
+function renderAnswer(state) {
+  const many = state.answers.length > 1;
+  byId("answer").hidden = false;
+  const [first] = state.answers;
+  const percent = (answer) => `${(100 * quantity(answer, "contact area fraction").value).toPrecision(3)} % of nominal`;
+  byId("headline").textContent = many
+    ? `${state.answers.length} loads solved`
+    : `Contact area ${quantity(first, "contact area").text}; ${percent(first)}`;
+  const failed = state.answers.filter((answer) => !answer.certified);
+  const statuses = [...new Set((failed.length ? failed : state.answers).map((answer) => answer.status))];
+  byId("verdict").textContent = `${statuses.join("; ")}. The value after ± is one standard deviation.`;
+  byId("verdict").className = failed.length ? "alert" : "";
+  showList(byId("warnings"), [...new Set(state.answers.flatMap((answer) => answer.warnings))]);
+  byId("answer-table").replaceChildren(...(many ? curveRows(state) : singleRows(first)));
+  byId("h-answer").focus({ preventScroll: true });
+  byId("run").scrollIntoView({ block: "start" });
+}
+
+function singleRows(answer) {
+  const rows = answer.quantities.map((one) => {
+    const row = element("tr");
+    row.append(element("th", one.name, { scope: "row" }), element("td", one.text, { "data-quantity": one.name }));
+    row.lastChild.dataset.value = one.value;
+    return row;
+  });
+  return [element("caption", "The answer", { class: "unseen" }), body(rows)];
+}
+
+function body(rows) {
+  const made = element("tbody");
+  made.append(...rows);
+  return made;
+}
+
+function curveRows(state) {
+  const names = state.answers[0].quantities.map((one) => one.name);
+  const order = ["mean pressure", "force", ...names.filter((name) => !["mean pressure", "force"].includes(name))];
+  const head = element("tr");
+  head.append(...order.map((name) => element("th", name, { scope: "col" })), element("th", "files", { scope: "col" }));
+  const rows = state.answers.map((answer, index) => {
+    const row = element("tr");
+    for (const name of order) {
+      const one = quantity(answer, name);
+      row.append(element("td", one.text, { "data-quantity": name }));
+      row.lastChild.dataset.value = one.value;
+    }
+    row.append(element("td", "", { "data-files": index }));
+    return row;
+  });
+  const top = element("thead");
+  top.append(head);
+  return [element("caption", "The answers, a row for each load", { class: "unseen" }), top, body(rows)];
+}
+
+function fileLink(state, output, text, main = false) {
+  const address = `runs/${state.id}/${output.file}`;
+  const link = element("a", text, { href: address, download: `roughcontact-${output.file}` });
+  if (main !== null) link.className = main ? "button main" : "button";
+  return link;
+}
+
+function renderOutputs(state) {
+  const of = (role, load) => state.outputs.find((one) => one.role === role && (load === undefined || one.load === load));
+  const links = [];
+  const many = state.answers.length > 1;
+  if (!many && of("report")) {
+    links.push(fileLink(state, of("report"), "Download the report", true));
+    links.push(element("a", "Open the report", {
+      href: `runs/${state.id}/${of("report").file}`, target: "_blank", rel: "noopener", class: "button",
+    }));
+  }
+  if (of("table")) links.push(fileLink(state, of("table"), "Table (.csv)", many));
+  if (!many && of("solution")) links.push(fileLink(state, of("solution"), "Fields (.npz)"));
+  const focused = document.activeElement?.getAttribute?.("download");
+  byId("downloads").replaceChildren(...links);
+  links.find((link) => focused && link.getAttribute("download") === focused)?.focus();
+  for (const cell of byId("answer-table").querySelectorAll("[data-files]")) {
+    const load = Number(cell.dataset.files);
+    const found = [["report", "report"], ["solution", ".npz"]].filter(([role]) => of(role, load));
+    cell.replaceChildren(...found.flatMap(([role, text]) => [fileLink(state, of(role, load), text, null), " "]));
+  }
+  renderPictures(state);
+}
+
+function renderPictures(state) {
+  const pictures = state.outputs.filter((one) => one.role === "picture");
+  const place = byId("panel-buttons");
+  for (const output of pictures.slice(place.dataset.run === state.id ? place.children.length : 0)) {
+    if (place.dataset.run !== state.id) {
+      place.replaceChildren();
+      place.dataset.run = state.id;
+    }
+    const button = element("button", output.panel.replaceAll("-", " "), { type: "button", "aria-pressed": "false" });
+    button.addEventListener("click", () => choosePicture(state, output, button));
+    place.append(button);
+    if (place.children.length === 1) choosePicture(state, output, button);
+  }
+  if (!pictures.length) place.replaceChildren();
+  place.hidden = pictures.length < 2;
+}
+
+function choosePicture(state, output, button) {
+  for (const other of byId("panel-buttons").children) other.setAttribute("aria-pressed", String(other === button));
+  const address = (scheme) => `runs/${state.id}/${output.pictures[scheme]}`;
+  viewer.show(address("light"), address("dark"), `The ${output.panel.replaceAll("-", " ")} of this contact`);
+}

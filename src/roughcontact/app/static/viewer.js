@@ -1,0 +1,142 @@
+// A picture that can be zoomed and moved by wheel, buttons, keys, mouse and two fingers.
+
+const MOST = 16;
+
+export class Viewer {
+  constructor(place, label) {
+    this.place = place;
+    this.frame = document.createElement("div");
+    this.frame.className = "frame";
+    this.frame.tabIndex = 0;
+    this.frame.setAttribute("role", "group");
+    this.frame.setAttribute("aria-label", `${label}. Plus and minus zoom, arrows move, 0 shows all.`);
+    this.picture = document.createElement("picture");
+    this.dark = document.createElement("source");
+    this.dark.media = "(prefers-color-scheme: dark)";
+    this.image = document.createElement("img");
+    this.image.draggable = false;
+    this.picture.append(this.dark, this.image);
+    this.frame.append(this.picture);
+    this.scaleText = document.createElement("span");
+    this.scaleText.className = "help";
+    place.replaceChildren(this.frame, this.makeButtons());
+    this.pointers = new Map();
+    this.listen();
+    this.reset();
+  }
+
+  show(light, dark, text) {
+    this.dark.srcset = dark;
+    this.image.src = light;
+    this.image.alt = text;
+    this.place.hidden = false;
+    this.reset();
+  }
+
+  hide() {
+    this.place.hidden = true;
+  }
+
+  makeButtons() {
+    const row = document.createElement("div");
+    row.className = "buttons";
+    const actions = [
+      ["+", "Zoom in", () => this.zoom(1.5)],
+      ["−", "Zoom out", () => this.zoom(1 / 1.5)],
+      ["Show all", "", () => this.reset()],
+    ];
+    for (const [text, label, act] of actions) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = text;
+      if (label) button.setAttribute("aria-label", label);
+      button.addEventListener("click", act);
+      row.append(button);
+    }
+    row.append(this.scaleText);
+    return row;
+  }
+
+  listen() {
+    const frame = this.frame;
+    frame.addEventListener("wheel", (event) => {
+      // A page that scrolls past the picture must not be caught by it.
+      if (!event.ctrlKey && !event.metaKey && document.activeElement !== frame) return;
+      event.preventDefault();
+      this.zoom(Math.exp(-event.deltaY / 300), ...this.place_of(event));
+    }, { passive: false });
+    frame.addEventListener("keydown", (event) => {
+      const step = 60;
+      const acts = {
+        "+": () => this.zoom(1.5), "=": () => this.zoom(1.5), "-": () => this.zoom(1 / 1.5), 0: () => this.reset(),
+        ArrowLeft: () => this.move(step, 0), ArrowRight: () => this.move(-step, 0),
+        ArrowUp: () => this.move(0, step), ArrowDown: () => this.move(0, -step),
+      };
+      if (event.ctrlKey || event.metaKey || event.altKey || !(event.key in acts)) return;
+      event.preventDefault();
+      acts[event.key]();
+    });
+    frame.addEventListener("dblclick", (event) => this.zoom(2, ...this.place_of(event)));
+    frame.addEventListener("pointerdown", (event) => {
+      frame.setPointerCapture(event.pointerId);
+      frame.classList.add("dragged");
+      this.pointers.set(event.pointerId, this.place_of(event));
+    });
+    frame.addEventListener("pointermove", (event) => this.drag(event));
+    for (const end of ["pointerup", "pointercancel"]) {
+      frame.addEventListener(end, (event) => {
+        this.pointers.delete(event.pointerId);
+        if (!this.pointers.size) frame.classList.remove("dragged");
+      });
+    }
+  }
+
+  place_of(event) {
+    const box = this.frame.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  }
+
+  drag(event) {
+    const before = this.pointers.get(event.pointerId);
+    if (!before) return;
+    const now = this.place_of(event);
+    const other = [...this.pointers].find(([id]) => id !== event.pointerId);
+    if (other) {
+      const apart = (one) => Math.hypot(one[0] - other[1][0], one[1] - other[1][1]);
+      const centre = [(now[0] + other[1][0]) / 2, (now[1] + other[1][1]) / 2];
+      if (apart(before) > 0) this.zoom(apart(now) / apart(before), ...centre);
+    } else {
+      this.move(now[0] - before[0], now[1] - before[1]);
+    }
+    this.pointers.set(event.pointerId, now);
+  }
+
+  // About a point of the frame, its centre by default, which stays where it is.
+  zoom(factor, x = this.frame.clientWidth / 2, y = this.frame.clientHeight / 2) {
+    const scale = Math.min(MOST, Math.max(1, this.scale * factor));
+    this.x = x - ((x - this.x) * scale) / this.scale;
+    this.y = y - ((y - this.y) * scale) / this.scale;
+    this.scale = scale;
+    this.apply();
+  }
+
+  move(dx, dy) {
+    this.x += dx;
+    this.y += dy;
+    this.apply();
+  }
+
+  reset() {
+    Object.assign(this, { scale: 1, x: 0, y: 0 });
+    this.apply();
+  }
+
+  apply() {
+    const { clientWidth: width, clientHeight: height } = this.frame;
+    this.x = Math.min(0, Math.max(this.x, width * (1 - this.scale)));
+    this.y = Math.min(0, Math.max(this.y, height * (1 - this.scale)));
+    this.image.style.transform = `translate(${this.x}px, ${this.y}px) scale(${this.scale})`;
+    this.image.style.imageRendering = this.scale > 3 ? "pixelated" : "auto";
+    this.scaleText.textContent = `${this.scale.toFixed(1)} times; the wheel zooms after a click`;
+  }
+}

@@ -1,0 +1,132 @@
+"""The files that the page has sent, in a private folder under names of the server's."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import secrets
+import threading
+import time
+from pathlib import Path
+from typing import BinaryIO
+
+import attrs
+
+from roughcontact.checks.memory import available_memory
+from roughcontact.errors import InputError, RoughContactError
+from roughcontact.files import readers
+from roughcontact.units import binary
+
+# Bytes of one file, and of all together; larger maps are for a script.
+_LARGEST, _LARGEST_SUM = 1 << 29, 1 << 31
+# Fraction of the memory that a file may be: it is read into float64 and transformed.
+_OF_MEMORY = 0.25
+_BLOCK, _SHOWN = 1 << 16, 100
+# Seconds in which a file of the largest size must have come; it is sent on one machine.
+_PATIENCE = 300.0
+# Endings of instruments' files, which no reader claims; any other is read without an ending.
+_INSTRUMENTS = ["al3d", "asd", "bcr", "bcrf", "di", "dzi", "frt", "gwy", "h5", "hgt", "ibw", "jpk", "lext", "map", "mat", "mi", "mnt", "nanoscope", "nc", "nid", "nms", "opd", "opdx", "oir", "os3d", "plu", "plux", "poir", "ps", "sdf", "spm", "stp", "sur", "top", "vk3", "vk4", "vk6", "vk7", "x3p", "xyz", "zmg", "zon"]
+
+
+@attrs.frozen
+class StoredFile:
+    """A file as the server keeps it: its digest (SHA-256), where it lies, the user's name for it, and its bytes."""
+
+    digest: str
+    path: Path
+    name: str
+    size: int
+
+
+class Uploads:
+    """Files by their digests; the oldest are removed when there are too many bytes."""
+
+    def __init__(self, folder: Path):
+        self._folder, self._lock = folder, threading.Lock()
+        self._files: dict[str, StoredFile] = {}
+
+    @property
+    def limit(self) -> int:
+        """Bytes that a file may have here and now."""
+        available = available_memory()
+        return _LARGEST if available is None else min(_LARGEST, int(_OF_MEMORY * available))
+
+    def require_size(self, size: int) -> None:
+        """Raise `InputError` if a file of so many bytes is too large."""
+        if not 0 < size <= self.limit:
+            raise InputError(
+                f"A file may have 1 byte to {binary(self.limit)} here, but this one has {binary(size)}: read larger maps "
+                "with roughcontact.read_surface in a script."
+            )
+
+    def receive(self, source: BinaryIO, size: int, name: str) -> StoredFile:
+        """Return the file whose bytes come from a source.
+
+        Raises
+        ------
+        InputError
+            If the source ends early, is too slow, or the file is too large.
+        """
+        self.require_size(size)
+        shown = shown_name(name)
+        partial = self._folder / f"{secrets.token_hex(8)}.partial"
+        try:
+            digest = _copy(source, size, partial)
+            path = self._folder / f"{digest[:16]}{_known_ending(shown)}"
+            with self._lock:
+                partial.replace(path)
+                before = self._files.pop(digest, None)
+                if before is not None and before.path != path:
+                    before.path.unlink(missing_ok=True)
+                self._files[digest] = StoredFile(digest, path, shown, size)
+                self._remove_oldest()
+            return self._files[digest]
+        finally:
+            partial.unlink(missing_ok=True)
+
+    def find(self, digest: str) -> StoredFile | None:
+        """Return the file with a digest, if it is here."""
+        with self._lock:
+            return self._files.get(digest)
+
+    def _remove_oldest(self) -> None:
+        while sum(file.size for file in self._files.values()) > _LARGEST_SUM:
+            oldest = next(iter(self._files))
+            self._files.pop(oldest).path.unlink(missing_ok=True)
+
+
+def shown_name(name: str) -> str:
+    """Return the part of a client's file name that is shown: printable, without folders, and not too long."""
+    last = name.replace("\\", "/").rpartition("/")[2]
+    return "".join(letter for letter in last if letter.isprintable())[-_SHOWN:].strip() or "map"
+
+
+def known_endings() -> list[str]:
+    """Return the endings of files that a reader may know, with the dot."""
+    found = {f".{ending}" for ending in _INSTRUMENTS}
+    for name in readers:
+        with contextlib.suppress(RoughContactError):
+            found |= readers.create(name).suffixes
+    return sorted(found)
+
+
+def _known_ending(name: str) -> str:
+    """Return the known ending that a name has: a text of the server's, never of the client's; empty if none."""
+    given = Path(name).suffix.lower()
+    return next((ending for ending in known_endings() if ending == given), "")
+
+
+def _copy(source: BinaryIO, size: int, target: Path) -> str:
+    """Copy so many bytes into a new file and return their digest."""
+    digest, left, end = hashlib.sha256(), size, time.monotonic() + _PATIENCE
+    with target.open("xb") as file:
+        while left:
+            block = source.read(min(_BLOCK, left))
+            if not block:
+                raise InputError(f"The file ended {left} bytes before its stated length: send it again.")
+            if time.monotonic() > end:
+                raise InputError(f"The file did not come within {_PATIENCE:g} s: send it again.")
+            digest.update(block)
+            file.write(block)
+            left -= len(block)
+    return digest.hexdigest()

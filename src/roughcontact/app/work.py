@@ -1,0 +1,120 @@
+"""What runs in a process of its own: reading maps, planning, solving, drawing."""
+
+from __future__ import annotations
+
+import functools
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from roughcontact._problem import ContactProblem
+from roughcontact._problem.sweep import Sweep, run_sweep
+from roughcontact._solution import ContactSolution
+from roughcontact._solvers.base import DEFAULT_TOLERANCE
+from roughcontact.app.answers import describe_solution
+from roughcontact.app.forecast import forecast_seconds
+from roughcontact.app.outputs import Outputs, draw_panel
+from roughcontact.app.progress import Progress
+from roughcontact.app.scene import Scene, Upload, describe, inspect_file, make_loads, make_problem, make_scene
+from roughcontact.app.settings import Settings, read_settings
+from roughcontact.checks import Array
+from roughcontact.errors import RoughContactError
+from roughcontact.load import Load
+from roughcontact.units import binary
+
+# How the time of a solve is estimated.
+_BASIS = (
+    "The time is estimated from the cells and a transform timed on this machine; it may be a third or three times that."
+)
+_CORRECTED = "The time is estimated from the cells and a transform timed here, corrected by the runs before."
+
+Send = Callable[[dict[str, Any]], None]
+
+# Settings that the surface follows from; the others do not make it anew.
+_OF_PROBLEM = ("young", "poisson", "hardness", "counterbody", "load")
+
+
+def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
+    """Return the result of a task, plain data that JSON can hold, after events sent on the way."""
+    upload = None if task["upload"] is None else Upload(*task["upload"])
+    settings = read_settings(task["settings"])
+    kinds: dict[str, Callable[[], dict[str, Any]]] = {
+        "inspect": lambda: dict(inspect_file(upload)) if upload else {},
+        "surface": lambda: _show_surface(settings, upload, Path(task["folder"])),
+        "plan": lambda: _plan(settings, upload, task["calibration"]),
+        "solve": lambda: _solve(settings, upload, Path(task["folder"]), send),
+    }
+    return kinds[task["kind"]]()
+
+
+@functools.lru_cache(maxsize=1)
+def _cached_scene(key: str, upload: Upload | None) -> Scene:
+    return make_scene(read_settings(json.loads(key)), upload)
+
+
+def _scene(settings: Settings, upload: Upload | None) -> Scene:
+    """Return the scene: the last one, if its settings have not changed."""
+    own = {name: text for name, text in settings.items() if not name.startswith(_OF_PROBLEM)}
+    return _cached_scene(json.dumps(own), upload)
+
+
+def _show_surface(settings: Settings, upload: Upload | None, folder: Path) -> dict[str, Any]:
+    scene = _scene(settings, upload)
+    shown = describe(scene)
+    try:
+        shown |= draw_panel(lambda dark: scene.rough.plot(scene.grid, "map", dark=dark), "surface", scene.grid, folder)
+    except RoughContactError as error:
+        shown["note"] = str(error)
+    return shown
+
+
+def _plan(settings: Settings, upload: Upload | None, calibration: float) -> dict[str, Any]:
+    scene = _scene(settings, upload)
+    problem = make_problem(settings, scene)
+    loads = make_loads(settings, problem)
+    plan = problem.plan
+    return {
+        "loads": [str(load) for load in loads],
+        "seconds": calibration * len(loads) * forecast_seconds(plan),
+        "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
+        "basis": _BASIS if calibration == 1.0 else _CORRECTED,
+        "text": problem.explain(),
+        "warnings": list(plan.warnings),
+    }
+
+
+def _solve(settings: Settings, upload: Upload | None, folder: Path, send: Send) -> dict[str, Any]:
+    send({"phase": "preparing"})
+    problem = make_problem(settings, _scene(settings, upload))
+    loads = make_loads(settings, problem)
+    forecast = len(loads) * forecast_seconds(problem.plan)
+    started = time.perf_counter()
+    sweep = _run(problem, loads, send)
+    ratio = (time.perf_counter() - started) / forecast
+    send({"phase": "evaluating", "fraction": 1.0, "text": "The contact is solved; areas and uncertainties follow."})
+    answers = [describe_solution(solution) for solution in sweep.solutions]
+    send({"phase": "drawing", "answers": answers, "ratio": ratio})
+    return {"notes": _write_all(Outputs(sweep, answers, folder), send)}
+
+
+def _write_all(outputs: Outputs, send: Send) -> list[str]:
+    """Write all files of a run; return in sentences what cannot be written."""
+    notes = []
+    for write in outputs.steps():
+        try:
+            send(write())
+        except RoughContactError as error:
+            notes.append(str(error))
+    return notes
+
+
+def _run(problem: ContactProblem, loads: tuple[Load, ...], send: Send) -> Sweep:
+    progress = Progress(problem.plan.grid.shape, len(loads), DEFAULT_TOLERANCE, send)
+
+    def solve(load: Load, start: Array | None) -> ContactSolution:
+        progress.begin(str(load))
+        return problem.solve(**load.arguments, start=start, throw=False, on_step=progress.step)
+
+    return run_sweep(solve, loads)

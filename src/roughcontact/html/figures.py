@@ -1,0 +1,77 @@
+"""The panels of a solution as pictures inside a page."""
+
+from __future__ import annotations
+
+import base64
+import importlib.util
+import inspect
+import io
+from collections.abc import Iterator
+from typing import Any
+
+import attrs
+
+from roughcontact._solution import ContactSolution
+from roughcontact.panel import panels
+from roughcontact.panel.figures import make_figure
+
+# Panels that ship, in the order of the page; those of plug-ins come last.
+_FIRST = ("heights", "pressure", "gap", "patches", "profile", "pressure-histogram", "patch-sizes")
+# Dots to an inch: sharp on paper where three pictures stand side by side.
+_DPI = 130
+
+
+@attrs.frozen
+class Picture:
+    """One panel, drawn.
+
+    Attributes
+    ----------
+    name
+        The name that the panel is registered under.
+    caption
+        What it shows, in a sentence.
+    light, dark
+        The picture as a data: address, on a light and on a dark background; empty if it cannot be drawn.
+    refusal
+        Why it cannot be drawn; empty if it is.
+    """
+
+    name: str
+    caption: str
+    light: str = ""
+    dark: str = ""
+    refusal: str = ""
+
+
+def can_draw() -> bool:
+    """Return whether the package that draws is installed; it is not imported."""
+    return importlib.util.find_spec("matplotlib") is not None
+
+
+def draw_panels(solution: ContactSolution) -> Iterator[Picture]:
+    """Yield each registered panel of solutions; what refuses, or fails, says why."""
+    names = (name for name in panels if _is_of_solutions(name))
+    for name in sorted(names, key=lambda name: (_FIRST.index(name) if name in _FIRST else len(_FIRST), name)):
+        caption = (inspect.getdoc(panels[name]) or name).partition("\n\n")[0].replace("\n", " ")
+        try:
+            yield Picture(name, caption, *(draw_panel(solution, name, dark=dark) for dark in (False, True)))
+        # Panels are plug-ins: a report is not lost because of one picture.
+        except Exception as error:
+            yield Picture(name, caption, refusal=" ".join(str(error).split()) or type(error).__name__)
+
+
+def draw_panel(solution: ContactSolution, name: str, *, dark: bool) -> str:
+    """Return a panel as a PNG file in a data: address."""
+    content = io.BytesIO()
+    figure: Any = make_figure("solution", solution, name, dark)
+    figure.savefig(content, format="png", dpi=_DPI)
+    return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"
+
+
+def _is_of_solutions(name: str) -> bool:
+    try:
+        return panels[name].subject == "solution"
+    # A plug-in that cannot be imported.
+    except Exception:
+        return False

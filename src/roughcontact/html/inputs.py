@@ -1,0 +1,89 @@
+"""What was solved, and with what, for a report."""
+
+from __future__ import annotations
+
+from roughcontact._problem import ContactProblem
+from roughcontact._problem.source import problem_of
+from roughcontact._solution import ContactSolution
+from roughcontact._solution.origin import key_of_origin, versions
+from roughcontact._surfaces import Surface
+from roughcontact._surfaces.continuation import find_maps
+from roughcontact.archive import digest_of
+from roughcontact.errors import RoughContactError
+from roughcontact.html.elements import escape, items, quantity
+from roughcontact.html.rerun import describe_part, hash_pressure
+from roughcontact.load import Load
+from roughcontact.units import si
+
+_MEANINGS = {
+    "complementarity": "mean of the gap where there is pressure, weighted by it",
+    "penetration": "deepest overlap of the bodies outside the saturated cells",
+    "load": "relative error of the load",
+}
+
+
+def find_problem(solution: ContactSolution) -> tuple[ContactProblem | None, str]:
+    """Return the problem that a solution solves, or None and the reason in a sentence."""
+    try:
+        return problem_of(solution), ""
+    except RoughContactError as error:
+        return None, str(error)
+
+
+def list_inputs(solution: ContactSolution, problem: ContactProblem | None) -> dict[str, str]:
+    """Return what was solved, as HTML by name."""
+    rows = {}
+    if problem is not None:
+        for name, body in (("Body", problem.body), ("Counterbody", problem.counterbody)):
+            rows[name] = f"{_describe_surface(body.surface)}<br>{_code(describe_part(body.material))}"
+        rows["Method"] = _code(f"{problem.plan.kernel}, {problem.plan.convolver}, {problem.plan.solver}")
+    cell = " x ".join(si(step, "m") for step in solution.grid.spacing)
+    rows["Grid"] = escape(f"{solution.grid}, cells of {cell}, boundary {solution.boundary}")
+    if solution.non_measured is not None:
+        rows["Non-measured points"] = escape(int(solution.non_measured.sum()))
+    if solution.origin is not None:
+        rows["Load"] = ", ".join(escape(Load(kind, value)) for kind, value in solution.origin.load.items())
+        rows["Key"] = f"{_code(key_of_origin(solution.origin) or 'none')} (of problem, load and versions)"
+    rows["Pressure"] = f"SHA-256 of its bytes {_code(hash_pressure(solution))}"
+    return rows
+
+
+def list_certificate(solution: ContactSolution) -> dict[str, str]:
+    """Return how the solve ended and its residuals with their meaning, as HTML by name."""
+    residuals = solution.residuals
+    scale = f", over {si(residuals.scale, 'm')}"
+    rows = {"Status": escape(solution.status)}
+    for name, meaning in _MEANINGS.items():
+        value = getattr(residuals, name)
+        rows[name.capitalize()] = f"{value:.1e}: {escape(meaning)}{'' if name == 'load' else escape(scale)}"
+    rows["Contact modulus E*"] = escape(si(solution.modulus, "Pa", 6))
+    if solution.moduli is not None:
+        rows["Contact modulus E*"] += ", another at each wavelength"
+    rows["Work"] = f"{solution.iterations} iterations, {solution.convolutions} convolutions, {solution.seconds:.2g} s"
+    if solution.accuracy is not None:
+        rows["Accuracy"] = quantity(str(solution.accuracy).replace("\n", "; "))
+    if solution.theory is not None:
+        rows["Persson's theory"] = quantity(str(solution.theory))
+    return rows
+
+
+def list_versions(solution: ContactSolution) -> dict[str, str]:
+    """Return the versions of the programs that made a solution, as HTML by name."""
+    rows = {name if name != "python" else "Python": escape(number) for name, number in versions().items()}
+    programs = [] if solution.origin is None else solution.origin.programs
+    return rows | ({"Plug-ins": escape(", ".join(programs))} if programs else {})
+
+
+def _describe_surface(surface: Surface) -> str:
+    """Return a surface, where its heights come from, and the digests of those that are not computed."""
+    maps = find_maps(surface)
+    text = _code(describe_part(surface))
+    if surface.provenance and maps:
+        text += items(surface.provenance)
+    for one in maps:
+        text += f"<br>digest of its {' x '.join(map(str, one.values.shape))} heights {_code(digest_of(one.values))}"
+    return text
+
+
+def _code(text: str) -> str:
+    return f"<code>{escape(text)}</code>"

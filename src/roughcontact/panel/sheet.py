@@ -1,0 +1,27 @@
+"""The figure of several panels, as notebooks and files need it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib
+from matplotlib.figure import Figure
+
+
+class Sheet(Figure):
+    """A figure that is saved with at least one pixel for each cell of its maps, and that notebooks show once."""
+
+    saving_dpi = 150.0
+
+    def savefig(self, fname: Any, **options: Any) -> None:
+        """Save the figure; see `matplotlib.figure.Figure.savefig`."""
+        if matplotlib.rcParams["savefig.dpi"] == "figure":
+            options.setdefault("dpi", self.saving_dpi)
+        super().savefig(fname, **options)
+
+    def _ipython_display_(self) -> None:
+        # Notebooks with figures in line show all that pyplot holds behind the cell: once is enough.
+        from matplotlib import pyplot
+
+        if not ("inline" in matplotlib.get_backend() and pyplot.fignum_exists(self.number)):
+            raise NotImplementedError
