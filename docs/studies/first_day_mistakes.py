@@ -146,7 +146,7 @@ def run(mistake: Mistake, folder: Path) -> tuple[int, str]:
     printed = io.StringIO()
     arguments = mistake.command.format(*[folder] * mistake.command.count("{}")).split()
     with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
-        status = run_command(["solve", *arguments, "-o", str(folder / "results")])
+        status = run_command(["solve", *arguments])
     return status, " ".join(printed.getvalue().split())
 
 

@@ -10,10 +10,17 @@ from typing import Any
 from roughcontact.cli import Command
 from roughcontact.errors import InputError
 from roughcontact.registry import Registry
+from roughcontact.units.text import fit
 
 
 class Check(Command):
     """Try a registered part on the claims of its kind."""
+
+    epilog = """
+examples:
+  roughcontact check love
+  roughcontact check elastic --with young=200e9 poisson=0.3
+"""
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
         from roughcontact.testing import KINDS
@@ -41,7 +48,7 @@ class Check(Command):
         fields = dict(_field(text) for text in options.fields)
         reports = [check(_create(KINDS[kind], options.name, fields), kind) for kind in kinds]
         for report in reports:
-            print(report)
+            print(fit(str(report)))
         return 0 if all(report.passed for report in reports) else 1
 
 

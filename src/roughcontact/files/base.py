@@ -9,6 +9,7 @@ import attrs
 
 from roughcontact.checks import Array, Pair
 from roughcontact.registry import Registry
+from roughcontact.units import outlined
 
 
 @attrs.frozen(eq=False)
@@ -31,7 +32,7 @@ class RawMap:
         Whether the heights are in an unknown unit, which must be given, as in images.
     """
 
-    heights: Array
+    heights: Array = attrs.field(repr=outlined)
     size: Pair | None = None
     periodic: bool = False
     metric: bool = False

@@ -29,6 +29,8 @@ from roughcontact.units import counted
 _ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds")
 # Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts; for `explain` only.
 _CONVOLUTIONS = 25
+# Units in which texts of a study file are read.
+_PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
 
 
 def _problems(value: object) -> Mapping[str, ContactProblem]:
@@ -96,9 +98,9 @@ class Study:
     """
 
     problems: Mapping[str, ContactProblem] = attrs.field(converter=_problems)
-    pressure: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
-    force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
-    approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
+    pressure: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_PASCAL)
+    force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_NEWTON)
+    approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_METRE)
     areas: tuple[str, ...] = attrs.field(default=(DEFAULT_AREA,), converter=_names, kw_only=True)
     seeds: tuple[int, ...] = attrs.field(default=(), converter=_seeds, kw_only=True)
 
@@ -242,7 +244,7 @@ class Study:
         problems = ", ".join(f"{name}={len(values)}" for name, values in self.axes.items())
         loads = self.loads
         what = problems or counted(len(self.problems), "problem")
-        return f"<Study: {what}, {counted(len(loads), 'load')} of {loads[0].kind}>"
+        return f"<Study {what}, {counted(len(loads), 'load')} of {loads[0].kind}>"
 
     @property
     def axes(self) -> Mapping[str, tuple[Any, ...]]:
