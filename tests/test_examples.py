@@ -156,8 +156,9 @@ def test_partial_slip(monkeypatch, tmp_path):
 
 def test_which_estimator(monkeypatch, tmp_path):
     module = study("which_estimator", monkeypatch)
-    module.main((64, 128), (64, 128), 256, 1, tmp_path)
-    assert [row[0] for row in module.make_table(module.measure_wave((64, 128), 1))] == ["N", "64", "128"]
+    wave = module.make_table(module.measure_wave((64, 128), 1))
+    assert [row[0] for row in wave] == ["N", "64", "128"]
+    module.main(wave, module.make_table(module.measure_rough((64, 128), 256, 1)), tmp_path)
     for name in ("one_summit.png", "estimator_errors.png"):
         assert (tmp_path / name).stat().st_size > 10_000
 

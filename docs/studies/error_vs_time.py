@@ -86,10 +86,12 @@ def draw(rows: dict[int, dict[str, float]], path: Path) -> None:
     for cells, row in others.items():
         place = row["cpu"], abs(row["cell-count"])
         if cells.bit_count() == 1:
-            axes.annotate(f"N = {cells}", place, xytext=(4, 6), textcoords="offset points")
+            axes.annotate(f"N = {cells}", place, xytext=(4, 6), textcoords="offset points", fontsize=8)
     axes.set_xlim(right=3 * max(row["cpu"] for row in rows.values()))
     axes.plot([], [], "o", color=LIGHT.ink, markerfacecolor="none", label="open: whole cells a wave")
     scale_axes(axes, x="CPU time of one solve, s", y="error, %", logarithmic="xy")
+    axes.set_xticks([0.02, 0.05, 0.1, 0.2, 0.5, 1.0])
+    axes.minorticks_off()
     add_key(axes)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=150)

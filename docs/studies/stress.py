@@ -145,7 +145,7 @@ def draw(folder: Path = FIGURES) -> None:
     pressure.fill_between(y, solution.pressure[row] / 1e9, color=LIGHT.body)
     pressure.set(ylabel="pressure, GPa", xlim=(-50, 50), ylim=(0, None))
     image = field.imshow(cut, extent=(-50, 50, 10.05, -0.05), cmap="inferno", aspect="auto", interpolation="bilinear")
-    field.plot(1e6 * maximum.y, 1e6 * maximum.depth, "+", color="white", markersize=10, markeredgewidth=2)
+    field.plot(1e6 * maximum.y, 1e6 * maximum.depth, "+", color="black", markersize=12, markeredgewidth=2)
     field.set(xlabel="y, µm", ylabel="depth, µm")
     figure.colorbar(image, ax=field, label="von Mises stress, GPa")
     folder.mkdir(parents=True, exist_ok=True)
