@@ -250,7 +250,7 @@ class TestProfile:
 
     def test_the_position_is_chosen(self, hertz):
         axes = draw("solution", hertz, rc.panels.create("profile", position=5e-6))
-        assert axes.get_title(loc="right") == "y = 4.92 µm"
+        assert axes.get_legend().get_texts()[-1].get_text() == "y = 4.92 µm"
         with pytest.raises(rc.InputError, match="position of a profile must be within 15 µm of the centre, but got"):
             draw("solution", hertz, rc.panels.create("profile", position=1.0))
         with pytest.raises(rc.InputError, match="axis of a profile must be 0 for a cut along x"):

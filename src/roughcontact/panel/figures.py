@@ -50,7 +50,26 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
 
 
 def make_figure(kind: str, subject: Any, panel: str | Panel | None = None, dark: bool = False) -> Any:
-    """Return the figure that `plot` draws, but one that pyplot does not know of: to be saved, in any thread."""
+    """Return the figure that ``plot`` draws, but without pyplot: to be saved, in any thread.
+
+    Parameters
+    ----------
+    kind, subject
+        ``"solution"`` and a `ContactSolution`, ``"surface"`` and a `SampledSurface`, or ``"sweep"`` and a sweep.
+    panel
+        Registered name or instance of one panel; None for the standard ones.
+    dark
+        Whether the background is dark.
+
+    Raises
+    ------
+    InputError
+        If there is no such panel, or it draws something else or refuses the subject.
+    MissingPackage
+        If matplotlib, of the extra ``plot``, is not installed.
+    """
+    if kind not in _STANDARD:
+        raise InputError.about("What is drawn", kind, f"one of {', '.join(map(repr, _STANDARD))}")
     require_matplotlib()
     from roughcontact.panel.sheet import Sheet
 

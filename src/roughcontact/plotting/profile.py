@@ -11,7 +11,7 @@ from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array, Mask, number
 from roughcontact.errors import InputError
 from roughcontact.panel import Panel
-from roughcontact.panel.curves import add_key, say, scale_axes
+from roughcontact.panel.curves import add_key, scale_axes
 from roughcontact.panel.maps import length_scale
 from roughcontact.panel.theme import theme_of
 from roughcontact.plotting.fields import height_scale
@@ -72,8 +72,8 @@ class ProfilePanel(Panel):
         scale_axes(axes, x=f"{name}, {unit}", y=f"height, {high_unit}")
         axes.grid(False)
         axes.set(xlim=(-half, half), ylim=(low - margin, high + margin))
+        axes.plot([], [], " ", label=f"{other} = {si(place, 'm', 3)}".replace("-", "−"))
         add_key(axes)
-        say(axes, f"{other} = {si(place, 'm', 3)}".replace("-", "−"), loc="right")
 
     def _cut(self, field: Array | Mask, row: int) -> Array:
         return np.asarray(field[:, row] if self.axis == 0 else field[row])
@@ -82,8 +82,10 @@ class ProfilePanel(Panel):
         """Return the index of the cut on the other axis, and its place, m."""
         other = 1 - self.axis
         places = (solution.grid.x[:, 0], solution.grid.y[0, :])[other]
+        highest = solution.pressure == solution.pressure.max()
         if self.position is None:
-            row = int(np.unravel_index(int(np.argmax(solution.pressure)), solution.grid.shape)[other])
+            # Of several equal maxima, as of saturated cells, that with the longest contact.
+            row = int(np.argmax(np.where(highest.any(axis=self.axis), solution.contact.sum(axis=self.axis), -1)))
         else:
             half = 0.5 * solution.grid.size[other]
             if abs(self.position) > half:
