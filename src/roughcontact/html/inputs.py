@@ -6,6 +6,7 @@ from roughcontact._problem import ContactProblem
 from roughcontact._problem.source import problem_of
 from roughcontact._solution import ContactSolution
 from roughcontact._solution.origin import key_of_origin, versions
+from roughcontact._solution.summary import describe_work
 from roughcontact._surfaces import Surface
 from roughcontact._surfaces.continuation import find_maps
 from roughcontact.archive import digest_of
@@ -59,7 +60,7 @@ def list_certificate(solution: ContactSolution) -> dict[str, str]:
     rows["Modulus E*"] = escape(si(solution.modulus, "Pa", 6))
     if solution.moduli is not None:
         rows["Modulus E*"] += ", that of the longest waves: it depends on the wave"
-    rows["Work"] = f"{solution.iterations} iterations, {solution.convolutions} convolutions, {solution.seconds:.2g} s"
+    rows["Work"] = describe_work(solution)
     if solution.accuracy is not None:
         rows["Accuracy"] = quantity(str(solution.accuracy).replace("\n", "; "))
     if solution.theory is not None:
