@@ -62,8 +62,8 @@ class Table:
                 for row in zip(*self.columns.values(), strict=True)
             )
 
-    def to_html(self, caption: str = "") -> str:
-        """Return a table of HTML for a notebook, with SI prefixes; of many rows the first and the last."""
+    def to_html(self, *notes: str) -> str:
+        """Return notes and a table of HTML for a notebook, with SI prefixes; of many rows the first and the last."""
         rows = list(zip(*self.columns.values(), strict=True))
         shown: list[Sequence[str]] = [
             [self._cell(*pair) for pair in zip(self.columns, row, strict=True)] for row in rows
@@ -73,7 +73,8 @@ class Table:
             between = [f"... {len(rows) - 2 * half} more", *[""] * (len(self.columns) - 1)]
             shown = [*shown[:half], between, *shown[-half:]]
         lines = [_row(self.columns, "th"), *(_row(cells, "td") for cells in shown)]
-        return f"<table><caption>{html.escape(caption)}</caption>{''.join(lines)}</table>"
+        above = "".join(f"<div>{html.escape(note)}</div>" for note in notes)
+        return f"{above}<table>{''.join(lines)}</table>"
 
     def _cell(self, name: str, value: object) -> str:
         if isinstance(value, (float, np.floating)):

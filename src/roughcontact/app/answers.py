@@ -7,10 +7,7 @@ import io
 from typing import Any
 
 from roughcontact._solution import ContactSolution
-from roughcontact.units import Estimate, si
-
-# Sides of the squares in which areas are stated, m, from large to small.
-_SQUARES = {"m": 1.0, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9}
+from roughcontact.units import Estimate, prefixed, with_spread
 
 
 def describe_solution(solution: ContactSolution) -> dict[str, Any]:
@@ -59,22 +56,11 @@ def make_table(answers: list[dict[str, Any]]) -> str:
 
 
 def _format(one: Estimate) -> str:
-    if one.unit == "m2":
-        return _format_area(one)
-    if not one.unit:
-        return f"{_round(one.value, 4)} ± {_round(one.uncertainty, 2)}"
-    number, _, name = si(one.value, one.unit, 12).partition(" ")
-    scale = float(number) / one.value if one.value else 1.0
-    spread = f" ± {_round(one.uncertainty * scale, 2)}" if one.uncertainty else ""
-    return f"{_round(float(number), 4 if spread else 6)}{spread} {name}"
-
-
-def _format_area(area: Estimate) -> str:
-    name, side = next(((name, side) for name, side in _SQUARES.items() if area.value >= side**2), ("nm", 1e-9))
-    relative = f" ({100 * area.uncertainty / area.value:.2g} %)" if area.value else ""
-    return f"{_round(area.value / side**2, 4)} ± {_round(area.uncertainty / side**2, 2)} {name}²{relative}"
-
-
-def _round(value: float, digits: int) -> str:
-    """Return a number with so many digits that count, without an exponent where it is not needed."""
-    return f"{float(f'{value:.{digits}g}'):g}"
+    """Return a number with its uncertainty and unit, as people write them."""
+    base, power = ("m", 2) if one.unit == "m2" else (one.unit, 1)
+    factor, unit = prefixed(abs(one.value), base, power) if base else (1.0, "")
+    if not one.uncertainty:
+        return f"{one.value * factor:.6g} {unit}".strip()
+    relative = f" ({100 * one.uncertainty / one.value:.2g} %)" if one.unit == "m2" and one.value else ""
+    number = with_spread(one.value * factor, one.uncertainty * factor).strip("()").replace("+-", "±")
+    return f"{number} {unit}{relative}".strip()

@@ -101,7 +101,7 @@ class Jobs:
         """Return a new run, which starts when there is a core for it; `make_task` is given its folder."""
         with self._lock:
             if sum(job.phase == "waiting" for job in self._jobs.values()) >= _WAITING:
-                raise InputError(f"{_WAITING} runs are waiting already: cancel some, or wait for them.")
+                raise InputError(f"The queue is full, {_WAITING} runs are waiting: cancel some, or wait for them.")
             folder = self._folder / secrets.token_hex(12)
             folder.mkdir(mode=0o700)
             job = Job(settings, make_task(folder), folder, self._spare)

@@ -14,7 +14,6 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
-from roughcontact.errors import RoughContactError
 from roughcontact.errors.door import translated
 
 # Bytes of one message: answers and plans are thousands.
@@ -80,7 +79,7 @@ class Worker:
             raise TaskEnded("The process that did this ended before its time; memory may have run out.") from None
 
     def end(self) -> None:
-        """End the process, whatever it does; the task that it was doing raises `TaskEnded`, the next one starts another."""
+        """End the process, whatever it does: its task raises `TaskEnded`, the next one starts another."""
         with self._lock:
             process, self._process = self._process, None
         if process is not None:
@@ -120,11 +119,11 @@ def _serve(pipe: Connection) -> None:
     while True:
         task = json.loads(tasks.get())
         try:
-            message = {"result": run(task, lambda event: _send(pipe, {"event": event}))}
+            message: dict[str, Any] = {"result": run(task, lambda event: _send(pipe, {"event": event}))}
         # Whatever a file or a plug-in does becomes a sentence.
         except Exception as error:
             known = translated(error, "The task")
-            message = {"error": str(known) if isinstance(known, RoughContactError) else f"{known}"}
+            message = {"error": str(known)}
         _send(pipe, message)
 
 

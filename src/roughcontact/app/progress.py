@@ -1,4 +1,4 @@
-"""How far a run has come, in numbers for a bar and in words."""
+"""How far a run has come, as a fraction and in words."""
 
 from __future__ import annotations
 

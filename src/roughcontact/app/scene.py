@@ -1,4 +1,4 @@
-"""What the settings of the page describe: a surface, a problem, loads. Nothing here is particular to the page's server."""
+"""What the settings of the page describe: a surface, a problem, loads."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ from roughcontact.grid import Boundary, Grid
 from roughcontact.load import Load
 from roughcontact.units import si
 
-EXAMPLES: dict[str, Callable[[], HeightMap]] = {"ground_ring": examples.ground_ring}
+EXAMPLES: dict[str, Callable[[], HeightMap]] = {
+    one.__name__: one for one in (examples.ground_ring, examples.ball, examples.lapped_plate, examples.honed_liner)
+}
 _FORMS: dict[str, str | int] = {"plane": "plane", "quadratic": 2, "sphere": "sphere"}
 
 

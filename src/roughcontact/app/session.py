@@ -6,11 +6,13 @@ import secrets
 import tempfile
 import threading
 from collections import OrderedDict
+from io import BufferedIOBase
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 from roughcontact.app.jobs import Jobs
 from roughcontact.app.process import Worker
+from roughcontact.app.scene import EXAMPLES
 from roughcontact.app.settings import DEFAULTS, Settings, read_settings
 from roughcontact.app.uploads import StoredFile, Uploads, known_endings
 
@@ -40,9 +42,9 @@ class Session:
     def describe(self) -> dict[str, Any]:
         """Return what the page must know at its start, and start what it will soon need."""
         threading.Thread(target=self._prepare, daemon=True).start()
-        return {"defaults": DEFAULTS, "endings": known_endings()}
+        return {"defaults": DEFAULTS, "examples": list(EXAMPLES), "endings": known_endings()}
 
-    def upload(self, source: BinaryIO, size: int, name: str) -> dict[str, Any]:
+    def upload(self, source: BufferedIOBase, size: int, name: str) -> dict[str, Any]:
         """Return digest, name and facts of a file that the page sends."""
         return self._inspect(self.uploads.receive(source, size, name))
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import re
 import secrets
 import threading
 import time
+from io import BufferedIOBase
 from pathlib import Path
-from typing import BinaryIO
 
 import attrs
 
@@ -25,7 +26,13 @@ _BLOCK, _SHOWN = 1 << 16, 100
 # Seconds in which a file of the largest size must have come; it is sent on one machine.
 _PATIENCE = 300.0
 # Endings of instruments' files, which no reader claims; any other is read without an ending.
-_INSTRUMENTS = ["al3d", "asd", "bcr", "bcrf", "di", "dzi", "frt", "gwy", "h5", "hgt", "ibw", "jpk", "lext", "map", "mat", "mi", "mnt", "nanoscope", "nc", "nid", "nms", "opd", "opdx", "oir", "os3d", "plu", "plux", "poir", "ps", "sdf", "spm", "stp", "sur", "top", "vk3", "vk4", "vk6", "vk7", "x3p", "xyz", "zmg", "zon"]
+_INSTRUMENTS = frozenset(
+    re.findall(
+        r"\.\w+",
+        ".al3d .asd .bcr .bcrf .di .dzi .frt .gwy .h5 .hgt .ibw .jpk .lext .map .mat .mi .mnt .nanoscope .nc .nid .nms "
+        ".opd .opdx .oir .os3d .plu .plux .poir .ps .sdf .spm .stp .sur .top .vk3 .vk4 .vk6 .vk7 .x3p .xyz .zmg .zon",
+    )
+)
 
 
 @attrs.frozen
@@ -55,11 +62,11 @@ class Uploads:
         """Raise `InputError` if a file of so many bytes is too large."""
         if not 0 < size <= self.limit:
             raise InputError(
-                f"A file may have 1 byte to {binary(self.limit)} here, but this one has {binary(size)}: read larger maps "
-                "with roughcontact.read_surface in a script."
+                f"A file may have 1 byte to {binary(self.limit)} here, but this one has {binary(size)}: "
+                "read larger maps with roughcontact.read_surface in a script."
             )
 
-    def receive(self, source: BinaryIO, size: int, name: str) -> StoredFile:
+    def receive(self, source: BufferedIOBase, size: int, name: str) -> StoredFile:
         """Return the file whose bytes come from a source.
 
         Raises
@@ -103,7 +110,7 @@ def shown_name(name: str) -> str:
 
 def known_endings() -> list[str]:
     """Return the endings of files that a reader may know, with the dot."""
-    found = {f".{ending}" for ending in _INSTRUMENTS}
+    found = set(_INSTRUMENTS)
     for name in readers:
         with contextlib.suppress(RoughContactError):
             found |= readers.create(name).suffixes
@@ -116,7 +123,7 @@ def _known_ending(name: str) -> str:
     return next((ending for ending in known_endings() if ending == given), "")
 
 
-def _copy(source: BinaryIO, size: int, target: Path) -> str:
+def _copy(source: BufferedIOBase, size: int, target: Path) -> str:
     """Copy so many bytes into a new file and return their digest."""
     digest, left, end = hashlib.sha256(), size, time.monotonic() + _PATIENCE
     with target.open("xb") as file:

@@ -25,9 +25,7 @@ from roughcontact.load import Load
 from roughcontact.units import binary
 
 # How the time of a solve is estimated.
-_BASIS = (
-    "The time is estimated from the cells and a transform timed on this machine; it may be a third or three times that."
-)
+_BASIS = "The time is estimated from the cells and a transform timed here; it may be a third or three times that."
 _CORRECTED = "The time is estimated from the cells and a transform timed here, corrected by the runs before."
 
 Send = Callable[[dict[str, Any]], None]

@@ -50,9 +50,8 @@ def _open(server: Any, session: Any, port: int) -> Any:
     try:
         return server(session, port)
     except OSError as error:
-        raise FileError(
-            f"The port {port} cannot be used ({error.strerror}): choose another, or omit --port."
-        ) from error
+        reason = error.strerror or error
+        raise FileError(f"The port {port} cannot be used ({reason}): choose another, or omit --port.") from error
 
 
 def _stop(*_: Any) -> None:

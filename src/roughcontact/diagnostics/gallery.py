@@ -23,6 +23,7 @@ from roughcontact.diagnostics.rules import RULES
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.grid import Grid
+from roughcontact.tables import Table
 
 # Cells a side, few enough for plain sums.
 _CELLS = 48
@@ -80,6 +81,13 @@ class Gallery:
     def verdict(self) -> Verdict:
         """The worst verdict."""
         return find_worst(row.verdict for row in self.rows)
+
+    def __repr__(self) -> str:
+        return f"<Gallery {summarize([row.verdict for row in self.rows])}>"
+
+    def _repr_html_(self) -> str:
+        columns = {one.name: [getattr(row, one.name) for row in self.rows] for one in attrs.fields(GalleryRow)}
+        return Table(columns).to_html(summarize([row.verdict for row in self.rows]))
 
     def __str__(self) -> str:
         head = format_row("verdict", "case", "gap     load", "")

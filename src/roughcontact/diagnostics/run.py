@@ -13,6 +13,7 @@ from roughcontact.diagnostics.rules import RULES
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.load import Load
+from roughcontact.tables import Table
 
 
 @attrs.frozen(eq=False)
@@ -31,6 +32,19 @@ class StabilityReport:
         """Return the check of this name, or raise `InputError`."""
         names = [check.name for check in self.checks]
         return self.checks[names.index(choice(name, "The check", names))]
+
+    def __repr__(self) -> str:
+        return f"<StabilityReport {summarize([check.verdict for check in self.checks])}>"
+
+    def _repr_html_(self) -> str:
+        texts = [f"{check.finding}. {check.advice}" if check.advice else check.finding for check in self.checks]
+        columns = {
+            "verdict": [check.verdict for check in self.checks],
+            "check": [check.name for check in self.checks],
+            "value": [check.value for check in self.checks],
+            "what was measured; what to do": texts,
+        }
+        return Table(columns).to_html(summarize([check.verdict for check in self.checks]))
 
     def __str__(self) -> str:
         lines, before = [summarize([check.verdict for check in self.checks]), ""], ""

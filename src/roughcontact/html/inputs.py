@@ -69,7 +69,8 @@ def list_certificate(solution: ContactSolution) -> dict[str, str]:
 
 def list_versions(solution: ContactSolution) -> dict[str, str]:
     """Return the versions of the programs that made a solution, as HTML by name."""
-    rows = {name if name != "python" else "Python": escape(number) for name, number in versions().items()}
+    numbers = versions() if solution.origin is None else solution.origin.versions
+    rows = {"Packages": escape(", ".join(f"{name} {number}" for name, number in numbers.items()))}
     programs = [] if solution.origin is None else solution.origin.programs
     return rows | ({"Plug-ins": escape(", ".join(programs))} if programs else {})
 

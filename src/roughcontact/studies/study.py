@@ -244,7 +244,7 @@ class Study:
         problems = ", ".join(f"{name}={len(values)}" for name, values in self.axes.items())
         loads = self.loads
         what = problems or counted(len(self.problems), "problem")
-        return f"<Study: {what}, {counted(len(loads), 'load')} of {loads[0].kind}>"
+        return f"<Study {what}, {counted(len(loads), 'load')} of {loads[0].kind}>"
 
     @property
     def axes(self) -> Mapping[str, tuple[Any, ...]]:

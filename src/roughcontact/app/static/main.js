@@ -209,7 +209,7 @@ async function begin() {
   viewer = new Viewer(byId("surface-picture"), "Picture of the surface");
   try {
     const start = await get("api/start");
-    settings.prepare(start.defaults);
+    settings.prepare(start.defaults, start.examples);
     byId("file-input").accept = start.endings.join(",");
   } catch (error) {
     say("surface-problem", error.message);

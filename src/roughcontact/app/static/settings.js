@@ -33,7 +33,8 @@ function fill(select, options) {
 }
 
 // The page's own first values are those of the server, so that the link can omit them.
-export function prepare(first) {
+export function prepare(first, examples) {
+  fill(form.elements.example, Object.fromEntries(examples.map((name) => [name, name.replaceAll("_", " ")])));
   for (const select of form.querySelectorAll("[data-units]")) fill(select, UNITS[select.dataset.units]);
   for (const select of form.querySelectorAll("[data-preset]")) {
     fill(select, { "": "choose", ...Object.fromEntries(Object.keys(MATERIALS).map((name) => [name, name])) });

@@ -1,0 +1,695 @@
+"""The page in the browser, at the level of HTTP; test_app_browser.py drives it in a browser."""
+
+from __future__ import annotations
+
+import csv
+import http.client
+import io
+import json
+import os
+import re
+import signal
+import socket
+import stat
+import subprocess
+import sys
+import threading
+import time
+import urllib.parse
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.app import AppServer, Session
+from roughcontact.app.answers import describe_solution
+from roughcontact.app.process import TaskEnded, Worker
+from roughcontact.app.progress import Progress
+from roughcontact.app.scene import make_loads, make_problem, make_scene
+from roughcontact.app.settings import DEFAULTS, load_values, quantity, read_settings
+from roughcontact.app.uploads import shown_name
+from roughcontact.typing import Step
+
+PATIENCE = 120.0
+SMALL = {"surface": "wavy", "cells": "48", "side": "50", "wavelength": "25", "boundary": "periodic"}
+# Takes minutes: it is cancelled.
+LONG = {"surface": "self-affine", "cells": "1536", "shortest": "0.4", "loads": " ".join(map(str, range(60, 100, 2)))}
+
+
+# An array of objects, which numpy would read by pickle.
+PICKLED = (
+    b"\x93NUMPY\x01\x00v\x00{'descr': '|O', 'fortran_order': False, 'shape': (2, 2), }".ljust(128) + b"cos\nsystem\n."
+)
+
+
+class Client:
+    def __init__(self, server):
+        self.port, self.token = server.server_port, server.session.token
+
+    def request(self, method, path, body=None, headers=(), token=None):
+        """Return status, headers and body; a POST has the origin of the page, unless it is given."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
+        sent = {"Origin": f"http://127.0.0.1:{self.port}"} if method == "POST" else {}
+        sent |= dict(headers)
+        try:
+            connection.request(
+                method, f"/{self.token if token is None else token}/{path}", body, {k: v for k, v in sent.items() if v}
+            )
+            answer = connection.getresponse()
+            return answer.status, answer.headers, answer.read()
+        finally:
+            connection.close()
+
+    def get(self, path):
+        status, _, body = self.request("GET", path)
+        assert status == 200, body
+        return body
+
+    def post(self, path, data, expected=200):
+        status, headers, body = self.request("POST", path, json.dumps(data).encode())
+        assert status == expected, body
+        assert headers["Content-Type"] == "application/json"
+        return json.loads(body)
+
+    def refusal(self, path, data, expected=422):
+        sentence = self.post(path, data, expected)["error"]
+        assert sentence[0].isupper()
+        assert sentence.endswith(".")
+        assert "Traceback" not in sentence
+        return sentence
+
+    def upload(self, name, content):
+        status, _, body = self.request("POST", f"api/upload?name={urllib.parse.quote(name)}", content)
+        return status, json.loads(body)
+
+    def state(self, run):
+        return json.loads(self.get(f"runs/{run}"))
+
+    def wait(self, run, phases=("done", "failed", "cancelled")):
+        end = time.monotonic() + PATIENCE
+        while (state := self.state(run))["phase"] not in phases:
+            assert time.monotonic() < end, state
+            time.sleep(0.05)
+        return state
+
+
+@contextmanager
+def serving(**options):
+    session = Session(**options)
+    try:
+        with AppServer(session) as server:
+            thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True)
+            thread.start()
+            yield server
+            server.shutdown()
+            thread.join()
+    finally:
+        session.close()
+
+
+@pytest.fixture(scope="module")
+def server():
+    with serving(slots=1) as started:
+        yield started
+
+
+@pytest.fixture
+def client(server):
+    return Client(server)
+
+
+@pytest.fixture(scope="module")
+def solved(server):
+    """A run of two loads that is done, and its client."""
+    client = Client(server)
+    run = client.post("api/runs", {**SMALL, "loads": "60 100"})["id"]
+    state = client.wait(run)
+    assert state["phase"] == "done", state
+    return client, state
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    """The same by the library."""
+    body = rc.Body(rc.WavySurface(0.5e-6, 25e-6), rc.Elastic(210e9, 0.3))
+    problem = rc.ContactProblem(body, grid=rc.Grid((48, 48), 50e-6), boundary="periodic")
+    return problem.sweep(pressure=[60e6, 100e6])
+
+
+# Who may ask
+
+
+@pytest.mark.parametrize("path", ["", "main.js", "api/start", "runs/0123456789abcdef01234567", "pictures/x"])
+@pytest.mark.parametrize("token", ["", "x", "%00", "é", "TOKEN"])
+def test_nothing_is_served_without_the_token(client, path, token):
+    wrong = {"TOKEN": client.token[:-1] + chr(ord(client.token[-1]) ^ 1)}.get(token, urllib.parse.quote(token))
+    status, _, body = client.request("GET", path, token=wrong)
+    assert status == 403
+    assert client.token.encode() not in body
+    assert client.request("POST", path, b"{}", token=wrong)[0] == 403
+
+
+def test_the_token_cannot_be_guessed():
+    with serving() as one, serving() as other:
+        assert one.session.token != other.session.token
+        assert len(one.session.token) >= 32
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:PORT", "127.0.0.1", "127.0.0.1:1", "[::1]:PORT", "x@127.0.0.1:PORT"]
+)
+def test_another_name_of_the_host_is_refused(client, host):
+    status, _, body = client.request("GET", "", headers={"Host": host.replace("PORT", str(client.port))})
+    assert status == 403
+    assert b"127.0.0.1" in body
+
+
+def test_localhost_is_a_name_of_the_host(client):
+    assert client.request("GET", "", headers={"Host": f"localhost:{client.port}"})[0] == 200
+
+
+@pytest.mark.parametrize(
+    "origin", [None, "null", "http://evil.example", "https://127.0.0.1:PORT", "http://127.0.0.1:1"]
+)
+def test_only_its_own_page_may_send(client, origin):
+    sent = {"Origin": origin and origin.replace("PORT", str(client.port))}
+    for path in ("api/surface", "api/runs", "api/upload", "api/cancel/0"):
+        assert client.request("POST", path, b"{}", headers=sent)[0] == 403
+
+
+def test_it_listens_on_the_loopback_address_alone(server):
+    assert server.server_address[0] == "127.0.0.1"
+
+
+def test_every_answer_has_the_headers_that_protect(client, solved):
+    _, state = solved
+    asked = [
+        ("GET", ""),
+        ("GET", "app.css"),
+        ("GET", "nothing"),
+        ("POST", "api/surface"),
+        ("GET", f"runs/{state['id']}"),
+    ]
+    for method, path in asked:
+        _, headers, _ = client.request(method, path, b"[]" if method == "POST" else None)
+        policy = headers["Content-Security-Policy"]
+        assert "default-src 'none'" in policy
+        assert "unsafe" not in policy
+        assert headers["X-Content-Type-Options"] == "nosniff"
+        assert headers["Referrer-Policy"] == "no-referrer"
+        assert headers["Cache-Control"] == "no-store"
+        assert not [name for name in headers if name.lower().startswith("access-control")]
+
+
+def test_the_page_has_no_inline_script_and_needs_no_network(server):
+    pages = server.pages
+    assert {"index.html", "app.css", "main.js"} <= set(pages)
+    html = pages["index.html"].decode()
+    assert not re.search(r"<script(?![^>]*src=)|\son\w+=|style=", html)
+    for name, content in pages.items():
+        links = re.findall(r"https?://[^\s\"'`)]+", content.decode())
+        assert [link for link in links if link != "http://www.w3.org/2000/svg"] == [], name
+    for name in re.findall(r"(?:src|href)=\"([^\"]+)\"", html):
+        assert name in pages
+    for name in re.findall(r"from \"\./(.+)\"", "".join(pages[one].decode() for one in pages if one.endswith(".js"))):
+        assert name in pages
+
+
+def test_each_input_has_a_label(server):
+    html = server.pages["index.html"].decode()
+    for tag in re.findall(r"<(?:input|select)[^>]*>", html):
+        name = re.search(r"\bid=\"(\w[\w-]*)\"", tag)
+        assert "aria-label=" in tag or f'for="{name[1]}"' in html, tag
+
+
+# What they may ask for
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "../app.py", "..%2f..%2fserver.py", "%2e%2e/server.py", "static/main.js", "./main.js", "main.js%00.css",
+        "/etc/passwd", "runs/RUN/../uploads", "runs/RUN/..%2f", "runs/RUN/solution-9.npz", "runs/RUN/.npz", "runs/../0",
+        "pictures/../x",        "__init__.py", "index.html/", "C:\\Windows",
+    ],
+)  # fmt: skip
+def test_no_path_leads_to_another_file(solved, path):
+    client, state = solved
+    status, _, body = client.request("GET", path.replace("RUN", state["id"]))
+    assert status in (400, 403, 404)
+    assert b"import" not in body
+    assert b"root:" not in body
+
+
+@pytest.mark.parametrize("method", ["PUT", "DELETE", "OPTIONS", "HEAD", "TRACE"])
+def test_other_methods_are_not_served(client, method):
+    assert client.request(method, "")[0] == 501
+
+
+def talk(port, text, wait=10.0):
+    with socket.create_connection(("127.0.0.1", port), timeout=wait) as connection:
+        connection.sendall(text)
+        found = b""
+        while block := connection.recv(65536):
+            found += block
+    return found
+
+
+def head(client, *lines, path="api/surface"):
+    own = [
+        f"POST /{client.token}/{path} HTTP/1.1",
+        f"Host: 127.0.0.1:{client.port}",
+        f"Origin: http://127.0.0.1:{client.port}",
+    ]
+    return "\r\n".join([*own, *lines, "", ""]).encode()
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        (),
+        ("Content-Length: -1",),
+        ("Content-Length: x",),
+        ("Content-Length: 2", "Content-Length: 3"),
+        ("Transfer-Encoding: chunked",),
+        ("Content-Length: 2", "Transfer-Encoding: chunked"),
+    ],
+)
+def test_a_request_states_its_length(client, lines):
+    assert b" 411 " in talk(client.port, head(client, *lines)).splitlines()[0]
+
+
+def test_too_long_a_body_is_refused_before_it_comes(client):
+    assert b" 413 " in talk(client.port, head(client, "Content-Length: 100000"))
+    answer = talk(client.port, head(client, "Content-Length: 999999999999", path="api/upload?name=a.csv"))
+    assert b" 413 " in answer
+    assert b"A file may have" in answer
+
+
+@pytest.mark.parametrize(
+    "text", [b"\x00\xff\xfe", b"GET / HTTP/9.9\r\n\r\n", b"GET\r\n\r\n", b"x" * 70000 + b"\r\n\r\n"]
+)
+def test_what_is_not_http_is_refused_and_the_server_lives(client, text):
+    with pytest.raises(ConnectionError) if len(text) > 65536 else contextmanager(lambda: iter([0]))():
+        assert b"Traceback" not in talk(client.port, text + b"\r\n")
+        if len(text) > 65536:
+            raise ConnectionError
+    assert client.request("GET", "")[0] == 200
+
+
+def test_a_slow_client_is_sent_away_and_holds_up_nobody(client, monkeypatch):
+    monkeypatch.setattr("roughcontact.app.server._Handler.timeout", 0.2)
+    answer = talk(client.port, head(client, "Content-Length: 20") + b"{")
+    assert b" 408 " in answer.splitlines()[0]
+
+
+def test_a_connection_too_many_is_closed(client, server):
+    held = []
+    try:
+        while server._connections.acquire(blocking=False):
+            held.append(1)
+        with pytest.raises((ConnectionError, http.client.HTTPException)):
+            client.request("GET", "")
+    finally:
+        for _ in held:
+            server._connections.release()
+    assert client.request("GET", "")[0] == 200
+
+
+@pytest.mark.parametrize("body", [b"", b"{", b"\xff", b"[" * 60000, b'{"surface": NaN}', b"3", b"null", b"[]", b'"a"'])
+def test_settings_that_are_not_json_are_refused_in_words(client, body):
+    status, _, answer = client.request("POST", "api/surface", body)
+    assert status in (400, 422)
+    assert json.loads(answer)["error"].endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"young": "-1"}, "must be a finite number, above 0"),
+        ({"young": ""}, "is missing"),
+        ({"young": "nan"}, "must be a number such as 2.5"),
+        ({"young": "1e99"}, "between"),
+        ({"poisson": "0.7"}, "at most 0.5"),
+        ({"hardness": "0"}, "The hardness"),
+        ({"loads": "2,5"}, "with a point"),
+        ({"loads": ""}, "is missing"),
+        ({"loads": "1 1"}, "twice"),
+        ({"loads": "1 -2"}, "above 0"),
+        ({"loads": " ".join(map(str, range(1, 60)))}, "at most 40"),
+        ({"load_unit": "N"}, "The unit of the pressure"),
+        ({"load": "moment"}, "one of force"),
+        ({"boundary": "open"}, "one of free"),
+        ({"cells": "1e3"}, "a whole number such as 256"),
+        ({"cells": "0"}, "at least"),
+        ({"cells": "999999999"}, "fits into memory"),
+        ({"surface": "self-affine", "shortest": "0.001"}, "shortest wavelength"),
+        ({"surface": "self-affine", "hurst": "2"}, "Hurst"),
+        ({"surface": "example", "example": "__class__"}, "There is no example"),
+        ({"surface": "file", "file": "../../etc/passwd"}, "Choose a file"),
+        ({"ball": "-3"}, "radius"),
+        ({"hardness": "1", "hardness_unit": "MPa", "loads": "100"}, "cannot be carried|can carry|hardness|limit"),
+        ({"nothing": "1"}, "There is no setting"),
+        ({"young": 210}, "a text"),
+        ({"young": "1" * 400}, "a text"),
+        ({"size_x": ["1"]}, "a text"),
+    ],
+)  # fmt: skip
+def test_wrong_settings_are_refused_in_words(client, changed, words):
+    assert re.search(words, client.refusal("api/runs", {**SMALL, **changed}))
+
+
+# Maps
+
+
+def test_a_map_is_shown_and_solved_as_the_library_does(client, tmp_path):
+    heights = rc.SelfAffineSurface(hurst=0.8, rms_height=0.2e-6, shortest=10e-6, longest=30e-6, seed=3).heights(
+        rc.Grid((40, 36), (40e-6, 36e-6))
+    )
+    heights = heights + 0.01 * np.arange(40)[:, None] * 1e-6
+    path = tmp_path / "my map.csv"
+    np.savetxt(path, heights * 1e6, delimiter=",")
+    status, found = client.upload("C:\\maps\\my map.csv", path.read_bytes())
+    assert status == 200
+    assert found["name"] == "my map.csv"
+    assert found["facts"] == {"shape": [40, 36], "size": None, "metric": False, "non_measured": 0}
+    settings = {"surface": "file", "file": found["digest"], "file_name": found["name"], "form": "plane", "loads": "0.1"}
+    settings |= {"load": "force", "load_unit": "N", "young": "70", "poisson": "0.33", "hardness": "2"}
+    settings |= {"counterbody": "deformable", "counterbody_young": "3", "ball": "5"}
+    assert "not the size of its domain: fill it in." in client.refusal("api/surface", settings)
+    settings |= {"size_x": "40", "size_y": "36"}
+    assert "does not state the unit of its heights: choose it." in client.refusal("api/surface", settings)
+    settings |= {"height_unit": "um"}
+    shown = client.post("api/surface", settings)
+    surface = rc.read_surface(path, size=(40e-6, 36e-6), unit=1e-6).detrend("plane")
+    assert shown["history"] == list(surface.history)
+    rows = dict(shown["rows"])
+    assert rows["Cells"] == "40 x 36"
+    assert rows["Sq (rms height)"] == f"{surface.values.std() * 1e9:.4g} nm"
+    state = client.wait(client.post("api/runs", settings)["id"])
+    assert state["phase"] == "done", state
+    problem = rc.ContactProblem(
+        rc.Body(surface + rc.SphereSurface(5e-3), rc.ElasticPerfectlyPlastic(70e9, 0.33, 2e9)),
+        rc.Body(rc.FlatSurface(), rc.Elastic(3e9, 0.3)),
+    )
+    solution = problem.solve(force=0.1)
+    values = {one["name"]: (one["value"], one["uncertainty"]) for one in state["answers"][0]["quantities"]}
+    area = solution.area()
+    assert values["contact area"] == (area.value, area.uncertainty)
+    assert values["maximum pressure"] == (solution.peak_pressure().value, solution.peak_pressure().uncertainty)
+    assert values["saturated area"][0] == solution.saturated_area().value
+
+
+def test_non_measured_points_are_asked_about(client):
+    rough = 1e-6 * np.random.default_rng(1).random((20, 20))
+    rough[3, 4:6] = np.nan
+    file = io.BytesIO()
+    np.savez(file, heights=rough, size=(20e-6, 20e-6))
+    _, found = client.upload("map.npz", file.getvalue())
+    assert found["facts"] == {"shape": [20, 20], "size": [20e-6, 20e-6], "metric": True, "non_measured": 2}
+    settings = {"surface": "file", "file": found["digest"]}
+    assert "2 points were not measured: choose whether" in client.refusal("api/surface", settings)
+    kept = client.post("api/surface", {**settings, "non_measured": "keep"})
+    assert dict(kept["rows"])["Non-measured points"] == "2 of 400"
+    assert (
+        dict(client.post("api/surface", {**settings, "non_measured": "fill"})["rows"])["Non-measured points"] == "none"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.csv", b"1,2,3\n4,5\n"),
+        ("a.csv", b"\xff\xfe\x00\x00"),
+        ("a.csv", b"<script>alert(1)</script>"),
+        ("a.npz", b"PK\x03\x04 nothing"),
+        ("a.npy", PICKLED),
+        ("a.x3p", b"PK\x03\x04 nothing"),
+        ("a.plux", b"nothing"),
+        ("a.exe", b"MZ"),
+        ("", b"1"),
+    ],
+)  # fmt: skip
+def test_a_file_that_is_not_a_map_is_refused_in_words(client, name, content):
+    status, answer = client.upload(name, content)
+    assert status == 422, answer
+    sentence = answer["error"]
+    assert sentence.endswith(".")
+    assert "Traceback" not in sentence
+    assert "roughcontact-app-" not in sentence
+    # The server's name of the file is not shown.
+    assert not re.search(r"[0-9a-f]{16}", sentence)
+
+
+def test_a_file_that_ends_early_is_refused(client):
+    lines = head(client, "Content-Length: 50", path="api/upload?name=a.csv")
+    with socket.create_connection(("127.0.0.1", client.port), timeout=30) as connection:
+        connection.sendall(lines + b"1,2\n")
+        connection.shutdown(socket.SHUT_WR)
+        answer = b"".join(iter(lambda: connection.recv(65536), b""))
+    assert b"ended 46 bytes before its stated length" in answer
+
+
+def test_the_name_of_a_file_is_only_shown(client, server):
+    _, found = client.upload("../../<b>evil</b>\n\0.csv", b"1,2\n3,4\n5,7\n")
+    assert found["name"] == "b>.csv"
+    stored = server.session.uploads.find(found["digest"])
+    assert re.fullmatch(r"[0-9a-f]{16}\.csv", stored.path.name)
+    assert shown_name("a" * 500 + ".csv").endswith("aaa.csv")
+    assert len(shown_name("a" * 500 + ".csv")) == 100
+    assert shown_name("///") == "map"
+
+
+def test_uploads_lie_in_a_private_folder_that_ends_with_the_session():
+    with serving() as server:
+        Client(server).upload("a.csv", b"1,2\n3,4\n")
+        folder = Path(server.session._temporary.name)
+        assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+        assert len(list((folder / "uploads").iterdir())) == 1
+    assert not folder.exists()
+
+
+def test_the_oldest_uploads_give_way(client, server, monkeypatch):
+    monkeypatch.setattr("roughcontact.app.uploads._LARGEST_SUM", 60)
+    digests = [
+        client.upload("a.csv", f"1,2\n3,{number}0000000000000000000000\n".encode())[1]["digest"] for number in range(3)
+    ]
+    assert [client.post("api/file", digest)["here"] for digest in digests] == [False, True, True]
+
+
+def test_a_file_may_be_a_part_of_the_memory(client, monkeypatch):
+    monkeypatch.setattr("roughcontact.app.uploads.available_memory", lambda: 40)
+    status, answer = client.upload("a.csv", b"1,2\n3,4\n5,6\n")
+    assert status == 413
+    assert "1 byte to 10 bytes" in answer["error"]
+
+
+# A process of its own
+
+
+def test_a_reader_that_takes_too_long_is_ended():
+    with serving(patience=0.001) as server:
+        assert "took more than 0.001 s" in Client(server).refusal("api/surface", {})
+
+
+def test_a_reader_that_crashes_takes_nothing_down(client, server):
+    client.post("api/surface", SMALL)
+    worker = server.session._reader
+    process = worker._process
+    process.kill()
+    process.join()
+    assert client.post("api/surface", {**SMALL, "amplitude": "0.7"})["rows"]
+    assert worker._process is not process
+
+
+def test_a_worker_that_dies_at_its_task_says_so():
+    worker = Worker()
+    try:
+        worker.start()
+        pipe = worker._started()
+        os.kill(worker._process.pid, signal.SIGSTOP)
+        threading.Timer(0.2, worker._process.kill).start()
+        with pytest.raises(TaskEnded, match="ended before its time"):
+            worker.do({})
+        assert not pipe.closed
+    finally:
+        worker.close()
+    with pytest.raises(TaskEnded, match="cancelled"):
+        worker.do({})
+
+
+# Runs
+
+
+def test_the_answers_are_those_of_the_library(solved, sweep):
+    _, state = solved
+    assert state["notes"] == []
+    for answer, solution in zip(state["answers"], sweep.solutions, strict=True):
+        expected = describe_solution(solution)
+        assert answer["quantities"] == expected["quantities"]
+        assert answer["warnings"] == expected["warnings"]
+        assert answer["certified"]
+        values = {one["name"]: one["value"] for one in answer["quantities"]}
+        assert values["contact area"] == solution.area().value
+        assert values["force"] == solution.force
+
+
+def test_the_table_is_the_answers_with_units(solved, sweep):
+    client, state = solved
+    rows = list(csv.DictReader(io.StringIO(client.get(f"runs/{state['id']}/answers.csv").decode("utf-8-sig"))))
+    assert [float(row["contact area, m2"]) for row in rows] == sweep.area.tolist()
+    assert [float(row["force, N"]) for row in rows] == sweep.force.tolist()
+    assert [float(row["uncertainty of maximum pressure, Pa"]) for row in rows] == [
+        one.peak_pressure().uncertainty for one in sweep.solutions
+    ]
+    assert rows[0]["status"].startswith("converged")
+
+
+def test_the_fields_are_those_of_the_library(solved, sweep, tmp_path):
+    client, state = solved
+    for index, solution in enumerate(sweep.solutions):
+        path = tmp_path / f"{index}.npz"
+        path.write_bytes(client.get(f"runs/{state['id']}/solution-{index + 1}.npz"))
+        with np.load(path) as data:
+            assert np.array_equal(data["pressure"], solution.pressure)
+            assert np.array_equal(data["gap"], solution.gap)
+        assert rc.ContactSolution.load(path).origin.load == solution.origin.load
+
+
+def test_the_report_opens_alone_and_runs_no_script(solved):
+    client, state = solved
+    status, headers, body = client.request("GET", f"runs/{state['id']}/report-2.html")
+    assert status == 200
+    assert "sandbox" in headers["Content-Security-Policy"]
+    assert "script-src" not in headers["Content-Security-Policy"]
+    assert b"<!doctype html>" in body.lower()
+    assert not re.search(rb"src=[\"']?(?!data:)\w", body)
+
+
+def test_the_pictures_are_in_light_and_dark(solved):
+    client, state = solved
+    pictures = [one for one in state["outputs"] if one["role"] == "picture"]
+    assert "pressure" in [one["panel"] for one in pictures]
+    light, dark = (client.get(f"runs/{state['id']}/pressure-{scheme}.png") for scheme in ("light", "dark"))
+    assert light[:4] == dark[:4] == b"\x89PNG"
+    assert light != dark
+
+
+def test_the_plan_says_time_and_memory_before_the_run(client):
+    plan = client.post("api/plan", {**SMALL, "loads": "50 100"})
+    assert plan["loads"] == ["pressure 50 MPa", "pressure 100 MPa"]
+    assert 0.01 < plan["seconds"] < 100
+    assert "MiB" in plan["memory"] or "KiB" in plan["memory"]
+    assert "estimated" in plan["basis"]
+    assert plan["text"] == make_problem(settings := read_settings(SMALL), make_scene(settings, None)).explain()
+    # Four times the cells, about four times as long.
+    larger = client.post("api/plan", {**SMALL, "loads": "50 100", "cells": "1024"})
+    assert larger["seconds"] > 3 * plan["seconds"]
+
+
+def test_a_run_is_cancelled_and_another_waits_for_it(client, server):
+    running = client.post("api/runs", LONG)["id"]
+    waiting = client.post("api/runs", SMALL)["id"]
+    dropped = client.post("api/runs", SMALL)["id"]
+    client.wait(running, ("solving",))
+    state = client.state(dropped)
+    assert state["phase"] == "waiting"
+    assert "1 running, one a core, and 1 before this one" in state["text"]
+    assert client.post(f"api/cancel/{dropped}", {})["phase"] == "cancelled"
+    process = server.session.jobs.find(running).worker._process
+    assert client.post(f"api/cancel/{running}", {})["phase"] == "cancelled"
+    process.join(PATIENCE)
+    assert client.wait(waiting)["phase"] == "done"
+    assert client.state(running)["phase"] == client.state(dropped)["phase"] == "cancelled"
+    assert client.state(running)["answers"] == []
+
+
+def test_runs_in_the_queue_are_bounded(client, monkeypatch):
+    monkeypatch.setattr("roughcontact.app.jobs._WAITING", 1)
+    runs = [client.post("api/runs", LONG)["id"]]
+    try:
+        client.wait(runs[0], ("preparing", "solving"))
+        runs.append(client.post("api/runs", SMALL)["id"])
+        assert "The queue is full" in client.refusal("api/runs", SMALL)
+    finally:
+        for run in reversed(runs):
+            client.post(f"api/cancel/{run}", {})
+
+
+def test_a_run_that_is_not_known_is_said_so(client):
+    status, _, body = client.request("GET", "runs/" + "0" * 24)
+    assert status == 404
+    assert "solve again" in json.loads(body)["error"]
+    assert client.refusal("api/cancel/x", {}, 404)
+
+
+def test_ended_runs_are_forgotten_with_their_files(client, server, monkeypatch):
+    monkeypatch.setattr("roughcontact.app.jobs._KEPT", 1)
+    runs = [client.post("api/runs", SMALL)["id"] for _ in range(2)]
+    for run in runs:
+        client.wait(run)
+    folder = server.session.jobs.find(runs[1]).folder
+    client.wait(client.post("api/runs", SMALL)["id"])
+    assert not folder.exists()
+    assert client.request("GET", f"runs/{runs[0]}")[0] == 404
+
+
+# Without a server
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"), [("12.5", "um", 12.5e-6), ("3", "nm", 3e-9), ("1e-3", "m", 1e-3), (".1", "mm", 0.1e-3)]
+)
+def test_quantities_are_those_of_a_script_to_the_last_bit(text, unit, value):
+    settings = read_settings({"side": text, "side_unit": unit})
+    assert quantity(settings, "side", "The side", "length") == value
+
+
+def test_loads_are_separated_by_blanks_or_semicolons():
+    assert load_values(read_settings({"loads": " 1 2;  5 ; ", "load_unit": "MPa"})) == [1e6, 2e6, 5e6]
+
+
+def test_the_first_settings_are_a_problem_that_can_be_solved():
+    settings = read_settings(DEFAULTS)
+    problem = make_problem(settings, make_scene(settings, None))
+    assert [str(load) for load in make_loads(settings, problem)] == ["pressure 100 MPa"]
+
+
+def test_progress_only_grows_and_counts_the_loads(monkeypatch):
+    monkeypatch.setattr("roughcontact.app.progress._INTERVAL", 0.0)
+    sent = []
+    progress = Progress((64, 64), 2, 1e-5, sent.append)
+    for load in ("force 1 N", "force 2 N"):
+        progress.begin(load)
+        for shape, error in (((32, 32), 1e-3), ((64, 64), 1e-1), ((64, 64), 3e-1), ((64, 64), 1e-5), ((64, 64), 0.0)):
+            progress.step(Step(shape, 1, error))
+    fractions = [event["fraction"] for event in sent]
+    assert fractions == sorted(fractions)
+    assert fractions[4] == 0.5
+    assert fractions[-1] == 1.0
+    assert sent[0]["text"].startswith("load 1 of 2, force 1 N: 32 x 32 cells")
+
+
+def test_the_command_serves_until_it_is_ended(tmp_path):
+    command = [sys.executable, "-m", "roughcontact", "app", "--no-browser"]
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        address = re.search(r"http://127\.0\.0\.1:(\d+)/\S+/", process.stdout.readline())
+        connection = http.client.HTTPConnection("127.0.0.1", int(address[1]), timeout=PATIENCE)
+        connection.request("GET", urllib.parse.urlsplit(address[0]).path)
+        assert connection.getresponse().status == 200
+        assert len(list(tmp_path.glob("roughcontact-app-*"))) == 1
+        process.send_signal(signal.SIGTERM)
+        assert "files are removed" in process.communicate(timeout=PATIENCE)[0]
+    assert process.returncode == 0
+    assert list(tmp_path.glob("roughcontact-app-*")) == []
+
+
+def test_a_port_in_use_is_said_so(server, capsys):
+    from roughcontact.__main__ import main
+
+    assert main(["app", "--no-browser", "--port", str(server.server_port)]) == 2
+    assert "choose another, or omit --port" in capsys.readouterr().err
+    assert main(["app", "--no-browser", "--port", "70000"]) == 2
