@@ -129,9 +129,9 @@ class TestCsv:
         _, out, _ = run("solve", "rough.npz", "--force", "20mN", *STEEL, "--csv", "--area", "cell-count")
         (row,) = csv.DictReader(io.StringIO(out))
         solution = solve(force=0.02)
-        assert float(row["area"]) == solution.area().value
-        assert float(row["other_area"]) == solution.area("cell-count").value
-        assert row["stiffness"] == ""
+        assert float(row["area [m2]"]) == solution.area().value
+        assert float(row["other_area [m2]"]) == solution.area("cell-count").value
+        assert row["stiffness [N/m]"] == "nan"
         assert json.loads(json.dumps(row))["warnings"] == " ".join(
             dict.fromkeys((*solution.warnings, *solution.area().warnings))
         )

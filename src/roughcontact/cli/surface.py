@@ -39,7 +39,8 @@ class MakeSurface(Command):
 examples:
   roughcontact surface self-affine --hurst 0.8 --rms-height 100nm \\
       --shortest 2um --longest 100um --shape 256 256 --size 100um -o map.npz
-  roughcontact surface sphere --radius 5mm --shape 64 64 --size 200um -o ball.npz
+  roughcontact surface sphere --radius 5mm --shape 64 64 --size 0.2mm \\
+      -o ball.npz
   roughcontact surface wavy --amplitude 0.5um --wavelength 12.5um \\
       --shape 128 128 --size 250um --periodic -o wave.npz -o wave.png
   roughcontact surface self-affine --help
