@@ -25,8 +25,8 @@ class Info(Command):
     epilog = """
 examples:
   roughcontact info map.npz
-  roughcontact info heights.csv --size 1mm --unit 1um
-  roughcontact info contact.npz --json | jq .area.value
+  roughcontact info map.csv --size 256um --unit 1um
+  roughcontact info contact.npz --json | jq .area
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
