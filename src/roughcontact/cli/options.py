@@ -48,7 +48,7 @@ def _load(text: str) -> Load:
     raise argparse.ArgumentTypeError(f"{shown}; write it like 2.5N, 100MPa or 50nm")
 
 
-# What readers of files may be told, with what it is.
+# The options of the readers of files, with their converters and what they mean.
 OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
     "separator": (str, "separator in text: , ; tab blank (found)"),
     "decimal": (str, "decimal mark in text: . or , (found)"),
