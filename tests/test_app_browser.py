@@ -221,9 +221,8 @@ def test_a_reload_in_the_middle_keeps_run_and_settings(page):
 def test_a_link_restores_the_settings_and_asks_for_the_file(page, surface, server):
     link = f"{page.address}#surface=file&file={'0' * 64}&file_name=lost.npz&young=70&boundary=periodic&form=quadratic"
     page.open(link)
-    page.until(
-        lambda: "Choose or drop the file of this link again: lost.npz, digest 000000000000" in page.text("file-shown")
-    )
+    wanted = "Choose or drop the file of this link again: lost.npz, digest 000000000000"
+    page.until(lambda: wanted in page.text("file-shown"))
     assert page.driver.find_element(By.NAME, "young").get_attribute("value") == "70"
     assert page.driver.find_element(By.NAME, "form").get_attribute("value") == "quadratic"
     page.drop(write_table(surface), "found.csv")
