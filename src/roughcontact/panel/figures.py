@@ -130,9 +130,12 @@ def _keep_colors(figure: Any) -> None:
         axes.tick_params(which="both", color=color, labelcolor=color, labelsize=size)
 
 
-def save_figure(kind: str, subject: Any, path: Path) -> None:
-    """Write the figure of all standard panels to a PNG file, completely or not at all."""
+def save_figure(drawn: Any, path: Path) -> None:
+    """Write what `plot` has drawn in the format of the ending, completely or not at all, and let pyplot forget it."""
+    from matplotlib import pyplot
+
     content = io.BytesIO()
-    make_figure(kind, subject).savefig(content, format="png")
+    drawn.figure.savefig(content, format=path.suffix.removeprefix("."))
+    pyplot.close(drawn.figure)
     with replacing(path) as partial:
         partial.write_bytes(content.getvalue())
