@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import csv
 import inspect
+import re
 import struct
+import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -163,6 +166,19 @@ class TestVtk:
         SOLUTION.save(tmp_path / "contact.vti")
         with pytest.raises(rc.MissingPackage, match=r"roughcontact\[vtk\]"):
             SOLUTION.to_pyvista()
+
+
+BLOCKS = re.findall(r"```py\n(.*?)```", (Path(__file__).parents[1] / "docs" / "bridges.md").read_text("utf-8"), re.S)
+
+
+@pytest.mark.parametrize(
+    ("block", "package", "file"), [*zip(BLOCKS, ["pyvista", "SurfaceTopography"], ["contact.png", ""], strict=True)]
+)
+def test_blocks_of_the_page_that_need_a_package_run(block, package, file, tmp_path):
+    pytest.importorskip(package)
+    done = subprocess.run([sys.executable, "-c", block], capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert not file or (tmp_path / file).stat().st_size > 10_000
 
 
 @attrs.frozen

@@ -17,6 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from decimal import Decimal
 from fractions import Fraction
+from importlib.util import find_spec
 from pathlib import Path
 
 import attrs
@@ -36,6 +37,7 @@ MEMORY, ENDLESS = 2**31, 60
 # Characters of a sentence.
 LONGEST = 600
 
+HAS_TOPOGRAPHY = find_spec("SurfaceTopography") is not None
 GRID = rc.Grid((8, 8), 1e-3)
 WAVE = rc.WavySurface(1e-6, 1e-3)
 STEEL = rc.Elastic(210e9, 0.3)
@@ -82,7 +84,7 @@ GOOD = {
     "status": rc.Status.CONVERGED, "surface": WAVE, "task": TASK, "tolerance": 1e-6, "values": SOLUTION.pressure,
     "wavelength": 1e-3, "wavenumber": 1e4, "yield_stress": 1e9, "conductivity": 50.0, "viscosity": 1e-3,
     "pressure_drop": 1e5, "of": "participation", "tangential_force": 1.0, "friction": 0.2, "response": "stress",
-    "index": 0, "young": 1e9,
+    "index": 0, "topography": MAP.to_topography() if HAS_TOPOGRAPHY else None, "young": 1e9,
 }  # fmt: skip
 # ... where the same name means something else.
 GOOD_FOR = {

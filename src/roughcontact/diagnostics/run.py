@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 
 from roughcontact._problem.problem import ContactProblem
@@ -38,7 +40,7 @@ class StabilityReport:
 
     def _repr_html_(self) -> str:
         texts = [f"{check.finding}. {check.advice}" if check.advice else check.finding for check in self.checks]
-        columns = {
+        columns: dict[str, list[Any]] = {
             "verdict": [check.verdict for check in self.checks],
             "check": [check.name for check in self.checks],
             "value": [check.value for check in self.checks],

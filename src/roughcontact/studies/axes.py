@@ -20,7 +20,7 @@ from roughcontact.studies.record import Record
 # Columns of the tables of a study, which are no axes.
 _COLUMNS = {*(one.name for one in attrs.fields(Record)), "area", "area_uncertainty", "estimator"} - {"seed"}
 # Values of an axis, and problems of a study.
-_MOST = 1_000_000
+_MOST = 100_000
 # Characters of an exception that a sentence repeats.
 _LONGEST = 300
 
