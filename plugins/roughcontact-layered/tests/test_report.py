@@ -4,9 +4,9 @@ import io
 import re
 
 import numpy as np
-
 import roughcontact as rc
 from roughcontact.html import report
+
 from roughcontact_layered import Layer, LayeredKernel
 
 
