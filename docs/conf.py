@@ -24,6 +24,7 @@ import roughcontact
 
 project = "roughcontact"
 author = "The roughcontact developers"
+project_copyright = "2026, the roughcontact developers"
 version = release = roughcontact.__version__
 language = "en"
 
@@ -87,6 +88,7 @@ nitpick_ignore_regex = [
     (r"py:class", r"(abc|argparse|attrs?|collections|concurrent|contextlib|enum|numpy|os|pathlib|typing)\..*"),
     (r"py:class", r"(Array|(npt\.)?ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray|T_co)"),
     (r"py:class", r"roughcontact\.(load\.Load|registry\.[A-Z]|studies\.chain\.Chain|_solution\.contact\.T)"),
+    (r"py:class", r"roughcontact\.panel\.base\.Panel"),
     (r"py:class", r"roughcontact\._responses\.flow_network\.FlowNetwork"),
 ]
 

@@ -560,7 +560,7 @@ def test_the_fields_are_those_of_the_library(solved, sweep, tmp_path):
 
 def test_the_report_opens_alone_and_runs_no_script(solved):
     client, state = solved
-    status, headers, body = client.request("GET", f"runs/{state['id']}/report-2.html")
+    status, headers, body = client.request("GET", f"runs/{state['id']}/report.html")
     assert status == 200
     assert "sandbox" in headers["Content-Security-Policy"]
     assert "script-src" not in headers["Content-Security-Policy"]
@@ -568,12 +568,21 @@ def test_the_report_opens_alone_and_runs_no_script(solved):
     assert not re.search(rb"src=[\"']?(?!data:)\w", body)
 
 
-def test_the_pictures_are_in_light_and_dark(solved):
+def test_there_is_a_picture_of_each_panel(solved):
     client, state = solved
-    pictures = [one for one in state["outputs"] if one["role"] == "picture"]
-    assert "pressure" in [one["panel"] for one in pictures]
-    light, dark = (client.get(f"runs/{state['id']}/pressure-{scheme}.png") for scheme in ("light", "dark"))
-    assert light[:4] == dark[:4] == b"\x89PNG"
+    pictures = {one["panel"]: one["file"] for one in state["outputs"] if one["role"] == "picture"}
+    assert set(pictures) == {name for name in rc.panels if rc.panels[name].subject in ("sweep", "solution")}
+    assert next(iter(pictures)) == "area-load"
+    for file in pictures.values():
+        assert client.get(f"runs/{state['id']}/{file}")[:4] == b"\x89PNG"
+
+
+def test_pictures_are_as_dark_as_the_page(client):
+    light, dark = (
+        client.get("pictures/" + client.post("api/surface", {**SMALL, "scheme": scheme})["picture"])
+        for scheme in ("light", "dark")
+    )
+    assert light[:4] == b"\x89PNG"
     assert light != dark
 
 

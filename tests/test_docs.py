@@ -119,6 +119,7 @@ def build(builder, folder):
         shutil.copytree(DOCS, source, ignore=shutil.ignore_patterns("_build", "__pycache__"))
         for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md"):
             shutil.copy(ROOT / name, source.parent)
+        (source.parent / "plugins").symlink_to(ROOT / "plugins")
     command = (sys.executable, "-m", "sphinx", "-n", "-W", "-q", "-b", builder, "-d", folder / "doctrees")
     done = subprocess.run((*command, source, folder / builder), capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import roughcontact as rc
+from roughcontact.cli import commands
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -87,6 +88,26 @@ def test_scripts_of_the_pages_run(page, place):
         assert (place / "ground_on_aluminium.inp").read_text("ascii").count("*GAP CONDUCTANCE, PRESSURE") == 1
 
 
+def examples_of(name):
+    """The commands in the help of a command."""
+    text = re.sub(r"\\\n\s*", "", commands.create(name).epilog)
+    lines = re.findall(r"^  (roughcontact .*)$", text, re.M)
+    return [line for line in lines if not line.startswith(SERVES)]
+
+
+OURS = [name for name in commands if commands[name].__module__.startswith("roughcontact.")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", OURS)
+def test_examples_of_the_help_run(name, place):
+    """One after the other, in a folder with the files that they mention."""
+    prepare = "roughcontact solve map.npz --force 1N --young 210GPa -o contact.npz"
+    for line in [prepare, *examples_of(name)]:
+        done = run(["bash", "-c", line.replace("~/", "").partition(" | ")[0]], place)
+        assert done.returncode in (0, 1, 3), line + done.stdout + done.stderr
+
+
 @pytest.mark.parametrize("line", LINES)
 def test_command_lines_of_the_pages_run(line, place):
     reason = needs(line)
@@ -156,8 +177,9 @@ def test_partial_slip(monkeypatch, tmp_path):
 
 def test_which_estimator(monkeypatch, tmp_path):
     module = study("which_estimator", monkeypatch)
-    module.main((64, 128), (64, 128), 256, 1, tmp_path)
-    assert [row[0] for row in module.make_table(module.measure_wave((64, 128), 1))] == ["N", "64", "128"]
+    wave = module.make_table(module.measure_wave((64, 128), 1))
+    assert [row[0] for row in wave] == ["N", "64", "128"]
+    module.main(wave, module.make_table(module.measure_rough((64, 128), 256, 1)), tmp_path)
     for name in ("one_summit.png", "estimator_errors.png"):
         assert (tmp_path / name).stat().st_size > 10_000
 

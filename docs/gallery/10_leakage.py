@@ -23,7 +23,9 @@ shown = np.where(speed > 0, np.log10(np.maximum(speed, 1e-4 * speed.max())), np.
 figure, axes = plt.subplots(layout="constrained")
 axes.set_facecolor("0.75")
 image = axes.imshow(shown.T, origin="lower", extent=(-50, 50, -50, 50), cmap="cividis")
-axes.plot(*(1e6 * one for one in flow.throat.place), "o", ms=14, mfc="none", mec="black", mew=2, label="critical throat")
+axes.plot(
+    *(1e6 * one for one in flow.throat.place), "o", ms=14, mfc="none", mec="black", mew=2, label="critical throat"
+)
 axes.set(xlabel="x, µm", ylabel="y, µm")
 axes.legend(loc="upper right")
 figure.colorbar(image, ax=axes, label="log10 of the flow over width, m²/s")

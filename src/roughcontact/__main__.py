@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import inspect
 import io
+import os
 import sys
 import warnings
 from collections.abc import Sequence
@@ -28,12 +29,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     call = f"The command {shorten(given[0], 40)}" if given else "The command"
     try:
         if given and not given[0].startswith("-"):
-            return _run(given[0], given[1:])
+            status = _run(given[0], given[1:])
+            sys.stdout.flush()
+            return status
         parser = _overview()
         parser.parse_args(given)
         parser.error("name a command")
     except ModuleNotFoundError as error:
         return _fail(f"This command needs {error.name}: pip install 'roughcontact[cli]'.", 2)
+    except BrokenPipeError:
+        # Whoever reads the output has enough, as head does; nor shall Python complain when it closes it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
     except KeyboardInterrupt:
         return _fail("interrupted", 130)
     except Exception as error:
@@ -45,8 +52,8 @@ _EPILOG = """
 examples:
   roughcontact solve map.npz --pressure 10MPa --young 210GPa
   roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
-  roughcontact surface self-affine --hurst 0.8 --rms-height 100nm --shortest 2um \\
-      --longest 100um --shape 256 256 --size 100um -o map.npz
+  roughcontact surface self-affine --hurst 0.8 --rms-height 100nm \\
+      --shortest 2um --longest 100um --shape 256 256 --size 100um -o map.npz
   roughcontact plot map.npz -o map.png
 
 exit statuses:
@@ -74,7 +81,7 @@ def _run(name: str, arguments: Sequence[str]) -> int:
     command = _load(name)
     parser = _Parser(
         prog=f"roughcontact {name}",
-        description=inspect.getdoc(command),
+        description=fit(inspect.getdoc(command) or ""),
         epilog=f"Defaults are in parentheses.\n{command.epilog}".rstrip(),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -6,7 +6,7 @@ import csv
 import html
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TextIO
 
 import attrs
 import numpy as np
@@ -49,18 +49,21 @@ class Table:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a CSV file with all digits, the units in the heading; completely or not at all."""
-        heading = [f"{name} [{self.units[name] or 1}]" if name in self.units else name for name in self.columns]
         with (
             replacing(checks.path(path, "The table")) as partial,
             partial.open("w", newline="", encoding="utf-8") as file,
         ):
-            writer = csv.writer(file)
-            writer.writerow(heading)
-            # Numbers of numpy would be written with the name of their type.
-            writer.writerows(
-                [value.item() if isinstance(value, np.generic) else value for value in row]
-                for row in zip(*self.columns.values(), strict=True)
-            )
+            self.write(file)
+
+    def write(self, file: TextIO) -> None:
+        """Write the lines of `to_csv` to an open file."""
+        writer = csv.writer(file)
+        writer.writerow(f"{name} [{self.units[name] or 1}]" if name in self.units else name for name in self.columns)
+        # Numbers of numpy would be written with the name of their type.
+        writer.writerows(
+            [value.item() if isinstance(value, np.generic) else value for value in row]
+            for row in zip(*self.columns.values(), strict=True)
+        )
 
     def to_html(self, *notes: str) -> str:
         """Return notes and a table of HTML for a notebook, with SI prefixes; of many rows the first and the last."""

@@ -56,8 +56,7 @@ class Job:
             if self._state["phase"] in ENDED:
                 return
             if "role" in event:
-                names = [event["file"]] if "file" in event else list(event["pictures"].values())
-                if all(_FILE.fullmatch(name) for name in names):
+                if _FILE.fullmatch(event["file"]):
                     self._state["outputs"] = [*self._state["outputs"], event]
                 return
             self._state |= event
@@ -68,11 +67,7 @@ class Job:
 
     def file(self, name: str) -> Path | None:
         """Return where one of its files lies, if it has written that."""
-        offered = {
-            text
-            for output in self.describe()["outputs"]
-            for text in [output.get("file"), *output.get("pictures", {}).values()]
-        }
+        offered = [output["file"] for output in self.describe()["outputs"]]
         return self.folder / name if name in offered else None
 
 

@@ -1,4 +1,4 @@
-"""The files of a run: the table, the solutions, the pictures in light and dark, the report."""
+"""The files of a run: the table, the solutions, the pictures, the report."""
 
 from __future__ import annotations
 
@@ -14,15 +14,11 @@ from roughcontact._problem.sweep import Sweep
 from roughcontact._solution import ContactSolution
 from roughcontact.app.answers import make_table
 from roughcontact.archive import replacing
-from roughcontact.errors import MissingPackage, RoughContactError
-from roughcontact.grid import Grid
+from roughcontact.errors import RoughContactError
 from roughcontact.panel import panels
 
-# Dots per inch of a picture, at first and at most: a cell of a large grid is then about a dot, of a few inches of axes.
-_COARSEST, _FINEST, _INCHES = 130, 400, 4.0
 # The panels that come first; others follow in the order of their names.
 _FIRST = {"solution": ("pressure", "gap", "heights", "patches"), "sweep": ("area-load", "load-approach")}
-_SCHEMES = {"light": False, "dark": True}
 
 
 @attrs.frozen(eq=False)
@@ -37,60 +33,58 @@ class Outputs:
         Their answers; see `describe_solution`.
     folder
         Where the files are written.
+    dark
+        Whether pictures are for a dark page.
     """
 
     sweep: Sweep
     answers: list[dict[str, Any]]
     folder: Path
+    dark: bool
 
     def steps(self) -> Iterator[Callable[[], dict[str, Any]]]:
         """Yield functions that write a file and return what the page is to know of it."""
         solutions = self.sweep.solutions
-        main = max(range(len(solutions)), key=lambda index: solutions[index].force)
+        largest = max(solutions, key=lambda solution: solution.force)
         yield self._write_table
         for index in range(len(solutions)):
             yield partial(self._write_solution, index)
-        if len(solutions) > 1:
-            for name in _panels_of("sweep"):
-                yield partial(self._draw, self.sweep, name, solutions[0].grid)
-        for name in _panels_of("solution"):
-            yield partial(self._draw, solutions[main], name, solutions[main].grid)
-        for index in range(len(solutions)):
-            yield partial(self._write_report, index)
+        curves = [(self.sweep, name) for name in _panels_of("sweep")] if len(solutions) > 1 else []
+        first, *others = [*curves, *((largest, name) for name in _panels_of("solution"))]
+        yield partial(self._draw, *first)
+        yield partial(self._write_report, largest)
+        for subject, name in others:
+            yield partial(self._draw, subject, name)
 
     def _write_table(self) -> dict[str, Any]:
-        with replacing(self.folder / "answers.csv") as partial_file:
-            # The mark at the start lets spreadsheets read the micro signs.
-            partial_file.write_text(make_table(self.answers), encoding="utf-8-sig", newline="")
-        return {"file": "answers.csv", "role": "table"}
+        with replacing(self.folder / "answers.csv") as unfinished:
+            # The mark at the start lets spreadsheets read what is not ASCII.
+            unfinished.write_text(make_table(self.answers), encoding="utf-8-sig", newline="")
+        return {"role": "table", "file": "answers.csv"}
 
     def _write_solution(self, index: int) -> dict[str, Any]:
         name = f"solution-{index + 1}.npz"
         self.sweep.solutions[index].save(self.folder / name)
-        return {"file": name, "role": "solution", "load": index}
+        return {"role": "solution", "file": name, "load": index}
 
-    def _write_report(self, index: int) -> dict[str, Any]:
-        name = f"report-{index + 1}.html"
-        self.sweep.solutions[index].to_html(self.folder / name)
-        return {"file": name, "role": "report", "load": index}
+    def _write_report(self, solution: ContactSolution) -> dict[str, Any]:
+        solution.to_html(self.folder / "report.html")
+        return {"role": "report", "file": "report.html"}
 
-    def _draw(self, subject: Sweep | ContactSolution, name: str, grid: Grid) -> dict[str, Any]:
-        return draw_panel(lambda dark: subject.plot(name, dark=dark), name, grid, self.folder)
+    def _draw(self, subject: Sweep | ContactSolution, name: str) -> dict[str, Any]:
+        draw(lambda: subject.plot(name, dark=self.dark), self.folder / f"{name}.png")
+        return {"role": "picture", "file": f"{name}.png", "panel": name}
 
 
-def draw_panel(draw: Callable[[bool], Any], name: str, grid: Grid, folder: Path) -> dict[str, Any]:
-    """Draw a panel in light and in dark; return the names of the files.
+def draw(plot: Callable[[], Any], path: Path) -> None:
+    """Draw a panel into a file.
 
     Parameters
     ----------
-    draw
-        Returns matplotlib's axes of the panel, given whether the background is dark.
-    name
-        The name of the panel.
-    grid
-        The cells, which the sharpness follows from.
-    folder
-        Where the files are written.
+    plot
+        Returns matplotlib's axes of the panel.
+    path
+        The PNG file.
 
     Raises
     ------
@@ -99,21 +93,14 @@ def draw_panel(draw: Callable[[bool], Any], name: str, grid: Grid, folder: Path)
     InputError
         If there is nothing to draw.
     """
+    figure = plot().figure
+    from matplotlib import pyplot
+
     try:
-        from matplotlib import pyplot
-    except ImportError:
-        raise MissingPackage("Pictures need matplotlib: pip install 'roughcontact[plot]'.") from None
-    dpi = min(max(_COARSEST, max(grid.shape) / _INCHES), _FINEST)
-    files = {}
-    for scheme, dark in _SCHEMES.items():
-        files[scheme] = f"{name}-{scheme}.png"
-        axes = draw(dark)
-        try:
-            with replacing(folder / files[scheme]) as partial_file:
-                axes.figure.savefig(partial_file, dpi=dpi, format="png")
-        finally:
-            pyplot.close(axes.figure)
-    return {"role": "picture", "panel": name, "pictures": files}
+        with replacing(path) as unfinished:
+            figure.savefig(unfinished, format="png")
+    finally:
+        pyplot.close(figure)
 
 
 def _panels_of(subject: str) -> list[str]:

@@ -18,7 +18,7 @@ from roughcontact.app.uploads import StoredFile, Uploads, known_endings
 
 # Seconds that reading a map, or planning a solve, may take.
 _PATIENCE = 120.0
-# Pictures of surfaces that are kept: two for each change of the form of the page.
+# Pictures of surfaces that are kept: one for each change of the form of the page.
 _PICTURES = 24
 
 
@@ -58,11 +58,11 @@ class Session:
         return {"digest": file.digest, "name": file.name, "facts": facts}
 
     def show_surface(self, data: object) -> dict[str, Any]:
-        """Return numbers, warnings and the names of the pictures of the surface that the settings describe."""
+        """Return numbers, warnings and the name of the picture of the surface that the settings describe."""
         with self._reading:
             shown = self._do("surface", read_settings(data))
-            files = shown.pop("pictures", {})
-            shown["pictures"] = {scheme: self._keep(self._surfaces / f"surface-{scheme}.png") for scheme in files}
+            if "picture" in shown:
+                shown["picture"] = self._keep(self._surfaces / "surface.png")
         return shown
 
     def plan(self, data: object) -> dict[str, Any]:

@@ -64,6 +64,7 @@ DEFAULTS: dict[str, str] = {
     "loads": "100",
     "load_unit": "MPa",
     "boundary": "free",
+    "scheme": "light",
 }
 _CHOICES = {
     "surface": ("example", "file", "self-affine", "wavy", "sphere"),
@@ -72,6 +73,7 @@ _CHOICES = {
     "counterbody": ("rigid", "deformable"),
     "load": ("force", "pressure", "approach"),
     "boundary": ("free", "periodic", "wrapped"),
+    "scheme": ("light", "dark"),
 }
 # Characters of one setting; and the digits of a number, its exponent included, that float64 can tell apart.
 _LONGEST = 300

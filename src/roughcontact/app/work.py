@@ -15,7 +15,7 @@ from roughcontact._solution import ContactSolution
 from roughcontact._solvers.base import DEFAULT_TOLERANCE
 from roughcontact.app.answers import describe_solution
 from roughcontact.app.forecast import forecast_seconds
-from roughcontact.app.outputs import Outputs, draw_panel
+from roughcontact.app.outputs import Outputs, draw
 from roughcontact.app.progress import Progress
 from roughcontact.app.scene import Scene, Upload, describe, inspect_file, make_loads, make_problem, make_scene
 from roughcontact.app.settings import Settings, read_settings
@@ -30,8 +30,8 @@ _CORRECTED = "The time is estimated from the cells and a transform timed here, c
 
 Send = Callable[[dict[str, Any]], None]
 
-# Settings that the surface follows from; the others do not make it anew.
-_OF_PROBLEM = ("young", "poisson", "hardness", "counterbody", "load")
+# The beginnings of settings that the surface does not follow from: they do not make it anew.
+_OF_OTHERS = ("young", "poisson", "hardness", "counterbody", "load", "scheme")
 
 
 def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
@@ -54,7 +54,7 @@ def _cached_scene(key: str, upload: Upload | None) -> Scene:
 
 def _scene(settings: Settings, upload: Upload | None) -> Scene:
     """Return the scene: the last one, if its settings have not changed."""
-    own = {name: text for name, text in settings.items() if not name.startswith(_OF_PROBLEM)}
+    own = {name: text for name, text in settings.items() if not name.startswith(_OF_OTHERS)}
     return _cached_scene(json.dumps(own), upload)
 
 
@@ -62,7 +62,9 @@ def _show_surface(settings: Settings, upload: Upload | None, folder: Path) -> di
     scene = _scene(settings, upload)
     shown = describe(scene)
     try:
-        shown |= draw_panel(lambda dark: scene.rough.plot(scene.grid, "map", dark=dark), "surface", scene.grid, folder)
+        dark = settings["scheme"] == "dark"
+        draw(lambda: scene.rough.plot(scene.grid, "map", dark=dark), folder / "surface.png")
+        shown["picture"] = "surface.png"
     except RoughContactError as error:
         shown["note"] = str(error)
     return shown
@@ -94,7 +96,7 @@ def _solve(settings: Settings, upload: Upload | None, folder: Path, send: Send) 
     send({"phase": "evaluating", "fraction": 1.0, "text": "The contact is solved; areas and uncertainties follow."})
     answers = [describe_solution(solution) for solution in sweep.solutions]
     send({"phase": "drawing", "answers": answers, "ratio": ratio})
-    return {"notes": _write_all(Outputs(sweep, answers, folder), send)}
+    return {"notes": _write_all(Outputs(sweep, answers, folder, settings["scheme"] == "dark"), send)}
 
 
 def _write_all(outputs: Outputs, send: Send) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 import math
@@ -13,6 +12,7 @@ import roughcontact as rc
 from roughcontact._problem.sweep import Sweep
 from roughcontact._problem.sweep_table import make_table
 from roughcontact._solution.origin import versions
+from roughcontact.tables import Table
 from roughcontact.units import si
 from roughcontact.units.text import fit
 
@@ -84,24 +84,29 @@ def _finite(value: Any) -> Any:
 
 def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
     """Return a header and a row for each load, in SI units: the columns of `Sweep.to_pandas`, and more."""
+<<<<<<< HEAD
     columns: dict[str, Any] = {
         **make_table(Sweep(tuple(solutions))).columns,
+=======
+    table = make_table(Sweep(tuple(solutions)))
+    columns: dict[str, Sequence[Any]] = {
+        **table.columns,
+>>>>>>> main
         "saturated_area": [float(solution.saturated_area().value) for solution in solutions],
         "status": [solution.status.name for solution in solutions],
         "warnings": [" ".join(_warnings(solution)) for solution in solutions],
         "convolutions": [solution.convolutions for solution in solutions],
         "seconds": [solution.seconds for solution in solutions],
     }
+    units = {**table.units, "saturated_area": "m2", "seconds": "s"}
     if estimator is not None:
         others = [solution.area(estimator) for solution in solutions]
         columns["other_area"] = [float(area.value) for area in others]
         columns["other_area_uncertainty"] = [float(area.uncertainty) for area in others]
+        units |= {"other_area": "m2", "other_area_uncertainty": "m2"}
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    # A stiffness that is not known, of a single load, is an empty field.
-    writer.writerows(["" if value != value else value for value in row] for row in zip(*columns.values(), strict=True))
-    return text.getvalue().rstrip("\n")
+    Table(columns, units).write(text)
+    return text.getvalue().replace("\r\n", "\n").rstrip("\n")
 
 
 def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:

@@ -26,7 +26,8 @@ examples:
         from roughcontact.testing import KINDS
 
         parser.add_argument("name", metavar="NAME", help="registered name of a kernel, solver, area estimator, ...")
-        parser.add_argument("--kind", choices=tuple(KINDS), help="its kind (every kind that has the name)")
+        known = ", ".join(KINDS)
+        parser.add_argument("--kind", choices=tuple(KINDS), metavar="KIND", help=f"{known} (every kind with the name)")
         parser.add_argument(
             "--with",
             dest="fields",

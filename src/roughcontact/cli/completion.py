@@ -13,7 +13,9 @@ class Completion(Command):
 
     epilog = """
 examples:
-  roughcontact completion bash > ~/.local/share/bash-completion/completions/roughcontact
+  mkdir -p ~/.local/share/bash-completion/completions
+  roughcontact completion bash \\
+      > ~/.local/share/bash-completion/completions/roughcontact
   roughcontact completion zsh > ~/.zfunc/_roughcontact
 """
 

@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import re
 from collections.abc import Callable
+from typing import Any
 
 from roughcontact.load import Load
 from roughcontact.units.quantities import parse_quantity
@@ -45,6 +46,16 @@ def _load(text: str) -> Load:
             return Load(kind, value)
     shown = f"{text[:_SHOWN]!r} is not a force, a pressure or an approach"
     raise argparse.ArgumentTypeError(f"{shown}; write it like 2.5N, 100MPa or 50nm")
+
+
+# The options of the readers of files, with their converters and what they mean.
+OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
+    "separator": (str, "separator in text: , ; tab blank (found)"),
+    "decimal": (str, "decimal mark in text: . or , (found)"),
+    "skip_rows": (whole_number, "lines of text above the heights (found)"),
+    "variable": (str, "array of a .mat file (heights)"),
+    "page": (whole_number, "image of a TIFF file"),
+}
 
 
 def add_output(parser: argparse.ArgumentParser, folder: str) -> None:
@@ -127,6 +138,8 @@ def _add_treatment(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     maps.add_argument("--unit", type=METRE, metavar="U", help="unit of the heights, such as 1um (the file's)")
     treatments = ("refuse", "fill", "keep")
     maps.add_argument("--non-measured", choices=treatments, default="refuse", help="non-measured points (refuse)")
+    for name, (convert, what) in OF_READERS.items():
+        maps.add_argument(f"--{name.replace('_', '-')}", type=convert, metavar=name[0].upper(), help=what)
     maps.add_argument(
         "--detrend", type=_form, metavar="FORM", help="mean, plane, sphere or degree of a polynomial to subtract"
     )

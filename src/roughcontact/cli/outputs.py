@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import roughcontact as rc
 from roughcontact import checks
-from roughcontact.archive import replacing
+from roughcontact.panel.figures import save_figure
 from roughcontact.panel.theme import require_matplotlib
 from roughcontact.units.text import fit
 
@@ -38,13 +37,17 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path])
         else:
             allowed = f"a folder, or a file that ends in {', '.join(sorted(known))}"
             raise rc.InputError.about("The output", text, allowed)
-    files += [] if report is None else [checks.path(report, "The report")]
+    if report is not None:
+        files.append(checks.path(report, "The report"))
+        if files[-1].suffix != ".html":
+            raise rc.InputError.about("The report", report, "a file that ends in .html")
     for path in files:
         if not path.parent.is_dir():
             raise rc.InputError(f"There is no folder {str(path.parent)!r} to write {path.name!r} into.")
-        if path.exists() and any(known.exists() and path.samefile(known) for known in maps):
+        if path.exists() and any(one.exists() and path.samefile(one) for one in maps):
             raise rc.InputError(f"The output {str(path)!r} is a height map that is read: give another name.")
-        if path.suffix in PICTURES:
+        # A report has figures.
+        if path.suffix in {*PICTURES, ".html"}:
             require_matplotlib()
     return files
 
@@ -63,7 +66,7 @@ def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.Co
     written = []
     for path in files:
         if path.suffix in PICTURES:
-            save_picture(subject.plot(), path)
+            save_figure(subject.plot(), path)
             written.append(path)
             continue
         for number, solution in enumerate(solutions, 1):
@@ -71,14 +74,3 @@ def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.Co
             solution.save(target)
             written.append(target)
     return fit(f"\nWritten: {', '.join(map(str, written))}") if written else ""
-
-
-def save_picture(drawn: Any, path: Path) -> None:
-    """Write the figure of some axes, or a figure, completely or not at all, and let pyplot forget it."""
-    from matplotlib import pyplot
-
-    content = io.BytesIO()
-    drawn.figure.savefig(content, format=path.suffix.removeprefix("."))
-    pyplot.close(drawn.figure)
-    with replacing(path) as partial:
-        partial.write_bytes(content.getvalue())

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 import roughcontact as rc
 from roughcontact._problem.plan import require_memory_of_solve
-from roughcontact.files.reading import read_raw
+from roughcontact.cli.options import OF_READERS
+from roughcontact.files.reading import options_of, read_raw
 from roughcontact.load import Load
 
 
@@ -65,7 +67,7 @@ def _counterbody_size_and_unit(options: argparse.Namespace) -> tuple[list[float]
     """Return size and unit of the second map: its own, or those of the first if its file does not state them."""
     size, unit = options.counterbody_size, options.counterbody_unit
     if size is None or unit is None:
-        raw = read_raw(Path(options.counterbody))
+        raw = read_raw(Path(options.counterbody), **_options_of_reader(options, options.counterbody))
         size = options.size if size is None and raw.size is None else size
         unit = options.unit if unit is None and not raw.metric else unit
     return size, unit
@@ -84,9 +86,18 @@ def read_map(options: argparse.Namespace) -> rc.HeightMap:
 def _read(
     path: str, options: argparse.Namespace, size: list[float] | None, unit: float | None, form: str | int | None
 ) -> rc.HeightMap:
-    surface = rc.read_surface(path, size=_sides(size), unit=unit, non_measured=options.non_measured)
+    treatment = {"non_measured": options.non_measured, **_options_of_reader(options, path)}
+    surface = rc.read_surface(path, size=_sides(size), unit=unit, **treatment)
     # Detrended before it is interpolated, so that the fit uses every measured point.
     return surface if form is None else surface.detrend(form)
+
+
+def _options_of_reader(options: argparse.Namespace, path: str) -> dict[str, Any]:
+    """Return the options for the reader of one map: all that are given, but those that are for the other map alone."""
+    given = {name: getattr(options, name) for name in OF_READERS if getattr(options, name) is not None}
+    maps = [Path(name) for name in (options.surface, getattr(options, "counterbody", None)) if name is not None]
+    others = {name for file in maps for name in options_of(file) if name not in options_of(Path(path))}
+    return {name: value for name, value in given.items() if name not in others}
 
 
 def _resample(surface: rc.HeightMap, options: argparse.Namespace) -> rc.HeightMap:

@@ -25,8 +25,8 @@ class Report(Command):
     epilog = """
 examples:
   roughcontact report map.npz --pressure 10MPa --young 210GPa
-  roughcontact report map.npz --pressure 10MPa --young 210GPa --cells 64 128 256 \\
-      --areas blend cell-count -o comparison
+  roughcontact report map.npz --pressure 10MPa --young 210GPa \\
+      --cells 64 128 256 --areas blend cell-count -o comparison
   roughcontact report study.toml --problem ball --force 5N
 """
 

@@ -12,9 +12,10 @@ from roughcontact import checks
 from roughcontact.cli import Command
 from roughcontact.cli.answers import to_json, to_text
 from roughcontact.cli.options import add_reading
-from roughcontact.cli.outputs import plan_picture, save_picture
+from roughcontact.cli.outputs import plan_picture
 from roughcontact.cli.problem import read_map
 from roughcontact.cli.surface import describe_map
+from roughcontact.panel.figures import save_figure
 from roughcontact.units.text import fit
 
 
@@ -24,8 +25,8 @@ class Info(Command):
     epilog = """
 examples:
   roughcontact info map.npz
-  roughcontact info heights.csv --size 1mm --unit 1um
-  roughcontact info contact.npz --json | jq .area.value
+  roughcontact info map.csv --size 256um --unit 1um
+  roughcontact info contact.npz --json | jq .area
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
@@ -63,7 +64,7 @@ examples:
     def run(self, options: argparse.Namespace) -> int:
         """Draw what the file holds, and return 0."""
         path = plan_picture(options.output)
-        save_picture(_read(options).plot(panel=options.panel, dark=options.dark), path)
+        save_figure(_read(options).plot(panel=options.panel, dark=options.dark), path)
         print(fit(f"Written: {path}"))
         return 0
 

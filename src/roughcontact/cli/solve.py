@@ -30,10 +30,11 @@ class Solve(Command):
     epilog = """
 examples:
   roughcontact solve map.npz --pressure 10MPa --young 210GPa
-  roughcontact solve ball.npz ring.npz --force 5N --young 210GPa --hardness 6GPa \\
-      --counterbody-young 210GPa --detrend plane -o contact.npz -o contact.png
+  roughcontact solve ball.npz ring.npz --force 5N --young 210GPa \\
+      --hardness 6GPa --counterbody-young 210GPa --detrend plane \\
+      -o contact.npz -o contact.png
   roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
-  roughcontact solve map.npz --force 1N --young 210GPa --json | jq .area.fraction
+  roughcontact solve map.npz --force 1N --young 210GPa --json | jq .area
   roughcontact solve map.npz --force 1N --young 210GPa --report contact.html
 """
 

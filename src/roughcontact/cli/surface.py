@@ -18,7 +18,8 @@ from roughcontact import checks
 from roughcontact.archive import replacing
 from roughcontact.cli import Command
 from roughcontact.cli.options import METRE, NUMBER, quantity, whole_number
-from roughcontact.cli.outputs import plan_picture, save_picture
+from roughcontact.cli.outputs import plan_picture
+from roughcontact.panel.figures import save_figure
 from roughcontact.reference import roughness
 from roughcontact.units import si
 from roughcontact.units.text import fit
@@ -36,11 +37,12 @@ class MakeSurface(Command):
 
     epilog = """
 examples:
-  roughcontact surface self-affine --hurst 0.8 --rms-height 100nm --shortest 2um \\
-      --longest 100um --shape 256 256 --size 100um --periodic -o rough.npz
-  roughcontact surface sphere --radius 5mm --shape 256 256 --size 200um -o ball.npz
-  roughcontact surface wavy --amplitude 0.5um --wavelength 12.5um --shape 128 128 \\
-      --size 250um --periodic -o wave.npz -o wave.png
+  roughcontact surface self-affine --hurst 0.8 --rms-height 100nm \\
+      --shortest 2um --longest 100um --shape 256 256 --size 100um -o map.npz
+  roughcontact surface sphere --radius 5mm --shape 64 64 --size 0.2mm \\
+      -o ball.npz
+  roughcontact surface wavy --amplitude 0.5um --wavelength 12.5um \\
+      --shape 128 128 --size 250um --periodic -o wave.npz -o wave.png
   roughcontact surface self-affine --help
 """
 
@@ -91,7 +93,7 @@ examples:
                 with replacing(path) as partial, partial.open("wb") as file:
                     np.savez(file, heights=made.values, size=np.array(made.size), periodic=np.array(made.periodic))
             else:
-                save_picture(made.plot(), path)
+                save_figure(made.plot(), path)
         if files:
             print(fit(f"\nWritten: {', '.join(map(str, files))}"))
         return 0

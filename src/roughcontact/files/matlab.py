@@ -21,8 +21,8 @@ from roughcontact.checks.memory import require_memory
 from roughcontact.errors import InputError, MissingPackage
 from roughcontact.files.base import RawMap, SurfaceReader
 
-# Bytes to which a compressed array may expand, beside a multiple of those in the file: zeros deflate by 1000.
-_EXPANDED, _EXPANSION = 2**22, 50
+# Bytes to which compressed arrays may expand, beside a multiple of the file: heights deflate by 1 to 2, zeros by 1000.
+_EXPANDED, _EXPANSION = 2**21, 20
 # Bytes of the head of a file, and of the flags, dimensions and name before the numbers of an array.
 _HEAD, _LONGEST_NAME = 128, 64
 # Types of data by number: integers and floats of MATLAB.
@@ -92,7 +92,7 @@ def _inflate(content: memoryview, order: str, most: int) -> memoryview:
     stream = zlib.decompressobj()
     data = stream.decompress(content, most)
     if stream.unconsumed_tail or not stream.eof:
-        raise InputError(f"an array of it is damaged, or expands to more than {most} bytes")
+        raise InputError(f"an array of it is damaged, or expands to more than {most} bytes: save it with '-v6'")
     (kind, inner), *_ = [*_elements(data, order), (0, memoryview(b""))]
     return inner if kind == _MATRIX else memoryview(b"")
 

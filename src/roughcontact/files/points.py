@@ -12,6 +12,8 @@ from roughcontact.files.base import RawMap
 _OFF = 0.05
 # Gaps between sorted places below this part of the largest are rounding.
 _SAME = 0.3
+# A map of which both sides are shorter than this in its own unit is taken for one in metres.
+_METRE = 0.1
 # Places beyond have no differences in float64.
 _FAR = 1e300
 # The part of the points of a grid that must be listed; the others were not measured.
@@ -35,11 +37,12 @@ def put_on_grid(points: Array) -> RawMap:
     heights[i, j] = points[:, 2]
     if np.unique(i * ny + j).size < len(points):
         raise _irregular(len(points))
-    sides = ", ".join(f"{1e-6 * side:.6g}" for side in (nx * dx, ny * dy))
+    unit, length = (1.0, "metre") if max(nx * dx, ny * dy) < _METRE else (1e-6, "micrometre")
+    sides = ", ".join(f"{unit * side:.6g}" for side in (nx * dx, ny * dy))
     return RawMap(
         heights,
         hint=f"its {nx} x {ny} points are {dx:.6g} x {dy:.6g} apart in a unit that it does not state; if that is the "
-        f"micrometre, size=({sides})",
+        f"{length}, size=({sides})",
     )
 
 

@@ -116,13 +116,18 @@ def read_raw(file: Path, reader: str | SurfaceReader = "auto", **options: Any) -
     return raw
 
 
+def options_of(file: Path, reader: str = "auto") -> tuple[str, ...]:
+    """Return the names of the options of the reader that reads a file."""
+    return tuple(inspect.signature(readers[_reader_for(file) if reader == "auto" else reader]).parameters)
+
+
 def _make_reader(choice: str | SurfaceReader, file: Path, options: dict[str, Any]) -> SurfaceReader:
     """Return the reader with its options."""
     if not options:
         return readers.resolve(choice)
     if not isinstance(choice, str):
         raise InputError(f"Give {', '.join(options)} to the reader itself, or name the reader.")
-    known = [name.lstrip("_") for name in inspect.signature(readers[choice]).parameters]
+    known = options_of(file, choice)
     if unknown := [name for name in options if name not in known]:
         raise InputError.unknown(f"option of the reader {choice!r}, which reads {file.name},", unknown[0], known)
     return readers.create(choice, **options)

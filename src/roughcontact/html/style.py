@@ -29,7 +29,7 @@ th { font-weight: 600; width: 11rem; }
 .note { color: var(--soft); font-size: .9rem; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr)); gap: 1rem; }
 figure { margin: 0; }
-figure img { width: 100%; height: auto; display: block; }
+figure img { width: 100%; height: auto; display: block; background: #ffffff; border-radius: .25rem; }
 figcaption { color: var(--soft); font-size: .85rem; }
 code, pre { font-family: ui-monospace, "DejaVu Sans Mono", monospace; font-size: .85rem; }
 pre { white-space: pre-wrap; background: var(--box); border: 1px solid var(--line); padding: .6rem; margin: .3rem 0; }
@@ -45,7 +45,8 @@ pre { white-space: pre-wrap; background: var(--box); border: 1px solid var(--lin
   code, pre { font-size: 6.6pt; } pre { padding: 3pt; line-height: 1.2; } figcaption, .note { font-size: 6.8pt; }
   .figures { grid-template-columns: repeat(auto-fit, minmax(46mm, 1fr)); gap: 2mm; } figure { break-inside: avoid; }
   tr, .verdict, .warnings { break-inside: avoid; }
-  .columns { columns: 2; column-gap: 6mm; } .columns section { break-inside: avoid; }
+  section { break-inside: avoid; } section.pictures { break-inside: auto; }
+  .columns { display: grid; grid-template-columns: 2fr 1fr; gap: 6mm; } .columns section:last-child th { width: 18mm; }
   a { color: inherit; text-decoration: none; }
 }
 """

@@ -50,7 +50,26 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
 
 
 def make_figure(kind: str, subject: Any, panel: str | Panel | None = None, dark: bool = False) -> Any:
-    """Return the figure that `plot` draws, but one that pyplot does not know of: to be saved, in any thread."""
+    """Return the figure that ``plot`` draws, but without pyplot: to be saved, in any thread.
+
+    Parameters
+    ----------
+    kind, subject
+        ``"solution"`` and a `ContactSolution`, ``"surface"`` and a `SampledSurface`, or ``"sweep"`` and a sweep.
+    panel
+        Registered name or instance of one panel; None for the standard ones.
+    dark
+        Whether the background is dark.
+
+    Raises
+    ------
+    InputError
+        If there is no such panel, or it draws something else or refuses the subject.
+    MissingPackage
+        If matplotlib, of the extra ``plot``, is not installed.
+    """
+    if kind not in _STANDARD:
+        raise InputError.about("What is drawn", kind, f"one of {', '.join(map(repr, _STANDARD))}")
     require_matplotlib()
     from roughcontact.panel.sheet import Sheet
 
@@ -110,9 +129,12 @@ def _keep_colors(figure: Any) -> None:
             axes.tick_params(axis=name, which="both", color=color, labelcolor=color, labelsize=size)
 
 
-def save_figure(kind: str, subject: Any, path: Path) -> None:
-    """Write the figure of all standard panels to a PNG file, completely or not at all."""
+def save_figure(drawn: Any, path: Path) -> None:
+    """Write what `plot` has drawn in the format of the ending, completely or not at all, and let pyplot forget it."""
+    from matplotlib import pyplot
+
     content = io.BytesIO()
-    make_figure(kind, subject).savefig(content, format="png")
+    drawn.figure.savefig(content, format=path.suffix.removeprefix("."))
+    pyplot.close(drawn.figure)
     with replacing(path) as partial:
         partial.write_bytes(content.getvalue())

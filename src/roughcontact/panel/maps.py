@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 
 # Ratio of the sides above which a domain is not drawn in true proportions: too narrow to be seen.
 _NARROW = 6.0
-# Percentiles between which the colours lie: a few deep pits or high spikes would use all of them.
-_ENDS = (0.1, 99.9)
+# Percentiles between which the colours lie if a few pits or spikes would use most of them: where the range of all
+# values is more than so many times that between the percentiles.
+_ENDS, _FAR = (0.1, 99.9), 1.3
 # Width of a colour bar over the mean side of its map.
 _BAR = 0.05
 
@@ -84,7 +85,7 @@ def draw_map(
 
     low, high, extend = _find_limits(values, limits, logarithmic)
     image = axes.imshow(
-        values.T,
+        values.T.astype(np.float32),
         origin="lower",
         extent=set_plane(axes, grid),
         cmap=colors,
@@ -101,7 +102,7 @@ def _find_limits(values: Array, limits: tuple[float, float] | None, logarithmic:
     known = values[np.isfinite(values)]
     if not known.size:
         known = np.array((0.1, 1.0))
-    low, high = np.percentile(known, _ENDS) if limits is None else limits
+    low, high = _spread(known) if limits is None else limits
     extend = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
     beyond = extend[bool(known.min() < low), bool(known.max() > high)]
     if logarithmic and not high > 1.01 * low:
@@ -110,6 +111,13 @@ def _find_limits(values: Array, limits: tuple[float, float] | None, logarithmic:
         step = 0.5 * abs(high) or 1.0
         return low - step, high + step, beyond
     return float(low), float(high), beyond
+
+
+def _spread(known: Array) -> tuple[float, float]:
+    """Return the values between which colours lie: all of them, unless few reach far beyond the others."""
+    low, high = np.percentile(known, _ENDS)
+    full = float(known.min()), float(known.max())
+    return full if full[1] - full[0] <= _FAR * (high - low) else (float(low), float(high))
 
 
 def add_colorbar(axes: Any, image: Any, label: str, extend: str) -> None:

@@ -65,8 +65,7 @@ function showSurface(surface) {
   });
   byId("surface-table").tBodies[0].replaceChildren(...rows);
   byId("surface-history").textContent = [...surface.history, surface.note || ""].filter(Boolean).join("; ");
-  const { light, dark } = surface.pictures;
-  if (light) viewer.show(`pictures/${light}`, `pictures/${dark}`, "Heights of the surface");
+  if (surface.picture) viewer.show(`pictures/${surface.picture}`, "Heights of the surface");
   else viewer.hide();
 }
 
@@ -193,6 +192,7 @@ function listen() {
   });
   byId("restore").addEventListener("click", () => restore(byId("link").value));
   window.addEventListener("hashchange", () => restore(location.hash));
+  settings.darkness.addEventListener("change", () => changed(0));
   let depth = 0;
   addEventListener("dragenter", () => { byId("veil").hidden = ++depth === 0; });
   addEventListener("dragleave", () => { byId("veil").hidden = --depth <= 0; });

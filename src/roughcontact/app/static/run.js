@@ -115,7 +115,7 @@ function curveRows(state) {
   const names = state.answers[0].quantities.map((one) => one.name);
   const order = ["mean pressure", "force", ...names.filter((name) => !["mean pressure", "force"].includes(name))];
   const head = element("tr");
-  head.append(...order.map((name) => element("th", name, { scope: "col" })), element("th", "files", { scope: "col" }));
+  head.append(...order.map((name) => element("th", name, { scope: "col" })), element("th", "fields", { scope: "col" }));
   const rows = state.answers.map((answer, index) => {
     const row = element("tr");
     for (const name of order) {
@@ -142,21 +142,20 @@ function renderOutputs(state) {
   const of = (role, load) => state.outputs.find((one) => one.role === role && (load === undefined || one.load === load));
   const links = [];
   const many = state.answers.length > 1;
-  if (!many && of("report")) {
-    links.push(fileLink(state, of("report"), "Download the report", true));
+  if (of("report")) {
+    links.push(fileLink(state, of("report"), many ? "Download the report of the largest load" : "Download the report", true));
     links.push(element("a", "Open the report", {
       href: `runs/${state.id}/${of("report").file}`, target: "_blank", rel: "noopener", class: "button",
     }));
   }
-  if (of("table")) links.push(fileLink(state, of("table"), "Table (.csv)", many));
+  if (of("table")) links.push(fileLink(state, of("table"), "Table (.csv)"));
   if (!many && of("solution")) links.push(fileLink(state, of("solution"), "Fields (.npz)"));
   const focused = document.activeElement?.getAttribute?.("download");
   byId("downloads").replaceChildren(...links);
   links.find((link) => focused && link.getAttribute("download") === focused)?.focus();
   for (const cell of byId("answer-table").querySelectorAll("[data-files]")) {
     const load = Number(cell.dataset.files);
-    const found = [["report", "report"], ["solution", ".npz"]].filter(([role]) => of(role, load));
-    cell.replaceChildren(...found.flatMap(([role, text]) => [fileLink(state, of(role, load), text, null), " "]));
+    if (of("solution", load)) cell.replaceChildren(fileLink(state, of("solution", load), ".npz", null));
   }
   renderPictures(state);
 }
@@ -180,6 +179,5 @@ function renderPictures(state) {
 
 function choosePicture(state, output, button) {
   for (const other of byId("panel-buttons").children) other.setAttribute("aria-pressed", String(other === button));
-  const address = (scheme) => `runs/${state.id}/${output.pictures[scheme]}`;
-  viewer.show(address("light"), address("dark"), `The ${output.panel.replaceAll("-", " ")} of this contact`);
+  viewer.show(`runs/${state.id}/${output.file}`, `The ${output.panel.replaceAll("-", " ")} of this contact`);
 }

@@ -28,6 +28,8 @@ const MATERIALS = {
 };
 let defaults = {};
 
+export const darkness = matchMedia("(prefers-color-scheme: dark)");
+
 function fill(select, options) {
   select.replaceChildren(...Object.entries(options).map(([value, text]) => new Option(text, value)));
 }
@@ -56,7 +58,7 @@ function choosePreset(select) {
 const hidden = { file: "", file_name: "" };
 
 export function read() {
-  const found = { ...hidden };
+  const found = { ...hidden, scheme: darkness.matches ? "dark" : "light" };
   for (const name of Object.keys(defaults)) {
     const element = form.elements[name];
     if (element) found[name] = element.value;
@@ -104,7 +106,7 @@ export function showFields(facts) {
 
 // Only what differs from the first values, so that links stay short.
 export function toFragment(run) {
-  const changed = Object.entries(read()).filter(([name, value]) => value !== defaults[name]);
+  const changed = Object.entries(read()).filter(([name, value]) => name !== "scheme" && value !== defaults[name]);
   const query = new URLSearchParams(changed);
   if (run) query.set("run", run);
   return query.toString();

@@ -10,13 +10,9 @@ export class Viewer {
     this.frame.tabIndex = 0;
     this.frame.setAttribute("role", "group");
     this.frame.setAttribute("aria-label", `${label}. Plus and minus zoom, arrows move, 0 shows all.`);
-    this.picture = document.createElement("picture");
-    this.dark = document.createElement("source");
-    this.dark.media = "(prefers-color-scheme: dark)";
     this.image = document.createElement("img");
     this.image.draggable = false;
-    this.picture.append(this.dark, this.image);
-    this.frame.append(this.picture);
+    this.frame.append(this.image);
     this.scaleText = document.createElement("span");
     this.scaleText.className = "help";
     place.replaceChildren(this.frame, this.makeButtons());
@@ -25,9 +21,8 @@ export class Viewer {
     this.reset();
   }
 
-  show(light, dark, text) {
-    this.dark.srcset = dark;
-    this.image.src = light;
+  show(address, text) {
+    this.image.src = address;
     this.image.alt = text;
     this.place.hidden = false;
     this.reset();

@@ -1,0 +1,324 @@
+"""The page in a browser: headless Chromium, as in Debian's packages chromium and chromium-driver.
+
+Skipped where there is none, unless ROUGHCONTACT_BROWSER=1 says that there must be.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import shutil
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.app import AppServer, Session
+
+REQUIRED = os.environ.get("ROUGHCONTACT_BROWSER") == "1"
+CHROMIUM, DRIVER = (shutil.which(name) for name in ("chromium", "chromedriver"))
+try:
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+    from selenium.webdriver.support.ui import Select, WebDriverWait
+except ImportError:
+    webdriver = None
+if not REQUIRED and (webdriver is None or CHROMIUM is None or DRIVER is None):
+    pytest.skip("no Chromium: install chromium, chromium-driver and selenium", allow_module_level=True)
+
+# Seconds; the machine may be busy.
+PATIENCE = 180
+# A map whose file states everything, in a minute of nothing: 48 x 40 cells.
+SIZE = (48e-6, 40e-6)
+# What a drop of a file on the page is, to the page.
+DROP = """
+const [text, name] = arguments;
+const transfer = new DataTransfer();
+transfer.items.add(new File([text], name));
+for (const kind of ["dragenter", "dragover", "drop"])
+  document.body.dispatchEvent(new DragEvent(kind, { dataTransfer: transfer, bubbles: true, cancelable: true }));
+"""
+
+
+@pytest.fixture(scope="module")
+def server():
+    session = Session(slots=1)
+    with AppServer(session) as started:
+        thread = threading.Thread(target=started.serve_forever, daemon=True)
+        thread.start()
+        yield started
+        started.shutdown()
+    session.close()
+
+
+class Page:
+    """What a user sees and does."""
+
+    def __init__(self, driver, address, downloads):
+        self.driver, self.address, self.downloads = driver, address, downloads
+
+    def open(self, address=None):
+        self.driver.get("about:blank")
+        self.driver.get(address or self.address)
+        self.until(lambda: self.driver.find_elements(By.CSS_SELECTOR, "body[data-ready]"))
+        return self
+
+    def until(self, condition):
+        return WebDriverWait(self.driver, PATIENCE, poll_frequency=0.1).until(lambda _: condition())
+
+    def find(self, name):
+        return self.driver.find_element(By.ID, name)
+
+    def text(self, name):
+        return self.find(name).text
+
+    def set(self, name, text):
+        element = self.driver.find_element(By.NAME, name)
+        if element.tag_name == "select":
+            Select(element).select_by_value(text)
+        else:
+            element.clear()
+            element.send_keys(text)
+
+    def value(self, quantity):
+        cell = self.driver.find_element(By.CSS_SELECTOR, f"[data-quantity='{quantity}']")
+        return float(cell.get_attribute("data-value"))
+
+    def download(self, name):
+        link = self.until(lambda: self.driver.find_elements(By.CSS_SELECTOR, f"a[download='roughcontact-{name}']"))
+        link[0].click()
+        return self.until(lambda: next(iter(self.downloads.glob(f"roughcontact-{name}")), None))
+
+    def drop(self, text, name):
+        self.driver.execute_script(DROP, text, name)
+
+    def until_planned(self):
+        self.until(lambda: "for the solve" in self.text("plan"))
+
+    def is_wider_than_the_screen(self):
+        return self.driver.execute_script("return document.documentElement.scrollWidth > innerWidth")
+
+    def errors(self):
+        return [line for line in self.driver.get_log("browser") if " 422 " not in line["message"]]
+
+
+@pytest.fixture
+def page(server, tmp_path):
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    downloads = tmp_path / "downloads"
+    downloads.mkdir()
+    flags = "headless=new no-sandbox disable-gpu disable-quic no-first-run disable-background-networking"
+    for flag in (*flags.split(), "disable-component-update", "disable-sync", f"user-data-dir={tmp_path / 'profile'}"):
+        options.add_argument(f"--{flag}")
+    options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+    try:
+        driver.set_script_timeout(PATIENCE)
+        shown = Page(driver, server.address, downloads)
+        yield shown
+        # Nor has anything broken the policy of the page.
+        assert shown.errors() == []
+    finally:
+        driver.quit()
+
+
+@pytest.fixture(scope="module")
+def surface():
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_height=0.1e-6, shortest=8e-6, longest=24e-6, seed=5)
+    return rc.HeightMap(rough.heights(rc.Grid((48, 40), SIZE)), size=SIZE)
+
+
+def write_table(surface):
+    return "\n".join(",".join(f"{value:.6f}" for value in row) for row in 1e6 * surface.values)
+
+
+def test_a_map_is_dropped_solved_and_reported(page, surface, tmp_path):
+    table = write_table(surface)
+    page.open().drop(table, "ring <1>.csv")
+    page.until(lambda: "not the size of its domain" in page.text("surface-problem"))
+    assert "ring <1>.csv, 48 x 40 points" in page.text("file-shown")
+    for name, text in {"size_x": "48", "size_y": "40", "height_unit": "um", "form": "plane", "loads": "50"}.items():
+        page.set(name, text)
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline").startswith("Contact area"))
+    path = tmp_path / "ring.csv"
+    path.write_text(table)
+    expected = rc.read_surface(path, size=SIZE, unit=1e-6).detrend("plane")
+    solution = rc.ContactProblem(rc.Body(expected, rc.Elastic(210e9, 0.3))).solve(pressure=50e6)
+    assert page.value("contact area") == solution.area().value
+    assert page.value("maximum pressure") == solution.peak_pressure().value
+    report = page.download("report.html")
+    page.driver.switch_to.new_window("tab")
+    page.driver.get(report.as_uri())
+    assert "ring <1>.csv" in page.driver.find_element(By.TAG_NAME, "body").text
+    page.driver.close()
+    page.driver.switch_to.window(page.driver.window_handles[0])
+    with page.download("answers.csv").open(encoding="utf-8-sig", newline="") as file:
+        assert float(next(csv.DictReader(file))["contact area, m2"]) == solution.area().value
+    with np.load(page.download("solution-1.npz")) as data:
+        assert np.array_equal(data["pressure"], solution.pressure)
+
+
+def test_a_file_is_chosen_and_a_bad_one_refused_in_words(page, surface, tmp_path):
+    page.open()
+    bad, good = tmp_path / "bad.csv", tmp_path / "good.npz"
+    bad.write_text("1,2,3\n4,5\n")
+    np.savez(good, heights=surface.values, size=SIZE)
+    page.find("file-input").send_keys(str(bad))
+    page.until(lambda: "The file bad.csv cannot be used" in page.text("surface-problem"))
+    page.find("file-input").send_keys(str(good))
+    page.until(lambda: page.find("surface-picture").is_displayed() and "good.npz" in page.text("file-shown"))
+    assert not page.find("surface-problem").is_displayed()
+    # The file states its size and unit, so that neither is asked for.
+    assert not page.find("size_x").is_displayed()
+    page.set("loads", "2,5")
+    page.until(lambda: "Write decimals with a point" in page.text("plan"))
+    page.find("solve").click()
+    page.until(lambda: "Write decimals with a point" in page.text("refusal"))
+
+
+def test_a_run_is_cancelled(page):
+    page.open()
+    for name, text in {"surface": "self-affine", "cells": "1024", "loads": "60 61 62 63 64 65 66 67 68 69"}.items():
+        page.set(name, text)
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: "Solving" in page.text("phase") and "load 1 of 10" in page.text("phase"))
+    page.find("cancel").click()
+    page.until(lambda: page.text("run-problem") == "The run was cancelled.")
+    assert not page.find("progress").is_displayed()
+
+
+def test_a_reload_in_the_middle_keeps_run_and_settings(page):
+    page.open()
+    for name, text in {
+        "surface": "self-affine",
+        "cells": "512",
+        "shortest": "1",
+        "loads": "50 80",
+        "poisson": "0.27",
+    }.items():
+        page.set(name, text)
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: "run=" in page.driver.current_url and page.find("progress").is_displayed())
+    page.driver.refresh()
+    page.until(lambda: page.text("headline") == "2 loads solved")
+    assert page.driver.find_element(By.NAME, "poisson").get_attribute("value") == "0.27"
+    assert page.driver.find_element(By.NAME, "cells").get_attribute("value") == "512"
+    rows = page.driver.find_elements(By.CSS_SELECTOR, "#answer-table tbody tr")
+    assert len(rows) == 2
+    page.until(lambda: "area load" in page.text("panel-buttons"))
+
+
+def test_a_link_restores_the_settings_and_asks_for_the_file(page, surface, server):
+    link = f"{page.address}#surface=file&file={'0' * 64}&file_name=lost.npz&young=70&boundary=periodic&form=quadratic"
+    page.open(link)
+    wanted = "Choose or drop the file of this link again: lost.npz, digest 000000000000"
+    page.until(lambda: wanted in page.text("file-shown"))
+    assert page.driver.find_element(By.NAME, "young").get_attribute("value") == "70"
+    assert page.driver.find_element(By.NAME, "form").get_attribute("value") == "quadratic"
+    page.drop(write_table(surface), "found.csv")
+    page.until(lambda: "It is not the file of the link, lost.npz" in page.text("file-shown"))
+    # The file is remembered while the server lives, and the form keeps what the link said.
+    assert page.driver.find_element(By.NAME, "boundary").get_attribute("value") == "periodic"
+    page.open(page.driver.current_url)
+    page.until(lambda: "found.csv, 48 x 40 points" in page.text("file-shown"))
+
+
+def test_it_fits_390_pixels_in_light_and_dark(page):
+    for scheme in ("light", "dark"):
+        emulation = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+        page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", emulation)
+        size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+        page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        page.open()
+        page.set("surface", "wavy")
+        page.set("loads", "50 80")
+        page.until_planned()
+        assert not page.is_wider_than_the_screen()
+        page.find("solve").click()
+        page.until(lambda: page.text("headline") == "2 loads solved")
+        page.until(lambda: page.find("picture").is_displayed())
+        assert not page.is_wider_than_the_screen()
+        color = page.driver.execute_script("return getComputedStyle(document.body).backgroundColor")
+        assert (sum(map(int, color[4:-1].split(", "))) < 200) is (scheme == "dark")
+
+
+def test_everything_is_done_from_the_keyboard(page):
+    page.open()
+    seen = []
+
+    def tab_to(name):
+        for _ in range(80):
+            page.driver.switch_to.active_element.send_keys(Keys.TAB)
+            active = page.driver.switch_to.active_element
+            seen.append(active.get_attribute("id") or active.get_attribute("name") or active.get_attribute("class"))
+            outline = page.driver.execute_script("return getComputedStyle(arguments[0]).outlineStyle", active)
+            assert outline != "none", f"{seen[-1]} does not show that it has the focus"
+            if name in seen[-1]:
+                return active
+        raise AssertionError(f"{name} is not reached: {seen}")
+
+    page.driver.find_element(By.TAG_NAME, "body").send_keys("")
+    tab_to("surface").send_keys("w")
+    page.until(lambda: page.find("amplitude").is_displayed())
+    tab_to("loads").send_keys(Keys.CONTROL, "a")
+    page.driver.switch_to.active_element.send_keys("40")
+    page.until_planned()
+    assert seen.index("surface") < seen.index("amplitude") < seen.index("young") < seen.index("loads")
+    page.driver.switch_to.active_element.send_keys(Keys.ENTER)
+    page.until(lambda: page.text("headline").startswith("Contact area"))
+    # The focus is where the answer begins.
+    assert page.driver.switch_to.active_element.get_attribute("id") == "h-answer"
+    page.until(lambda: page.find("picture").is_displayed())
+    frame = tab_to("frame")
+    frame.send_keys("+")
+    frame.send_keys("+")
+    frame.send_keys(Keys.ARROW_RIGHT)
+    image = frame.find_element(By.TAG_NAME, "img")
+    assert "scale(2.25)" in image.get_attribute("style")
+    moved = image.get_attribute("style")
+    frame.send_keys(Keys.ARROW_LEFT)
+    assert image.get_attribute("style") != moved
+    frame.send_keys("0")
+    assert "scale(1)" in image.get_attribute("style")
+
+
+def test_a_picture_is_zoomed_by_wheel_and_buttons(page):
+    page.open()
+    page.until(lambda: page.find("surface-picture").is_displayed())
+    frame = page.find("surface-picture").find_element(By.CLASS_NAME, "frame")
+    image = frame.find_element(By.TAG_NAME, "img")
+    page.until(lambda: image.size["height"] > 100)
+    plus, minus, show_all = page.find("surface-picture").find_elements(By.TAG_NAME, "button")
+    plus.click()
+    assert "scale(1.5)" in image.get_attribute("style")
+    minus.click()
+    assert "scale(1)" in image.get_attribute("style")
+    wheel = (
+        "arguments[0].focus(); arguments[0].dispatchEvent(new WheelEvent('wheel', {deltaY: -300, cancelable: true}))"
+    )
+    page.driver.execute_script(wheel, frame)
+    assert "scale(2.71" in image.get_attribute("style")
+    show_all.click()
+    assert "scale(1)" in image.get_attribute("style")
+
+
+def test_an_old_link_is_refused_in_words(page):
+    page.driver.get(page.address.replace(page.address.split("/")[3], "old"))
+    assert "open the address that it has printed" in page.driver.find_element(By.TAG_NAME, "body").text
+    # The status of the refusal itself is logged.
+    page.driver.get_log("browser")
+
+
+def test_the_driver_is_the_system_own():
+    assert Path(DRIVER).exists()
+    assert Path(CHROMIUM).exists()
