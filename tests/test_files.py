@@ -1,12 +1,17 @@
 from __future__ import annotations
 
+import math
 import sys
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
 
 import roughcontact as rc
 from roughcontact._surfaces.filling import fill
+from roughcontact.files.reading import read_raw
 
 HEIGHTS = np.random.default_rng(0).random((5, 7)) * 1e-6
 
@@ -249,8 +254,6 @@ def test_results_can_be_read_by_others(tmp_path):
     ],
 )
 def test_tables_as_instruments_and_spreadsheets_write_them(tmp_path, content, heights):
-    from roughcontact.files.reading import read_raw
-
     (tmp_path / "map.txt").write_bytes(content)
     np.testing.assert_array_equal(read_raw(tmp_path / "map.txt").heights, heights)
 
@@ -271,12 +274,47 @@ def test_tables_as_instruments_and_spreadsheets_write_them(tmp_path, content, he
     ],
 )
 def test_what_is_ambiguous_in_a_table_is_said_by_options(tmp_path, content, options, heights):
-    from roughcontact.files.reading import read_raw
-
     (tmp_path / "map.csv").write_bytes(content)
     np.testing.assert_array_equal(read_raw(tmp_path / "map.csv", **options).heights, heights)
     reader = rc.readers.create("txt", **options)
     np.testing.assert_array_equal(read_raw(tmp_path / "map.csv", reader).heights, heights)
+
+
+@given(
+    heights=arrays.arrays(
+        np.float64,
+        st.tuples(st.integers(2, 8), st.integers(4, 9)),
+        elements=st.one_of(st.floats(-1e9, 1e9), st.just(math.nan)),
+    ),
+    separator=st.sampled_from([",", ";", "\t", " ", ", ", " ; ", "  "]),
+    decimal=st.sampled_from([".", ","]),
+    missing=st.sampled_from(["nan", "***", "BAD", "--", ""]),
+    end=st.sampled_from(["\n", "\r\n"]),
+    header=st.sampled_from(["", "# Höhe: 3 µm\n", "Map 7 of 9\nWidth,10\n\n", "z [um];z [um]\n----------\n"]),
+    encoding=st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "latin-1"]),
+    trailing=st.booleans(),
+)
+@settings(deadline=None, max_examples=150)
+def test_what_is_written_in_any_layout_is_read_back(
+    tmp_path_factory, heights, separator, decimal, missing, end, header, encoding, trailing
+):
+    blank = not separator.strip(" ")
+    assume(not (blank and missing == "") and np.isfinite(heights).any())
+    # A comma for both cannot be told apart; blanks with it can, if decimals are asked for.
+    assume(decimal == "." or separator != ",")
+    options = {"decimal": decimal} if separator.strip() == "," else {}
+    words = [[missing if math.isnan(z) else repr(z).replace(".", decimal) for z in row] for row in heights.tolist()]
+    # A last column of empty fields alone is taken for separators at the ends of rows.
+    assume(missing or trailing or np.isfinite(heights[:, -1]).any())
+    # With decimals in commas an empty field between commas and blanks would be none.
+    assume(not (decimal == "," and separator == ", "))
+    last = separator.strip(" ") if trailing else ""
+    path = tmp_path_factory.getbasetemp() / "layout.csv"
+    path.write_bytes(
+        (header.replace("\n", end) + "".join(separator.join(row) + last + end for row in words)).encode(encoding)
+    )
+    found = read_raw(path, **options).heights
+    np.testing.assert_array_equal(found, heights)
 
 
 def test_options_of_readers_are_checked(tmp_path):

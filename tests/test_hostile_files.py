@@ -606,7 +606,7 @@ MAPS = {
     "nothing": ("npz", b"", "cannot be read as a height map"),
     "endless numbers": ("txt", b"1 " + b"9" * 10_000 + b"\n2 3\n", "line 1 holds 9+, which is too large"),
     "rows that differ": ("txt", b"1 2 3\n4 5\n", "line 2 has 2 numbers"),
-    "words": ("txt", b"__import__('os').system('touch sprung')\n", "which is not a number"),
+    "words": ("txt", b"__import__('os').system('touch sprung')\n", "it holds no numbers, and begins with"),
 }
 
 

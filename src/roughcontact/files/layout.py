@@ -85,8 +85,8 @@ def find_layout(lines: Sequence[str], separator: str, decimal: str) -> Layout:
 
 
 def _find_separator(lines: Sequence[str], decimal: str) -> str:
-    # Blanks and tabs at the ends of lines separate nothing.
-    stripped = [line.strip() for line in lines]
+    # Blanks, and a single tab, at the end of a line separate nothing.
+    stripped = [line.strip(" ") if line.count("\t") > 1 else line.strip() for line in lines]
     for mark in ";\t":
         if any(mark in line for line in stripped):
             return mark
