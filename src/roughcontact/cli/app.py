@@ -22,7 +22,9 @@ examples:
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
-        parser.add_argument("--port", type=whole_number, default=0, metavar="N", help="port of this machine (any that is free)")
+        parser.add_argument(
+            "--port", type=whole_number, default=0, metavar="N", help="port of this machine (any that is free)"
+        )
         parser.add_argument("--no-browser", action="store_true", help="print the address, and open no browser")
 
     def run(self, options: argparse.Namespace) -> int:
