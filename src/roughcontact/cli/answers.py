@@ -85,7 +85,7 @@ def _finite(value: Any) -> Any:
 def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
     """Return a header and a row for each load, in SI units: the columns of `Sweep.to_pandas`, and more."""
     table = make_table(Sweep(tuple(solutions)))
-    columns: dict[str, Sequence[Any]] = {
+    columns: dict[str, Any] = {
         **table.columns,
         "saturated_area": [float(solution.saturated_area().value) for solution in solutions],
         "status": [solution.status.name for solution in solutions],
