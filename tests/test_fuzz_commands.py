@@ -41,7 +41,8 @@ GOOD = {
     "solvers": ["polonsky-keer"], "tolerances": ["1e-6"], "repeats": ["1"], "output": ["out"], "name": ["elastic",
     "blend"],
     "fields": ["young=1e9", "poisson=0.3"], "study": ["study.toml"], "workers": ["1"],
-    "threads": ["auto", "1", "2"],
+    "threads": ["auto", "1", "2"], "loads": ["5mN", "9mN"], "refine": ["2"], "panel": ["pressure"],
+    "report": ["a.html"],
 }  # fmt: skip
 BAD = [
     "", " ", "-", "--", "0", "-1", "1e400", "nan", "inf", "1", "2,5N", "1,5mm", "2 500mN", "5 MPa 3", "9**9**9**9N",
@@ -104,7 +105,7 @@ def declared():
 
 
 DECLARED = declared()
-OURS = ("check", "report", "run", "solve", "stability")
+OURS = ("check", "info", "plot", "report", "run", "solve", "stability")
 
 
 def make_command(seed):

@@ -92,8 +92,8 @@ def typed_options():
     for name in commands:
         parser = argparse.ArgumentParser()
         commands.create(name).declare(parser)
-        # A form may also be a word.
-        typed = [action for action in parser._actions if action.type is not None and "detrend" not in action.dest]
+        # A form may also be a word, and some options are words.
+        typed = [one for one in parser._actions if one.type not in (None, str) and "detrend" not in one.dest]
         options += [pytest.param(action.type, id=f"{name} {action.dest}") for action in typed]
     return options
 

@@ -8,6 +8,7 @@ import webbrowser
 from typing import Any
 
 from roughcontact.cli import Command
+from roughcontact.cli.options import whole_number
 from roughcontact.errors import FileError, InputError
 
 
@@ -21,7 +22,9 @@ examples:
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
-        parser.add_argument("--port", type=int, default=0, metavar="N", help="port of this machine (any that is free)")
+        parser.add_argument(
+            "--port", type=whole_number, default=0, metavar="N", help="port of this machine (any that is free)"
+        )
         parser.add_argument("--no-browser", action="store_true", help="print the address, and open no browser")
 
     def run(self, options: argparse.Namespace) -> int:
