@@ -23,6 +23,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 import roughcontact as rc
 from roughcontact import extrapolation, reference
@@ -88,6 +89,7 @@ GOOD = {
 }  # fmt: skip
 # ... where the same name means something else.
 GOOD_FOR = {
+    "SphereSurface.plot": {"grid": GRID, "panel": "map"}, "ContactSolution.plot": {"panel": "patch-sizes"},
     "Estimate": {"value": 1.0, "uncertainty": 0.1, "unit": "m"},
     "DCFFT.prepare": {"kernel": BOUND, "boundary": rc.Boundary.FREE},
     "CircularFFT.prepare": {"kernel": BOUND},
@@ -220,6 +222,9 @@ BAD |= {
 SKIPPED = {"Area", "ContactSolution", "Boundary", "Status", "reference.Hertz", "stability_gallery"}
 # Results again; a figure for each call would be too many.
 SKIPPED |= {"reference.PerssonContact", "reference.Roughness", "InterfaceLaw.plot"}
+SKIPPED |= {
+    f"{name}.plot" for name in ("WavySurface", "SelfAffineSurface", "HeightMap", "SurfaceSum", "PlacedMap", "Sweep")
+}
 OBJECTS = {
     "Grid": GRID, "WavySurface": WAVE, "SelfAffineSurface": ROUGH, "HeightMap": MAP, "SurfaceSum": WAVE + WAVE,
     "Body": rc.Body(WAVE, STEEL), "ContactProblem": PROBLEM, "limited": LIMITED, "SolvePlan": PLAN, "Sweep": SWEEP,
@@ -397,6 +402,9 @@ def fault(name, arguments):
         if getattr(error, "of_callback", False):
             return None
         return f"{type(error).__name__}: {error!s:.300}"
+    finally:
+        if name.endswith(".plot"):
+            pyplot.close("all")
     return None
 
 

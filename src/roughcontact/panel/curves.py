@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from roughcontact.checks import Array
+from roughcontact.errors.door import guarded
 from roughcontact.panel.theme import plain_logarithms, theme_of
 
 # Lowest end of a band over the value, on logarithmic axes.
@@ -16,6 +17,7 @@ _LOWEST = 0.05
 _LONG, _MARK = 54, 5
 
 
+@guarded
 def draw_band(
     axes: Any,
     x: Array,
@@ -37,6 +39,7 @@ def draw_band(
     return line
 
 
+@guarded
 def scale_axes(axes: Any, *, x: str, y: str, logarithmic: str = "") -> None:
     """Name both axes, choose their scales and ticks, and draw a grid.
 

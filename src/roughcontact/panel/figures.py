@@ -9,6 +9,7 @@ from typing import Any
 
 from roughcontact.archive import replacing
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 from roughcontact.panel.base import Panel, panels
 from roughcontact.panel.layout import arrange
 from roughcontact.panel.theme import require_matplotlib, style, theme_of
@@ -36,7 +37,7 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
     if panel is None and axes is not None:
         raise InputError("Axes hold one panel: name it, as in plot('pressure', axes=axes).")
     chosen = None if panel is None else _resolve(kind, panel)
-    if axes is not None:
+    if chosen is not None and axes is not None:
         with style(theme_of(axes).is_dark):
             chosen.draw(subject, axes)
         return axes
@@ -49,6 +50,7 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
             raise
 
 
+@guarded
 def make_figure(kind: str, subject: Any, panel: str | Panel | None = None, dark: bool = False) -> Any:
     """Return the figure that ``plot`` draws, but without pyplot: to be saved, in any thread.
 
@@ -123,10 +125,9 @@ def _keep_colors(figure: Any) -> None:
     """Let ticks that are made later, at drawing, have the colours and sizes of the theme."""
     from matplotlib import rcParams
 
+    color, size = rcParams["xtick.color"], rcParams["xtick.labelsize"]
     for axes in figure.axes:
-        for name in ("x", "y"):
-            color, size = rcParams[f"{name}tick.color"], rcParams[f"{name}tick.labelsize"]
-            axes.tick_params(axis=name, which="both", color=color, labelcolor=color, labelsize=size)
+        axes.tick_params(which="both", color=color, labelcolor=color, labelsize=size)
 
 
 def save_figure(drawn: Any, path: Path) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from roughcontact.checks import Array, Mask
+from roughcontact.errors.door import guarded
 from roughcontact.panel.curves import add_key
 from roughcontact.panel.theme import plain_logarithms, theme_of
 from roughcontact.units import prefixed
@@ -51,6 +52,7 @@ def set_plane(axes: Any, grid: Grid) -> tuple[float, float, float, float]:
     return extent
 
 
+@guarded
 def draw_map(
     axes: Any,
     values: Array,
@@ -142,6 +144,7 @@ def add_colorbar(axes: Any, image: Any, label: str, extend: str) -> None:
     bar.ax.tick_params(which="both", color=ink, labelcolor=ink)
 
 
+@guarded
 def draw_mask(axes: Any, mask: Mask, color: str) -> None:
     """Draw marked cells, shape `grid.shape`, in one colour over a map."""
     from matplotlib.colors import ListedColormap

@@ -82,7 +82,7 @@ DARK = Theme(
 
 def parameters(dark: bool) -> dict[str, Any]:
     """Return the parameters of matplotlib, `matplotlib.rcParams`, that differ from its defaults."""
-    from matplotlib import cycler
+    from matplotlib.rcsetup import cycler
 
     theme = DARK if dark else LIGHT
     inked = ("axes.edgecolor", "axes.labelcolor", "axes.titlecolor", "text.color", "xtick.color", "ytick.color")

@@ -24,7 +24,11 @@ _MARGIN = 0.08
 def _axis(value: object) -> int:
     if value not in (0, 1) or isinstance(value, bool):
         raise InputError.about("The axis of a profile", value, "0 for a cut along x or 1 for one along y")
-    return int(value)  # type: ignore[call-overload, no-any-return]
+    return int(value)
+
+
+def _position(value: float) -> float:
+    return number(value, "The position of a profile", "m")
 
 
 @final
@@ -44,9 +48,7 @@ class ProfilePanel(Panel):
     """
 
     axis: int = attrs.field(default=0, converter=_axis)
-    position: float | None = attrs.field(
-        default=None, converter=attrs.converters.optional(lambda value: number(value, "The position of a profile", "m"))
-    )
+    position: float | None = attrs.field(default=None, converter=attrs.converters.optional(_position))
 
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a solution; see `Panel.draw`."""
