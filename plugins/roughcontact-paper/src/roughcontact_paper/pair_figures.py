@@ -21,7 +21,7 @@ from roughcontact_paper.synthetic_pair import BALL_RADIUS, SIZE, STEEL
 
 _COLORS = LIGHT.lines[:3]
 # Open cells, cells in contact, and saturated ones; the edge.
-_KINDS = (LIGHT.open, LIGHT.lines[5], LIGHT.limit)
+_KINDS = (LIGHT.open, LIGHT.body, LIGHT.limit)
 _EDGE = LIGHT.edge
 # Half the side of the domain, and half the window of Figure 13, um.
 _HALF = 0.5e6 * SIZE

@@ -94,7 +94,7 @@ def _draw_summit(cases: Sequence[WaveCase]) -> Figure:
         edges = np.append(position - half, position[-1] + half)
         lines = {"edgecolors": "0.75", "linewidth": 0.2} if case.cells <= 1024 else {}
         axes.pcolormesh(
-            edges, edges, case.summit.T, cmap=ListedColormap([LIGHT.open, LIGHT.lines[5]]), vmin=0, vmax=1, **lines
+            edges, edges, case.summit.T, cmap=ListedColormap([LIGHT.open, LIGHT.body]), vmin=0, vmax=1, **lines
         )
         axes.add_patch(Circle((0, 0), radius, fill=False, edgecolor=LIGHT.limit, linewidth=2.2))
         window = 2.6 * radius
@@ -104,7 +104,7 @@ def _draw_summit(cases: Sequence[WaveCase]) -> Figure:
         )
         axes.set(xlabel="x from the summit, µm", ylabel="y, µm")
     names = [
-        Patch(color=LIGHT.lines[5], label="cells in contact"),
+        Patch(color=LIGHT.body, label="cells in contact"),
         Line2D([], [], color=LIGHT.limit, linewidth=2.2, label="circle of the converged area"),
     ]
     figure.legend(handles=names, title="one summit at 100 MPa", loc="outside upper center", ncols=2)
