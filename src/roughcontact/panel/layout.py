@@ -18,7 +18,7 @@ _SIDE, _BESIDE, _BELOW, _TITLE = 3.0, 1.3, 0.65, 0.45
 # Width and height of axes with curves, inches.
 _CURVES = (3.6, 2.9)
 # Smallest width and height of a panel alone and of one among others, inches.
-_ALONE, _AMONG = (2.8, 2.0), (1.3, 0.8)
+_ALONE, _AMONG = (2.8, 2.4), (1.3, 0.8)
 # Width over height from which maps are stacked, and below which they stand in one row.
 _WIDE, _TALL = 2.2, 0.55
 # Pixels an inch of saved figures: at least the first number, at most the second, else one for each cell.
