@@ -50,7 +50,7 @@ def test_every_panel_of_a_solution_draws(made, dark, data):
 
 
 @pytest.mark.slow
-@settings(max_examples=120, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 @given(made=problems(), dark=st.booleans(), data=st.data())
 def test_every_panel_of_many_solutions_draws(made, dark, data):
     problem, mean = made
