@@ -21,6 +21,7 @@ REQUIRED = os.environ.get("ROUGHCONTACT_BROWSER") == "1"
 CHROMIUM, DRIVER = (shutil.which(name) for name in ("chromium", "chromedriver"))
 try:
     from selenium import webdriver
+    from selenium.common.exceptions import NoSuchElementException, StaleElementReferenceException
     from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
@@ -30,6 +31,8 @@ except ImportError:
 if not REQUIRED and (webdriver is None or CHROMIUM is None or DRIVER is None):
     pytest.skip("no Chromium: install chromium, chromium-driver and selenium", allow_module_level=True)
 
+# What is looked at may be drawn anew meanwhile.
+BUSY = [NoSuchElementException, StaleElementReferenceException]
 # Seconds; the machine may be busy.
 PATIENCE = 180
 # A map whose file states everything, in a minute of nothing: 48 x 40 cells.
@@ -68,7 +71,7 @@ class Page:
         return self
 
     def until(self, condition):
-        return WebDriverWait(self.driver, PATIENCE, poll_frequency=0.1).until(lambda _: condition())
+        return WebDriverWait(self.driver, PATIENCE, poll_frequency=0.1, ignored_exceptions=BUSY).until(lambda _: condition())
 
     def find(self, name):
         return self.driver.find_element(By.ID, name)

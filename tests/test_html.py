@@ -164,7 +164,7 @@ class TestContent:
         words = text_of(read(solve(ROUGH, rc.ElasticPerfectlyPlastic(200e9, 0.3, 2e9)).to_html()))
         assert re.search(r"Saturated \(?[\d.]+", words)
         layered = attrs.evolve(solve(), moduli=((1e-6, 1e-3), (1e11, 2e11)))
-        assert "it depends on the wave" in text_of(read(layered.to_html()))
+        assert "another for each wavelength" in text_of(read(layered.to_html()))
 
     def test_the_heights_of_a_map_are_identified(self):
         height_map = make_map(("read from ring.x3p", "the best plane subtracted"))

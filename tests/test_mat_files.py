@@ -153,7 +153,7 @@ HOSTILE = {
     "a negative map": (make_file(make_matrix((-2, -4), bytes(64))), "two dimensions are: none"),
     "objects": (make_file(make_element(14, 9 * make_element(6, bytes([17, 0, 0, 0, 0, 0, 0, 0])))), "are: none"),
     "a long name": (make_file(make_matrix((2, 4), bytes(64), name=b"x" * 999)), "two dimensions are: none"),
-    "an odd name": (make_file(make_matrix((2, 3), bytes(64), name=b"\x1b\xff\n")), r"its array '.x1b.ufffd.n' declares"),
+    "an odd name": (make_file(make_matrix((2, 3), bytes(64), name=b"\x1b\xff\n")), "its array '.x1b.ufffd.n' declares"),
     "a type unknown": (make_file(make_matrix((2, 4), bytes(64), kind=18)), "two dimensions are: none"),
     "a cut": (make_file(make_matrix((2, 4), bytes(64)))[:-9], "more than it has: it is damaged"),
     "an endless element": (make_file(struct.pack("<II", 14, 2**32 - 1) + bytes(64)), "declares 4294967295 bytes"),

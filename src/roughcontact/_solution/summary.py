@@ -15,7 +15,8 @@ from roughcontact.units import Estimate, counted, prefixed, si, with_spread
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
 
-S, T = TypeVar("S"), TypeVar("T")
+S = TypeVar("S")
+T = TypeVar("T")
 _UNKNOWN = "not determined"
 # Columns of a printed solution, and those of the labels.
 _WIDTH, _LABEL = 80, 15

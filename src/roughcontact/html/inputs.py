@@ -59,7 +59,7 @@ def list_certificate(solution: ContactSolution) -> dict[str, str]:
         rows[name.capitalize()] = f"{value:.1e}: {escape(meaning)}{'' if name == 'load' else escape(scale)}"
     rows["Modulus E*"] = escape(si(solution.modulus, "Pa", 6))
     if solution.moduli is not None:
-        rows["Modulus E*"] += ", that of the longest waves: it depends on the wave"
+        rows["Modulus E*"] += ", that of the materials: the kernel has another for each wavelength"
     rows["Work"] = describe_work(solution)
     if solution.accuracy is not None:
         rows["Accuracy"] = quantity(str(solution.accuracy).replace("\n", "; "))

@@ -75,7 +75,9 @@ class HtmlWriter(SolutionWriter):
         warnings = list_all_warnings(solution)
         if warnings:
             rows["warnings"] = items(warnings)
-        shown = table(rows, "Contact")
+        # Notebooks set numbers on the right, which suits no words.
+        left = {"style": "text-align: left; vertical-align: top"}
+        shown = table(rows, f"{solution.grid}, boundary {solution.boundary}", left)
         if can_draw() and solution.grid.cells <= _SMALL and solution.contact.any():
             picture = draw_panel(solution, "pressure")
             shown += tag("img", src=picture, alt="The contact pressure", style="max-width: 24rem")

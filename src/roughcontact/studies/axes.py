@@ -62,6 +62,12 @@ class BuiltProblems(Mapping[str, ContactProblem]):
         points = [dict(zip(checked, values, strict=True)) for values in itertools.product(*checked.values())]
         return cls(build, checked, {_name(point): point for point in points})
 
+    @property
+    def name(self) -> str:
+        """Where the function is defined, or of which class it is."""
+        own = getattr(self.build, "__qualname__", type(self.build).__qualname__)
+        return f"{getattr(self.build, '__module__', '')}:{own}"
+
     def parameters(self, name: str) -> Mapping[str, Any]:
         """Return the value of each parameter of a problem."""
         return self._points[name]

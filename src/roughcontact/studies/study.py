@@ -55,8 +55,15 @@ def _as_tuple(value: object) -> object:
         return value
 
 
+def _as_list(value: object, what: str) -> tuple[Any, ...]:
+    items = _as_tuple(value)
+    if not isinstance(items, tuple):
+        raise InputError.about(what, value, "a list")
+    return items
+
+
 def _names(value: str | Sequence[str]) -> tuple[str, ...]:
-    names = (value,) if isinstance(value, str) else tuple(value)
+    names = (value,) if isinstance(value, str) else _as_list(value, "The area estimators of a study")
     for name in names:
         if not isinstance(name, str):
             raise InputError.about("An area estimator of a study", name, "a registered name")
@@ -65,7 +72,7 @@ def _names(value: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def _seeds(value: Iterable[int]) -> tuple[int, ...]:
-    return tuple(integer(seed, "A seed of the study", at_least=0) for seed in value)
+    return tuple(integer(seed, "A seed of the study", at_least=0) for seed in _as_list(value, "The seeds of a study"))
 
 
 @attrs.frozen(eq=False, init=False)
@@ -150,7 +157,7 @@ class Study:
         """A name for the study, made from its content; with a function, from its name and the axes."""
         described: Any = {}
         if isinstance(self.problems, BuiltProblems):
-            described = [_name_of(self.problems.build), dict(self.problems.axes)]
+            described = [self.problems.name, dict(self.problems.axes)]
         else:
             described = {name: problem.parts for name, problem in self.problems.items()}
         return key_of([described, [load.arguments for load in self.loads], self.seeds])[:12]
@@ -288,7 +295,3 @@ def _stop_error(reason: str, done: Mapping[int, list[Record]], total: int) -> St
 
 def _has_random_surface(problem: ContactProblem) -> bool:
     return any(body.surface.reseed(0) is not None for body in (problem.body, problem.counterbody))
-
-
-def _name_of(function: Callable[..., Any]) -> str:
-    return f"{getattr(function, '__module__', '')}:{getattr(function, '__qualname__', type(function).__qualname__)}"

@@ -150,14 +150,22 @@ function renderOutputs(state) {
   }
   if (of("table")) links.push(fileLink(state, of("table"), "Table (.csv)"));
   if (!many && of("solution")) links.push(fileLink(state, of("solution"), "Fields (.npz)"));
-  const focused = document.activeElement?.getAttribute?.("download");
-  byId("downloads").replaceChildren(...links);
-  links.find((link) => focused && link.getAttribute("download") === focused)?.focus();
+  keepOrReplace(byId("downloads"), links);
   for (const cell of byId("answer-table").querySelectorAll("[data-files]")) {
     const load = Number(cell.dataset.files);
     if (of("solution", load)) cell.replaceChildren(fileLink(state, of("solution", load), ".npz", null));
   }
   renderPictures(state);
+}
+
+// A link that somebody is about to click, or that has the focus, stays the same one.
+function keepOrReplace(place, links) {
+  const key = (link) => `${link.href} ${link.textContent}`;
+  const known = new Map([...place.children].map((link) => [key(link), link]));
+  const focused = document.activeElement;
+  if (links.length === known.size && links.every((link) => known.has(key(link)))) return;
+  place.replaceChildren(...links.map((link) => known.get(key(link)) || link));
+  if (place.contains(focused)) focused.focus();
 }
 
 function renderPictures(state) {
