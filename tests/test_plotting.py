@@ -50,7 +50,7 @@ def test_every_panel_of_a_solution_draws(made, dark, data):
 
 
 @pytest.mark.slow
-@settings(max_examples=120, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 @given(made=problems(), dark=st.booleans(), data=st.data())
 def test_every_panel_of_many_solutions_draws(made, dark, data):
     problem, mean = made
@@ -394,6 +394,15 @@ class TestFigures:
             for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
                 shown = [place for place in axis.get_majorticklocs() if low <= place <= high]
                 assert len(shown) >= 3
+
+    @pytest.mark.parametrize("ratio", [0.17, 5.9])
+    def test_narrow_domains_have_room_for_all_panels(self, ratio):
+        values = np.random.default_rng(1).standard_normal((16, 16))
+        surface = rc.HeightMap(1e-7 * values, (ratio * 1e-5, 1e-5), non_measured=values > 1.5)
+        hard = rc.ElasticPerfectlyPlastic(210e9, 0.3, 2e9)
+        solution = rc.ContactProblem(rc.Body(surface, hard)).solve(pressure=3e8)
+        for name in (None, *BY_SUBJECT["solution"]):
+            draw("solution", solution, name)
 
     def test_what_cannot_be_drawn_is_said(self, hertz, sweep):
         with pytest.raises(rc.InputError, match="Axes hold one panel: name it"):

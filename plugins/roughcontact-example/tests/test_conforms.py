@@ -30,7 +30,8 @@ def test_claim(part, claim):
 
 
 def test_panel():
-    problem = rc.ContactProblem(rc.Body(ROUGH, rc.Elastic(70e9, 0.3)), grid=rc.Grid((32, 32), 20e-6), boundary="periodic")
+    body, grid = rc.Body(ROUGH, rc.Elastic(70e9, 0.3)), rc.Grid((32, 32), 20e-6)
+    problem = rc.ContactProblem(body, grid=grid, boundary="periodic")
     solution = problem.solve(pressure=50e6)
     axes = pyplot.figure().add_subplot()
     solution.plot("patch-forces", axes=axes)

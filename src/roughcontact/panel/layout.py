@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 _SIDE, _BESIDE, _BELOW, _TITLE = 3.0, 1.3, 0.65, 0.45
 # Width and height of axes with curves, inches.
 _CURVES = (3.6, 2.9)
+# Smallest width and height of a panel alone and of one among others, inches.
+_ALONE, _AMONG = (2.8, 2.4), (1.3, 0.8)
 # Width over height from which maps are stacked, and below which they stand in one row.
 _WIDE, _TALL = 2.2, 0.55
 # Pixels an inch of saved figures: at least the first number, at most the second, else one for each cell.
@@ -70,6 +72,9 @@ def _arrange_maps(grid: Grid, count: int, title: str, engine: str) -> Layout:
     dpi = max(grid.shape[0] / width, grid.shape[1] / height)
     if engine == "constrained":
         width, height = max(width, _CURVES[0] - 0.7), max(height, _CURVES[1] - 0.5)
+    # Legends and curves need as much beside and below narrow domains.
+    smallest = _ALONE if count == 1 else _AMONG
+    width, height = max(width, smallest[0]), max(height, smallest[1])
     size = (columns * (width + _BESIDE), rows * (height + _BELOW) + (_TITLE if count > 1 else 0.0))
     return Layout(rows, columns, size, min(max(dpi, _PIXELS[0]), _PIXELS[1]), engine, title)
 

@@ -65,7 +65,8 @@ def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
     """
     thousands = 0
     if 0.0 < largest < math.inf:
-        thousands = 3 * math.floor(math.log10(largest) / (3 * power) + 1e-9)
+        # An area of 0.5 µm² is not 500000 nm².
+        thousands = 3 * math.floor((math.log10(largest) + 2 * (power - 1)) / (3 * power) + 1e-9)
     exponent = min(max(thousands, min(_PREFIXES)), max(_PREFIXES))
     return 10.0 ** (-exponent * power), f"{_PREFIXES[exponent]}{unit}{_RAISED[power]}"
 
