@@ -7,6 +7,7 @@ built, so that it reads the same without a network.
 from __future__ import annotations
 
 import doctest
+import importlib.util
 import inspect
 import re
 import sys
@@ -23,6 +24,7 @@ import roughcontact
 
 project = "roughcontact"
 author = "The roughcontact developers"
+project_copyright = "2026, the roughcontact developers"
 version = release = roughcontact.__version__
 language = "en"
 
@@ -32,8 +34,12 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinx.ext.doctest",
+    "sphinx.ext.viewcode",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "gallery", "auto_gallery/*.ipynb"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 
 html_theme = "furo"
@@ -41,6 +47,24 @@ html_title = f"roughcontact {release}"
 html_copy_source = False
 html_static_path = ["_static"]
 html_css_files = ["math.css"]
+
+# Prompts and output are not copied.
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+# The scripts of docs/gallery are run while the site is built; a script that fails fails the build.
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "auto_gallery",
+    "filename_pattern": r"\.py$",
+    "ignore_pattern": "__init__" if importlib.util.find_spec("roughcontact_layered") else "layered",
+    "within_subsection_order": "FileNameSortKey",
+    "capture_repr": (),
+    "download_all_examples": False,
+    "write_computation_times": False,
+    "show_signature": False,
+    "min_reported_time": 3600,
+    "remove_config_comments": True,
+}
 
 myst_enable_extensions = ["dollarmath", "linkify"]
 myst_linkify_fuzzy_links = False
@@ -64,6 +88,7 @@ nitpick_ignore_regex = [
     (r"py:class", r"(abc|argparse|attrs?|collections|concurrent|contextlib|enum|numpy|os|pathlib|typing)\..*"),
     (r"py:class", r"(Array|(npt\.)?ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray|T_co)"),
     (r"py:class", r"roughcontact\.(load\.Load|registry\.[A-Z]|studies\.chain\.Chain|_solution\.contact\.T)"),
+    (r"py:class", r"roughcontact\.panel\.base\.Panel"),
     (r"py:class", r"roughcontact\._responses\.flow_network\.FlowNetwork"),
 ]
 

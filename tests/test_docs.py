@@ -7,6 +7,7 @@ import importlib
 import importlib.util
 import pkgutil
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -33,7 +34,19 @@ WITH_EXAMPLES = {
     "roughcontact.registry",
     "roughcontact.testing.claim",
 }
-SITE = ("docutils", "furo", "linkify_it", "myst_parser", "numpydoc", "sphinx")
+SITE = (
+    "docutils",
+    "furo",
+    "linkify_it",
+    "matplotlib",
+    "myst_parser",
+    "numpydoc",
+    "pandas",
+    "sphinx",
+    "sphinx_copybutton",
+    "sphinx_design",
+    "sphinx_gallery",
+)
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -59,19 +72,34 @@ def test_every_public_name_has_its_entry():
     assert public - arrays <= set(entered)
 
 
-def figures(pages):
-    return {name for page in pages for name in re.findall(r"\]\((?:docs/)?figures/([^)]+)\)", page.read_text("utf-8"))}
+def shown_on(page):
+    """The figures of a page, as images and as cards."""
+    text = page.read_text(encoding="utf-8")
+    return set(re.findall(r"(?:\]\((?:docs/)?|^:img-top: )figures/([\w-]+\.png)", text, re.M))
 
 
-def test_every_figure_is_in_the_gallery():
-    # Studies have pages of their own, and need not be shown twice.
-    studies = set(DOCS.glob("st*.md"))
-    gallery = (DOCS / "gallery.md").read_text(encoding="utf-8")
-    shown = figures([DOCS / "gallery.md"])
-    assert figures([ROOT / "README.md", *(set(DOCS.glob("*.md")) - studies)]) == shown
-    assert shown | figures(studies) == {path.name for path in (DOCS / "figures").glob("*.png")}
-    for script in re.findall(r"python (docs/studies/\w+\.py)", gallery):
+def test_every_figure_is_on_the_page_of_figures():
+    """With the script that makes it; the tutorials draw theirs in their own blocks."""
+    pages = [page for page in (ROOT / "README.md", *DOCS.glob("*.md")) if page.stem != "figures"]
+    elsewhere = set().union(*map(shown_on, pages))
+    tutorials = {name for name in elsewhere if name.startswith("tutorial_")}
+    assert shown_on(DOCS / "figures.md") == elsewhere - tutorials
+    assert elsewhere == {path.name for path in (DOCS / "figures").glob("*.png")}
+    text = (DOCS / "figures.md").read_text(encoding="utf-8")
+    scripts = re.findall(r"python (docs/studies/\w+\.py)", text)
+    assert len(scripts) + text.count("roughcontact paper --pairs") > len(elsewhere - tutorials)
+    for script in scripts:
         assert (ROOT / script).exists()
+    for name in tutorials:
+        assert any(f'savefig("{name}")' in page.read_text(encoding="utf-8") for page in DOCS.glob("tutorial_*.md"))
+
+
+@pytest.mark.parametrize("page", [pytest.param(page, id=page.stem) for page in sorted(DOCS.glob("*.md"))])
+def test_no_page_is_longer_than_a_reader_stays(page):
+    """Words outside code and tables; references are looked up, not read."""
+    text = re.sub(r"^(`{3,})\w*.*?^\1$|^\$\$.*?^\$\$$", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
+    lines = [line for line in text.splitlines() if not line.startswith(("|", "<!--"))]
+    assert len(" ".join(lines).split()) <= 1200
 
 
 @pytest.fixture(scope="module")
@@ -85,14 +113,32 @@ def site(tmp_path_factory):
 
 
 def build(builder, folder):
+    """Build from a copy: the gallery writes its pages beside the others, and tests may run side by side."""
+    source = folder / "source" / "docs"
+    if not source.exists():
+        shutil.copytree(DOCS, source, ignore=shutil.ignore_patterns("_build", "__pycache__"))
+        for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md"):
+            shutil.copy(ROOT / name, source.parent)
+        (source.parent / "plugins").symlink_to(ROOT / "plugins")
     command = (sys.executable, "-m", "sphinx", "-n", "-W", "-q", "-b", builder, "-d", folder / "doctrees")
-    done = subprocess.run((*command, DOCS, folder / builder), capture_output=True, text=True, check=False)
+    done = subprocess.run((*command, source, folder / builder), capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_site_builds_without_a_warning(site):
     pages = {path.stem for path in (site / "html").glob("*.html")}
     assert {path.stem for path in DOCS.glob("*.md")} <= pages
+
+
+def test_gallery_has_a_picture_of_each_script(site):
+    index = (site / "html" / "auto_gallery" / "index.html").read_text(encoding="utf-8")
+    left_to_others = () if importlib.util.find_spec("roughcontact_layered") else ("15_layered",)
+    scripts = [path.stem for path in (DOCS / "gallery").glob("*.py") if path.stem not in left_to_others]
+    assert len(scripts) >= 14
+    for name in scripts:
+        assert f"sphx_glr_{name}_thumb.png" in index
+        page = (site / "html" / "auto_gallery" / f"{name}.html").read_text(encoding="utf-8")
+        assert f"sphx_glr_{name}_001" in page
 
 
 def test_links_and_images_of_the_site_exist(site):

@@ -2,56 +2,129 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
+import roughcontact as rc
+from roughcontact.cli import commands
+
 ROOT = Path(__file__).parent.parent
-PAGES = [
-    ROOT / "README.md",
-    *(
-        ROOT / "docs" / f"{name}.md"
-        for name in (
-            "area",
-            "gradients",
-            "interface_laws",
-            "maps",
-            "mistakes",
-            "pairs",
-            "partial_slip",
-            "plugins",
-            "responses",
-            "stability",
-            "studies",
-            "theory_beside",
-        )
-    ),
-]
-BLOCKS = [
-    pytest.param(block, id=f"{page.stem}-{number}")
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+# Commands that take more than some ten seconds.
+SLOW = ("roughcontact paper", "roughcontact report")
+# Waits until it is ended; tests/test_app*.py drive it.
+SERVES = ("roughcontact app",)
+
+
+def blocks_of(page, kind):
+    return re.findall(rf"^```{kind}\n(.*?)^```$", page.read_text(encoding="utf-8"), re.S | re.M)
+
+
+def commands_of(page):
+    """The lines of the shell blocks that call roughcontact; a backslash continues a line."""
+    lines = [line.strip() for block in blocks_of(page, "sh") for line in re.sub(r"\\\n\s*", "", block).splitlines()]
+    return [line for line in lines if line.startswith("roughcontact ") and not line.startswith(SERVES)]
+
+
+def needs(line):
+    """Why a line cannot run here, if it cannot."""
+    if re.search(r"\.(x3p|opd|plux|sur|datx)\b", line) and "ROUGHCONTACT_MAPS" not in os.environ:
+        return "measured maps are in the folder ROUGHCONTACT_MAPS"
+    plugins = {"roughcontact paper": "roughcontact_paper", "springs": "roughcontact_example"}
+    for word, package in plugins.items():
+        if word in line and importlib.util.find_spec(package) is None:
+            return f"{package} is not installed"
+    return None
+
+
+SCRIPTS = [pytest.param(page, id=page.stem) for page in PAGES if blocks_of(page, "python")]
+LINES = [
+    pytest.param(line, id=f"{page.stem}-{number}", marks=[pytest.mark.slow] if line.startswith(SLOW) else [])
     for page in PAGES
-    for number, block in enumerate(re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.S))
+    for number, line in enumerate(commands_of(page))
 ]
 
 
-@pytest.mark.parametrize("block", BLOCKS)
-def test_scripts_of_the_pages_run(block, tmp_path):
-    command = [sys.executable, "-W", "error", "-c", block]
-    plugins = os.pathsep.join(str(path) for path in (ROOT / "plugins").glob("*/src"))
-    environment = {**os.environ, "PYTHONPATH": plugins}
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment)
+@pytest.fixture(scope="session")
+def examples(tmp_path_factory):
+    """A folder of what the pages mention: the maps that the package makes, and the study file of the pages."""
+    folder = tmp_path_factory.mktemp("examples")
+    rc.examples.write(folder)
+    (study,) = blocks_of(ROOT / "docs" / "studies.md", "toml")
+    for name in ("study.toml", "scenes.toml"):
+        (folder / name).write_text(study, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def place(examples, tmp_path):
+    """A folder of its own with these files."""
+    shutil.copytree(examples, tmp_path, dirs_exist_ok=True)
+    for path in Path(os.environ.get("ROUGHCONTACT_MAPS", "nowhere")).glob("*"):
+        (tmp_path / path.name).symlink_to(path)
+    return tmp_path
+
+
+def run(command, place):
+    paths = [str(path) for path in (ROOT / "plugins").glob("*/src")]
+    scripts = os.pathsep.join((str(Path(sys.executable).parent), os.environ["PATH"]))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "PATH": scripts, "MPLBACKEND": "agg"}
+    return subprocess.run(command, capture_output=True, text=True, check=False, cwd=place, env=environment)
+
+
+@pytest.mark.parametrize("page", SCRIPTS)
+def test_scripts_of_the_pages_run(page, place):
+    """The python blocks of a page, one after the other, as a reader would run them."""
+    done = run([sys.executable, "-W", "error", "-c", "\n".join(blocks_of(page, "python"))], place)
     assert done.returncode == 0, done.stderr
+    if page.stem == "tutorial_conductance":
+        assert (place / "ground_on_aluminium.inp").read_text("ascii").count("*GAP CONDUCTANCE, PRESSURE") == 1
 
 
-def test_the_tutorial_runs_block_after_block(tmp_path):
-    text = (ROOT / "docs" / "tutorial_conductance.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"```python\n(.*?)```", text, re.S)
-    test_scripts_of_the_pages_run("\n".join(blocks), tmp_path)
-    assert (tmp_path / "ground_on_aluminium.inp").read_text(encoding="ascii").count("*GAP CONDUCTANCE, PRESSURE") == 1
+def examples_of(name):
+    """The commands in the help of a command."""
+    text = re.sub(r"\\\n\s*", "", commands.create(name).epilog)
+    lines = re.findall(r"^  (roughcontact .*)$", text, re.M)
+    return [line for line in lines if not line.startswith(SERVES)]
+
+
+OURS = [name for name in commands if commands[name].__module__.startswith("roughcontact.")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", OURS)
+def test_examples_of_the_help_run(name, place):
+    """One after the other, in a folder with the files that they mention."""
+    prepare = "roughcontact solve map.npz --force 1N --young 210GPa -o contact.npz"
+    for line in [prepare, *examples_of(name)]:
+        done = run(["bash", "-c", line.replace("~/", "").partition(" | ")[0]], place)
+        assert done.returncode in (0, 1, 3), line + done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_command_lines_of_the_pages_run(line, place):
+    reason = needs(line)
+    if reason:
+        pytest.skip(reason)
+    done = run(["bash", "-c", line], place)
+    # A solve with warnings ends in 3, a check that finds something in 1: both have answered.
+    allowed = (0, 1) if line.startswith("roughcontact stability") else (0, 3)
+    assert done.returncode in allowed, done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_what_does_not_run_says_so():
+    """Every block is of a kind that is run or written out: a python block with another name has a test of its own."""
+    kinds = {kind for page in PAGES for kind in re.findall(r"^```(\w[^\n]*)$", page.read_text("utf-8"), re.M)}
+    assert kinds <= {"python", "python maps", "python jax", "python torch", "sh", "text", "toml", "md", "py"}
+    assert [page.stem for page in PAGES if "```bash" in page.read_text("utf-8")] == []
 
 
 def study(name, monkeypatch):
@@ -104,8 +177,9 @@ def test_partial_slip(monkeypatch, tmp_path):
 
 def test_which_estimator(monkeypatch, tmp_path):
     module = study("which_estimator", monkeypatch)
-    module.main((64, 128), (64, 128), 256, 1, tmp_path)
-    assert [row[0] for row in module.make_table(module.measure_wave((64, 128), 1))] == ["N", "64", "128"]
+    wave = module.make_table(module.measure_wave((64, 128), 1))
+    assert [row[0] for row in wave] == ["N", "64", "128"]
+    module.main(wave, module.make_table(module.measure_rough((64, 128), 256, 1)), tmp_path)
     for name in ("one_summit.png", "estimator_errors.png"):
         assert (tmp_path / name).stat().st_size > 10_000
 

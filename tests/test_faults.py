@@ -355,7 +355,7 @@ FORMATS = {
     "records.csv": lambda path, made: made["result"].to_csv(path),
     "report.csv": lambda path, made: made["report"].to_csv(path),
     **{f"report.{ending}": lambda path, made: made["report"].draw(path) for ending in ("png", "svg", "pdf")},
-    "solution.png": lambda path, made: save_figure("solution", made["solution"], path),
+    "solution.png": lambda path, made: save_figure(made["solution"].plot(), path),
     "study.json": lambda path, made: write_index(path, made["result"].records),
     "table.csv": lambda path, made: paper_output().write_results([made["table"]], {}, path.parent),
     "figure.png": lambda path, made: paper_output().write_results([], {"figure": Figure()}, path.parent),

@@ -71,11 +71,18 @@ def test_filling_makes_no_summit_and_continues_planes():
         ("map.npz", b"not a zip", "cannot be read"),
         ("map.npy", b"", "cannot be read"),
         ("map.txt", b"1 2 3\n\n4 5\n", "line 3 has 2 numbers, but the lines before it have 3: write nan"),
-        ("map.txt", b"1 2\nx y\n", "line 2 holds 'x', which is not a number: .* begin lines of text with #"),
-        ("map.csv", b"x [um],y [um]\n1,2\n", r"line 1 holds 'x .um.', which is not a number"),
-        ("map.csv", b"1,2,\n3,4\n", "line 2 has 2 numbers, but the lines before it have 3"),
-        ("map.csv", b"0,5 1,5\n2,5 3,5\n", "holds '5 1', .*; if its commas are decimal, replace them by points"),
-        ("map.txt", b"1\t2\n3,4\t5\n", "only one may separate numbers, and they have a decimal point, not a comma"),
+        ("map.txt", b"1 2\nx y\n", "line 2 holds 'x', which is not a number: .* comments behind #"),
+        ("map.csv", b"1,2,\n3,4\n5,6,7\n", "line 2 has 2 numbers, but others have 3"),
+        ("map.csv", b"1,2\n3,4\n", "one comma in each line and no points, .*: give decimal=',' or decimal='.'"),
+        ("map.csv", b"1,2, 3,4\n5,6, 7,8\n", "commas with blanks beside them and without .*: give decimal=','"),
+        ("map.csv", b"1.5;2,5\n2.5;3,5\n", "line 1 holds '2,5', which is not a number: .* give decimal=','"),
+        ("map.csv", b"1.234,5;2\n", "line 1 holds '1.234,5', which is not a number"),
+        ("map.csv", b"z1.5,2,3\n4,5,6\n", "the line 'z1.5,2,3' above its heights .* skip_rows="),
+        ("map.txt", b"2 2\n1 2 3\n1 2 3\n", "line 2 has 3 numbers, .*; if those lines are a header, .* skip_rows="),
+        ("map.txt", b"1 2 3\nEnd of data\n", "line 2 holds 'End'"),
+        ("map.txt", b"10 mm\n1 2\n", "line 1 holds 'mm', .* skipped with skip_rows="),
+        ("map.csv", b"x,z\n" + b"1,0.5\n" * 9, "list of points x z of a profile"),
+        ("map.txt", b"# Width: 1 m\n# Height: 1 m\n# Value units: V\n1 2\n3 4\n", "states values in 'V', which is not"),
         ("map.txt", b"1 2\n3 1e999\n", "line 2 holds 1e999, which is too large"),
         ("map.txt", b"1 2\n3 -1e999\n", "line 2 holds -1e999, which is too large"),
         ("map.txt", b"1 2\n3 1+2j\n", r"line 2 holds '1.2j', which is not a number"),
@@ -90,9 +97,8 @@ def test_filling_makes_no_summit_and_continues_planes():
         ("map.txt", b"1 2\n3 \x00\n", "it is not text, although its name ends so"),
         ("map.txt", "1 2\n3 4\n".encode("utf-16-le"), "it is not text, although its name ends so"),
         ("map.txt", b"\xff\xfe1\x00 ", "it begins like text in utf-16, but is not"),
-        ("map.txt", b"word" * 10**6, "line 1 holds 'wordwordword"),
+        ("map.txt", b"word" * 10**6, "it holds no numbers, and begins with 'wordwordword"),
         ("map.txt", b"# nothing\n", "holds no numbers"),
-        ("map.csv", b"0,5;1,5\n2,5;3,5\n", "only one may separate"),
         ("map.txt", b"\xff\xfe\x00", "begins like text in utf-16, but is not"),
     ],
 )
@@ -220,6 +226,22 @@ def test_results_can_be_read_by_others(tmp_path):
         (b"1 nan\n-inf 4", [[1, np.nan], [-np.inf, 4]]),
         (b"# H\xf6he in \xb5m\n1 2 # no\n3 4\n", [[1, 2], [3, 4]]),
         (b"\xef\xbb\xbf1 2\n3 4\n", [[1, 2], [3, 4]]),
+        (b"1,2,\n3,4\n", [[1, 2], [3, 4]]),
+        (b"1,2,3\n4,5,6,\n", [[1, 2, 3], [4, 5, 6]]),
+        (b"0,5;1,5\n2,5;3,5\n", [[0.5, 1.5], [2.5, 3.5]]),
+        (b"0,5;1,5;\r\n2,5;3,5;\r\n", [[0.5, 1.5], [2.5, 3.5]]),
+        (b"1\t2\n3,4\t5\n", [[1, 2], [3.4, 5]]),
+        (b"0,5 1,5\n2,5  -3,5e-6\n", [[0.5, 1.5], [2.5, -3.5e-6]]),
+        (b"1 ; 2\n3 ; 4\n", [[1, 2], [3, 4]]),
+        (b"1 , 2\n3 , 4\n", [[1, 2], [3, 4]]),
+        (b"1.5, 2,3\n4,5, 6\n", [[1.5, 2, 3], [4, 5, 6]]),
+        (b'"1.5","2.5"\n"3","4"\n', [[1.5, 2.5], [3, 4]]),
+        (b"x [um],y [um]\n1.,2.\n3.,4.\n", [[1, 2], [3, 4]]),
+        (b"Instrument: \xb5surf, 20x\nSize X,1360\nDate 2026-11-22\n\n-----\n1,2,3\n4,5,6\n", [[1, 2, 3], [4, 5, 6]]),
+        (b"% of a program\n// and another\n\n1 2\n3 4\n", [[1, 2], [3, 4]]),
+        (b",,\nNaN,BAD,***\n1,2,--\n", [[np.nan] * 3, [np.nan] * 3, [1, 2, np.nan]]),
+        (b"1.#QNAN 2\n3 -1.#IND\n", [[np.nan, 2], [3, np.nan]]),
+        (b"N/A;1,5\n2,5;null\n", [[np.nan, 1.5], [2.5, np.nan]]),
         ("1 2\n3 4\n".encode("utf-16"), [[1, 2], [3, 4]]),
         ("\ufeff1 2\n3 4\n".encode("utf-16-be"), [[1, 2], [3, 4]]),
         ("1 2\n3 4\n".encode("utf-32"), [[1, 2], [3, 4]]),
@@ -231,6 +253,104 @@ def test_tables_as_instruments_and_spreadsheets_write_them(tmp_path, content, he
 
     (tmp_path / "map.txt").write_bytes(content)
     np.testing.assert_array_equal(read_raw(tmp_path / "map.txt").heights, heights)
+
+
+@pytest.mark.parametrize(
+    ("content", "options", "heights"),
+    [
+        (b"1,2\n3,4\n", {"decimal": "."}, [[1, 2], [3, 4]]),
+        (b"1,2\n3,4\n", {"separator": ","}, [[1, 2], [3, 4]]),
+        (b"1,2\n3,4\n", {"decimal": ","}, [[1.2], [3.4]]),
+        (b"1,2, 3,4\n5,6, 7,8\n", {"decimal": ","}, [[1.2, 3.4], [5.6, 7.8]]),
+        (b"1,2, 3,4\n5,6, 7,8\n", {"decimal": "."}, [[1, 2, 3, 4], [5, 6, 7, 8]]),
+        (b"1,2;3\n5,6;7\n", {"separator": ";"}, [[1.2, 3], [5.6, 7]]),
+        (b"1,2\t3\n5,6\t7\n", {"separator": "tab", "decimal": ","}, [[1.2, 3], [5.6, 7]]),
+        (b"1,2 3\n5,6 7\n", {"separator": "blank"}, [[1.2, 3], [5.6, 7]]),
+        (b"2 2\n1 2 3\n1 2 3\n", {"skip_rows": 1}, [[1, 2, 3], [1, 2, 3]]),
+        (b"10 mm wide\nx y z\n1 2 3\n", {"skip_rows": 1}, [[1, 2, 3]]),
+    ],
+)
+def test_what_is_ambiguous_in_a_table_is_said_by_options(tmp_path, content, options, heights):
+    from roughcontact.files.reading import read_raw
+
+    (tmp_path / "map.csv").write_bytes(content)
+    np.testing.assert_array_equal(read_raw(tmp_path / "map.csv", **options).heights, heights)
+    reader = rc.readers.create("txt", **options)
+    np.testing.assert_array_equal(read_raw(tmp_path / "map.csv", reader).heights, heights)
+
+
+def test_options_of_readers_are_checked(tmp_path):
+    np.savez(tmp_path / "map.npz", heights=HEIGHTS, size=(1e-3, 1e-3))
+    np.savetxt(tmp_path / "map.csv", HEIGHTS, delimiter=";")
+    with pytest.raises(rc.InputError, match=r"no option of the reader 'npz', which reads map\.npz, named 'decimal'"):
+        rc.read_surface(tmp_path / "map.npz", decimal=",")
+    with pytest.raises(rc.InputError, match=r"named 'separators'\. Did you mean 'separator'"):
+        rc.read_surface(tmp_path / "map.csv", size=1e-3, separators=";")
+    with pytest.raises(rc.InputError, match="Give decimal to the reader itself"):
+        rc.read_surface(tmp_path / "map.csv", size=1e-3, reader=rc.readers.create("txt"), decimal=".")
+    for options, words in (
+        ({"separator": "|"}, "The separator .* must be one of"),
+        ({"decimal": ":"}, "The decimal mark .* must be one of"),
+        ({"skip_rows": -1}, "The number of lines to skip .* must be"),
+        ({"separator": ",", "decimal": ","}, "cannot both separate the numbers and be their decimal mark"),
+    ):
+        with pytest.raises(rc.InputError, match=words):
+            rc.read_surface(tmp_path / "map.csv", size=1e-3, **options)
+
+
+def test_points_x_y_z_on_a_regular_grid_are_a_map(tmp_path):
+    rng = np.random.default_rng(3)
+    nx, ny = 12, 9
+    i, j = (axis.ravel() for axis in np.meshgrid(np.arange(nx), np.arange(ny), indexing="ij"))
+    # Places rounded to three digits, as they are printed, in any order.
+    lines = [f"{0.333 * a - 2:.3f} {1.5 * b:.3f} {1e6 * h}" for a, b, h in zip(i, j, rng.random(nx * ny), strict=True)]
+    heights = np.array([float(line.split()[2]) for line in lines]).reshape(nx, ny)
+    order = rng.permutation(nx * ny)
+    path = tmp_path / "points.xyz"
+    path.write_text("X Y Z\n" + "\n".join(lines[k] for k in order))
+    with pytest.raises(rc.InputError, match=r"its 12 x 9 points are 0.333 x 1.5 apart .*size=.3.996e-06, 1.35e-05."):
+        rc.read_surface(path)
+    surface = rc.read_surface(path, size=(4e-6, 13.5e-6), unit=1e-6)
+    np.testing.assert_array_equal(surface.values, 1e-6 * heights)
+    # Points that are not listed, or have no height, were not measured.
+    lines[order[0]] = lines[order[0]].rsplit(" ", 1)[0] + " BAD"
+    path.write_text("\n".join(lines[k] for k in order[:-4]))
+    kept = rc.read_surface(path, size=(4e-6, 13.5e-6), non_measured="keep")
+    assert np.flatnonzero(kept.non_measured.ravel()).tolist() == sorted([*order[-4:], order[0]])
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        np.random.default_rng(4).random((50, 3)),
+        np.array([[i, i, 0.0] for i in range(20)]),
+        np.array([[i % 5, i // 5 % 5, 0.0] for i in range(50)]),
+        np.array([[i % 5, np.exp(i // 5), 0.0] for i in range(25)]),
+        np.ones((10, 3)),
+        np.full((10, 3), 1e308) * np.array([1, 1, 0]) * (-1.0) ** np.arange(10)[:, None],
+        np.array([[np.nan, 1.0, 2.0]] * 9),
+    ],
+)
+def test_points_on_no_regular_grid_are_refused(tmp_path, points):
+    np.savetxt(tmp_path / "points.txt", points)
+    with pytest.raises(rc.InputError, match="do not lie on a regular grid: interpolate them"):
+        rc.read_surface(tmp_path / "points.txt", size=1e-3)
+
+
+def test_an_image_of_gwyddion_has_its_size_its_unit_and_x_first(tmp_path):
+    # The highest point of the image is at the top on the right: at large x and large y.
+    text = "# Channel: Z\n# Width: 30,0 \u00b5m\n# Height: 20.0 \u00b5m\n# Value units: nm\n0\t1\t9\n2\t3\t4\n"
+    for encoding in ("utf-8", "latin-1", "utf-16"):
+        (tmp_path / "image.txt").write_bytes(text.encode(encoding))
+        surface = rc.read_surface(tmp_path / "image.txt")
+        assert surface.size == pytest.approx((30e-6, 20e-6))
+        np.testing.assert_allclose(surface.values, 1e-9 * np.array([[2, 0], [3, 1], [4, 9]]))
+        x, y = surface.grid.x[:, 0], surface.grid.y[0]
+        place = np.unravel_index(surface.values.argmax(), surface.values.shape)
+        assert x[place[0]] == x.max()
+        assert y[place[1]] == y.max()
+    with pytest.raises(rc.InputError, match="states its own unit of height"):
+        rc.read_surface(tmp_path / "image.txt", unit=1e-9)
 
 
 def test_many_points_are_filled_as_few_are(monkeypatch):

@@ -17,11 +17,13 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from decimal import Decimal
 from fractions import Fraction
+from importlib.util import find_spec
 from pathlib import Path
 
 import attrs
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 import roughcontact as rc
 from roughcontact import extrapolation, reference
@@ -36,6 +38,7 @@ MEMORY, ENDLESS = 2**31, 60
 # Characters of a sentence.
 LONGEST = 600
 
+HAS_TOPOGRAPHY = find_spec("SurfaceTopography") is not None
 GRID = rc.Grid((8, 8), 1e-3)
 WAVE = rc.WavySurface(1e-6, 1e-3)
 STEEL = rc.Elastic(210e9, 0.3)
@@ -82,10 +85,11 @@ GOOD = {
     "status": rc.Status.CONVERGED, "surface": WAVE, "task": TASK, "tolerance": 1e-6, "values": SOLUTION.pressure,
     "wavelength": 1e-3, "wavenumber": 1e4, "yield_stress": 1e9, "conductivity": 50.0, "viscosity": 1e-3,
     "pressure_drop": 1e5, "of": "participation", "tangential_force": 1.0, "friction": 0.2, "response": "stress",
-    "index": 0, "young": 1e9,
+    "index": 0, "topography": MAP.to_topography() if HAS_TOPOGRAPHY else None, "young": 1e9,
 }  # fmt: skip
 # ... where the same name means something else.
 GOOD_FOR = {
+    "SphereSurface.plot": {"grid": GRID, "panel": "map"}, "ContactSolution.plot": {"panel": "patch-sizes"},
     "Estimate": {"value": 1.0, "uncertainty": 0.1, "unit": "m"},
     "DCFFT.prepare": {"kernel": BOUND, "boundary": rc.Boundary.FREE},
     "CircularFFT.prepare": {"kernel": BOUND},
@@ -218,6 +222,9 @@ BAD |= {
 SKIPPED = {"Area", "ContactSolution", "Boundary", "Status", "reference.Hertz", "stability_gallery"}
 # Results again; a figure for each call would be too many.
 SKIPPED |= {"reference.PerssonContact", "reference.Roughness", "InterfaceLaw.plot"}
+SKIPPED |= {
+    f"{name}.plot" for name in ("WavySurface", "SelfAffineSurface", "HeightMap", "SurfaceSum", "PlacedMap", "Sweep")
+}
 OBJECTS = {
     "Grid": GRID, "WavySurface": WAVE, "SelfAffineSurface": ROUGH, "HeightMap": MAP, "SurfaceSum": WAVE + WAVE,
     "Body": rc.Body(WAVE, STEEL), "ContactProblem": PROBLEM, "limited": LIMITED, "SolvePlan": PLAN, "Sweep": SWEEP,
@@ -395,6 +402,9 @@ def fault(name, arguments):
         if getattr(error, "of_callback", False):
             return None
         return f"{type(error).__name__}: {error!s:.300}"
+    finally:
+        if name.endswith(".plot"):
+            pyplot.close("all")
     return None
 
 

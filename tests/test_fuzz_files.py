@@ -15,6 +15,7 @@ import tracemalloc
 import attrs
 import numpy as np
 import pytest
+import scipy.io
 
 import roughcontact as rc
 from damage import damage_bytes, forge, write_forged
@@ -22,11 +23,12 @@ from roughcontact.archive import SEAL, read_archive, seal
 from roughcontact.studies.record import read_index
 from strategies import STRICT
 
-pytest.importorskip("h5py")
+h5py = pytest.importorskip("h5py")
+tifffile = pytest.importorskip("tifffile")
 pytest.importorskip("h5netcdf")
 
 # Files of solutions and lists of records in the long run, and height maps; the ordinary run takes the first of them.
-FILES, MAPS = 2_000, 1_000
+FILES, MAPS = 2_000, 3_000
 SHORT = 120
 # Cases of one test of the long run.
 BLOCK = 250
@@ -222,16 +224,55 @@ def require_study(folder, files, result, rng):
         )
 
 
+def saved(save, *arguments, **options):
+    """Return what a function that writes into a stream has written."""
+    stream = io.BytesIO()
+    save(stream, *arguments, **options)
+    return stream.getvalue()
+
+
+def write_hdf5(heights):
+    """Return a file as MATLAB writes version 7.3: a head of 512 bytes, and deflated parts of arrays."""
+    stream = io.BytesIO()
+    with h5py.File(stream, "w", userblock_size=512) as file:
+        file.create_dataset("heights", data=heights.T, chunks=(3, 3), compression=3, shuffle=True)
+        file["heights"].attrs["MATLAB_class"] = np.bytes_("double")
+        file.create_dataset("dx", data=[[1e-5]])
+    return (b"MATLAB 7.3 MAT-file".ljust(124) + b"\0\2IM" + stream.getvalue()[128:]).ljust(1024, b"\0")
+
+
+def list_points(heights):
+    i, j = np.indices(heights.shape)
+    return "X,Y,Z\n" + "\n".join(f"{x},{y},{z}" for x, y, z in zip(i.flat, j.flat, heights.flat, strict=True))
+
+
+# A writer of each kind of file that holds a map.
+WRITERS = {
+    "map.npz": lambda heights: saved(np.savez_compressed, heights),
+    "map.npy": lambda heights: saved(np.save, heights),
+    "map.txt": lambda heights: saved(np.savetxt, heights),
+    "decimal.csv": lambda heights: saved(np.savetxt, heights, delimiter=";").replace(b".", b","),
+    "header.csv": lambda heights: b"# Width: 1 \xb5m\n# Height: 1 um\n" + saved(np.savetxt, heights, delimiter=","),
+    "points.csv": lambda heights: list_points(heights).encode(),
+    "wide.txt": lambda heights: "\n".join("\t".join(map(str, row)) for row in heights.tolist()).encode("utf-16"),
+    "plain.mat": lambda heights: saved(scipy.io.savemat, {"heights": heights, "dx": 1e-5, "notes": {"a": "b"}}),
+    "deflated.mat": lambda heights: saved(scipy.io.savemat, {"heights": heights, "dx": 1e-5}, do_compression=True),
+    "hdf5.mat": write_hdf5,
+    "plain.tif": lambda heights: saved(tifffile.imwrite, heights.astype("f4")),
+    "deflated.tif": lambda heights: saved(tifffile.imwrite, heights, compression="zlib"),
+    "tiled.tif": lambda heights: saved(tifffile.imwrite, heights.repeat(4, 0).repeat(4, 1), tile=(16, 16)),
+}
+
+
 def try_map(number, folder):
     """Damage a height map: its numbers have no checksum, so it is refused or has finite heights."""
     rng = np.random.default_rng([3, number])
-    heights = rng.random((6, 5)) * 1e-6
-    stream, suffix = io.BytesIO(), ("npz", "npy", "txt")[number % 3]
-    {"npz": np.savez_compressed, "npy": np.save, "txt": np.savetxt}[suffix](stream, heights)
-    path = folder / f"map.{suffix}"
-    path.write_bytes(damage_bytes(stream.getvalue(), rng))
+    name = sorted(WRITERS)[number % len(WRITERS)]
+    path = folder / name
+    path.write_bytes(damage_bytes(WRITERS[name](rng.random((6, 5)) * 1e-6), rng))
     non_measured = ("refuse", "keep", "fill")[int(rng.integers(3))]
-    found = read_or_refuse(rc.read_surface, path, size=1e-4, non_measured=non_measured)
+    unit = {"unit": 1.0} if name.endswith(".tif") else {}
+    found = read_or_refuse(rc.read_surface, path, size=1e-4, non_measured=non_measured, **unit)
     assert found is None or np.isfinite(found.heights(found.grid)).all()
 
 

@@ -26,8 +26,7 @@ def maps(tmp_path_factory):
 
 
 @pytest.mark.parametrize("mistake", study.MISTAKES, ids=lambda mistake: mistake.name)
-def test_every_mistake_gets_the_sentence_of_the_page(mistake, maps, monkeypatch):
-    monkeypatch.setattr("roughcontact.cli.picture.draw_solution", lambda *_: None)
+def test_every_mistake_gets_the_sentence_of_the_page(mistake, maps):
     sentences = study.list_sentences(mistake, maps)
     status = None
     if mistake.command:

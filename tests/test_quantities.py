@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import math
 
+import numpy as np
 import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
 from roughcontact.cli import commands
 from roughcontact.cli.options import quantity, whole_number
+from roughcontact.studies.toml import read_study
 
 GOOD = {
     "N": {
@@ -33,9 +35,17 @@ GOOD = {
         "5 kg*m/s^2": 5.0,
     },
     "m": {"1.5mm": 1.5e-3, "250um": 250e-6, "2 \u00b5m": 2e-6, "2 \u03bcm": 2e-6, "1 \u00c5": 1e-10, "1in": 25.4e-3},
-    "Pa": {"5 MPa": 5e6, "210GPa": 210e9, "5 N/mm^2": 5e6, "5 N/mm**2": 5e6, "5N/mm²": 5e6, "1 bar": 1e5},
+    "Pa": {
+        "5 MPa": 5e6,
+        "210GPa": 210e9,
+        "5 N/mm^2": 5e6,
+        "5 N/mm2": 5e6,
+        "5 N/mm**2": 5e6,
+        "5N/mm²": 5e6,
+        "1 bar": 1e5,
+    },
     "rad": {"180deg": math.pi, "180°": math.pi, "5 mrad": 5e-3},
-    "dimensionless": {"0.3": 0.3, "3e-1": 0.3, "30%": 0.3, "30 %": 0.3, "-1": -1.0},
+    "": {"0.3": 0.3, "3e-1": 0.3, "30%": 0.3, "30 %": 0.3, "-1": -1.0},
 }
 # A decimal comma, groups of digits, arithmetic, two quantities, no number, no unit, a wrong or unknown unit, what
 # Python takes beside numbers, and numbers without end.
@@ -48,9 +58,9 @@ ALWAYS_BAD = (
 BAD = {
     "N": (*ALWAYS_BAD, "5", "1e3", "5 Pa", "5 Nm", "5 q", "5 n", "5/N"),
     "m": ("1,5mm", "1.5 mm mm", "1 5mm", "1um2", "1 m2", "5 deg"),
-    "Pa": ("5 MPa 3", "210", "5 mpa", "5 N/mm2", "1 MPa^2", "5 kg", "1e5 degC"),
+    "Pa": ("5 MPa 3", "210", "5 mpa", "1 MPa^2", "5 kg", "1e5 degC"),
     "rad": ("30", "0.5", "30 %", "1,5rad"),
-    "dimensionless": ("0,3", ",3", "0.3.1", "1/3", "30 deg", "0.3 m", "nan", "inf", "1e999", "0x1", "1_0"),
+    "": ("0,3", ",3", "0.3.1", "1/3", "30 deg", "0.3 m", "nan", "inf", "1e999", "0x1", "1_0"),
 }
 
 
@@ -90,7 +100,7 @@ def typed_options():
 
 @pytest.mark.parametrize("convert", typed_options())
 def test_every_option_of_every_command_is_strict(convert):
-    for text in (*ALWAYS_BAD, *BAD["dimensionless"][:3]):
+    for text in (*ALWAYS_BAD, *BAD[""][:3]):
         with pytest.raises(argparse.ArgumentTypeError, match="write it like"):
             convert(text)
 
@@ -124,8 +134,6 @@ PLAIN = {"size": "1e-4", "young": "1e9", "poisson": "0.3", "load": "pressure = [
 
 
 def study(tmp_path, **changes):
-    from roughcontact.studies.toml import read_study
-
     (tmp_path / "study.toml").write_text(STUDY.format(**PLAIN | changes), encoding="utf-8")
     return read_study(tmp_path / "study.toml")
 
@@ -133,24 +141,57 @@ def study(tmp_path, **changes):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"size": '"1,5mm"'}, "The size of the domain must be a finite number, above 0 .m., but got '1,5mm'"),
-        ({"young": '"5 MPa 3"'}, "Young's modulus must be a finite number.* but got '5 MPa 3'"),
-        ({"young": '"210 GPa"'}, "Young's modulus must be a finite number.* but got '210 GPa'"),
+        (
+            {"size": '"1,5mm"'},
+            "'1,5mm' is not one number .*; write it like 250um, or as a number in m @ problems.a.grid.size",
+        ),
+        ({"young": '"5 MPa 3"'}, "'5 MPa 3' is not one number .* @ problems.a.body.material.young"),
+        ({"young": '"210"'}, "'210' has no unit .* @ problems.a.body.material.young"),
+        ({"young": '"210 N"'}, "'210 N' is not a quantity in units of Pa; .* @ problems.a.body.material.young"),
         ({"young": "[2, 5]"}, "Young's modulus must be"),
         ({"young": "inf"}, "Young's modulus must be"),
         ({"young": "1e999"}, "Young's modulus must be"),
-        ({"poisson": '"0,3"'}, "Poisson's ratio must be"),
+        ({"poisson": '"0,3"'}, "'0,3' is not one number .* @ problems.a.body.material.poisson"),
         ({"poisson": "nan"}, "Poisson's ratio must be"),
         ({"poisson": "0,3"}, "is not TOML"),
-        ({"load": 'pressure = ["5 MPa"]'}, "must be a finite number.* but got '5 MPa'"),
+        ({"load": 'pressure = ["5 mN"]'}, "'5 mN' is not a quantity in units of Pa.* @ study.pressure"),
+        ({"load": 'pressure = "5 MPa"'}, "must be a list"),
         ({"load": 'pressure = "5e6"'}, "pressure"),
         ({"load": 'force = "2,5N"'}, "force"),
     ],
 )
-def test_in_study_files_quantities_are_plain_numbers(tmp_path, changes, words):
+def test_in_study_files_a_wrong_quantity_is_refused_with_its_place(tmp_path, changes, words):
     with pytest.raises(rc.InputError, match=words):
         study(tmp_path, **changes)
 
 
 def test_the_study_file_itself_is_read(tmp_path):
     assert study(tmp_path).loads[0].value == 1e6
+
+
+def test_in_study_files_quantities_may_have_units(tmp_path):
+    """A text with a unit is the same number as one in SI units, to the last bit."""
+    changes = {"size": '["100um", 1e-4]', "young": '"1GPa"', "poisson": '"30 %"', "load": 'pressure = ["1MPa", 2e6]'}
+    given, plain = study(tmp_path, **changes), study(tmp_path, load="pressure = [1e6, 2e6]")
+    assert given.key == plain.key
+    assert study(tmp_path, load='force = ["300 mN"]').loads[0].value == 0.3
+
+
+def test_the_size_and_unit_of_a_map_in_a_study_may_have_units(tmp_path):
+    np.savetxt(tmp_path / "map.txt", np.eye(4))
+    text = STUDY.format(**PLAIN)
+    surface = 'body.surface = {{ type = "file", path = "map.txt", size = "{}", unit = "{}" }}'
+
+    def write(size, unit):
+        lines = [
+            surface.format(size, unit) if "wavy" in line else "" if line.startswith("grid") else line
+            for line in text.split("\n")
+        ]
+        (tmp_path / "maps.toml").write_text("\n".join(lines), encoding="utf-8")
+        return read_study(tmp_path / "maps.toml").problems["a"].body.surface
+
+    found = write("40um", "1 um")
+    assert found.size == (40e-6, 40e-6)
+    assert found.values.max() == 1e-6
+    with pytest.raises(rc.InputError, match="The unit of a map: '1 Pa' is not a quantity in units of m"):
+        write("40um", "1 Pa")

@@ -343,6 +343,38 @@ def test_height_maps_are_interpolated_as_the_user_says():
         report.advice()
 
 
+def test_a_map_is_not_compared_with_itself(tmp_path):
+    problem = rc.ContactProblem(rc.Body(rough_map(False), STEEL))
+    options = {"pressure": 5e8, "between": "bilinear", "repeats": 1}
+    report = rc.error_vs_time(problem, **options)
+    own = [row for row in report.rows if row.shape == (64, 48)]
+    assert [row.estimator for row in own] == ["blend", "cell-count"]
+    assert [row.of_reference for row in own] == [{"area", "p_max", "approach"}, {"p_max", "approach"}]
+    assert not any(row.of_reference for row in report.rows if row not in own)
+    assert own[0].area == pytest.approx(report.reference.area, rel=1e-5)
+    assert math.isnan(own[0].area_error)
+    assert own[1].area_error == pytest.approx(own[1].area / report.reference.area - 1)
+    for quantity in ("area", "p_max", "approach"):
+        assert own[0] not in report.front(quantity)
+    # Only the coarser grid is advised.
+    advice = report.advice(area=1.0)
+    assert "blend needs 32 x 24 cells" in advice or "32 x 24 cells with blend" in advice
+    assert "64 x 48 cells" not in advice.split(". The errors")[0]
+    assert advice.endswith("those of coarser grids, against the map solved on its own 64 x 48 cells (area by blend); "
+                           "not of the measurement.")  # fmt: skip
+    assert "| 64 x 48 | blend |" in report.to_markdown()
+    assert str(report).count("reference  ") >= 3
+    report.draw(tmp_path / "report.png")
+    # With the grid of the map alone there is nothing to compare.
+    alone = rc.error_vs_time(problem, **options, cells=(64,), areas=("blend",))
+    assert alone.front() == ()
+    assert alone.advice(area=1.0).startswith("No case but the reference itself was solved")
+    alone.draw(tmp_path / "alone.png")
+    # A surface that is known between its points has a finer reference, and every case is compared.
+    smooth = rc.ContactProblem(rc.Body(rough_map(True), STEEL), boundary="periodic")
+    assert not any(row.of_reference for row in rc.error_vs_time(smooth, pressure=5e8, repeats=1).rows)
+
+
 def test_progress_is_reported():
     seen = []
     rc.error_vs_time(

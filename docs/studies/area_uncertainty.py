@@ -21,6 +21,8 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 import area_classes
 
+from roughcontact.panel import style
+
 # Groups of classes, by panels of the figure.
 PANELS = {
     "waves, balls, ellipses": ("wave", "ball", "ellipse"),
@@ -64,6 +66,7 @@ def make_rows(folder: str | None = None) -> list[list[str]]:
     return rows
 
 
+@style()
 def draw(folder: str | None = None) -> None:
     """Draw the fraction of errors within any number of standard deviations beside that of normal ones."""
     from scipy.special import erf
@@ -79,7 +82,7 @@ def draw(folder: str | None = None) -> None:
                 axes.plot(z, np.mean(found[:, np.newaxis] <= z, axis=0), lw=1.4, label=name)
         axes.axvline(2.0, color="0.7", lw=0.8)
         axes.set(title=title, xlim=(0.0, 3.0), ylim=(0.0, 1.02))
-        axes.legend(fontsize=7, loc="lower right")
+        axes.legend(fontsize=7, loc="lower right", frameon=True)
     for axes in figure.axes[3:]:
         axes.set_xlabel("error over stated standard deviation")
     for axes in figure.axes[::3]:

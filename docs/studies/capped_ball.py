@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from scipy.special import ellipe, ellipk
 
 import roughcontact as rc
+from roughcontact.panel import LIGHT, add_key, scale_axes, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 RADIUS, HARDNESS = 5e-3, 6e9
@@ -100,28 +101,26 @@ def main(cells: int = 512, count: int = 800, folder: Path = FIGURES) -> None:
 
 
 def draw(times: np.ndarray, ours: np.ndarray, folder: Path) -> None:
-    figure = Figure(figsize=(11, 4.6), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    fine = np.linspace(0.05, times[-1], 300)
-    unit = np.pi * YIELD_RADIUS**2
-    truncated = np.array([thornton(factor * YIELD) for factor in fine[fine >= 1]])
-    left.plot(fine, fine ** (2 / 3), ":", color="0.4", label="Hertz, elastic")
-    left.plot(
-        fine[fine >= 1], truncated[:, 0] / YIELD_APPROACH, "--", color="#3c8d53", label="truncated Hertz (Thornton)"
-    )
-    left.plot(times, ours[:, 0] / YIELD_APPROACH, "o", color="#1b6ca8", label="elastic, perfectly plastic")
-    left.set(ylabel="approach / approach at first yield")
-    right.plot(fine, fine ** (2 / 3), ":", color="0.4", label="Hertz, elastic")
-    right.plot(fine[fine >= 1], truncated[:, 1] / unit, "--", color="#3c8d53", label="truncated Hertz (Thornton)")
-    right.plot(fine, fine * YIELD / HARDNESS / unit, "-", color="0.7", label="load / hardness")
-    right.plot(times, ours[:, 1] / unit, "o", color="#1b6ca8", label="contact area")
-    right.plot(times, ours[:, 2] / unit, "s", color="#d1495b", label="saturated area")
-    right.set(ylabel="area / area at first yield")
-    for axes in (left, right):
-        axes.set(xlabel="force / force at first yield", xlim=(0, None), ylim=(0, None))
-        axes.grid(alpha=0.3)
-        axes.legend()
-    figure.savefig(folder / "capped_ball.png", dpi=110)
+    fine, unit = np.linspace(0.05, times[-1], 300), np.pi * YIELD_RADIUS**2
+    plastic = fine[fine >= 1]
+    truncated = np.array([thornton(factor * YIELD) for factor in plastic])
+    with style():
+        figure = Figure(figsize=(11, 4.6), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        for axes in (left, right):
+            axes.plot(fine, fine ** (2 / 3), ":", color=LIGHT.ink, label="Hertz, elastic")
+        blue, orange, _, green, *_ = LIGHT.lines
+        left.plot(plastic, truncated[:, 0] / YIELD_APPROACH, "--", color=green, label="truncated Hertz (Thornton)")
+        left.plot(times, ours[:, 0] / YIELD_APPROACH, "o", ms=6, color=blue, label="elastic, perfectly plastic")
+        right.plot(plastic, truncated[:, 1] / unit, "--", color=green, label="truncated Hertz")
+        right.plot(fine, fine * YIELD / HARDNESS / unit, "-", color=LIGHT.unknown, label="load / hardness")
+        right.plot(times, ours[:, 1] / unit, "o", ms=6, color=blue, label="contact")
+        right.plot(times, ours[:, 2] / unit, "s", ms=6, color=orange, label="saturated")
+        for axes, name in ((left, "approach / approach at first yield"), (right, "area / area at first yield")):
+            scale_axes(axes, x="force / force at first yield", y=name)
+            axes.set(xlim=(0, None), ylim=(0, None))
+            add_key(axes)
+        figure.savefig(folder / "capped_ball.png", dpi=110)
 
 
 # The errors of the approach are those of the solver's tolerance.

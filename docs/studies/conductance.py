@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from stiffness import MODULUS, SIZE, STEEL, hertz, rough
 
 import roughcontact as rc
+from roughcontact.panel import LIGHT, add_key, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 RADIUS = 1000.0
@@ -90,8 +91,8 @@ def draw_currents(axes: Axes, cells: int) -> None:
     field = np.full((cells, cells), np.nan)
     field[solution.contact] = 1e3 * flows[solution.patches.labels[solution.contact] - 1]
     image = axes.imshow(field.T, origin="lower", extent=(-5e5 * SIZE, 5e5 * SIZE) * 2, cmap="viridis", norm="log")
-    axes.figure.colorbar(image, ax=axes, label="mW/K")
-    axes.set(title="through each patch, 50 W/(m K)", xlabel="x, µm", ylabel="y, µm")
+    axes.figure.colorbar(image, ax=axes, label="conductance of each patch, mW/K")
+    axes.set(xlabel="x, µm", ylabel="y, µm")
 
 
 def draw_loads(axes: Axes, cells: int, loads: int) -> None:
@@ -99,12 +100,12 @@ def draw_loads(axes: Axes, cells: int, loads: int) -> None:
     problem = rough(cells, 0.8, 4, wide=True)
     pressures = np.geomspace(3e-3, 0.5, loads) * 0.1 * MODULUS
     solutions = problem.sweep(pressure=pressures.tolist()).solutions
-    for film, color in ((0.0, "#1b6ca8"), (1e-8, "#e69f00"), (1e-7, "#3b1f5b")):
+    for film, color in zip((0.0, 1e-8, 1e-7), LIGHT.lines, strict=False):
         found = [solution.conductance(50.0, film).per_area for solution in solutions]
         label = f"film of {1e6 * film:g} mm² K/W" if film else "no film"
         axes.plot(1e-6 * pressures, 1e-6 * np.array(found), "o-", color=color, ms=4, label=label)
-    axes.legend()
-    axes.set(xscale="log", yscale="log", xlabel="pressure, MPa", ylabel="W/(mm² K)", title="over the load")
+    axes.set(xscale="log", yscale="log", xlabel="pressure, MPa", ylabel="conductance, W/(mm² K)")
+    add_key(axes)
 
 
 def draw_bounds(axes: Axes, points: int) -> None:
@@ -116,12 +117,13 @@ def draw_bounds(axes: Axes, points: int) -> None:
     found = np.array([1 / solution.conductance(2.0, film).value for film in films])
     upper = 8 / (3 * math.pi**2 * a) + films / (math.pi * a**2)
     axes.plot(films / a, 100 * (upper / series - 1), "--", color="0.5", label="uniform current")
-    axes.plot(films / a, 100 * (found / series - 1), "o-", color="#1b6ca8", ms=4, label="solved")
+    axes.plot(films / a, 100 * (found / series - 1), "o-", color=LIGHT.lines[0], ms=4, label="solved")
     axes.axhline(0, color="0.5", lw=1, label="in series")
-    axes.legend()
-    axes.set(xscale="log", xlabel="film resistance times k / a", ylabel="excess over series, %", title="one disc")
+    axes.set(xscale="log", xlabel="film resistance times k / a", ylabel="one disc: excess over series, %")
+    add_key(axes)
 
 
+@style()
 def main(cells: int = 256, loads: int = 8, points: int = 12, folder: Path = FIGURES) -> None:
     figure = Figure(figsize=(13, 4), layout="constrained")
     currents, law, bounds = figure.subplots(1, 3)

@@ -15,10 +15,11 @@ import statistics
 import time
 from pathlib import Path
 
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, read, write_tables
 from matplotlib.figure import Figure
 
 import roughcontact as rc
+from roughcontact.panel import LIGHT, add_key, scale_axes, style
 from roughcontact_paper import published
 
 FIGURES = Path(__file__).parent.parent / "figures"
@@ -72,6 +73,7 @@ def _points(rows: dict[int, dict[str, float]], name: str) -> tuple[list[float], 
     return [row["cpu"] for row in rows.values()], [abs(row[name]) for row in rows.values()]
 
 
+@style()
 def draw(rows: dict[int, dict[str, float]], path: Path) -> None:
     figure = Figure(figsize=(6, 4.2), layout="constrained")
     axes = figure.subplots()
@@ -84,14 +86,25 @@ def draw(rows: dict[int, dict[str, float]], path: Path) -> None:
     for cells, row in others.items():
         place = row["cpu"], abs(row["cell-count"])
         if cells.bit_count() == 1:
-            axes.annotate(f"N = {cells}", place, xytext=(4, 6), textcoords="offset points")
+            axes.annotate(f"N = {cells}", place, xytext=(4, 6), textcoords="offset points", fontsize=8)
     axes.set_xlim(right=3 * max(row["cpu"] for row in rows.values()))
-    axes.plot([], [], "o", color="0.4", markerfacecolor="none", label="open: whole cells a wave")
-    axes.set(xlabel="CPU time of one solve, s", ylabel="error, %")
-    axes.grid(alpha=0.3, which="both")
-    axes.legend(fontsize=8)
+    axes.plot([], [], "o", color=LIGHT.ink, markerfacecolor="none", label="open: whole cells a wave")
+    scale_axes(axes, x="CPU time of one solve, s", y="error, %", logarithmic="xy")
+    axes.set_xticks([0.02, 0.05, 0.1, 0.2, 0.5, 1.0])
+    axes.minorticks_off()
+    add_key(axes)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=150)
+
+
+def read_rows() -> dict[int, dict[str, float]]:
+    """Return what the stored table holds."""
+    names = ("cpu", "iterations", "cell-count", "perimeter", "blend", "p_max")
+    lines = read("error-vs-time")[1:]
+    return {
+        int(line[0]): {name: float(text.split()[0]) for name, text in zip(names, line[1:], strict=True)}
+        for line in lines
+    }
 
 
 def main(grids: tuple[int, ...] = GRIDS, repeats: int = REPEATS, folder: Path = FIGURES) -> None:
@@ -102,4 +115,4 @@ TABLES = {"error-vs-time": DocTable(make_rows, seconds=14, timed=("CPU time, s",
 
 if __name__ == "__main__":
     write_tables(TABLES)
-    main()
+    draw(read_rows(), FIGURES / "error_vs_time.png")

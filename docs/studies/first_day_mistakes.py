@@ -15,6 +15,7 @@ from pathlib import Path
 
 import attrs
 import numpy as np
+import tifffile
 
 import roughcontact as rc
 from roughcontact.__main__ import main as run_command
@@ -43,7 +44,16 @@ def write_maps(folder: Path) -> None:
     np.savez(folder / "tilted.npz", heights=heights + 0.1 * y, size=GRID.size)
     np.save(folder / "micrometres.npy", 1e6 * heights)
     np.save(folder / "oblong.npy", heights[:, :48])
-    np.savetxt(folder / "points.txt", np.stack((x, y, heights), axis=-1).reshape(-1, 3))
+    np.savetxt(folder / "points.txt", 1e6 * np.stack((x, y, heights), axis=-1).reshape(-1, 3))
+    np.savetxt(folder / "decimal.csv", 1e6 * heights, delimiter=";", header="heights in um", comments="")
+    text = (folder / "decimal.csv").read_text(encoding="utf-8")
+    (folder / "decimal.csv").write_text(text.replace(".", ","), encoding="utf-8")
+    (folder / "trailing.csv").write_text(
+        "".join(",".join(f"{value:.7e}" for value in row) + ",\n" for row in heights), encoding="utf-8"
+    )
+    np.savetxt(folder / "whole.csv", 1e9 * (heights - heights.min())[:2].T, fmt="%.0f", delimiter=",")
+    grey = np.round(255 * (heights - heights.min()) / np.ptp(heights)).astype(np.uint8)
+    tifffile.imwrite(folder / "grey.tif", grey)
     noise = 1e-7 * np.random.default_rng(0).standard_normal(GRID.shape)
     np.savez(folder / "noise.npz", heights=noise, size=GRID.size)
 
@@ -55,9 +65,13 @@ def solve(surface: rc.Surface, material: rc.Material = STEEL, grid: rc.Grid | No
     return problem.solve(**load, throw=False)
 
 
-def solve_map(file: str, size: float | None = None, **options: object) -> Callable[[Path], rc.ContactSolution]:
+def solve_map(
+    file: str, size: float | None = None, unit: float | None = None, **options: object
+) -> Callable[[Path], rc.ContactSolution]:
     """Return a function of the folder that solves one of its maps."""
-    return lambda folder: solve(rc.read_surface(folder / file, size=size), grid=None, boundary="free", **options)
+    return lambda folder: solve(
+        rc.read_surface(folder / file, size=size, unit=unit), grid=None, boundary="free", **options
+    )
 
 
 MISTAKES = [
@@ -72,9 +86,34 @@ MISTAKES = [
         "{}/tilted.npz --boundary periodic --pressure 10MPa --young 210GPa",
     ),
     Mistake(
-        "A text file lists points x y z.",
-        solve_map("points.txt", 64e-6),
-        "{}/points.txt --size 64um --pressure 10MPa --young 210GPa",
+        "A text file lists points x y z in µm.",
+        solve_map("points.txt"),
+        "{}/points.txt --pressure 10MPa --young 210GPa",
+    ),
+    Mistake(
+        "A CSV file in µm has a title, semicolons and decimal commas, and `unit=1e-6` is given.",
+        solve_map("decimal.csv", 64e-6, unit=1e-6),
+        "{}/decimal.csv --size 64um --unit 1um --pressure 10MPa --young 210GPa",
+    ),
+    Mistake(
+        "Each row of a CSV file ends with a comma.",
+        solve_map("trailing.csv", 64e-6),
+        "{}/trailing.csv --size 64um --pressure 10MPa --young 210GPa",
+    ),
+    Mistake(
+        "A comma may separate two numbers, or be decimal.",
+        solve_map("whole.csv", 64e-6),
+        "{}/whole.csv --size 64um --pressure 10MPa --young 210GPa",
+    ),
+    Mistake(
+        "A TIFF file is read as it is.",
+        solve_map("grey.tif"),
+        "{}/grey.tif --pressure 10MPa --young 210GPa",
+    ),
+    Mistake(
+        "A TIFF file is given a size, but no unit of height.",
+        solve_map("grey.tif", 64e-6),
+        "{}/grey.tif --size 64um --pressure 10MPa --young 210GPa",
     ),
     Mistake(
         "Heights are in µm, and `unit=1e-6` is forgotten.",
@@ -146,7 +185,7 @@ def run(mistake: Mistake, folder: Path) -> tuple[int, str]:
     printed = io.StringIO()
     arguments = mistake.command.format(*[folder] * mistake.command.count("{}")).split()
     with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
-        status = run_command(["solve", *arguments, "-o", str(folder / "results")])
+        status = run_command(["solve", *arguments])
     return status, " ".join(printed.getvalue().split())
 
 

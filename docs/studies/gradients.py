@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import minimize
 
 import roughcontact as rc
+from roughcontact.panel import LIGHT, add_key, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 STEEL = rc.Elastic(young=210e9, poisson=0.3)
@@ -123,6 +124,7 @@ def participation(solution: rc.ContactSolution) -> float:
     return float(9 / 8 * np.mean(solution.pressure) ** 2 / np.mean(solution.pressure**2))
 
 
+@style()
 def main(cells: int = 64, rounds: int = 12, steps: int = 5, folder: Path = FIGURES) -> None:
     design = Design(cells)
     before, change = np.zeros(cells**2), design.run(rounds, steps)
@@ -136,7 +138,7 @@ def main(cells: int = 64, rounds: int = 12, steps: int = 5, folder: Path = FIGUR
     image = slopes.imshow(gradient.T, origin="lower", extent=extent, cmap="RdBu_r", vmin=-largest, vmax=largest)
     figure.colorbar(image, ax=slopes, label="d(participation)/d(height), 1/µm")
     slopes.set(title=f"gradient at {PRESSURES[-1] / 1e6:g} MPa", xlabel="x, µm", ylabel="y, µm")
-    laws.loglog(np.array(PRESSURES) / 1e6, 100 * WANTED, "k-", label="wanted")
+    laws.loglog(np.array(PRESSURES) / 1e6, 100 * WANTED, "-", color=LIGHT.ink, label="wanted")
     for name, heights, mark in (("before", before, "s"), ("after", change, "o")):
         areas = [one.area() for one in design.solve(heights)]
         fractions, errors = (
@@ -145,12 +147,12 @@ def main(cells: int = 64, rounds: int = 12, steps: int = 5, folder: Path = FIGUR
         )
         print(name, np.round(fractions, 2), np.round(errors, 2))
         laws.errorbar(np.array(PRESSURES) / 1e6, fractions, errors, fmt=mark, label=name)
-    laws.set(title="contact area over load", xlabel="mean pressure, MPa", ylabel="area, % of nominal")
+    laws.set(xlabel="mean pressure, MPa", ylabel="area, % of nominal")
     laws.set_xticks(np.array(PRESSURES) / 1e6, [f"{pressure / 1e6:g}" for pressure in PRESSURES])
     laws.set_xticks([], minor=True)
-    laws.legend()
-    laws.grid(alpha=0.3, which="both")
-    image = after.imshow(1e6 * design.heights(change).T, origin="lower", extent=extent)
+    add_key(laws)
+    laws.grid(True)
+    image = after.imshow(1e6 * design.heights(change).T, origin="lower", extent=extent, cmap="cividis")
     figure.colorbar(image, ax=after, label="height, µm")
     after.contour(
         *solution.grid.x.T * 1e6,

@@ -15,6 +15,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 import roughcontact as rc
+from roughcontact.panel import LIGHT, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 WATER = {"viscosity": 1e-3, "pressure_drop": 1e5}
@@ -69,6 +70,7 @@ def list_errors() -> list[list[str]]:
     return rows
 
 
+@style()
 def draw(folder: Path = FIGURES) -> None:
     surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4e-6, longest=100e-6, rolloff=25e-6, seed=7)
     steel = rc.Elastic(young=210e9, poisson=0.3)
@@ -77,19 +79,19 @@ def draw(folder: Path = FIGURES) -> None:
     flow = solution.leakage(axis=0, **WATER)
     figure = Figure(figsize=(11, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2)
-    style = {"origin": "lower", "extent": (-50, 50, -50, 50)}
-    image = left.imshow(flow.fluid_pressure.T / 1e5, cmap="viridis", **style)
+    place = {"origin": "lower", "extent": (-50, 50, -50, 50)}
+    image = left.imshow(flow.fluid_pressure.T / 1e5, cmap="viridis", **place)
     figure.colorbar(image, ax=left, label="pressure of the liquid, bar")
     speed = np.hypot(*flow.flux)
     top = float(np.quantile(speed, 0.999))
     shown = np.where(speed > 0.0, speed, np.nan).T
-    image = right.imshow(shown, cmap="magma", norm=LogNorm(1e-4 * top, top), **style)
+    image = right.imshow(shown, cmap="viridis", norm=LogNorm(1e-4 * top, top), **place)
     figure.colorbar(image, ax=right, label="flow over width, m2/s")
     for axes in (left, right):
-        axes.set_facecolor("0.75")
-        axes.plot(*(1e6 * one for one in flow.throat.place), "o", ms=14, mfc="none", mec="red", mew=2)
+        axes.set_facecolor(LIGHT.unknown)
+        axes.plot(*(1e6 * one for one in flow.throat.place), "o", ms=14, mfc="none", mec="white", mew=2.5)
         axes.set(xlabel="x, µm", ylabel="y, µm")
-    left.set_title(f"contact (grey) {100 * solution.area().fraction:.0f} %, critical throat (red)")
+    left.set_title(f"contact (grey) {100 * solution.area().fraction:.0f} %, critical throat (white)")
     right.set_title(f"{flow.value:.3g} m3/s from left to right")
     folder.mkdir(parents=True, exist_ok=True)
     figure.savefig(folder / "leakage.png", dpi=110)

@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact.extrapolation import exponential
+from roughcontact.panel import style
 from roughcontact_paper.synthetic_pair import SIZE, coarsen, new_pair, run_in_pair
 
 FIGURES = Path(__file__).parent.parent / "figures"
@@ -71,7 +72,7 @@ def compare_grids(name: str, pair: rc.ContactProblem, force: float, grids: tuple
 
 def draw(axes: Axes, rows: list[list[str]], title: str) -> None:
     cells = [int(row[1]) for row in rows]
-    for heading, label, style in (
+    for heading, label, dashes in (
         ("counted", "cells counted", "o-"),
         ("eq. 28 through the counts so far", "eq. 28 through the counts so far", "s-"),
         ("sub-grid", "sub-grid, total", "D-"),
@@ -79,7 +80,7 @@ def draw(axes: Axes, rows: list[list[str]], title: str) -> None:
         ("lost heights", "coarse map, by heights that scaling removed", "v--"),
     ):
         texts = [row[COLUMNS.index(heading)].rstrip(" %") for row in rows]
-        axes.plot(cells, [math.nan if text == "-" else float(text) for text in texts], style, label=label)
+        axes.plot(cells, [math.nan if text == "-" else float(text) for text in texts], dashes, label=label)
     axes.axhline(0.0, color="0.5", lw=0.8)
     axes.set_xscale("log", base=2)
     axes.set_yscale("symlog", linthresh=5.0)
@@ -88,7 +89,7 @@ def draw(axes: Axes, rows: list[list[str]], title: str) -> None:
     axes.set_xticks(cells, [str(n) for n in cells])
     axes.minorticks_off()
     axes.set(title=title, xlabel="cells along a side", ylim=(-40, 250))
-    axes.grid(alpha=0.3)
+    axes.grid(True)
 
 
 @functools.cache
@@ -111,6 +112,7 @@ def make_rows(**grids: int) -> list[list[str]]:
     return lines
 
 
+@style()
 def main(lines: list[list[str]], folder: Path = FIGURES) -> None:
     """Draw the lines of the table."""
     figure = Figure(figsize=(12, 8), layout="constrained")

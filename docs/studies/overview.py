@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import roughcontact as rc
+from roughcontact.panel import add_key, scale_axes, style
 from roughcontact_paper import published
 
 FIGURES = Path(__file__).parent.parent / "figures"
@@ -36,32 +37,36 @@ def blended(cells: int) -> float:
 
 
 def main(cells: int = 512, largest: int = 2048, folder: Path = FIGURES) -> None:
-    solution = rough_contact(cells)
+    folder.mkdir(parents=True, exist_ok=True)
+    with style():
+        draw(rough_contact(cells), largest).savefig(folder / "overview.png", dpi=120)
+
+
+def draw(solution: rc.ContactSolution, largest: int) -> Figure:
     figure = Figure(figsize=(13, 4), layout="constrained")
     heights, pressure, areas = figure.subplots(1, 3)
-    extent = (-50, 50, -50, 50)
-    image = heights.imshow(-1e6 * solution.initial_gap.T, origin="lower", extent=extent)
-    figure.colorbar(image, ax=heights, label="height, µm")
-    heights.set(title="rough surface", xlabel="x, µm", ylabel="y, µm")
-    shown = np.where(solution.contact, solution.pressure / 1e9, np.nan).T
-    image = pressure.imshow(shown, origin="lower", extent=extent, cmap="plasma")
-    figure.colorbar(image, ax=pressure, label="contact pressure, GPa")
-    pressure.set(title=f"contact pressure ({solution.iterations} iterations)", xlabel="x, µm")
-    pressure.set_facecolor("0.92")
+    solution.plot("heights", axes=heights)
+    solution.plot("pressure", axes=pressure)
+    area = solution.area()
+    for axes, title in (
+        (heights, "a rough surface"),
+        (pressure, f"its contact: {100 * area.fraction:.2f} ± {100 * area.uncertainty / solution.grid.area:.2f} %"),
+        (areas, "error of the contact area"),
+    ):
+        axes.set_title(title, pad=18)
     counted = 100 * (np.array(published.SAM_AREA[100]) / published.TRUE_AREA[100] - 1)
-    areas.loglog(published.GRIDS, counted, "o-", label="counted cells (the paper)")
+    areas.plot(published.GRIDS, counted, "o-", label="counted cells (the paper)")
     grids = [n for n in published.GRIDS if n <= largest]
-    areas.loglog(grids, [blended(n) for n in grids], "D-", label="blend, the default estimator")
-    areas.legend(loc="lower left")
+    # The converged area is known to 0.001 %.
+    areas.plot(grids, [max(blended(n), 1e-3) for n in grids], "D-", label="blend, the default")
+    scale_axes(areas, x="cells along a side", y="error, %", logarithmic="xy")
     areas.set_xticks(published.GRIDS, [str(n) for n in published.GRIDS], minor=False)
     areas.set_xticks([], minor=True)
-    areas.set(title="error of the contact area", xlabel="cells along a side", ylabel="error, %")
-    areas.grid(alpha=0.3, which="both")
     for cells, error in zip(published.GRIDS, counted, strict=True):
-        areas.annotate(f"+{error:.0f} %", (cells, error), xytext=(5, 5), textcoords="offset points")
-    areas.set(xlim=(50, 4500), ylim=(1e-3, 900))
-    folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(folder / "overview.png", dpi=120)
+        areas.annotate(f"+{error:.0f} %", (cells, error), xytext=(5, 5), textcoords="offset points", fontsize=8)
+    areas.set(xlim=(50, 4500), ylim=(7e-4, 900))
+    add_key(areas)
+    return figure
 
 
 if __name__ == "__main__":

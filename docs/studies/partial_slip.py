@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import roughcontact as rc
+from roughcontact.panel import LIGHT, add_key, style
 from roughcontact.typing import PartialSlip
 
 FIGURES = Path(__file__).parent.parent / "figures"
@@ -67,13 +68,13 @@ def draw_profile(axes: Axes, cells: int) -> None:
     a, p_max = cells * CELL, 1.5 * solution.force / (math.pi * (cells * CELL) ** 2)
     x, middle = solution.grid.x[:, 0] / a, solution.grid.shape[1] // 2
     fine = np.linspace(-1.2, 1.2, 1001)
-    for fraction, color in zip(FRACTIONS, ("#e69f00", "#1b6ca8", "#3b1f5b"), strict=True):
+    for fraction, color in zip(FRACTIONS, LIGHT.lines[:3], strict=True):
         found, c = slide(solution, fraction), (1 - fraction) ** (1 / 3)
         exact = np.sqrt(np.maximum(1 - fine**2, 0)) - c * np.sqrt(np.maximum(1 - (fine / c) ** 2, 0))
-        axes.plot(fine, exact, "-", color=color, label=f"{fraction:g}")
+        axes.plot(fine, exact, "-", color=color, label=f"Q = {fraction:g} µP")
         axes.plot(x, found.traction[:, middle] / (FRICTION * p_max), ".", color=color)
-    axes.legend(title="Q / µP", loc="upper left")
-    axes.set(xlim=(-1.2, 1.2), ylim=(0, 1.05), xlabel="x / a", ylabel="q / µp$_0$", title="ball: solved and exact")
+    add_key(axes)
+    axes.set(xlim=(-1.2, 1.2), ylim=(0, 1.05), xlabel="x / a", ylabel="q / µp$_0$ (points: solved; lines: exact)")
 
 
 def draw_rough(axes: Axes, loops: Axes, cells: int, points: int) -> None:
@@ -86,18 +87,21 @@ def draw_rough(axes: Axes, loops: Axes, cells: int, points: int) -> None:
         found = slide(solution, fraction)
         loop = found.loop(points)
         force, moved = loop.cycle
-        (line,) = loops.plot(1e9 * moved, force / (FRICTION * solution.force), label=f"{fraction:g}")
+        (line,) = loops.plot(1e9 * moved, force / (FRICTION * solution.force), label=f"Q = {fraction:g} µP")
         loops.plot(1e9 * loop.displacement, loop.force / (FRICTION * solution.force), "--", color=line.get_color())
     touching = solution.contact
     shares[touching] = found.traction[touching] / (FRICTION * solution.pressure[touching])
-    image = axes.imshow(shares.T, origin="lower", extent=(-32, 32, -32, 32), cmap="viridis", vmin=0, vmax=1)
+    image = axes.imshow(shares.T, origin="lower", extent=(-32, 32, -32, 32), cmap="cividis", vmin=0, vmax=1)
+    axes.set_facecolor(LIGHT.open)
     axes.figure.colorbar(image, ax=axes, label="q / µp (1: slip)")
     axes.set(title="rough surface, Q = 0.5 µP", xlabel="x, µm", ylabel="y, µm")
-    loops.legend(title="Q / µP", loc="upper left")
-    loops.set(title="first loading (dashed) and cycles", xlabel="displacement, nm", ylabel="force / µP")
-    loops.grid(alpha=0.3)
+    loops.plot([], [], "--", color=LIGHT.ink, label="first loading")
+    add_key(loops)
+    loops.set(xlabel="displacement, nm", ylabel="force / µP")
+    loops.grid(True)
 
 
+@style()
 def main(cells: int = 256, points: int = 16, folder: Path = FIGURES) -> None:
     figure = Figure(figsize=(13, 4), layout="constrained")
     profile, places, loops = figure.subplots(1, 3)

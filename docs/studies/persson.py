@@ -14,6 +14,7 @@ import numpy as np
 from doc_tables import DocTable, write_tables
 
 import roughcontact as rc
+from roughcontact.panel import add_key, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 HURST, SEEDS = (0.3, 0.5, 0.8), (1, 2, 3)
@@ -67,6 +68,7 @@ def make_rows() -> list[list[str]]:
     return rows
 
 
+@style()
 def draw(folder: Path = FIGURES, cells: int = 256) -> None:
     """Draw area and mean gap over the load, solved and after Persson."""
     from matplotlib.figure import Figure
@@ -91,18 +93,19 @@ def draw(folder: Path = FIGURES, cells: int = 256) -> None:
             marker,
             color=color,
             markerfacecolor="none",
-            label=f"solved, Hurst {hurst:g}",
+            label=f"Hurst exponent {hurst:g}",
         )
-        area.loglog(loads, theory.area_fraction, "-", color=color, label="Persson")
+        area.loglog(loads, theory.area_fraction, "-", color=color, label=f"Persson, {hurst:g}")
         gap.semilogx(
             loads, [float(np.mean(one.gap)) / rms for one in solutions], marker, color=color, markerfacecolor="none"
         )
         gap.semilogx(loads, theory.mean_gap / rms, "-", color=color)
-    area.set(xlabel="pressure / (E* rms slope)", ylabel="area over nominal area", title="real contact area")
+    area.set(xlabel="pressure / (E* rms slope)", ylabel="area over nominal area")
     gap.set(xlabel="pressure / (E* rms slope)", ylabel="mean gap / rms height", title="mean gap")
-    area.legend()
+    area.set_title("real contact area", pad=34)
+    add_key(area)
     for axes in (area, gap):
-        axes.grid(alpha=0.3, which="both")
+        axes.grid(True)
     folder.mkdir(parents=True, exist_ok=True)
     figure.savefig(folder / "theory_beside.png", dpi=120)
 

@@ -1,6 +1,6 @@
 """Error against run time on the paper's wave at 100 MPa: the default, cell counts, and cell counts extrapolated.
 
-Writes docs/figures/report_wavy.png and the table of docs/studies.md. The default is one solve with the blended area,
+Writes docs/figures/report_wavy.png and the table of docs/error_report.md. The default is one solve, blended area,
 on 240, 250 and 256 cells a side: the first has a whole number of cells in a wave. Cell count is what the paper
 reports; its extrapolation by eq. 28, or by a power law, costs the solves of all its grids.
 

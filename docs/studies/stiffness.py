@@ -19,6 +19,7 @@ from scipy.special import ellipe, ellipk
 
 import roughcontact as rc
 from roughcontact._responses.tangent import Tangent
+from roughcontact.panel import LIGHT, add_key, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 STEEL = rc.Elastic(young=210e9, poisson=0.3)
@@ -137,8 +138,8 @@ def draw_answer(axes: Axes, cells: int) -> None:
     field = np.where(solution.contact, 1e-15 * answer, np.nan)
     extent = (-5e5 * SIZE, 5e5 * SIZE) * 2
     image = axes.imshow(field.T, origin="lower", extent=extent, cmap="viridis", vmax=np.nanpercentile(field, 98))
-    axes.figure.colorbar(image, ax=axes, label="dp/dδ, GPa/µm")
-    axes.set(title="answer to an approach", xlabel="x, µm", ylabel="y, µm")
+    axes.figure.colorbar(image, ax=axes, label="answer to an approach, dp/dδ, GPa/µm")
+    axes.set(xlabel="x, µm", ylabel="y, µm")
 
 
 def draw_balls(axes: Axes, draws: int) -> None:
@@ -146,7 +147,7 @@ def draw_balls(axes: Axes, draws: int) -> None:
     rng, radii = np.random.default_rng(5), np.geomspace(2, 30, draws)
     found = [press_ball(cells, rng.uniform(-0.5, 0.5, 2)) for cells in radii]
     errors, stds = (100 * np.array([getattr(one, name) for one in found]) for name in ("value", "uncertainty"))
-    axes.errorbar(radii, errors, 2 * stds, fmt="o", color="#1b6ca8", ms=4, lw=1)
+    axes.errorbar(radii, errors, 2 * stds, fmt="o", color=LIGHT.lines[0], ms=4, lw=1)
     axes.axhline(0, color="0.5", lw=1)
     axes.set(xscale="log", xlabel="contact radius, cells", ylabel="error, %", title="ball: error, two deviations")
     axes.set_ylim(-3, 3)
@@ -156,17 +157,18 @@ def draw_balls(axes: Axes, draws: int) -> None:
 
 def draw_law(axes: Axes, cells: int, loads: int) -> None:
     """Draw the stiffness of surfaces of three Hurst exponents over the load."""
-    for hurst, color in ((0.3, "#e69f00"), (0.5, "#1b6ca8"), (0.8, "#3b1f5b")):
+    for hurst, color in zip((0.3, 0.5, 0.8), LIGHT.lines, strict=False):
         problem = rough(cells, hurst, 4, wide=True)
         height = float(problem.initial_gap.std())
         pressures = np.geomspace(3e-3, 0.4, loads) * 0.1 * MODULUS
         found = [one.stiffness().value for one in problem.sweep(pressure=pressures.tolist()).solutions]
         law = np.array(found) / SIZE**2 * height / pressures
-        axes.plot(pressures / (0.1 * MODULUS), law, "o-", color=color, ms=4, label=f"H = {hurst:g}")
-    axes.legend()
-    axes.set(xscale="log", ylim=(0, None), xlabel="p / (E* slope)", ylabel="k h$_{rms}$ / p", title="rough surfaces")
+        axes.plot(pressures / (0.1 * MODULUS), law, "o-", color=color, ms=4, label=f"Hurst exponent {hurst:g}")
+    add_key(axes)
+    axes.set(xscale="log", ylim=(0, None), xlabel="p / (E* slope)", ylabel="k h$_{rms}$ / p")
 
 
+@style()
 def main(cells: int = 256, draws: int = 24, loads: int = 8, folder: Path = FIGURES) -> None:
     figure = Figure(figsize=(13, 4), layout="constrained")
     answer, balls, law = figure.subplots(1, 3)

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from scipy import optimize
 
 import roughcontact as rc
+from roughcontact.panel import LIGHT, style
 from roughcontact.reference import hertz_sphere
 
 FIGURES = Path(__file__).parent.parent / "figures"
@@ -128,6 +129,7 @@ def list_costs() -> list[list[str]]:
     return rows
 
 
+@style()
 def draw(folder: Path = FIGURES) -> None:
     surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.06, shortest=6e-6, longest=60e-6, rolloff=30e-6, seed=7)
     grid = rc.Grid((384, 384), 100e-6)
@@ -140,10 +142,10 @@ def draw(folder: Path = FIGURES) -> None:
     figure = Figure(figsize=(11, 4.6), layout="constrained")
     pressure, field = figure.subplots(2, 1, sharex=True, height_ratios=(1, 2.2))
     y = 1e6 * grid.y[0]
-    pressure.fill_between(y, solution.pressure[row] / 1e9, color="0.6")
+    pressure.fill_between(y, solution.pressure[row] / 1e9, color=LIGHT.body)
     pressure.set(ylabel="pressure, GPa", xlim=(-50, 50), ylim=(0, None))
     image = field.imshow(cut, extent=(-50, 50, 10.05, -0.05), cmap="inferno", aspect="auto", interpolation="bilinear")
-    field.plot(1e6 * maximum.y, 1e6 * maximum.depth, "+", color="tab:cyan", markersize=10)
+    field.plot(1e6 * maximum.y, 1e6 * maximum.depth, "+", color="black", markersize=12, markeredgewidth=2)
     field.set(xlabel="y, µm", ylabel="depth, µm")
     figure.colorbar(image, ax=field, label="von Mises stress, GPa")
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,7 @@
 """Figures and tables of the page "Which area estimator?".
 
 Writes docs/figures/one_summit.png (the edge of one contact at four resolutions, by each estimator),
-docs/figures/estimator_errors.png (errors against CPU time) and the page's two tables.
+docs/figures/estimator_errors.png (errors against the grid) and the page's two tables.
 
     python docs/studies/which_estimator.py
 """
@@ -15,13 +15,12 @@ from pathlib import Path
 
 import attrs
 import numpy as np
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, read, write_tables
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
 
 import roughcontact as rc
+from roughcontact.panel import LIGHT, scale_axes, style
 from roughcontact_paper import published
 
 FIGURES = Path(__file__).parent.parent / "figures"
@@ -29,10 +28,11 @@ NAMES = ("cell-count", "perimeter", "level-set", "level-set-richardson", "hertz"
 GRIDS = (100, 128, 160, 200, 256, 320, 512, 1024)
 ROUGH_GRIDS = (64, 128, 256, 512)
 LOAD = 100  # MPa
+WAVES = 20  # a side
 WAVE = 12.5e-6
 
 
-def wavy(cells: int, waves: int = 20, phase: tuple[float, float] = (0.0, 0.0)) -> rc.ContactProblem:
+def wavy(cells: int, waves: int = WAVES, phase: tuple[float, float] = (0.0, 0.0)) -> rc.ContactProblem:
     """Return the paper's wave, a summit in the middle of the domain unless the phase says otherwise."""
     surface = rc.WavySurface(amplitude=0.5e-6, wavelength=WAVE, phase=phase)
     body = rc.Body(surface, rc.Elastic(young=200e9, poisson=0.3))
@@ -57,13 +57,14 @@ def draw_summit(axes: Axes, cells: int) -> None:
     axes.pcolormesh(x - peak[0], y - peak[1], shown, cmap="Greys", vmin=0, vmax=25)
     true = np.sqrt(published.TRUE_AREA[LOAD] / 100 / np.pi) * WAVE * 1e6
     angle = np.linspace(0, 2 * np.pi, 200)
-    axes.plot(true * np.cos(angle), true * np.sin(angle), "k-", lw=2.5, label="true")
-    pieces = 1e6 * rc.LevelSet().outline(solution) - peak
-    axes.add_collection(LineCollection(list(pieces), colors="tab:orange", lw=1.5, label="level-set"))
+    blue, orange, black, *_ = LIGHT.lines
+    axes.plot(true * np.cos(angle), true * np.sin(angle), "-", color=black, lw=3, label="true")
+    for number, line in enumerate(rc.LevelSet().contours(solution)):
+        axes.plot(*(1e6 * line - peak).T, "-", color=orange, label="_" * (number > 0) + "level-set")
     # Circles of the same area, for these two have no edge.
-    for name, style in (("cell-count", "b-."), ("blend", "r:")):
+    for name, dashes, color in (("cell-count", "-.", blue), ("blend", ":", "white")):
         radius = np.sqrt(solution.area(name).value / np.pi) * 1e6
-        axes.plot(radius * np.cos(angle), radius * np.sin(angle), style, lw=1.6, label=name)
+        axes.plot(radius * np.cos(angle), radius * np.sin(angle), dashes, color=color, lw=1.6, label=name)
     axes.set(xlim=(-1.3, 1.3), ylim=(-1.3, 1.3), aspect="equal", xlabel="x, µm")
     axes.set_title(f"{WAVE / dx:.3g} cells a wave ({np.count_nonzero(solution.contact)} in contact)")
 
@@ -112,43 +113,44 @@ def measure_rough(grids: tuple[int, ...] = ROUGH_GRIDS, finest: int = 1024, repe
     return measure_errors({n: rough(n) for n in grids}, 2.5e-3, true, repeats)
 
 
-def draw_errors(axes: Axes, rows: dict[int, dict], title: str) -> None:
-    """Draw errors against CPU time."""
-    for name, marker in zip(NAMES, "os^v<D", strict=True):
-        times = [row["solve"] + row[name][2] for row in rows.values()]
-        found = np.abs([row[name][0] for row in rows.values()])
-        axes.loglog(times, np.maximum(found, 1e-3), f"{marker}-", label=name)
-    axes.set(title=title, xlabel="CPU time of solve and area, s", ylabel="error of the area, %")
-    low, high = axes.get_xlim()
-    ticks = [t for t in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0) if low <= t <= high]
-    axes.set_xticks(ticks, [f"{t:g}" for t in ticks])
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.grid(alpha=0.3, which="both")
+def draw_errors(axes: Axes, lines: list[list[str]], waves: float, title: str) -> None:
+    """Draw the errors of a table over the grid: filled where a wave has no whole number of cells."""
+    cells = [int(line[0]) for line in lines[1:]]
+    whole = [waves > 0 and n % waves == 0 for n in cells]
+    colors = (*LIGHT.lines[:5], LIGHT.limit)
+    for name, marker, color in zip(NAMES, "os^v<D", colors, strict=True):
+        column = lines[0].index(f"{name}, %")
+        errors = [max(abs(float(line[column].split()[0])), 1e-3) for line in lines[1:]]
+        found = [(n, error) for n, error, cut in zip(cells, errors, whole, strict=True) if not cut]
+        axes.plot(*zip(*found, strict=True), f"{marker}-", color=color, label=name)
+        alike = [(n, error) for n, error, cut in zip(cells, errors, whole, strict=True) if cut]
+        axes.plot([n for n, _ in alike], [error for _, error in alike], marker, color=color, mfc="none")
+    scale_axes(axes, x="cells along a side", y="error of the area, %", logarithmic="xy")
+    axes.set_title(title)
+    axes.set_xticks(cells, [str(n) for n in cells])
+    axes.set_xticks([], minor=True)
 
 
-def main(
-    grids: tuple[int, ...] = GRIDS,
-    rough_grids: tuple[int, ...] = ROUGH_GRIDS,
-    finest: int = 1024,
-    repeats: int = 3,
-    folder: Path = FIGURES,
-) -> None:
+def main(wave: list[list[str]], rough_lines: list[list[str]], folder: Path = FIGURES) -> None:
+    """Draw both figures, the second from the lines of the tables."""
     folder.mkdir(parents=True, exist_ok=True)
-    figure = Figure(figsize=(13, 3.9), layout="constrained")
-    panels = figure.subplots(1, 4, sharey=True)
-    for axes, cells in zip(panels, (8, 16, 32, 64), strict=True):
-        draw_summit(axes, cells)
-    panels[0].set_ylabel("y, µm")
-    panels[-1].legend(loc="upper right", fontsize=7)
-    figure.savefig(folder / "one_summit.png", dpi=120)
+    with style():
+        figure = Figure(figsize=(13, 4.1), layout="constrained")
+        panels = figure.subplots(1, 4, sharey=True)
+        for axes, cells in zip(panels, (8, 16, 32, 64), strict=True):
+            draw_summit(axes, cells)
+        panels[0].set_ylabel("y, µm")
+        handles, names = panels[-1].get_legend_handles_labels()
+        # White is seen on the cells, not on the paper.
+        figure.legend(handles, names, loc="outside upper center", ncols=4, facecolor="0.6", frameon=True)
+        figure.savefig(folder / "one_summit.png", dpi=120)
 
-    figure = Figure(figsize=(11, 4.2), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    waves, roughness = measure_wave(grids, repeats), measure_rough(rough_grids, finest, repeats)
-    draw_errors(left, waves, f"the paper's wave, {LOAD} MPa, {min(grids)} to {max(grids)} cells a side")
-    draw_errors(right, roughness, "self-affine, 6 % contact, 2 to 16 cells a shortest wave")
-    left.legend(fontsize=8)
-    figure.savefig(folder / "estimator_errors.png", dpi=120)
+        figure = Figure(figsize=(11, 4.6), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        draw_errors(left, wave, WAVES, f"the paper's wave, {LOAD} MPa (open: whole cells a wave)")
+        draw_errors(right, rough_lines, 0, "self-affine, 6 % contact, 2 to 16 cells a shortest wave")
+        figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=6)
+        figure.savefig(folder / "estimator_errors.png", dpi=120)
 
 
 TIMES = ("solve, s", "blend, s")
@@ -159,4 +161,4 @@ TABLES = {
 
 if __name__ == "__main__":
     write_tables(TABLES)
-    main()
+    main(read("wave-estimators"), read("rough-estimators"))

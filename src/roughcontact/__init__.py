@@ -154,8 +154,20 @@ __all__ = [
 ]
 
 
+# Classes that scripts seldom type: bases of plug-ins, parts that are chosen by their registered names, results, errors.
+_SELDOM_TYPED = frozenset({
+    "Area", "AreaEstimator", "Blend", "Boundary", "CellCount", "CircularFFT", "Convolver", "DCFFT", "Direct",
+    "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "Hertz", "InfluenceKernel", "InputError",
+    "LevelSet", "LevelSetRichardson", "Love", "Material", "MissingPackage", "NotConverged", "OutOfMemory",
+    "Overlap", "Panel", "Perimeter", "PolonskyKeer", "ProjectedConjugateGradient", "QuantityEstimator", "Reference",
+    "Response", "RoughContactError", "SolutionWriter", "Solver", "SpectralGradient", "Status", "StudyStopped",
+    "Surface", "SurfaceReader", "UnexpectedError", "UniformRise",
+})  # fmt: skip
+
+
 def __dir__() -> list[str]:
-    return [*__all__, *_MODULES, "__version__"]
+    """Return what scripts type, for the completion of names; all of `__all__` is there."""
+    return [*(name for name in __all__ if name not in _SELDOM_TYPED), *_MODULES, "__version__"]
 
 
 # The public functions are guarded where they are defined; a registry and RIGID_FLAT, by their classes.

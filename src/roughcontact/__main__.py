@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import inspect
 import io
+import os
 import sys
 import warnings
 from collections.abc import Sequence
@@ -14,6 +15,7 @@ from roughcontact import __version__
 from roughcontact.cli import Command, commands
 from roughcontact.errors import InputError, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import translated
+from roughcontact.units.text import fit
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -27,17 +29,39 @@ def main(arguments: Sequence[str] | None = None) -> int:
     call = f"The command {shorten(given[0], 40)}" if given else "The command"
     try:
         if given and not given[0].startswith("-"):
-            return _run(given[0], given[1:])
+            status = _run(given[0], given[1:])
+            sys.stdout.flush()
+            return status
         parser = _overview()
         parser.parse_args(given)
         parser.error("name a command")
     except ModuleNotFoundError as error:
         return _fail(f"This command needs {error.name}: pip install 'roughcontact[cli]'.", 2)
+    except BrokenPipeError:
+        # Whoever reads the output has enough, as head does; nor shall Python complain when it closes it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
     except KeyboardInterrupt:
         return _fail("interrupted", 130)
     except Exception as error:
         known = translated(error, call)
         return _fail(str(known), 1 if isinstance(known, (NotConverged, UnexpectedError)) else 2)
+
+
+_EPILOG = """
+examples:
+  roughcontact solve map.npz --pressure 10MPa --young 210GPa
+  roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
+  roughcontact surface self-affine --hurst 0.8 --rms-height 100nm \\
+      --shortest 2um --longest 100um --shape 256 256 --size 100um -o map.npz
+  roughcontact plot map.npz -o map.png
+
+exit statuses:
+  0    solved, without warnings
+  1    no certified answer: not converged, or a check failed
+  2    wrong input, or something is missing: one sentence says what
+  3    solved, but the solution has warnings
+  130  interrupted by Ctrl-C"""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -56,7 +80,10 @@ def _run(name: str, arguments: Sequence[str]) -> int:
     """Run one command. The others are not imported, so that a broken one stops nothing but itself."""
     command = _load(name)
     parser = _Parser(
-        prog=f"roughcontact {name}", description=type(command).__doc__, epilog="Defaults are in parentheses."
+        prog=f"roughcontact {name}",
+        description=fit(inspect.getdoc(command) or ""),
+        epilog=f"Defaults are in parentheses.\n{command.epilog}".rstrip(),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     try:
         command.declare(parser)
@@ -77,14 +104,14 @@ def _overview() -> argparse.ArgumentParser:
     lines = []
     for name in commands:
         try:
-            lines.append(f"  {name:12}{(inspect.getdoc(_load(name)) or '').partition(chr(10))[0]}")
+            lines.append(fit(f"  {name:12}{(inspect.getdoc(_load(name)) or '').partition(chr(10))[0]}"))
         except RoughContactError:
             lines.append(f"  {name:12}(cannot be loaded: 'roughcontact {name}' says why)")
     parser = argparse.ArgumentParser(
         prog="roughcontact",
         usage="roughcontact [-h] [--version] COMMAND ...",
         description="Contact of rough surfaces.",
-        epilog="\n".join(["commands (each has a --help of its own):", *lines]),
+        epilog="\n".join(["commands (each has a --help of its own):", *lines, _EPILOG]),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")

@@ -68,7 +68,7 @@ class Grid:
     """
 
     shape: tuple[int, int] = attrs.field(converter=_shape)
-    size: Pair = attrs.field(converter=_size)
+    size: Pair = attrs.field(converter=_size, metadata={"unit": "m"})
 
     @property
     def spacing(self) -> Pair:

@@ -6,7 +6,7 @@ import csv
 import html
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TextIO
 
 import attrs
 import numpy as np
@@ -49,21 +49,24 @@ class Table:
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a CSV file with all digits, the units in the heading; completely or not at all."""
-        heading = [f"{name} [{self.units[name] or 1}]" if name in self.units else name for name in self.columns]
         with (
             replacing(checks.path(path, "The table")) as partial,
             partial.open("w", newline="", encoding="utf-8") as file,
         ):
-            writer = csv.writer(file)
-            writer.writerow(heading)
-            # Numbers of numpy would be written with the name of their type.
-            writer.writerows(
-                [value.item() if isinstance(value, np.generic) else value for value in row]
-                for row in zip(*self.columns.values(), strict=True)
-            )
+            self.write(file)
 
-    def to_html(self, caption: str = "") -> str:
-        """Return a table of HTML for a notebook, with SI prefixes; of many rows the first and the last."""
+    def write(self, file: TextIO) -> None:
+        """Write the lines of `to_csv` to an open file."""
+        writer = csv.writer(file)
+        writer.writerow(f"{name} [{self.units[name] or 1}]" if name in self.units else name for name in self.columns)
+        # Numbers of numpy would be written with the name of their type.
+        writer.writerows(
+            [value.item() if isinstance(value, np.generic) else value for value in row]
+            for row in zip(*self.columns.values(), strict=True)
+        )
+
+    def to_html(self, *notes: str) -> str:
+        """Return notes and a table of HTML for a notebook, with SI prefixes; of many rows the first and the last."""
         rows = list(zip(*self.columns.values(), strict=True))
         shown: list[Sequence[str]] = [
             [self._cell(*pair) for pair in zip(self.columns, row, strict=True)] for row in rows
@@ -73,7 +76,8 @@ class Table:
             between = [f"... {len(rows) - 2 * half} more", *[""] * (len(self.columns) - 1)]
             shown = [*shown[:half], between, *shown[-half:]]
         lines = [_row(self.columns, "th"), *(_row(cells, "td") for cells in shown)]
-        return f"<table><caption>{html.escape(caption)}</caption>{''.join(lines)}</table>"
+        above = "".join(f"<div>{html.escape(note)}</div>" for note in notes)
+        return f"{above}<table>{''.join(lines)}</table>"
 
     def _cell(self, name: str, value: object) -> str:
         if isinstance(value, (float, np.floating)):

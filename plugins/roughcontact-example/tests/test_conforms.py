@@ -1,4 +1,5 @@
 import pytest
+from matplotlib import pyplot
 
 import roughcontact as rc
 import roughcontact.testing as kit
@@ -26,3 +27,14 @@ CLAIMS = [
 @pytest.mark.parametrize(("part", "claim"), CLAIMS)
 def test_claim(part, claim):
     claim.check(part)
+
+
+def test_panel():
+    problem = rc.ContactProblem(rc.Body(ROUGH, rc.Elastic(70e9, 0.3)), grid=rc.Grid((32, 32), 20e-6), boundary="periodic")
+    solution = problem.solve(pressure=50e6)
+    axes = pyplot.figure().add_subplot()
+    solution.plot("patch-forces", axes=axes)
+    carried = axes.lines[0].get_ydata()
+    assert carried.size == solution.patches.count
+    assert carried[-1] == pytest.approx(100.0)
+    pyplot.close("all")

@@ -12,6 +12,7 @@ from roughcontact._convolvers.inverse import multiply_waves, wrapped_spectrum
 from roughcontact._kernels import BoundKernel
 from roughcontact.checks import Array, RealArray
 from roughcontact.grid import Boundary, Grid
+from roughcontact.units import outlined
 
 
 @attrs.frozen
@@ -37,7 +38,7 @@ class _CircularConvolution(PreparedConvolution):
     """Transform, multiply by the real symbol, transform back."""
 
     setup: ConvolutionSetup
-    symbol: Array
+    symbol: Array = attrs.field(repr=outlined)
 
     @cached_property
     def symbol_float32(self) -> RealArray:

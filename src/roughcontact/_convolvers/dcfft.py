@@ -14,6 +14,7 @@ from roughcontact._kernels import BoundKernel
 from roughcontact.checks import Array, RealArray, Waves
 from roughcontact.checks.threads import threads_for
 from roughcontact.grid import Boundary, Grid
+from roughcontact.units import outlined
 
 
 @attrs.frozen
@@ -58,7 +59,7 @@ class _PaddedConvolution(PreparedConvolution):
     """Transform with padding, multiply, cut; the symbol is stored for half of the waves in x."""
 
     setup: ConvolutionSetup
-    symbol: Array
+    symbol: Array = attrs.field(repr=outlined)
     padded: tuple[int, int]
 
     @cached_property

@@ -9,6 +9,7 @@ from roughcontact._convolvers.base import ConvolutionSetup, Convolver, PreparedC
 from roughcontact._kernels import BoundKernel
 from roughcontact.checks import Array, IntArray, RealArray
 from roughcontact.grid import Boundary, Grid
+from roughcontact.units import outlined
 
 # Numbers of a Toeplitz matrix that is in memory at once: all of it up to 2048 cells along y.
 _LARGEST_MATRIX = 2**22
@@ -33,7 +34,7 @@ class _DirectSum(PreparedConvolution):
     """One Toeplitz matrix along y for each distance of rows along x."""
 
     setup: ConvolutionSetup
-    coefficients: Array
+    coefficients: Array = attrs.field(repr=outlined)
 
     def apply(self, pressure: RealArray) -> RealArray:
         nx, ny = self.coefficients.shape

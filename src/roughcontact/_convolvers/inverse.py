@@ -16,6 +16,7 @@ from roughcontact._kernels import BoundKernel, SupportsSpectrum
 from roughcontact.checks import Array, IntArray, Pair, RealArray, Waves
 from roughcontact.checks.threads import threads_for
 from roughcontact.grid import Boundary
+from roughcontact.units import outlined
 
 if TYPE_CHECKING:
     from roughcontact._convolvers.base import ConvolutionSetup
@@ -52,7 +53,7 @@ class InverseConvolution:
 
     local: ClassVar[bool] = True
 
-    stiffness: RealArray
+    stiffness: RealArray = attrs.field(repr=outlined)
     padded: tuple[int, int]
     exact: bool = False
 

@@ -45,8 +45,8 @@ class Elastic(Material):
         Poisson's ratio, above -1 and at most 0.5.
     """
 
-    young: float = attrs.field(converter=_young)
-    poisson: float = attrs.field(converter=_poisson)
+    young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
+    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
 
     @property
     def compliance(self) -> float:
@@ -76,9 +76,9 @@ class ElasticPerfectlyPlastic(Material):
         Contact pressure at full plasticity, Pa, above zero: a number, or an array of the grid's shape (nx, ny).
     """
 
-    young: float = attrs.field(converter=_young)
-    poisson: float = attrs.field(converter=_poisson)
-    hardness: float | Array = attrs.field(converter=_hardness)
+    young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
+    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
+    hardness: float | Array = attrs.field(converter=_hardness, metadata={"unit": "Pa"})
 
     @property
     def compliance(self) -> float:

@@ -10,6 +10,7 @@ from roughcontact._surfaces import FlatSurface, Surface
 from roughcontact.checks import LARGEST, Array, Mask, frozen_array, instance_of
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
+from roughcontact.units import outlined
 
 
 @attrs.frozen
@@ -89,9 +90,9 @@ class InitialGap:
         Points that were not measured on one of the bodies, shape (nx, ny); None if there are none.
     """
 
-    values: Array
+    values: Array = attrs.field(repr=outlined)
     summit: float
-    non_measured: Mask | None
+    non_measured: Mask | None = attrs.field(repr=outlined)
 
     def sum_non_measured(self, pressure: Array) -> float:
         """Return the sum of the pressure, shape (nx, ny), at non-measured points."""

@@ -128,7 +128,7 @@ class Sweep:
 
     def __repr__(self) -> str:
         low, high = (si(float(bound), "Pa") for bound in (self.mean_pressure.min(), self.mean_pressure.max()))
-        return f"<Sweep: {counted(len(self), 'load')}, mean pressure {low} to {high}, {self.solutions[0].grid}>"
+        return f"<Sweep {counted(len(self), 'load')}, mean pressure {low} to {high}, {self.solutions[0].grid}>"
 
     def _repr_html_(self) -> str:
         return make_table(self).to_html(f"{counted(len(self), 'load')}, {self.solutions[0].grid}")

@@ -52,8 +52,8 @@ def to_dataset(sweep: Sweep) -> Any:
     for name, words, unit in (("pressure", "contact pressure", "Pa"), ("gap", "gap", "m")):
         fields = np.stack([getattr(solution, name) for solution in sweep.solutions])
         variables[name] = (("load", "x", "y"), fields, {"long_name": words, "units": unit})
-    words = {"long_name": "gap before deformation", "units": "m"}
-    variables["initial_gap"] = (("x", "y"), first.initial_gap.copy(), words)
+    notes = {"long_name": "gap before deformation", "units": "m"}
+    variables["initial_gap"] = (("x", "y"), first.initial_gap.copy(), notes)
     places = {
         "load": ("load", loads, dict(zip(("long_name", "units"), _LOADS[kind], strict=True))),
         "x": ("x", first.grid.x[:, 0], {"units": "m"}),

@@ -14,7 +14,7 @@ from roughcontact._responses.tangent import LinearSolution, Tangent
 from roughcontact._solution import Area, ContactSolution, Response, responses
 from roughcontact.checks import Array, Pair, number, pair, read_only
 from roughcontact.errors import InputError
-from roughcontact.units import si
+from roughcontact.units import outlined, si
 
 # Relative residual: the conductance errs by its square, the currents of the patches by itself.
 _TOLERANCE = 1e-3
@@ -58,9 +58,9 @@ class Conductance:
     value: float
     uncertainty: float
     per_area: float
-    patches: Array = attrs.field(converter=read_only)
-    constriction: Array = attrs.field(converter=read_only)
-    film: Array = attrs.field(converter=read_only)
+    patches: Array = attrs.field(converter=read_only, repr=outlined)
+    constriction: Array = attrs.field(converter=read_only, repr=outlined)
+    film: Array = attrs.field(converter=read_only, repr=outlined)
     warnings: tuple[str, ...] = ()
 
     @property

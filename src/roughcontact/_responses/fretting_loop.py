@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 
 from roughcontact.checks import Array, read_only
-from roughcontact.units import si
+from roughcontact.units import outlined, si
 
 
 @attrs.frozen(eq=False)
@@ -23,9 +23,9 @@ class FrettingLoop:
         Standard deviation of the displacement, shape (points + 1,), m.
     """
 
-    force: Array = attrs.field(converter=read_only)
-    displacement: Array = attrs.field(converter=read_only)
-    uncertainty: Array = attrs.field(converter=read_only)
+    force: Array = attrs.field(converter=read_only, repr=outlined)
+    displacement: Array = attrs.field(converter=read_only, repr=outlined)
+    uncertainty: Array = attrs.field(converter=read_only, repr=outlined)
 
     @property
     def cycle(self) -> tuple[Array, Array]:

@@ -197,7 +197,8 @@ class ContactSolution(ContactFields):
             Its ending names one of the registered ``writers``; an existing file is replaced. ``.npz``, or ``.nc`` for
             netCDF with units (extra ``store``), can be loaded again: they hold the fields, shape (nx, ny), under
             their own names, the force, approach and area, the versions of the packages, and the problem: each part
-            by its registered name and fields. Python warns of a part whose class is not registered.
+            by its registered name and fields. Python warns of a part whose class is not registered. ``.html`` is the
+            report, ``.vti`` image data for ParaView.
 
         Raises
         ------

@@ -42,15 +42,18 @@ class Origin:
         The arguments of the `ContactProblem`; `InputError` where `missing` says why it cannot be built.
     load
         The load, by the name of the argument it was given under.
+    versions
+        The versions of the packages that solved it, by name.
     """
 
     _problem: Mapping[str, Any] | None
     load: Mapping[str, float]
     _saved: tuple[Described, Mapping[str, RealArray]] = attrs.field(default=(None, {}), kw_only=True, repr=False)
     _source: Callable[[], Any] = attrs.field(default=_forget, kw_only=True, repr=False)
+    versions: Mapping[str, str] = attrs.field(factory=lambda: versions(), kw_only=True)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restore, (self._problem, self.load, self._saved)
+        return _restore, (self._problem, self.load, self._saved, self.versions)
 
     @property
     def source(self) -> Any:
@@ -104,9 +107,12 @@ class Origin:
 
 
 def _restore(
-    problem: Mapping[str, Any] | None, load: Mapping[str, float], saved: tuple[Described, Mapping[str, RealArray]]
+    problem: Mapping[str, Any] | None,
+    load: Mapping[str, float],
+    saved: tuple[Described, Mapping[str, RealArray]],
+    made_by: Mapping[str, str],
 ) -> Origin:
-    return Origin(problem, load, saved=saved)
+    return Origin(problem, load, saved=saved, versions=made_by)
 
 
 # Parsing the metadata of a package takes a millisecond, and a study asks for them with each solve.
@@ -119,16 +125,16 @@ def versions() -> dict[str, str]:
     return {**found, "python": platform.python_version()}
 
 
-def solution_key(problem_key: str, load: Mapping[str, float]) -> str:
-    """Return the key of a solution: of its problem's key, its load and the versions that made it."""
-    made_by = (f"{name} {number}" for name, number in versions().items() if name != "python")
-    return key_of([problem_key, load], *made_by)
+def solution_key(problem_key: str, load: Mapping[str, float], made_by: Mapping[str, str] | None = None) -> str:
+    """Return the key of a solution: of its problem's key, its load and the versions that made it, by default these."""
+    numbers = versions() if made_by is None else made_by
+    return key_of([problem_key, load], *(f"{name} {number}" for name, number in numbers.items() if name != "python"))
 
 
 def key_of_origin(origin: Origin | None) -> str:
     """Return the key of what was solved; empty where it is not known or has no key."""
     try:
-        return "" if origin is None else solution_key(key_of(origin.problem), origin.load)
+        return "" if origin is None else solution_key(key_of(origin.problem), origin.load, origin.versions)
     except InputError:
         return ""
 

@@ -10,6 +10,7 @@ import numpy as np
 from roughcontact.checks import Array, IntArray, Mask, numbers, read_only
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
+from roughcontact.units import outlined
 
 # Cells below which a patch has no point that is surrounded by contact, so that its area is hardly known.
 _SMALL_PATCH = 4
@@ -35,10 +36,10 @@ class ContactPatches:
 
     grid: Grid
     boundary: Boundary
-    pressure: Array = attrs.field(converter=read_only)
-    labels: IntArray = attrs.field(converter=read_only)
+    pressure: Array = attrs.field(converter=read_only, repr=outlined)
+    labels: IntArray = attrs.field(converter=read_only, repr=outlined)
     count: int
-    members: IntArray = attrs.field(converter=read_only)
+    members: IntArray = attrs.field(converter=read_only, repr=outlined)
 
     @cached_property
     def cells(self) -> IntArray:

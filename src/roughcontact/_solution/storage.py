@@ -156,7 +156,8 @@ def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
         words, unit = {**_FIELDS, **_SCALARS}.get(name, (None, None))
         variables[name] = (axes, values, {"long_name": words, "units": unit} if words else {})
     places = {"x": ("x", grid.x[:, 0], {"units": "m"}), "y": ("y", grid.y[0], {"units": "m"})}
-    made_by = ", ".join(f"{name} {number}" for name, number in versions().items())
+    made_with = versions() if solution.origin is None else solution.origin.versions
+    made_by = ", ".join(f"{name} {number}" for name, number in made_with.items())
     title = {"title": "contact of rough surfaces", "status": str(solution.status), "versions": made_by}
     return make_dataset(variables, places, title)
 
@@ -170,7 +171,7 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
     header = {
         "kind": _KIND,
         "key": key_of_origin(origin),
-        "versions": versions(),
+        "versions": versions() if origin is None else dict(origin.versions),
         "programs": [] if origin is None else origin.programs,
         "status": solution.status.name,
         "pressure_limit": describe(limit if limit.ndim else float(limit), parts),
@@ -219,8 +220,9 @@ def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dic
     origin = None
     if header["problem"] is not None:
         load = {name: float(value) for name, value in rebuild(header["load"], parts).items()}
-        origin = Origin(None, load, saved=(header["problem"], parts))
-        origin = origin if origin.missing else Origin(origin.problem, load)
+        made_by = {str(name): str(number) for name, number in header["versions"].items()}
+        origin = Origin(None, load, saved=(header["problem"], parts), versions=made_by)
+        origin = origin if origin.missing else Origin(origin.problem, load, versions=made_by)
     return {
         **{name: float(rebuild(header[name], parts)) for name in _REALS},
         **{name: int(header[name]) for name in _COUNTS},

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeVar
 
-import attrs
-
 from roughcontact._materials import Material
 from roughcontact._solution.results import Area
 from roughcontact._surfaces import HeightMap
-from roughcontact.units import Estimate, si, with_spread
+from roughcontact.units import Estimate, counted, prefixed, si, with_spread
 
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
 
-S, T = TypeVar("S"), TypeVar("T")
+S = TypeVar("S")
+T = TypeVar("T")
 _UNKNOWN = "not determined"
 # Columns of a printed solution, and those of the labels.
 _WIDTH, _LABEL = 80, 15
@@ -28,14 +28,14 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
     """Return the answer in words by name: the contact area, the load, the maximum pressure and the approach."""
     peak = _attempt(solution.peak_pressure, None)
     answers = {
-        "contact area": _format_area(_attempt(solution.area, None), solution.grid.area),
+        "contact area": _format_area(_attempt(solution.area, None), solution),
         "force": si(solution.force, "N", 6),
         "mean pressure": si(solution.mean_pressure, "Pa", 6),
-        "max pressure": _UNKNOWN if peak is None else str(attrs.evolve(peak, warnings=())),
+        "max pressure": _UNKNOWN if peak is None else _format_estimate(peak),
         "approach": si(solution.approach, "m", 6),
     }
     if solution.capped:
-        answers["saturated"] = _format_area(_attempt(solution.saturated_area, None), solution.grid.area)
+        answers["saturated"] = _format_area(_attempt(solution.saturated_area, None), solution)
     return answers
 
 
@@ -56,6 +56,12 @@ def list_all_warnings(solution: ContactSolution) -> list[str]:
         seen.update(texts)
         gathered.update(dict.fromkeys(f"The {name} is doubtful: {text}" for text in texts))
     return list(gathered)
+
+
+def describe_work(solution: ContactSolution) -> str:
+    """Return what a solve took."""
+    counts = counted(solution.iterations, "iteration"), counted(solution.convolutions, "convolution")
+    return f"{', '.join(counts)}, {solution.seconds:.2g} s"
 
 
 def describe_maps(maps: Sequence[HeightMap]) -> str:
@@ -83,7 +89,7 @@ def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: M
     rows += [
         ("modulus E*", f"{si(solution.modulus, 'Pa', 6)}{alone}"),
         ("residuals", str(solution.residuals)),
-        ("work", f"{solution.iterations} iterations, {solution.convolutions} convolutions, {solution.seconds:.2g} s"),
+        ("work", describe_work(solution)),
     ]
     return "\n".join(line for label, text in rows for line in _wrap(label, text))
 
@@ -102,10 +108,16 @@ def _percentages(area: Area, nominal: float) -> tuple[float, float]:
     return 100.0 * area.fraction, 100.0 * area.uncertainty / nominal
 
 
-def _format_area(area: Area | None, nominal: float) -> str:
-    if area is None:
+def _format_estimate(one: Estimate) -> str:
+    factor, unit = prefixed(abs(one.value), one.unit)
+    return f"{with_spread(one.value * factor, one.uncertainty * factor)} {unit}"
+
+
+def _format_area(area: Area | None, solution: ContactSolution) -> str:
+    # Of a pressure that is not a number no cell is in contact.
+    if area is None or not math.isfinite(solution.force):
         return _UNKNOWN
-    percent = with_spread(*_percentages(area, nominal))
+    percent = with_spread(*_percentages(area, solution.grid.area))
     return f"{percent} % of nominal, {si(area.value, 'm2')} [{area.estimator}]"
 
 

@@ -59,8 +59,8 @@ class SphereSurface(Surface):
         Position (x, y) of the summit relative to the centre of the domain, m.
     """
 
-    radius: float = attrs.field(converter=_radius)
-    center: Pair = attrs.field(converter=_center, default=(0.0, 0.0))
+    radius: float = attrs.field(converter=_radius, metadata={"unit": "m"})
+    center: Pair = attrs.field(converter=_center, default=(0.0, 0.0), metadata={"unit": "m"})
 
     @property
     def provenance(self) -> tuple[str, ...]:
@@ -92,8 +92,8 @@ class ParaboloidSurface(Surface):
         Position (x, y) of the summit relative to the centre of the domain, m.
     """
 
-    radius: Pair = attrs.field(converter=_radii)
-    center: Pair = attrs.field(converter=_center, default=(0.0, 0.0))
+    radius: Pair = attrs.field(converter=_radii, metadata={"unit": "m"})
+    center: Pair = attrs.field(converter=_center, default=(0.0, 0.0), metadata={"unit": "m"})
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, zero at the summit."""
@@ -121,9 +121,9 @@ class WavySurface(Surface):
         Phase along x and y, or of both, rad.
     """
 
-    amplitude: Pair = attrs.field(converter=_amplitude)
-    wavelength: Pair = attrs.field(converter=_wavelength)
-    phase: Pair = attrs.field(converter=_phase, default=(0.0, 0.0))
+    amplitude: Pair = attrs.field(converter=_amplitude, metadata={"unit": "m"})
+    wavelength: Pair = attrs.field(converter=_wavelength, metadata={"unit": "m"})
+    phase: Pair = attrs.field(converter=_phase, default=(0.0, 0.0), metadata={"unit": "rad"})
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m."""

@@ -86,15 +86,19 @@ class SelfAffineSurface(Surface):
     """
 
     hurst: float = attrs.field(converter=_hurst)
-    shortest: float = attrs.field(converter=_wavelength)
-    longest: float = attrs.field(converter=_wavelength)
-    rms_height: float | None = attrs.field(converter=_rms, default=None)
+    shortest: float = attrs.field(converter=_wavelength, metadata={"unit": "m"})
+    longest: float = attrs.field(converter=_wavelength, metadata={"unit": "m"})
+    rms_height: float | None = attrs.field(converter=_rms, default=None, metadata={"unit": "m"})
     rms_slope: float | None = attrs.field(converter=_rms, default=None)
-    rolloff: float = attrs.field(converter=_wavelength, default=attrs.Factory(lambda self: self.longest, True))
+    rolloff: float = attrs.field(
+        converter=_wavelength, default=attrs.Factory(lambda self: self.longest, True), metadata={"unit": "m"}
+    )
     peklenik: float = attrs.field(converter=_peklenik, default=1.0)
-    lay: float = attrs.field(converter=_lay, default=0.0)
+    lay: float = attrs.field(converter=_lay, default=0.0, metadata={"unit": "rad"})
     seed: int = attrs.field(converter=_seed, default=0)
-    rms_cutoff: float = attrs.field(converter=_wavelength, default=attrs.Factory(lambda self: self.shortest, True))
+    rms_cutoff: float = attrs.field(
+        converter=_wavelength, default=attrs.Factory(lambda self: self.shortest, True), metadata={"unit": "m"}
+    )
 
     def __attrs_post_init__(self) -> None:
         if (self.rms_height is None) == (self.rms_slope is None):

@@ -103,7 +103,7 @@ def item_of(items: tuple[T, ...], index: object, what: str) -> T | tuple[T, ...]
     whole = isinstance(index, (int, np.integer)) and not isinstance(index, bool)
     if not (whole and -len(items) <= index < len(items)):  # type: ignore[operator]
         raise InputError.about(what, index, f"a whole number from 0 to {len(items) - 1}, or a slice")
-    return items[int(index)]  # type: ignore[call-overload, no-any-return]
+    return items[int(index)]  # type: ignore[call-overload]
 
 
 def flag(value: object, what: str) -> bool:

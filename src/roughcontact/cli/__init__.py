@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from abc import ABC, abstractmethod
+from typing import ClassVar
 
 from roughcontact.registry import Registry
 
@@ -15,7 +16,14 @@ class Command(ABC):
     """A subcommand of ``roughcontact``, named by an entry point of the group ``roughcontact.commands``.
 
     The first line of its docstring describes it in ``roughcontact --help``.
+
+    Attributes
+    ----------
+    epilog
+        What stands at the end of its help: examples.
     """
+
+    epilog: ClassVar[str] = ""
 
     @abstractmethod
     def declare(self, parser: argparse.ArgumentParser) -> None:

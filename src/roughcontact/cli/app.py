@@ -14,6 +14,12 @@ from roughcontact.errors import FileError, InputError
 class App(Command):
     """Open a page in the browser that solves contacts on this machine."""
 
+    epilog = """
+examples:
+  roughcontact app
+  roughcontact app --port 8000 --no-browser
+"""
+
     def declare(self, parser: argparse.ArgumentParser) -> None:
         parser.add_argument("--port", type=int, default=0, metavar="N", help="port of this machine (any that is free)")
         parser.add_argument("--no-browser", action="store_true", help="print the address, and open no browser")

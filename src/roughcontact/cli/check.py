@@ -10,16 +10,24 @@ from typing import Any
 from roughcontact.cli import Command
 from roughcontact.errors import InputError
 from roughcontact.registry import Registry
+from roughcontact.units.text import fit
 
 
 class Check(Command):
     """Try a registered part on the claims of its kind."""
 
+    epilog = """
+examples:
+  roughcontact check love
+  roughcontact check elastic --with young=200e9 poisson=0.3
+"""
+
     def declare(self, parser: argparse.ArgumentParser) -> None:
         from roughcontact.testing import KINDS
 
         parser.add_argument("name", metavar="NAME", help="registered name of a kernel, solver, area estimator, ...")
-        parser.add_argument("--kind", choices=tuple(KINDS), help="its kind (every kind that has the name)")
+        known = ", ".join(KINDS)
+        parser.add_argument("--kind", choices=tuple(KINDS), metavar="KIND", help=f"{known} (every kind with the name)")
         parser.add_argument(
             "--with",
             dest="fields",
@@ -41,7 +49,7 @@ class Check(Command):
         fields = dict(_field(text) for text in options.fields)
         reports = [check(_create(KINDS[kind], options.name, fields), kind) for kind in kinds]
         for report in reports:
-            print(report)
+            print(fit(str(report)))
         return 0 if all(report.passed for report in reports) else 1
 
 

@@ -11,6 +11,12 @@ from roughcontact.cli import Command
 class Examples(Command):
     """Write the example height maps that the docs mention: ball.npz, ring.npz, map.npz, map.csv, liner.npz."""
 
+    epilog = """
+examples:
+  roughcontact examples
+  roughcontact examples maps
+"""
+
     def declare(self, parser: argparse.ArgumentParser) -> None:
         parser.add_argument("folder", nargs="?", default=".", metavar="FOLDER", help="where to (this folder)")
 

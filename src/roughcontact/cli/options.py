@@ -1,51 +1,28 @@
-"""Options that several commands share, and quantities with units."""
+"""Options that several commands share, and converters of their texts."""
 
 from __future__ import annotations
 
 import argparse
-import math
+import contextlib
 import re
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import cache, partial
+from collections.abc import Callable
 from typing import Any
 
-_EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "dimensionless": "0.3"}
-# A number with a decimal point, its exponent of at most three digits (float64 ends at 1e308), and a unit such as N or
-# N/mm^2, of names of at most 30 letters. pint alone evaluates whatever it is given, and takes 2,5 for 25.
-_NAME = r"(?:[^\W\d_]{1,30}(?:(?:\^|\*\*)[1-4]|[²³])?)"
-_QUANTITY = re.compile(
-    r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?)\s*" rf"({_NAME}(?:[*/]{_NAME}){{0,5}}|[%°]|)\s*"
-)
+from roughcontact.load import Load
+from roughcontact.units.quantities import parse_quantity
+
 # Characters of a wrong argument that are shown.
 _SHOWN = 80
 
 
 def quantity(unit: str) -> Callable[[str], float]:
-    """Return a converter from text such as ``100MPa``, one number and one unit, to a number in `unit`, for argparse.
-
-    A number without a unit is accepted only where the quantity has no dimension: 210 may be Pa or GPa.
-    """
+    """Return a converter from text such as ``100MPa`` to a number in an SI unit, for argparse; see `parse_quantity`."""
 
     def convert(text: str) -> float:
-        found = _QUANTITY.fullmatch(text)
-        if found is None:
-            one = "one number with a decimal point" + ("" if unit == "dimensionless" else " and one unit")
-            raise argparse.ArgumentTypeError(f"{text[:_SHOWN]!r} is not {one}; write it like {_EXAMPLES[unit]}")
         try:
-            if unit == "dimensionless" and not found[2]:
-                value = float(found[1])
-            else:
-                given = _units().Quantity(float(found[1]), found[2])
-                value = float(given.to(unit).magnitude) if _is_unit_of(given, unit) else math.nan
-        # pint raises errors of many kinds, those of Python's tokenizer among them.
-        except Exception:
-            value = math.nan
-        if not math.isfinite(value):
-            what = f"a quantity in units of {unit}" if unit != "dimensionless" else "a plain number"
-            raise argparse.ArgumentTypeError(f"{text[:_SHOWN]!r} is not {what}; write it like {_EXAMPLES[unit]}")
-        return value
+            return parse_quantity(text, unit)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
 
     return convert
 
@@ -57,33 +34,28 @@ def whole_number(text: str) -> int:
     return int(text)
 
 
-def _is_unit_of(given: Any, unit: str) -> bool:
-    # To pint radians are numbers: 20 may be degrees or radians, and Poisson's ratio is not an angle.
-    return bool(given.to_root_units().units == _units().Quantity(1.0, unit).to_root_units().units)
+NUMBER = quantity("")
+METRE, _PASCAL, _NEWTON, _ANGLE = (quantity(unit) for unit in ("m", "Pa", "N", "rad"))
 
 
-@cache
-def _units() -> Any:
-    import pint
+def _load(text: str) -> Load:
+    """Return a load whose unit says what it is, for argparse."""
+    for kind, unit in (("force", "N"), ("pressure", "Pa"), ("approach", "m")):
+        with contextlib.suppress(ValueError):
+            value = parse_quantity(text, unit)
+            return Load(kind, value)
+    shown = f"{text[:_SHOWN]!r} is not a force, a pressure or an approach"
+    raise argparse.ArgumentTypeError(f"{shown}; write it like 2.5N, 100MPa or 50nm")
 
-    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
-
-NUMBER = quantity("dimensionless")
-_METRE, _PASCAL, _NEWTON, _ANGLE = (quantity(unit) for unit in ("m", "Pa", "N", "rad"))
-
-
-@contextmanager
-def show_progress(total: float) -> Iterator[Callable[..., None]]:
-    """Show a progress bar on a terminal; the value changes its description and its completed part."""
-    if not sys.stdout.isatty():
-        # Before version 14, a disabled progress bar of rich prints an empty line.
-        yield lambda **_: None
-        return
-    from rich.progress import Progress
-
-    with Progress(transient=True) as progress:
-        yield partial(progress.update, progress.add_task("solving", total=total))
+# The options of the readers of files, with their converters and what they mean.
+OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
+    "separator": (str, "separator in text: , ; tab blank (found)"),
+    "decimal": (str, "decimal mark in text: . or , (found)"),
+    "skip_rows": (whole_number, "lines of text above the heights (found)"),
+    "variable": (str, "array of a .mat file (heights)"),
+    "page": (whole_number, "image of a TIFF file"),
+}
 
 
 def add_output(parser: argparse.ArgumentParser, folder: str) -> None:
@@ -92,14 +64,17 @@ def add_output(parser: argparse.ArgumentParser, folder: str) -> None:
 
 
 def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None:
-    """Declare a contact problem of measured height maps, and its load; or a study file, which needs neither."""
-    parser.usage = "%(prog)s MAP [MAP] --young E (--pressure P | --force F | --approach D) [options]"
+    """Declare a contact problem of measured height maps, and its loads; or a study file, which needs neither."""
+    loads = "--pressure P | --force F | --approach D" + ("" if study else " | --loads L ...")
+    parser.usage = f"%(prog)s MAP [MAP] --young E [options]\n           ({loads})"
     _add_maps(parser, study)
     _add_pair(parser)
     load = parser.add_argument_group("load, exactly one").add_mutually_exclusive_group(required=not study)
     load.add_argument("--pressure", type=_PASCAL, metavar="P", help="nominal mean pressure, such as 100MPa")
     load.add_argument("--force", type=_NEWTON, metavar="F", help="normal force, such as 2.5N")
-    load.add_argument("--approach", type=_METRE, metavar="D", help="approach since first contact, such as 50nm")
+    load.add_argument("--approach", type=METRE, metavar="D", help="approach since first contact, such as 50nm")
+    if not study:
+        load.add_argument("--loads", type=_load, nargs="+", metavar="L", help="several loads of one kind: 1N 2N 5N")
     _add_materials(parser, study)
     method = parser.add_argument_group("method")
     method.add_argument(
@@ -135,18 +110,11 @@ def _add_maps(parser: argparse.ArgumentParser, study: bool) -> None:
     other = "; or a study file" if study else ""
     parser.add_argument("surface", help=f"height map of the body: npz, npy, text or instrument file{other}")
     parser.add_argument("counterbody", nargs="?", help="height map of the counterbody (a flat)")
-    maps = parser.add_argument_group("height maps")
-    maps.add_argument("--size", type=_METRE, nargs="+", metavar="L", help="side lengths, one or x y (the file's)")
-    maps.add_argument("--unit", type=_METRE, metavar="U", help="unit of the heights, such as 1um (the file's)")
-    treatments = ("refuse", "fill", "keep")
-    maps.add_argument("--non-measured", choices=treatments, default="refuse", help="non-measured points (refuse)")
-    maps.add_argument(
-        "--detrend", type=_form, metavar="FORM", help="mean, plane, sphere or degree of a polynomial to subtract"
-    )
+    maps = _add_treatment(parser)
     maps.add_argument(
         "--resample", type=whole_number, nargs=2, metavar=("NX", "NY"), help="number of cells, bilinearly"
     )
-    for name, what in (("size", _METRE), ("unit", _METRE), ("detrend", _form)):
+    for name, what in (("size", METRE), ("unit", METRE), ("detrend", _form)):
         maps.add_argument(
             f"--counterbody-{name}",
             type=what,
@@ -154,7 +122,28 @@ def _add_maps(parser: argparse.ArgumentParser, study: bool) -> None:
             metavar=name.upper(),
             help=f"--{name} of the counterbody, if different",
         )
-    maps.add_argument("--ball", type=_METRE, metavar="R", help="add a sphere of this radius to the body")
+    maps.add_argument("--ball", type=METRE, metavar="R", help="add a sphere of this radius to the body")
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Declare a file that holds a height map or a solution."""
+    parser.add_argument("surface", metavar="FILE", help="height map (npz, npy, text or instrument file) or solution")
+    _add_treatment(parser)
+
+
+def _add_treatment(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Declare how a height map is read."""
+    maps = parser.add_argument_group("height maps")
+    maps.add_argument("--size", type=METRE, nargs="+", metavar="L", help="side lengths, one or x y (the file's)")
+    maps.add_argument("--unit", type=METRE, metavar="U", help="unit of the heights, such as 1um (the file's)")
+    treatments = ("refuse", "fill", "keep")
+    maps.add_argument("--non-measured", choices=treatments, default="refuse", help="non-measured points (refuse)")
+    for name, (convert, what) in OF_READERS.items():
+        maps.add_argument(f"--{name.replace('_', '-')}", type=convert, metavar=name[0].upper(), help=what)
+    maps.add_argument(
+        "--detrend", type=_form, metavar="FORM", help="mean, plane, sphere or degree of a polynomial to subtract"
+    )
+    return maps
 
 
 def _add_pair(parser: argparse.ArgumentParser) -> None:
@@ -169,14 +158,14 @@ def _add_pair(parser: argparse.ArgumentParser) -> None:
     )
     pair.add_argument("--rotation", type=_ANGLE, metavar="A", help="rotation of the counterbody, such as 30deg")
     pair.add_argument("--mirror", action="store_true", help="turn the counterbody over, x to -x")
-    pair.add_argument("--domain", type=_METRE, nargs="+", metavar="L", help="side lengths, one or x y (the overlap)")
+    pair.add_argument("--domain", type=METRE, nargs="+", metavar="L", help="side lengths, one or x y (the overlap)")
 
 
 def _place(text: str) -> tuple[float, float]:
     parts = text.split(",")
     if len(parts) != 2:
         raise argparse.ArgumentTypeError(f"{text!r} is not a position; write it like 5um,-2um")
-    return _METRE(parts[0]), _METRE(parts[1])
+    return METRE(parts[0]), METRE(parts[1])
 
 
 def _threads(text: str) -> int | str:

@@ -11,14 +11,24 @@ from roughcontact import checks
 from roughcontact._solution import DEFAULT_AREA
 from roughcontact.archive import replacing
 from roughcontact.cli import Command
-from roughcontact.cli.options import NUMBER, add_output, show_progress, whole_number
+from roughcontact.cli.options import NUMBER, add_output, whole_number
+from roughcontact.cli.progress import show_progress
 from roughcontact.cli.scenes import Scene, add_scenes, read_scenes
 from roughcontact.diagnostics import Verdict
 from roughcontact.report import ErrorReport
+from roughcontact.units.text import fit
 
 
 class Report(Command):
     """Compare grids, area estimators, kernels, solvers and tolerances: error against run time."""
+
+    epilog = """
+examples:
+  roughcontact report map.npz --pressure 10MPa --young 210GPa
+  roughcontact report map.npz --pressure 10MPa --young 210GPa \\
+      --cells 64 128 256 --areas blend cell-count -o comparison
+  roughcontact report study.toml --problem ball --force 5N
+"""
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
         add_scenes(parser)
@@ -51,12 +61,12 @@ class Report(Command):
             folder.mkdir(parents=True, exist_ok=True)
             report = _compare(options, scene)
             advice = report.advice()
-            print(f"{_heading(scene)}{report}\n\n{advice}")
+            print(f"{_heading(scene)}{fit(advice)}\n\n{report}")
             report.to_csv(folder / "report.csv")
             with replacing(folder / "report.md") as partial:
                 partial.write_text(f"{report.to_markdown()}\n{advice}\n", encoding="utf-8")
             report.draw(folder / "report.png")
-            print(f"\nWritten to {folder}: report.csv, report.md, report.png")
+            print(fit(f"\nWritten to {folder}: report.csv, report.md, report.png"))
         return 0
 
 
@@ -65,7 +75,7 @@ def _heading(scene: Scene) -> str:
 
 
 def _compare(options: argparse.Namespace, scene: Scene) -> ErrorReport:
-    with show_progress(total=1.0) as update:
+    with show_progress("solving") as change:
         return rc.error_vs_time(
             scene.problem,
             **scene.load,
@@ -76,12 +86,19 @@ def _compare(options: argparse.Namespace, scene: Scene) -> ErrorReport:
             tolerances=options.tolerances,
             between=options.between,
             repeats=options.repeats,
-            on_case=lambda case, fraction: update(description=case, completed=fraction),
+            on_case=lambda case, fraction: change(f"{case}, {100 * fraction:.0f} % done"),
         )
 
 
 class Stability(Command):
     """Test how the answer of a solve depends on rounding, cells and tolerances."""
+
+    epilog = """
+examples:
+  roughcontact stability map.npz --pressure 10MPa --young 210GPa
+  roughcontact stability study.toml --problem ball --force 5N
+  roughcontact stability --gallery
+"""
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
         add_scenes(parser)
@@ -93,10 +110,11 @@ class Stability(Command):
         estimator = None if options.area is None else rc.areas.resolve(options.area)
         status = 0
         for scene in read_scenes(options):
-            report = rc.stability(scene.problem, **scene.load)
+            with show_progress("solving"):
+                report = rc.stability(scene.problem, **scene.load)
             print(f"{_heading(scene)}{report}")
             if estimator is not None:
-                print(f"area: {report.solution.area(estimator)}")
+                print(fit(f"area: {report.solution.area(estimator)}"))
             status = max(status, _status(report.verdict))
         return status
 

@@ -6,18 +6,27 @@ import argparse
 import multiprocessing
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
 from roughcontact.cli import Command
-from roughcontact.cli.options import show_progress, whole_number
+from roughcontact.cli.options import whole_number
+from roughcontact.cli.progress import show_progress
 from roughcontact.errors import InputError
+from roughcontact.studies import Record
+from roughcontact.units.text import fit
 
 
 class Run(Command):
     """Run a study from its TOML file, or continue it."""
+
+    epilog = """
+examples:
+  roughcontact run study.toml --dry-run
+  roughcontact run study.toml --workers 8 -o night
+"""
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
         parser.add_argument("study", metavar="STUDY.toml", help="problems, loads, seeds and area estimators")
@@ -31,18 +40,24 @@ class Run(Command):
 
         study = read_study(options.study)
         if options.dry_run:
-            print(study.explain())
+            print(fit(study.explain()))
             return 0
         if options.workers < 1:
             raise InputError.about("The number of workers", options.workers, "a whole number of at least 1")
         folder = Path(options.output or Path(options.study).with_suffix(""))
         total = len(study.problems) * max(1, len(study.seeds)) * len(study.loads)
-        with _start_workers(options.workers) as executor, show_progress(total) as update:
-            result = study.run(folder, executor=executor, on_records=lambda records: update(advance=len(records)))
+        done: list[Record] = []
+        with _start_workers(options.workers) as executor, show_progress(f"0 of {total} solves") as change:
+
+            def count(records: Sequence[Record]) -> None:
+                done.extend(records)
+                change(f"{len(done)} of {total} solves")
+
+            result = study.run(folder, executor=executor, on_records=count)
         result.to_csv(folder / "records.csv")
-        print(result)
+        print(fit(str(result)))
         for record in result.failed:
-            print(f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}")
+            print(fit(f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}"))
         return 1 if result.failed else 0
 
 

@@ -10,7 +10,7 @@ import attrs
 
 import roughcontact as rc
 from roughcontact.cli.options import add_problem
-from roughcontact.cli.solve import load_of, problem_of
+from roughcontact.cli.problem import loads_of, problem_of
 
 _LOADS = ("pressure", "force", "approach")
 
@@ -42,14 +42,14 @@ def read_scenes(options: argparse.Namespace) -> list[Scene]:
             raise rc.InputError("Height maps need --young, and one of --pressure, --force and --approach.")
         if options.problem is not None:
             raise rc.InputError("--problem is for a study file: give that instead of maps, or omit the option.")
-        return [Scene("", problem_of(options), load_of(options))]
+        return [Scene("", problem_of(options), loads_of(options)[0].arguments)]
     from roughcontact.studies.toml import read_study
 
     _refuse_options_of_maps(options)
     study = read_study(options.surface)
     if options.problem is not None and options.problem not in study.problems:
         raise rc.InputError.unknown("problem of the study", options.problem, study.problems)
-    loads = [load_of(options)] if loaded else [load.arguments for load in study.loads]
+    loads = [loads_of(options)[0].arguments] if loaded else [load.arguments for load in study.loads]
     scenes = []
     for chain in study.chains():
         if options.problem in (None, chain.name):

@@ -1,151 +1,157 @@
-"""``roughcontact solve``: one contact of measured height maps."""
+"""``roughcontact solve``: the contact of measured height maps at one load or several."""
 
 from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
+
+import attrs
 
 import roughcontact as rc
 from roughcontact import checks
-from roughcontact._problem.plan import require_memory_of_solve
+from roughcontact._problem.sweep import run_sweep
+from roughcontact._surfaces.continuation import find_maps
+from roughcontact.checks import Array
 from roughcontact.cli import DOUBTFUL, Command
-from roughcontact.cli.options import add_accuracy, add_output, add_problem
-from roughcontact.files.reading import read_raw
+from roughcontact.cli.answers import to_csv, to_json, to_text
+from roughcontact.cli.options import add_accuracy, add_problem, whole_number
+from roughcontact.cli.outputs import plan_outputs, write_outputs
+from roughcontact.cli.problem import loads_of, problem_of
+from roughcontact.cli.progress import describe_steps, show_progress
 from roughcontact.load import Load
+from roughcontact.units.text import fit
 
 
 class Solve(Command):
     """Solve the contact of measured height maps."""
 
+    epilog = """
+examples:
+  roughcontact solve map.npz --pressure 10MPa --young 210GPa
+  roughcontact solve ball.npz ring.npz --force 5N --young 210GPa \\
+      --hardness 6GPa --counterbody-young 210GPa --detrend plane \\
+      -o contact.npz -o contact.png
+  roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
+  roughcontact solve map.npz --force 1N --young 210GPa --json | jq .area
+  roughcontact solve map.npz --force 1N --young 210GPa --report contact.html
+"""
+
     def declare(self, parser: argparse.ArgumentParser) -> None:
         add_problem(parser)
         add_accuracy(parser)
-        parser.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
-        add_output(parser, "contact-results")
+        accuracy = parser.add_argument_group("grids")
+        accuracy.add_argument(
+            "--refine",
+            type=whole_number,
+            nargs="?",
+            const=3,
+            metavar="N",
+            help="solve on N grids, each twice as fine as the last (3); the answer is that of the finest",
+        )
+        output = parser.add_argument_group("output")
+        output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
+        shape = output.add_mutually_exclusive_group()
+        shape.add_argument("--json", action="store_true", help="print one JSON object, in SI units")
+        shape.add_argument("--csv", action="store_true", help="print a header and a row for each load, in SI units")
+        shape.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+        output.add_argument("--explain", action="store_true", help="print the plan first: cells, memory, threads, ...")
+        output.add_argument("--dry-run", action="store_true", help="print the plan, and solve nothing")
+        output.add_argument(
+            "-o",
+            "--output",
+            action="append",
+            default=[],
+            metavar="FILE",
+            help="file to write, of the kind that its ending says: .npz, .nc, .html, .png, ...; or a folder for "
+            "solution.npz and solution.png; may be repeated",
+        )
+        output.add_argument("--report", metavar="FILE", help="report to write, one page of HTML")
 
     def run(self, options: argparse.Namespace) -> int:
-        """Return 0, or 3 if the solution has warnings, or raise `NotConverged` after writing what was reached."""
-        from roughcontact.panel.figures import save_figure
+        """Return 0, or 3 if a solution has warnings, or raise `NotConverged` after writing what was reached."""
+        if options.area is not None:
+            rc.areas.resolve(options.area)
+        _refuse_for_several(options)
+        maps = [name for name in (options.surface, options.counterbody) if name is not None]
+        files = plan_outputs(options.output, options.report, [checks.path(name, "The map") for name in maps])
+        piped = options.json or options.csv
+        with show_progress("reading the maps", quiet=options.quiet) as change:
+            problem = problem_of(options)
+        if options.explain or options.dry_run:
+            print(fit(problem.explain()), end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
+        loads = tuple(problem.require_load(**load.arguments) for load in loads_of(options))
+        if options.dry_run:
+            return 0
+        with show_progress("solving", quiet=options.quiet) as change:
+            subject, solutions = _solve(options, problem, loads, change)
+        if not options.quiet:
+            write = to_json if options.json else to_csv if options.csv else to_text
+            print(write(solutions, options.area))
+        done = write_outputs(files, subject, solutions)
+        if done and not piped and not options.quiet:
+            print(done)
+        return _status(solutions, quiet=options.quiet)
 
-        folder = checks.path(options.output, "The output folder")
-        folder.mkdir(parents=True, exist_ok=True)
-        estimator = None if options.area is None else rc.areas.resolve(options.area)
-        load, problem = load_of(options), problem_of(options)
-        print(problem.explain())
-        accuracy = {name: getattr(options, name) for name in ("area_within", "peak_within", "tolerance")}
-        solution = problem.solve(**load, **accuracy, throw=False)
-        try:
-            solution.save(folder / "solution.npz")
-            save_figure("solution", solution, folder / "solution.png")
-            print(f"\nWritten to {folder}: solution.npz, solution.png")
-        finally:
-            # The last lines are the results and their warnings.
-            if estimator is not None:
-                print(f"\nArea: {solution.area(estimator)}")
-            print(f"\n{solution}")
+
+def _refuse_for_several(options: argparse.Namespace) -> None:
+    """Refuse what is for one grid or for one load."""
+    several = "--refine" if options.refine is not None else "--loads" if options.loads is not None else ""
+    for name in ("area_within", "peak_within"):
+        if several and getattr(options, name) is not None:
+            raise rc.InputError(
+                f"--{name.replace('_', '-')} chooses the grid of one solve: omit it, or {several}, which has several."
+            )
+    if options.refine is not None and options.loads is not None:
+        raise rc.InputError("--refine is for one load: omit it, or give one load instead of --loads.")
+    if len({load.kind for load in options.loads or ()}) > 1:
+        kinds = " and ".join(sorted({load.kind for load in options.loads}))
+        raise rc.InputError(f"The loads of --loads must be of one kind, but they are of {kinds}.")
+
+
+def _solve(
+    options: argparse.Namespace, problem: rc.ContactProblem, loads: tuple[Load, ...], change: Callable[[str], None]
+) -> tuple[Any, tuple[rc.ContactSolution, ...]]:
+    """Return what there is to be drawn, and the solutions at all loads."""
+    if options.refine is None and options.loads is None:
+        asked = {name: getattr(options, name) for name in ("area_within", "peak_within", "tolerance")}
+        solution = problem.solve(**loads[0].arguments, **asked, throw=False, on_step=describe_steps(change))
+        return solution, (solution,)
+    if options.tolerance is not None:
+        problem = attrs.evolve(problem, solver=problem.plan.solver.with_tolerance(options.tolerance))
+    if options.refine is not None:
+        _refuse_measured(problem)
+        ladder = rc.extrapolate(problem, **loads[0].arguments, levels=options.refine)
+        if not options.quiet:
+            print(f"{ladder}\n", file=sys.stderr if options.json or options.csv else None)
+        return ladder.solutions[-1], ladder.solutions[-1:]
+
+    def solve(load: Load, start: Array | None) -> rc.ContactSolution:
+        steps = describe_steps(change, f"solving at {load}")
+        return problem.solve(**load.arguments, start=start, throw=False, on_step=steps)
+
+    sweep = run_sweep(solve, loads)
+    return sweep, sweep.solutions
+
+
+def _refuse_measured(problem: rc.ContactProblem) -> None:
+    sides = problem.body.surface, problem.counterbody.surface
+    if any(not found.periodic for surface in sides for found in find_maps(surface)):
+        raise rc.InputError(
+            "--refine solves on finer grids, which add no heights to a map that is not periodic. Its "
+            "area is stated with an uncertainty without it; 'roughcontact report' compares coarser grids."
+        )
+
+
+def _status(solutions: tuple[rc.ContactSolution, ...], *, quiet: bool) -> int:
+    """Return the exit status; an answer that is not certified is raised."""
+    for solution in solutions:
         if not solution.status.success:
-            raise rc.NotConverged(f"The contact is {solution.status}; the last iterate is in {folder}.", solution)
+            raise rc.NotConverged(f"The contact is {solution.status}; what is shown is the last iterate.", solution)
         if solution.accuracy is not None and not solution.accuracy.met:
-            raise rc.NotConverged(f"{solution.accuracy.explain()} What is reached is in {folder}.", solution)
-        if solution.warnings:
-            print("roughcontact: The solution is converged, but doubtful: see its warnings.", file=sys.stderr)
-        return DOUBTFUL if solution.warnings else 0
-
-
-def load_of(options: argparse.Namespace) -> dict[str, Any]:
-    """Return the load that the options state, as the keyword argument of `ContactProblem.solve`."""
-    return Load.of(pressure=options.pressure, force=options.force, approach=options.approach).arguments
-
-
-def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
-    """Return the problem that the options describe."""
-    surface, counterbody, grid = _surfaces(options)
-    if options.ball is not None:
-        surface = surface + rc.SphereSurface(options.ball)
-    return rc.ContactProblem(
-        rc.Body(surface, _material(options.young, options.poisson, options.hardness)),
-        rc.Body(counterbody, _counterbody_material(options)),
-        grid=grid,
-        boundary=options.boundary,
-        kernel=options.kernel,
-        solver=options.solver,
-        threads=options.threads,
-    )
-
-
-def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.Grid | None]:
-    """Return both surfaces, and their common grid if they were matched."""
-    if options.counterbody is None:
-        for name in ("match", "counterbody_size", "counterbody_unit", "counterbody_detrend"):
-            _refuse(options, name, "is for the second of two height maps: give its file too, or omit the option.")
-    if options.match is None:
-        for name in ("offset", "rotation", "domain", "mirror"):
-            _refuse(options, name, "is for two maps that are interpolated: give both, and --match bilinear.")
-    body = _read(options.surface, options, options.size, options.unit, options.detrend)
-    if options.counterbody is None:
-        return _resample(body, options), rc.FlatSurface(), None
-    form = options.detrend if options.counterbody_detrend is None else options.counterbody_detrend
-    counterbody = _read(options.counterbody, options, *_counterbody_size_and_unit(options), form)
-    if options.match is None:
-        return _resample(body, options), _resample(counterbody, options), None
-    pair = rc.match(
-        body,
-        counterbody,
-        offset=options.offset or (0.0, 0.0),
-        rotation=options.rotation or 0.0,
-        mirrored=options.mirror,
-        method=options.match,
-        shape=options.resample,
-        size=_sides(options.domain),
-    )
-    return pair.body, pair.counterbody, pair.grid
-
-
-def _counterbody_size_and_unit(options: argparse.Namespace) -> tuple[list[float] | None, float | None]:
-    """Return size and unit of the second map: its own, or those of the first if its file does not state them."""
-    size, unit = options.counterbody_size, options.counterbody_unit
-    if size is None or unit is None:
-        raw = read_raw(Path(options.counterbody))
-        size = options.size if size is None and raw.size is None else size
-        unit = options.unit if unit is None and not raw.metric else unit
-    return size, unit
-
-
-def _refuse(options: argparse.Namespace, name: str, reason: str) -> None:
-    if getattr(options, name) not in (None, False):
-        raise rc.InputError(f"--{name.replace('_', '-')} {reason}")
-
-
-def _read(
-    path: str, options: argparse.Namespace, size: list[float] | None, unit: float | None, form: str | int | None
-) -> rc.HeightMap:
-    surface = rc.read_surface(path, size=_sides(size), unit=unit, non_measured=options.non_measured)
-    # Detrended before it is interpolated, so that the fit uses every measured point.
-    return surface if form is None else surface.detrend(form)
-
-
-def _resample(surface: rc.HeightMap, options: argparse.Namespace) -> rc.HeightMap:
-    if options.resample is None:
-        return surface
-    require_memory_of_solve(rc.Grid(options.resample, surface.size), rc.Boundary(options.boundary))
-    return surface.resample(options.resample)
-
-
-def _sides(lengths: list[float] | None) -> float | list[float] | None:
-    return lengths[0] if lengths and len(lengths) == 1 else lengths
-
-
-def _counterbody_material(options: argparse.Namespace) -> rc.Material:
-    if options.counterbody_young is None:
-        for name in ("counterbody_hardness", "counterbody_poisson"):
-            _refuse(options, name, "needs --counterbody-young: without it the counterbody is rigid.")
-        return rc.RIGID_FLAT.material
-    poisson = options.poisson if options.counterbody_poisson is None else options.counterbody_poisson
-    return _material(options.counterbody_young, poisson, options.counterbody_hardness)
-
-
-def _material(young: float, poisson: float | None, hardness: float | None) -> rc.Material:
-    poisson = 0.3 if poisson is None else poisson
-    return rc.Elastic(young, poisson) if hardness is None else rc.ElasticPerfectlyPlastic(young, poisson, hardness)
+            raise rc.NotConverged(solution.accuracy.explain(), solution)
+    doubtful = any(solution.warnings for solution in solutions)
+    if doubtful and not quiet:
+        print("roughcontact: The solution is converged, but doubtful: see its warnings.", file=sys.stderr)
+    return DOUBTFUL if doubtful else 0

@@ -15,9 +15,10 @@ from roughcontact._problem.problem import ContactProblem
 from roughcontact._solution import ContactSolution
 from roughcontact.diagnostics.rules import RULES
 from roughcontact.load import Load
+from roughcontact.units.text import WIDTH
 
-# Width of a printed report, characters.
-_WIDTH = 120
+# Where the text of a check begins, below its name.
+_INDENT = 11 * " "
 # Factor by which the solver's tolerance is lowered.
 _TIGHTER = 1000.0
 
@@ -73,9 +74,9 @@ class Check:
 
 
 def format_row(verdict: str, name: str, value: str, text: str) -> str:
-    """Return a verdict, a name and a value in columns, and a text that is wrapped beside them."""
-    left = f"{verdict:<10} {name:<35} {value:>9}  "
-    return textwrap.fill(text, _WIDTH, initial_indent=left, subsequent_indent=" " * len(left))
+    """Return a verdict, a name and a value in a line, and a text that is wrapped below them."""
+    below = textwrap.wrap(text, WIDTH, initial_indent=_INDENT, subsequent_indent=_INDENT)
+    return "\n".join([f"{verdict:<10} {name:<44} {value:>9}".rstrip(), *below])
 
 
 def assess(name: str, value: float, finding: str) -> Check:

@@ -17,12 +17,13 @@ from roughcontact._solution import ContactSolution, Status
 from roughcontact._solution.conditions import ContactConditions
 from roughcontact._surfaces import HeightMap, SelfAffineSurface
 from roughcontact.checks import Array
-from roughcontact.diagnostics.check import Verdict, find_worst, summarize
+from roughcontact.diagnostics.check import Verdict, find_worst, format_row, summarize
 from roughcontact.diagnostics.kernel_checks import sum_displacement
 from roughcontact.diagnostics.rules import RULES
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.grid import Grid
+from roughcontact.tables import Table
 
 # Cells a side, few enough for plain sums.
 _CELLS = 48
@@ -63,6 +64,12 @@ class GalleryRow:
         work = f"{self.iterations} | {self.convolutions} | {self.gap:.1e} | {self.load:.1e}"
         return f"| {self.case} | {status} | {'| | |' if math.isnan(self.gap) else work} | {self.verdict} |"
 
+    def describe(self) -> str:
+        """Return verdict, case and residuals in a line of at most 80 columns, and below it what did not converge."""
+        residuals = "" if math.isnan(self.gap) else f"{self.gap:>8.1e} {self.load:>8.1e}"
+        text = "" if self.status.startswith("converged") else self.status
+        return format_row(self.verdict, self.case, residuals, text)
+
 
 @attrs.frozen
 class Gallery:
@@ -75,7 +82,20 @@ class Gallery:
         """The worst verdict."""
         return find_worst(row.verdict for row in self.rows)
 
+    def __repr__(self) -> str:
+        return f"<Gallery {summarize([row.verdict for row in self.rows])}>"
+
+    def _repr_html_(self) -> str:
+        columns = {one.name: [getattr(row, one.name) for row in self.rows] for one in attrs.fields(GalleryRow)}
+        return Table(columns).to_html(summarize([row.verdict for row in self.rows]))
+
     def __str__(self) -> str:
+        head = format_row("verdict", "case", "gap     load", "")
+        summary = summarize([row.verdict for row in self.rows])
+        return "\n".join([summary, "", head, *(row.describe() for row in self.rows)])
+
+    def to_markdown(self) -> str:
+        """Return the table as Markdown."""
         head = "| case | status | iterations | convolutions | gap | load | verdict |\n|---|---|---|---|---|---|---|"
         return "\n".join([head, *map(str, self.rows), "", summarize([row.verdict for row in self.rows])])
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 
 from roughcontact._problem.problem import ContactProblem
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import choice
 from roughcontact.diagnostics import field_checks, kernel_checks, repeat_checks
-from roughcontact.diagnostics.check import Check, SolvedProblem, Verdict, find_worst, format_row, skip, summarize
+from roughcontact.diagnostics.check import Check, SolvedProblem, Verdict, find_worst, skip, summarize
 from roughcontact.diagnostics.rules import RULES
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.load import Load
+from roughcontact.tables import Table
 
 
 @attrs.frozen(eq=False)
@@ -32,12 +35,26 @@ class StabilityReport:
         names = [check.name for check in self.checks]
         return self.checks[names.index(choice(name, "The check", names))]
 
+    def __repr__(self) -> str:
+        return f"<StabilityReport {summarize([check.verdict for check in self.checks])}>"
+
+    def _repr_html_(self) -> str:
+        texts = [f"{check.finding}. {check.advice}" if check.advice else check.finding for check in self.checks]
+        columns: dict[str, list[Any]] = {
+            "verdict": [check.verdict for check in self.checks],
+            "check": [check.name for check in self.checks],
+            "value": [check.value for check in self.checks],
+            "what was measured; what to do": texts,
+        }
+        return Table(columns).to_html(summarize([check.verdict for check in self.checks]))
+
     def __str__(self) -> str:
-        lines, before = [format_row("verdict", "check", "value", "what was measured; what to do")], ""
-        for check in self.checks:
+        lines, before = [summarize([check.verdict for check in self.checks]), ""], ""
+        # What is wrong comes first.
+        for check in sorted(self.checks, key=lambda check: -list(Verdict).index(check.verdict)):
             lines.append(str(attrs.evolve(check, finding="as above") if check.finding == before else check))
             before = check.finding
-        return "\n".join([*lines, summarize([check.verdict for check in self.checks])])
+        return "\n".join(lines)
 
 
 @guarded

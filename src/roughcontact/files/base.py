@@ -9,6 +9,7 @@ import attrs
 
 from roughcontact.checks import Array, Pair
 from roughcontact.registry import Registry
+from roughcontact.units import outlined
 
 
 @attrs.frozen(eq=False)
@@ -25,16 +26,25 @@ class RawMap:
         Whether the map repeats beyond its border.
     metric
         Whether the heights are known to be in metres.
+    hint
+        What the file says of its size, in words, where it does not state it; part of the sentence that asks for it.
+    needs_unit
+        Whether the heights are in an unknown unit, which must be given, as in images.
     """
 
-    heights: Array
+    heights: Array = attrs.field(repr=outlined)
     size: Pair | None = None
     periodic: bool = False
     metric: bool = False
+    hint: str = ""
+    needs_unit: bool = False
 
 
 class SurfaceReader(abc.ABC):
-    """A reader of one kind of file. Subclass it and register it in ``roughcontact.readers``."""
+    """A reader of one kind of file. Subclass it and register it in ``roughcontact.readers``.
+
+    Its fields, if it has any, are options that `read_surface` accepts by their names; each has a default.
+    """
 
     @property
     @abc.abstractmethod

@@ -10,13 +10,19 @@ import numpy as np
 
 from roughcontact._surfaces.topography import read_topography
 from roughcontact.archive import read_npy, read_npz
+from roughcontact.checks import choice, integer
 from roughcontact.checks.memory import require_memory
 from roughcontact.errors import InputError, MissingPackage
 from roughcontact.files.base import RawMap, SurfaceReader
+from roughcontact.files.gwyddion import read_header
+from roughcontact.files.layout import SEPARATORS, WORDS
+from roughcontact.files.points import put_on_grid
 from roughcontact.files.text import read_table
 
-# Numbers in a row of a list of points: x z, or x y z; and rows from which on such a table is a list: 3 x 3 points.
-_COLUMNS_OF_LISTS, _ROWS_OF_LISTS = (2, 3), 9
+# Endings of files that need no instrument's reader.
+_ENDINGS = (".npz", ".npy", ".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz", ".mat", ".tif")
+# Numbers in a row of a profile x z and of a list of points x y z; and rows from which on a table is one: 3 x 3 points.
+_COLUMNS_OF_PROFILES, _COLUMNS_OF_POINTS, _ROWS_OF_LISTS = 2, 3, 9
 
 
 @attrs.frozen
@@ -68,31 +74,64 @@ class NpyReader(SurfaceReader):
             return RawMap(read_npy(file, path.stat().st_size))
 
 
+def _separator(value: str) -> str:
+    return choice(value, "The separator of the numbers in a text file", ("auto", *SEPARATORS, *WORDS))
+
+
+def _decimal(value: str) -> str:
+    return choice(value, "The decimal mark of the numbers in a text file", ("auto", ".", ","))
+
+
+def _skip_rows(value: int) -> int:
+    return integer(value, "The number of lines to skip in a text file", at_least=0)
+
+
 @attrs.frozen
 class TextReader(SurfaceReader):
-    """A table of numbers, one row for each x, separated by blanks or by one of ``, ;`` and tab; ``#`` comments.
+    """A table of numbers, one row for each x; or lines of points x y z, in any order, on a regular grid.
 
-    An empty field is a non-measured point. A separator at the end of every row is ignored.
+    Lines of words above the numbers and what follows ``#`` are skipped. Empty fields, ``nan``, ``***`` and ``BAD`` are
+    non-measured points; a separator at the end of rows adds none. Where the header states width and height of an image,
+    as Gwyddion writes them, it is read, and the rows are those of the image: y, downwards.
+
+    Parameters
+    ----------
+    separator
+        What separates numbers: ``","``, ``";"``, a tab (or ``"tab"``), white space (``" "`` or ``"blank"``); by default
+        it is found.
+    decimal
+        Decimal mark, ``"."`` or ``","``; by default it is found.
+    skip_rows
+        Lines at the beginning of the file that are not heights, where these are not skipped of themselves.
     """
+
+    separator: str = attrs.field(default="auto", converter=_separator)
+    decimal: str = attrs.field(default="auto", converter=_decimal)
+    skip_rows: int = attrs.field(default=0, converter=_skip_rows)
 
     @property
     def suffixes(self) -> frozenset[str]:
-        """Txt, csv, dat and asc."""
-        return frozenset({".txt", ".csv", ".dat", ".asc"})
+        """Txt, csv, tsv, dat, asc and xyz."""
+        return frozenset({".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
         # A number takes 25 characters at most, as numpy.savetxt writes it.
         _require_memory(path, 16.0 / 25.0)
-        heights = read_table(path)
-        if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] in _COLUMNS_OF_LISTS:
+        table = read_table(path, self.separator, self.decimal, self.skip_rows)
+        heights, stated = table.numbers, read_header(table.header)
+        if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] == _COLUMNS_OF_PROFILES:
             raise InputError(
-                f"each of its {heights.shape[0]} rows holds {heights.shape[1]} numbers, as in a list of points x y z, "
-                "but a height map has a row for each x and a number for each y: sort the points into an array "
-                "heights[i, j], with i and j from numpy.unique(x, return_inverse=True) and the same of y, and write it "
-                "with numpy.savez(path, heights=heights, size=(lx, ly))"
+                f"each of its {heights.shape[0]} rows holds 2 numbers, as in a list of points x z of a profile, but a "
+                "height map has a row for each x and a number for each y"
             )
-        return RawMap(heights)
+        if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] == _COLUMNS_OF_POINTS:
+            return put_on_grid(heights)
+        if stated.unit is not None:
+            heights = heights * stated.unit
+        # From here on an image has x first, and y upwards.
+        heights = heights if stated.size is None else np.ascontiguousarray(heights[::-1].T)
+        return RawMap(heights, stated.size, metric=stated.unit is not None)
 
 
 def _require_memory(path: Path, multiple: float) -> None:
@@ -122,7 +161,7 @@ class InstrumentReader(SurfaceReader):
         except ImportError:
             raise MissingPackage(
                 f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
-                "(Files .npz, .npy, .txt, .csv, .dat and .asc are read without it.)"
+                f"(Files {', '.join(_ENDINGS)} are read without it.)"
             ) from None
         heights, size, periodic = read_topography(read_file(str(path)))
         return RawMap(heights, size, periodic, metric=True)

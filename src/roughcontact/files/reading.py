@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import inspect
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -32,6 +34,7 @@ def read_surface(
     non_measured: str = "refuse",
     unit: float | None = None,
     reader: str | SurfaceReader = "auto",
+    **options: Any,
 ) -> HeightMap:
     """Return the height map in a file, m, positive outward.
 
@@ -51,6 +54,9 @@ def read_surface(
         What a height of one in the file means, m, where the file does not state it: 1e-6 for micrometres.
     reader
         Registered name or instance; ``"auto"`` chooses by the ending of the file name.
+    **options
+        Fields of the reader. Of text files ``separator=``, ``decimal=`` and ``skip_rows=``: what separates the numbers,
+        their decimal mark, and how many lines at the beginning are not heights, where these are not found rightly.
 
     Raises
     ------
@@ -61,10 +67,14 @@ def read_surface(
     """
     choice(non_measured, "The treatment of non-measured points", TREATMENTS)
     file = checks.path(path, "The height map")
-    raw = read_raw(file, reader)
+    raw = read_raw(file, reader, **options)
     given = size if raw.size is None else raw.size
     if given is None:
-        raise InputError(f"The file {file.name} does not state the size of its domain: give size=(x, y), m.")
+        known = f" ({raw.hint})" if raw.hint else ""
+        raise InputError(
+            f"The file {file.name} does not state the size of its domain{known}: give size=(x, y), m (on the command "
+            "line --size)."
+        )
     if size is not None and raw.size is not None:
         sides = pair(size, "The size of the height map", "m", above=0.0)
         if not np.allclose(sides, raw.size, rtol=_SAME_SIZE, atol=0.0):
@@ -84,11 +94,11 @@ def read_surface(
     return attrs.evolve(surface, heights=values, history=(f"read from {file.name}{done}: {surface.grid}{in_units}",))
 
 
-def read_raw(file: Path, reader: str | SurfaceReader = "auto") -> RawMap:
+def read_raw(file: Path, reader: str | SurfaceReader = "auto", **options: Any) -> RawMap:
     """Return the map as it stands in a file; see `read_surface`."""
     if not file.is_file():
         raise InputError(f"There is no file {str(file)!r}{' (it is a folder)' if file.is_dir() else ''}.")
-    chosen = readers.resolve(_reader_for(file) if reader == "auto" else reader)
+    chosen = _make_reader(_reader_for(file) if reader == "auto" else reader, file, options)
     try:
         raw = chosen.read(file)
     except InputError as error:
@@ -106,6 +116,23 @@ def read_raw(file: Path, reader: str | SurfaceReader = "auto") -> RawMap:
     return raw
 
 
+def options_of(file: Path, reader: str = "auto") -> tuple[str, ...]:
+    """Return the names of the options of the reader that reads a file."""
+    return tuple(inspect.signature(readers[_reader_for(file) if reader == "auto" else reader]).parameters)
+
+
+def _make_reader(choice: str | SurfaceReader, file: Path, options: dict[str, Any]) -> SurfaceReader:
+    """Return the reader with its options."""
+    if not options:
+        return readers.resolve(choice)
+    if not isinstance(choice, str):
+        raise InputError(f"Give {', '.join(options)} to the reader itself, or name the reader.")
+    known = options_of(file, choice)
+    if unknown := [name for name in options if name not in known]:
+        raise InputError.unknown(f"option of the reader {choice!r}, which reads {file.name},", unknown[0], known)
+    return readers.create(choice, **options)
+
+
 def _reader_for(file: Path) -> str:
     suffix = file.suffix.lower()
     for name in readers:
@@ -117,6 +144,11 @@ def _reader_for(file: Path) -> str:
 
 
 def _unit(raw: RawMap, given: float | None, file: Path) -> float:
+    if given is None and raw.needs_unit:
+        raise InputError(
+            f"The heights in {file.name} are numbers without a unit: give what one of them means, m, such as unit=1e-9 "
+            "(on the command line --unit 1nm)."
+        )
     if given is None:
         return 1.0
     if raw.metric:

@@ -14,6 +14,8 @@ ADDRESS = "https://github.com/roughcontact/roughcontact"
 PAPER = "A numerical-analytical approach to determining the real contact area of rough surface contact"
 JOURNAL, PAPER_YEAR = "Tribology - Materials, Surfaces & Interfaces", 2020
 PAPER_DOI = "10.1080/17515831.2020.1720382"
+# Where in a book a formula stands.
+_PLACE = re.compile(r", (?:sections?|sec\.|eqs?\.) .*")
 _HEAD = "References\n----------\n"
 _DOI = re.compile(r"https://doi\.org/(10\.[^\s;,]+[^\s;,.)])")
 
@@ -57,7 +59,7 @@ def _references_in(docstring: str) -> list[Reference]:
     _, _, section = docstring.partition(_HEAD)
     found, start = [], 0
     for doi in _DOI.finditer(section := section.partition("\n\n")[0]):
-        text = " ".join(section[start : doi.start()].split()).strip(" ,;-")
+        text = _PLACE.sub("", " ".join(section[start : doi.start()].split()).strip(" ,;-"))
         found.append(Reference(f"{text}.", f"https://doi.org/{doi[1]}"))
         start = doi.end() + 1
     return found

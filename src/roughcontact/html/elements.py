@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import re
 from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 
 # Units raised to a power, behind their number, and the sign of an uncertainty, as the project prints them in ASCII.
 _RAISED = re.compile(r"(?<=[ (])([nµm]?m)([23])\b")
@@ -40,13 +41,13 @@ def section(title: str, *content: str, **attributes: str) -> str:
     return element("section", "\n".join([element("h2", escape(title)), *content]), **attributes) + "\n"
 
 
-def table(rows: Mapping[str, str], caption: str, **attributes: str) -> str:
-    """Return a table of names, which are escaped, beside contents, which are HTML already."""
-    heads = (element("th", escape(name), scope="row") for name in rows)
+def table(rows: Mapping[str, str], caption: str, cell: Mapping[str, str] = MappingProxyType({}), **given: str) -> str:
+    """Return a table of names, which are escaped, beside contents, which are HTML already; attributes of its cells."""
     body = "\n".join(
-        element("tr", head + element("td", content)) for head, content in zip(heads, rows.values(), strict=True)
+        element("tr", element("th", escape(name), scope="row", **cell) + element("td", content, **cell))
+        for name, content in rows.items()
     )
-    return element("table", element("caption", escape(caption)) + element("tbody", body), **attributes)
+    return element("table", element("caption", escape(caption)) + element("tbody", body), **given)
 
 
 def items(texts: Iterable[str], **attributes: str) -> str:

@@ -31,16 +31,15 @@ class Picture:
         The name that the panel is registered under.
     caption
         What it shows, in a sentence.
-    light, dark
-        The picture as a data: address, on a light and on a dark background; empty if it cannot be drawn.
+    address
+        The picture as a data: address; empty if it cannot be drawn.
     refusal
         Why it cannot be drawn; empty if it is.
     """
 
     name: str
     caption: str
-    light: str = ""
-    dark: str = ""
+    address: str = ""
     refusal: str = ""
 
 
@@ -55,16 +54,16 @@ def draw_panels(solution: ContactSolution) -> Iterator[Picture]:
     for name in sorted(names, key=lambda name: (_FIRST.index(name) if name in _FIRST else len(_FIRST), name)):
         caption = (inspect.getdoc(panels[name]) or name).partition("\n\n")[0].replace("\n", " ")
         try:
-            yield Picture(name, caption, *(draw_panel(solution, name, dark=dark) for dark in (False, True)))
+            yield Picture(name, caption, draw_panel(solution, name))
         # Panels are plug-ins: a report is not lost because of one picture.
         except Exception as error:
             yield Picture(name, caption, refusal=" ".join(str(error).split()) or type(error).__name__)
 
 
-def draw_panel(solution: ContactSolution, name: str, *, dark: bool) -> str:
-    """Return a panel as a PNG file in a data: address."""
+def draw_panel(solution: ContactSolution, name: str) -> str:
+    """Return a panel as a PNG file in a data: address, dark on light as on paper."""
     content = io.BytesIO()
-    figure: Any = make_figure("solution", solution, name, dark)
+    figure: Any = make_figure("solution", solution, name)
     figure.savefig(content, format="png", dpi=_DPI)
     return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"
 

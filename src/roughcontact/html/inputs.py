@@ -6,11 +6,12 @@ from roughcontact._problem import ContactProblem
 from roughcontact._problem.source import problem_of
 from roughcontact._solution import ContactSolution
 from roughcontact._solution.origin import key_of_origin, versions
+from roughcontact._solution.summary import describe_work
 from roughcontact._surfaces import Surface
 from roughcontact._surfaces.continuation import find_maps
 from roughcontact.archive import digest_of
 from roughcontact.errors import RoughContactError
-from roughcontact.html.elements import escape, items, quantity
+from roughcontact.html.elements import escape, quantity
 from roughcontact.html.rerun import describe_part, hash_pressure
 from roughcontact.load import Load
 from roughcontact.units import si
@@ -56,10 +57,10 @@ def list_certificate(solution: ContactSolution) -> dict[str, str]:
     for name, meaning in _MEANINGS.items():
         value = getattr(residuals, name)
         rows[name.capitalize()] = f"{value:.1e}: {escape(meaning)}{'' if name == 'load' else escape(scale)}"
-    rows["Contact modulus E*"] = escape(si(solution.modulus, "Pa", 6))
+    rows["Modulus E*"] = escape(si(solution.modulus, "Pa", 6))
     if solution.moduli is not None:
-        rows["Contact modulus E*"] += ", another at each wavelength"
-    rows["Work"] = f"{solution.iterations} iterations, {solution.convolutions} convolutions, {solution.seconds:.2g} s"
+        rows["Modulus E*"] += ", that of the materials: the kernel has another for each wavelength"
+    rows["Work"] = describe_work(solution)
     if solution.accuracy is not None:
         rows["Accuracy"] = quantity(str(solution.accuracy).replace("\n", "; "))
     if solution.theory is not None:
@@ -69,7 +70,8 @@ def list_certificate(solution: ContactSolution) -> dict[str, str]:
 
 def list_versions(solution: ContactSolution) -> dict[str, str]:
     """Return the versions of the programs that made a solution, as HTML by name."""
-    rows = {name if name != "python" else "Python": escape(number) for name, number in versions().items()}
+    numbers = versions() if solution.origin is None else solution.origin.versions
+    rows = {"Packages": escape(", ".join(f"{name} {number}" for name, number in numbers.items()))}
     programs = [] if solution.origin is None else solution.origin.programs
     return rows | ({"Plug-ins": escape(", ".join(programs))} if programs else {})
 
@@ -79,7 +81,7 @@ def _describe_surface(surface: Surface) -> str:
     maps = find_maps(surface)
     text = _code(describe_part(surface))
     if surface.provenance and maps:
-        text += items(surface.provenance)
+        text += f"<br>{escape('; '.join(surface.provenance))}"
     for one in maps:
         text += f"<br>digest of its {' x '.join(map(str, one.values.shape))} heights {_code(digest_of(one.values))}"
     return text

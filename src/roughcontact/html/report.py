@@ -75,9 +75,11 @@ class HtmlWriter(SolutionWriter):
         warnings = list_all_warnings(solution)
         if warnings:
             rows["warnings"] = items(warnings)
-        shown = table(rows, "Contact")
+        # Notebooks set numbers on the right, which suits no words.
+        left = {"style": "text-align: left; vertical-align: top"}
+        shown = table(rows, f"{solution.grid}, boundary {solution.boundary}", left)
         if can_draw() and solution.grid.cells <= _SMALL and solution.contact.any():
-            picture = draw_panel(solution, "pressure", dark=False)
+            picture = draw_panel(solution, "pressure")
             shown += tag("img", src=picture, alt="The contact pressure", style="max-width: 24rem")
         return shown
 
@@ -87,7 +89,7 @@ def _make_answer(solution: ContactSolution, problem: ContactProblem | None) -> s
     status = solution.status
     verdict, _, reason = str(status).partition(": ")
     advice = "" if status.success else " Do not use these numbers: they are those of the last iteration."
-    sentence = f"{element('strong', escape(verdict.capitalize()))}: {escape(reason)}.{advice}"
+    sentence = f"{element('strong', escape(verdict.capitalize()) + ':')} {escape(reason)}.{advice}"
     answers = {name.capitalize(): quantity(text) for name, text in list_answers(solution).items()}
     maps = () if solution.origin is None else [one for one in solution.origin.maps if not one.periodic]
     if maps:
@@ -119,15 +121,14 @@ def _make_figures(solution: ContactSolution) -> str:
     answers = list_answers(solution)
     answer = f"Contact area {answers['contact area']}; max pressure {answers['max pressure']}."
     shown = "\n".join(_make_figure(picture, answer) for picture in draw_panels(solution))
-    return section("Figures", element("div", shown, class_="figures"))
+    return section("Figures", element("div", shown, class_="figures"), class_="pictures")
 
 
 def _make_figure(picture: Picture, answer: str) -> str:
     if picture.refusal:
         return _note(f"The panel {picture.name} is not drawn: {picture.refusal}")
-    dark = tag("source", media="screen and (prefers-color-scheme: dark)", srcset=picture.dark)
-    light = tag("img", src=picture.light, alt=f"{picture.caption} {answer}")
-    return element("figure", element("picture", dark + light) + element("figcaption", escape(picture.caption)))
+    shown = tag("img", src=picture.address, alt=f"{picture.caption} {answer}")
+    return element("figure", shown + element("figcaption", escape(picture.caption)))
 
 
 def _make_script(solution: ContactSolution, problem: ContactProblem | None) -> str:

@@ -11,10 +11,9 @@ from typing import Any, final
 import attrs
 import numpy as np
 
-from roughcontact._materials import Rigid
 from roughcontact._problem import Body, ContactProblem
 from roughcontact._solution import ContactSolution
-from roughcontact._surfaces import FlatSurface, SurfaceSum
+from roughcontact._surfaces import SurfaceSum
 from roughcontact.description import public_class
 
 _FROM_FILE = """\
@@ -68,8 +67,13 @@ class _Writer:
         """Return the lines that make a problem."""
         defaults = {field.name: field for field in attrs.fields(ContactProblem)}
         given = {name: part for name, part in problem.parts.items() if not _is_default(defaults[name], part)}
-        lines = "".join(f"    {name}={self.write(part)},\n" for name, part in given.items())
+        lines = "".join(f"    {name}={self._write_lines(part)},\n" for name, part in given.items())
         return f"problem = rc.ContactProblem(\n{lines})"
+
+    def _write_lines(self, part: Any) -> str:
+        if not isinstance(part, Body):
+            return self.write(part)
+        return f"rc.Body(\n        {self.write(part.surface)},\n        {self.write(part.material)},\n    )"
 
     def write(self, value: Any) -> str:
         """Return a value as an expression."""
@@ -87,8 +91,6 @@ class _Writer:
             return " + ".join(
                 f"({self.write(part)})" if isinstance(part, SurfaceSum) else self.write(part) for part in value.parts
             )
-        if isinstance(value, Body) and isinstance(value.surface, FlatSurface) and isinstance(value.material, Rigid):
-            return "rc.RIGID_FLAT"
         return self._write_call(value)
 
     def _write_call(self, value: Any) -> str:
@@ -109,14 +111,16 @@ class _Writer:
 
 
 def _write_number(value: float) -> str:
-    """Return the shortest text of a number that is exactly it, its exponent a multiple of three."""
+    """Return a text of a number that is exactly it, its exponent, if it needs one, a multiple of three."""
     if not np.isfinite(value):
         return f'float("{float(value)}")'
-    texts = [repr(float(value))]
-    if value != 0.0:
-        power = 3 * int(np.floor(np.log10(abs(value)) / 3.0))
-        texts.append(f"{value / 10.0**power:.15g}e{power}")
-    return min((text for text in texts if float(text) == value), key=len)
+    plain = repr(float(value))
+    if value == 0.0:
+        return plain
+    power = 3 * int(np.floor(np.log10(abs(value)) / 3.0))
+    short = f"{value / 10.0**power:.15g}e{power}"
+    needed = "e" in plain or len(short) < len(plain)
+    return short if needed and float(short) == value else plain
 
 
 def _is_default(field: Any, value: object) -> bool:

@@ -2,9 +2,9 @@
 
 CSS = """
 :root { color-scheme: light dark; --ink: #1b1f24; --soft: #57606a; --paper: #ffffff; --line: #d0d7de; --box: #f3f5f7;
-  --good: #116329; --bad: #a40e26; --doubt: #7d4e00; --link: #0550ae; }
+  --good: #116329; --bad: #a40e26; --unsure: #7d4e00; --link: #0550ae; }
 @media screen and (prefers-color-scheme: dark) { :root { --ink: #e6edf3; --soft: #9da7b3; --paper: #0d1117;
-  --line: #3d444d; --box: #161b22; --good: #56d364; --bad: #ff8f88; --doubt: #e3b341; --link: #79b8ff; } }
+  --line: #3d444d; --box: #161b22; --good: #56d364; --bad: #ff8f88; --unsure: #e3b341; --link: #79b8ff; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 70rem; padding: 1rem; background: var(--paper); color: var(--ink);
   font: 1rem/1.45 system-ui, "Segoe UI", "Noto Sans", sans-serif; overflow-wrap: anywhere; }
@@ -17,8 +17,8 @@ a { color: var(--link); }
 .verdict strong { color: var(--good); }
 .failed { border-color: var(--bad); }
 .failed strong { color: var(--bad); }
-.warnings { border-left: .35rem solid var(--doubt); padding: .3rem .7rem; background: var(--box); }
-.warnings h3 { font-size: 1rem; margin: 0; color: var(--doubt); }
+.warnings { border-left: .35rem solid var(--unsure); padding: .3rem .7rem; background: var(--box); }
+.warnings h3 { font-size: 1rem; margin: 0; color: var(--unsure); }
 .warnings ul { padding-left: 1.2rem; }
 table { border-collapse: collapse; width: 100%; }
 caption { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
@@ -29,7 +29,7 @@ th { font-weight: 600; width: 11rem; }
 .note { color: var(--soft); font-size: .9rem; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr)); gap: 1rem; }
 figure { margin: 0; }
-figure img { width: 100%; height: auto; display: block; }
+figure img { width: 100%; height: auto; display: block; background: #ffffff; border-radius: .25rem; }
 figcaption { color: var(--soft); font-size: .85rem; }
 code, pre { font-family: ui-monospace, "DejaVu Sans Mono", monospace; font-size: .85rem; }
 pre { white-space: pre-wrap; background: var(--box); border: 1px solid var(--line); padding: .6rem; margin: .3rem 0; }
@@ -45,7 +45,8 @@ pre { white-space: pre-wrap; background: var(--box); border: 1px solid var(--lin
   code, pre { font-size: 6.6pt; } pre { padding: 3pt; line-height: 1.2; } figcaption, .note { font-size: 6.8pt; }
   .figures { grid-template-columns: repeat(auto-fit, minmax(46mm, 1fr)); gap: 2mm; } figure { break-inside: avoid; }
   tr, .verdict, .warnings { break-inside: avoid; }
-  .columns { columns: 2; column-gap: 6mm; } .columns section { break-inside: avoid; }
+  section { break-inside: avoid; } section.pictures { break-inside: auto; }
+  .columns { display: grid; grid-template-columns: 2fr 1fr; gap: 6mm; } .columns section:last-child th { width: 18mm; }
   a { color: inherit; text-decoration: none; }
 }
 """

@@ -16,7 +16,7 @@ from roughcontact.errors import InputError
 from roughcontact.laws import abaqus, calculix, moose
 from roughcontact.laws.fits import PowerFit, fit_power
 from roughcontact.tables import Table
-from roughcontact.units import counted, si
+from roughcontact.units import counted, outlined, si
 
 
 @attrs.frozen(eq=False)
@@ -35,8 +35,8 @@ class LawColumn:
 
     name: str
     unit: str
-    values: Array = attrs.field(converter=read_only)
-    uncertainties: Array = attrs.field(converter=read_only)
+    values: Array = attrs.field(converter=read_only, repr=outlined)
+    uncertainties: Array = attrs.field(converter=read_only, repr=outlined)
 
 
 @attrs.frozen(eq=False)
@@ -103,10 +103,10 @@ class InterfaceLaw:
 
     def __repr__(self) -> str:
         low, high = (si(float(pressure), "Pa") for pressure in self.pressures[[0, -1]])
-        return f"<InterfaceLaw: {counted(len(self.pressures), 'load')}, {low} to {high}: {', '.join(self.columns)}>"
+        return f"<InterfaceLaw {counted(len(self.pressures), 'load')}, {low} to {high}: {', '.join(self.columns)}>"
 
     def _repr_html_(self) -> str:
-        return self._table.to_html(" ".join([*self.description, *(f"Warning: {text}" for text in self.warnings)]))
+        return self._table.to_html(*self.description, *(f"Warning: {text}" for text in self.warnings))
 
     @property
     def _table(self) -> Table:

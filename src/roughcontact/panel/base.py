@@ -10,6 +10,7 @@ import numpy as np
 
 from roughcontact.checks import Array
 from roughcontact.registry import Registry
+from roughcontact.units import outlined
 
 if TYPE_CHECKING:
     from roughcontact.grid import Grid
@@ -54,7 +55,7 @@ class SampledSurface:
         Whether the surface repeats beyond its border.
     """
 
-    heights: Array
+    heights: Array = attrs.field(repr=outlined)
     grid: Grid
     periodic: bool
 

@@ -8,14 +8,16 @@ from typing import Any
 import numpy as np
 
 from roughcontact.checks import Array
+from roughcontact.errors.door import guarded
 from roughcontact.panel.theme import plain_logarithms, theme_of
 
 # Lowest end of a band over the value, on logarithmic axes.
 _LOWEST = 0.05
-# Characters of a legend that stand in one row.
-_LONG = 42
+# Characters of a legend that stand in one row, and those that a mark takes.
+_LONG, _MARK = 54, 5
 
 
+@guarded
 def draw_band(
     axes: Any,
     x: Array,
@@ -27,7 +29,8 @@ def draw_band(
     color: str | None = None,
 ) -> Any:
     """Draw a curve and a band of two standard deviations around it, shapes (n,); return its line."""
-    color = theme_of(axes).lines[len(axes.lines) % 6] if color is None else color
+    cycle = theme_of(axes).lines
+    color = cycle[len(axes.lines) % len(cycle)] if color is None else color
     (line,) = axes.plot(x, values, marker=marker, linestyle="-", color=color, label=label or "_curve")
     low = (
         np.maximum(values - 2.0 * deviations, _LOWEST * values) if np.all(values >= 0.0) else values - 2.0 * deviations
@@ -36,6 +39,7 @@ def draw_band(
     return line
 
 
+@guarded
 def scale_axes(axes: Any, *, x: str, y: str, logarithmic: str = "") -> None:
     """Name both axes, choose their scales and ticks, and draw a grid.
 
@@ -61,9 +65,9 @@ def scale_axes(axes: Any, *, x: str, y: str, logarithmic: str = "") -> None:
     axes.grid(True, which="major", color=theme_of(axes).ink, alpha=0.15, linewidth=0.5)
 
 
-def say(axes: Any, text: str, loc: str = "left") -> None:
-    """Write a remark above axes, so that it hides nothing, at the left or the right."""
-    axes.set_title(text, loc=loc, fontsize=8, color=theme_of(axes).ink)
+def say(axes: Any, text: str) -> None:
+    """Write a remark above axes, so that it hides nothing."""
+    axes.set_title(text, loc="left", fontsize=8, color=theme_of(axes).ink)
 
 
 def add_key(axes: Any, handles: Sequence[Any] | None = None) -> None:
@@ -74,7 +78,7 @@ def add_key(axes: Any, handles: Sequence[Any] | None = None) -> None:
         handles=shown,
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=2 if sum(map(len, labels)) > _LONG else 3,
+        ncols=2 if sum(len(label) + _MARK for label in labels) > _LONG else max(len(labels), 1),
         handlelength=1.2,
         columnspacing=1.2,
         borderaxespad=0.2,

@@ -9,6 +9,7 @@ from typing import Any
 
 from roughcontact.archive import replacing
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 from roughcontact.panel.base import Panel, panels
 from roughcontact.panel.layout import arrange
 from roughcontact.panel.theme import require_matplotlib, style, theme_of
@@ -36,7 +37,7 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
     if panel is None and axes is not None:
         raise InputError("Axes hold one panel: name it, as in plot('pressure', axes=axes).")
     chosen = None if panel is None else _resolve(kind, panel)
-    if axes is not None:
+    if chosen is not None and axes is not None:
         with style(theme_of(axes).is_dark):
             chosen.draw(subject, axes)
         return axes
@@ -49,8 +50,28 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
             raise
 
 
+@guarded
 def make_figure(kind: str, subject: Any, panel: str | Panel | None = None, dark: bool = False) -> Any:
-    """Return the figure that `plot` draws, but one that pyplot does not know of: to be saved, in any thread."""
+    """Return the figure that ``plot`` draws, but without pyplot: to be saved, in any thread.
+
+    Parameters
+    ----------
+    kind, subject
+        ``"solution"`` and a `ContactSolution`, ``"surface"`` and a `SampledSurface`, or ``"sweep"`` and a sweep.
+    panel
+        Registered name or instance of one panel; None for the standard ones.
+    dark
+        Whether the background is dark.
+
+    Raises
+    ------
+    InputError
+        If there is no such panel, or it draws something else or refuses the subject.
+    MissingPackage
+        If matplotlib, of the extra ``plot``, is not installed.
+    """
+    if kind not in _STANDARD:
+        raise InputError.about("What is drawn", kind, f"one of {', '.join(map(repr, _STANDARD))}")
     require_matplotlib()
     from roughcontact.panel.sheet import Sheet
 
@@ -104,15 +125,17 @@ def _keep_colors(figure: Any) -> None:
     """Let ticks that are made later, at drawing, have the colours and sizes of the theme."""
     from matplotlib import rcParams
 
+    color, size = rcParams["xtick.color"], rcParams["xtick.labelsize"]
     for axes in figure.axes:
-        for name in ("x", "y"):
-            color, size = rcParams[f"{name}tick.color"], rcParams[f"{name}tick.labelsize"]
-            axes.tick_params(axis=name, which="both", color=color, labelcolor=color, labelsize=size)
+        axes.tick_params(which="both", color=color, labelcolor=color, labelsize=size)
 
 
-def save_figure(kind: str, subject: Any, path: Path) -> None:
-    """Write the figure of all standard panels to a PNG file, completely or not at all."""
+def save_figure(drawn: Any, path: Path) -> None:
+    """Write what `plot` has drawn in the format of the ending, completely or not at all, and let pyplot forget it."""
+    from matplotlib import pyplot
+
     content = io.BytesIO()
-    make_figure(kind, subject).savefig(content, format="png")
+    drawn.figure.savefig(content, format=path.suffix.removeprefix("."))
+    pyplot.close(drawn.figure)
     with replacing(path) as partial:
         partial.write_bytes(content.getvalue())

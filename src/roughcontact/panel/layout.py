@@ -20,7 +20,7 @@ _CURVES = (3.6, 2.9)
 # Width over height from which maps are stacked, and below which they stand in one row.
 _WIDE, _TALL = 2.2, 0.55
 # Pixels an inch of saved figures: at least the first number, at most the second, else one for each cell.
-_PIXELS = (150.0, 600.0)
+_PIXELS = (150.0, 300.0)
 
 
 @attrs.frozen
@@ -65,7 +65,7 @@ def _arrange_maps(grid: Grid, count: int, title: str, engine: str) -> Layout:
         columns = math.ceil(math.sqrt(count))
     rows = math.ceil(count / columns)
     # Narrow maps are larger along their longer side.
-    side = _SIDE * max(ratio, 1.0 / ratio) ** 0.35
+    side = _SIDE * max(ratio, 1.0 / ratio) ** (0.35 if engine == "compressed" else 0.1)
     width, height = (side, side / ratio) if ratio > 1.0 else (side * ratio, side)
     dpi = max(grid.shape[0] / width, grid.shape[1] / height)
     if engine == "constrained":

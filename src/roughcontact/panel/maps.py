@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from roughcontact.checks import Array, Mask
+from roughcontact.errors.door import guarded
 from roughcontact.panel.curves import add_key
 from roughcontact.panel.theme import plain_logarithms, theme_of
 from roughcontact.units import prefixed
@@ -17,8 +18,9 @@ if TYPE_CHECKING:
 
 # Ratio of the sides above which a domain is not drawn in true proportions: too narrow to be seen.
 _NARROW = 6.0
-# Percentiles between which the colours lie: a few deep pits or high spikes would use all of them.
-_ENDS = (0.1, 99.9)
+# Percentiles between which the colours lie if a few pits or spikes would use most of them: where the range of all
+# values is more than so many times that between the percentiles.
+_ENDS, _FAR = (0.1, 99.9), 1.3
 # Width of a colour bar over the mean side of its map.
 _BAR = 0.05
 
@@ -50,6 +52,7 @@ def set_plane(axes: Any, grid: Grid) -> tuple[float, float, float, float]:
     return extent
 
 
+@guarded
 def draw_map(
     axes: Any,
     values: Array,
@@ -84,7 +87,7 @@ def draw_map(
 
     low, high, extend = _find_limits(values, limits, logarithmic)
     image = axes.imshow(
-        values.T,
+        values.T.astype(np.float32),
         origin="lower",
         extent=set_plane(axes, grid),
         cmap=colors,
@@ -101,7 +104,7 @@ def _find_limits(values: Array, limits: tuple[float, float] | None, logarithmic:
     known = values[np.isfinite(values)]
     if not known.size:
         known = np.array((0.1, 1.0))
-    low, high = np.percentile(known, _ENDS) if limits is None else limits
+    low, high = _spread(known) if limits is None else limits
     extend = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
     beyond = extend[bool(known.min() < low), bool(known.max() > high)]
     if logarithmic and not high > 1.01 * low:
@@ -110,6 +113,13 @@ def _find_limits(values: Array, limits: tuple[float, float] | None, logarithmic:
         step = 0.5 * abs(high) or 1.0
         return low - step, high + step, beyond
     return float(low), float(high), beyond
+
+
+def _spread(known: Array) -> tuple[float, float]:
+    """Return the values between which colours lie: all of them, unless few reach far beyond the others."""
+    low, high = np.percentile(known, _ENDS)
+    full = float(known.min()), float(known.max())
+    return full if full[1] - full[0] <= _FAR * (high - low) else (float(low), float(high))
 
 
 def add_colorbar(axes: Any, image: Any, label: str, extend: str) -> None:
@@ -134,6 +144,7 @@ def add_colorbar(axes: Any, image: Any, label: str, extend: str) -> None:
     bar.ax.tick_params(which="both", color=ink, labelcolor=ink)
 
 
+@guarded
 def draw_mask(axes: Any, mask: Mask, color: str) -> None:
     """Draw marked cells, shape `grid.shape`, in one colour over a map."""
     from matplotlib.colors import ListedColormap

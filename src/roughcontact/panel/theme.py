@@ -64,7 +64,7 @@ LIGHT = Theme(
     limit="#d55e00",
     body="#8fb8d8",
     counterbody="#c9c9c9",
-    lines=("#0072b2", "#e69f00", "#000000", "#009e73", "#cc79a7", "#56b4e9"),
+    lines=("#0072b2", "#e69f00", "#000000", "#56b4e9", "#009e73"),
 )
 DARK = Theme(
     ink="#e6e6e6",
@@ -75,14 +75,14 @@ DARK = Theme(
     limit="#ff8c42",
     body="#2f6690",
     counterbody="#5b616b",
-    lines=("#56b4e9", "#e69f00", "#ffffff", "#009e73", "#cc79a7", "#f0e442"),
+    lines=("#56b4e9", "#f0e442", "#ffffff", "#009e73", "#e69f00"),
     is_dark=True,
 )
 
 
 def parameters(dark: bool) -> dict[str, Any]:
     """Return the parameters of matplotlib, `matplotlib.rcParams`, that differ from its defaults."""
-    from matplotlib import cycler
+    from matplotlib.rcsetup import cycler
 
     theme = DARK if dark else LIGHT
     inked = ("axes.edgecolor", "axes.labelcolor", "axes.titlecolor", "text.color", "xtick.color", "ytick.color")

@@ -28,10 +28,10 @@ _SMALL = 4
 class PressureHistogramPanel(Panel):
     r"""The distribution of the contact pressure over the nominal area, and the law of the edge.
 
-    The area of the histogram is the fraction of the cells in contact below the pressure limit; saturated cells are a line of
-    their own, named with their fraction. Near an edge p = K d^(1/2) at the distance d, so that the distribution
-    starts in proportion to p: the line, of K along the traced edge. Cells that the edge cuts carry less, so that the
-    lowest values are too high where the grid is coarse.
+    The area of the histogram is the fraction of the cells that are in contact below the pressure limit; saturated
+    cells are a line of their own, named with their fraction. At the distance d from an edge :math:`p = K\sqrt{d}`, so
+    that the distribution begins in proportion to p: the dashed line, with K along the traced edge. The edge cuts cells,
+    which then carry less, so that a coarse grid has too many of low pressure.
     """
 
     def draw(self, subject: Any, axes: Any) -> None:

@@ -12,7 +12,7 @@ from roughcontact.grid import Boundary
 from roughcontact.panel.maps import length_scale
 
 # Width of the line over that of a cell, and its bounds, points.
-_WIDTH, _THINNEST, _THICKEST = 0.3, 0.25, 1.0
+_WIDTH, _THINNEST, _THICKEST = 0.3, 0.03, 1.0
 
 
 def draw_edges(axes: Any, solution: ContactSolution, color: str) -> None:

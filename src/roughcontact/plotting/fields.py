@@ -51,6 +51,14 @@ def _mark_unknown(axes: Any, solution: ContactSolution) -> list[tuple[str, str]]
     return [(color, "non-measured")]
 
 
+def _edge(value: object) -> bool:
+    return flag(value, "edge=")
+
+
+def _logarithmic(value: object) -> bool:
+    return flag(value, "logarithmic=")
+
+
 def _known_heights(value: object) -> str:
     if value not in _HEIGHTS:
         raise InputError.about("The heights to draw", value, f"one of {', '.join(map(repr, _HEIGHTS))}")
@@ -95,7 +103,7 @@ class PressurePanel(Panel):
         Whether the edge is drawn.
     """
 
-    edge: bool = attrs.field(default=True, converter=lambda value: flag(value, "edge="))
+    edge: bool = attrs.field(default=True, converter=_edge)
 
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a solution; see `Panel.draw`."""
@@ -125,7 +133,7 @@ class GapPanel(Panel):
         Whether the colours follow the logarithm of the gap.
     """
 
-    logarithmic: bool = attrs.field(default=True, converter=lambda value: flag(value, "logarithmic="))
+    logarithmic: bool = attrs.field(default=True, converter=_logarithmic)
 
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a solution; see `Panel.draw`."""

@@ -8,10 +8,10 @@ import attrs
 import numpy as np
 
 from roughcontact._solution import ContactSolution
-from roughcontact.checks import Array, number
+from roughcontact.checks import Array, Mask, number
 from roughcontact.errors import InputError
 from roughcontact.panel import Panel
-from roughcontact.panel.curves import add_key, say, scale_axes
+from roughcontact.panel.curves import add_key, scale_axes
 from roughcontact.panel.maps import length_scale
 from roughcontact.panel.theme import theme_of
 from roughcontact.plotting.fields import height_scale
@@ -24,7 +24,11 @@ _MARGIN = 0.08
 def _axis(value: object) -> int:
     if value not in (0, 1) or isinstance(value, bool):
         raise InputError.about("The axis of a profile", value, "0 for a cut along x or 1 for one along y")
-    return int(value)  # type: ignore[call-overload, no-any-return]
+    return int(value)
+
+
+def _position(value: float) -> float:
+    return number(value, "The position of a profile", "m")
 
 
 @final
@@ -44,49 +48,46 @@ class ProfilePanel(Panel):
     """
 
     axis: int = attrs.field(default=0, converter=_axis)
-    position: float | None = attrs.field(
-        default=None, converter=attrs.converters.optional(lambda value: number(value, "The position of a profile", "m"))
-    )
+    position: float | None = attrs.field(default=None, converter=attrs.converters.optional(_position))
 
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a solution; see `Panel.draw`."""
         row, place = self._find_row(subject)
         theme, (along, unit), (factor, high_unit) = theme_of(axes), length_scale(subject.grid), height_scale(subject)
-        cut = (lambda field: field[:, row]) if self.axis == 0 else (lambda field: field[row, :])
         x = along * (subject.grid.x if self.axis == 0 else subject.grid.y).ravel()
-        heights, part = _split(subject)
-        lower = cut(heights - part * subject.displacement)
-        lower = factor * (lower - np.nanmean(lower))
-        # Saturated cells overlap by what the bodies are flattened.
-        upper = lower + factor * np.maximum(cut(subject.gap), 0.0)
-        known = np.isfinite(lower) if subject.non_measured is None else ~cut(subject.non_measured)
-        lower, upper = np.where(known, lower, np.nan), np.where(known, upper, np.nan)
-        touching = cut(subject.contact) & known
-        low, high = (np.nanmin(lower), np.nanmax(upper)) if known.any() else (0.0, 1.0)
+        lower, upper = (factor * self._cut(field, row) for field in find_surfaces(subject))
+        level = np.nanmean(lower) if np.isfinite(lower).any() else 0.0
+        lower, upper = lower - level, upper - level
+        known = np.concatenate((lower, upper))[np.isfinite(np.concatenate((lower, upper)))]
+        low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
         margin = _MARGIN * (high - low) or 1.0
-        low, high = low - margin, high + margin
         half = 0.5 * subject.grid.size[self.axis] * along
-        axes.fill_between(
-            x, low, lower, color=theme.body, linewidth=0.0, label="body", step="mid" if x.size < 3 else None
-        )
-        axes.fill_between(x, upper, high, color=theme.counterbody, linewidth=0.0, label="counterbody")
+        ends = np.concatenate(([-half], x, [half]))
+        below, above = np.pad(lower, 1, mode="edge"), np.pad(upper, 1, mode="edge")
+        axes.fill_between(ends, low - margin, below, color=theme.body, linewidth=0.0, label="body")
+        axes.fill_between(ends, above, high + margin, color=theme.counterbody, linewidth=0.0, label="counterbody")
         axes.plot(x, lower, color=theme.ink, linewidth=0.6, label="_body")
         axes.plot(x, upper, color=theme.ink, linewidth=0.6, label="_counterbody")
-        marked = np.where(touching, lower, np.nan)
-        axes.plot(x, marked, ".-", color=theme.limit, linewidth=2.5, markersize=4, label="contact")
+        touching = np.where(self._cut(subject.contact, row), lower, np.nan)
+        axes.plot(x, touching, ".-", color=theme.limit, linewidth=2.5, markersize=4, label="contact")
         name, other = ("x", "y") if self.axis == 0 else ("y", "x")
         scale_axes(axes, x=f"{name}, {unit}", y=f"height, {high_unit}")
         axes.grid(False)
-        axes.set(xlim=(-half, half), ylim=(low, high))
+        axes.set(xlim=(-half, half), ylim=(low - margin, high + margin))
+        axes.plot([], [], " ", label=f"{other} = {si(place, 'm', 3)}".replace("-", "−"))
         add_key(axes)
-        say(axes, f"{other} = {si(place, 'm', 3)}", loc="right")
+
+    def _cut(self, field: Array | Mask, row: int) -> Array:
+        return np.asarray(field[:, row] if self.axis == 0 else field[row])
 
     def _find_row(self, solution: ContactSolution) -> tuple[int, float]:
         """Return the index of the cut on the other axis, and its place, m."""
         other = 1 - self.axis
         places = (solution.grid.x[:, 0], solution.grid.y[0, :])[other]
+        highest = solution.pressure == solution.pressure.max()
         if self.position is None:
-            row = int(np.unravel_index(int(np.argmax(solution.pressure)), solution.grid.shape)[other])
+            # Of several equal maxima, as of saturated cells, that with the longest contact.
+            row = int(np.argmax(np.where(highest.any(axis=self.axis), solution.contact.sum(axis=self.axis), -1)))
         else:
             half = 0.5 * solution.grid.size[other]
             if abs(self.position) > half:
@@ -96,11 +97,20 @@ class ProfilePanel(Panel):
         return row, float(places[row])
 
 
-def _split(solution: ContactSolution) -> tuple[Array, float]:
-    """Return the heights of the body, shape (nx, ny), m, and the fraction of the displacement that is its own."""
+def find_surfaces(solution: ContactSolution) -> tuple[Array, Array]:
+    """Return both deformed surfaces, shape (nx, ny), m; NaN at non-measured points.
+
+    Where saturated cells overlap, the softer body is flattened.
+    """
     materials = {} if solution.origin is None else solution.origin.materials
-    if not materials:
-        return -solution.initial_gap, 1.0
-    compliance = {name: material.compliance for name, material in materials.items()}
-    heights = np.asarray(solution.origin.problem["body"].heights(solution.grid))  # type: ignore[union-attr]
-    return heights, compliance["body"] / sum(compliance.values())
+    heights, part, body_yields = -solution.initial_gap, 1.0, np.array(True)
+    if materials:
+        body, counterbody = materials["body"], materials["counterbody"]
+        heights = np.asarray(solution.origin.problem["body"].heights(solution.grid))  # type: ignore[union-attr]
+        part = body.compliance / (body.compliance + counterbody.compliance)
+        body_yields = np.less_equal(body.pressure_limit, counterbody.pressure_limit)
+    lower = heights - part * solution.displacement + np.where(body_yields, np.minimum(solution.gap, 0.0), 0.0)
+    upper = lower + np.maximum(solution.gap, 0.0)
+    if solution.non_measured is not None:
+        lower, upper = (np.where(solution.non_measured, np.nan, surface) for surface in (lower, upper))
+    return lower, upper

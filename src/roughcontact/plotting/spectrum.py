@@ -14,12 +14,12 @@ from roughcontact._surfaces.spectrum import mean_in_bands, power_spectrum
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
 from roughcontact.panel import Panel, SampledSurface
-from roughcontact.panel.curves import add_key, say, scale_axes
+from roughcontact.panel.curves import add_key, scale_axes
 from roughcontact.panel.theme import theme_of
 from roughcontact.units import prefixed
 
 # Bands of wave numbers a decade.
-_BANDS = 12
+_BANDS = 8
 # Half the angle of the sectors around x and y.
 _SECTOR = math.pi / 8.0
 # Power over the largest below which it is rounding.
@@ -52,7 +52,7 @@ class SpectrumPanel(Panel):
             raise InputError("The surface is flat, so that it has no spectrum to draw.")
         angle = np.arctan2(np.abs(qy), np.abs(qx))
         # The unit suits the middle of the range.
-        factor, unit = prefixed(1.0 / math.sqrt(float(q.max()) * float(q[q > 0.0].min())), "m")
+        factor, unit = prefixed(2.0 * math.pi / math.sqrt(float(q.max()) * float(q[q > 0.0].min())), "m")
         sectors = (angle <= _SECTOR, angle >= 0.5 * math.pi - _SECTOR, np.ones(q.shape, dtype=bool))
         styles = (
             ("along x", theme.lines[0], "-"),
@@ -71,9 +71,9 @@ class SpectrumPanel(Panel):
                     label=name,
                 )
         scale_axes(axes, x=f"wave number, rad/{unit}", y="power spectral density, m⁴", logarithmic="xy")
-        add_key(axes)
         if np.isnan(subject.heights).any():
-            say(axes, "non-measured points filled", loc="right")
+            axes.plot([], [], " ", label="non-measured points filled")
+        add_key(axes)
 
 
 def spectral_density(sampled: SampledSurface) -> tuple[Array, Array, Array]:

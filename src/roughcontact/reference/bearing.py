@@ -8,6 +8,7 @@ import numpy as np
 from roughcontact.checks import Array, heights_array, numbers, read_only
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
+from roughcontact.units import outlined
 
 # Parts of a map along each side, whose differences give the sampling error.
 _PARTS = 4
@@ -29,9 +30,9 @@ class BearingCurve:
         which must be larger than its longest waves.
     """
 
-    levels: Array = attrs.field(converter=read_only)
-    fractions: Array = attrs.field(converter=read_only)
-    uncertainties: Array = attrs.field(converter=read_only)
+    levels: Array = attrs.field(converter=read_only, repr=outlined)
+    fractions: Array = attrs.field(converter=read_only, repr=outlined)
+    uncertainties: Array = attrs.field(converter=read_only, repr=outlined)
 
 
 @guarded

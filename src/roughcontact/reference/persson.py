@@ -13,7 +13,7 @@ from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.grid import Grid
 from roughcontact.reference.waves import Waves, list_waves
-from roughcontact.units import si
+from roughcontact.units import outlined, si
 
 # Correction of the elastic energy of a partial contact, no unit.
 _GAMMA = 0.45
@@ -42,10 +42,10 @@ class PerssonContact:
         Normal stiffness over nominal area, -dp/d(mean gap), Pa/m; infinite in full contact.
     """
 
-    pressure: Array = attrs.field(converter=read_only)
-    area_fraction: Array = attrs.field(converter=read_only)
-    mean_gap: Array = attrs.field(converter=read_only)
-    stiffness: Array = attrs.field(converter=read_only)
+    pressure: Array = attrs.field(converter=read_only, repr=outlined)
+    area_fraction: Array = attrs.field(converter=read_only, repr=outlined)
+    mean_gap: Array = attrs.field(converter=read_only, repr=outlined)
+    stiffness: Array = attrs.field(converter=read_only, repr=outlined)
 
     def __str__(self) -> str:
         columns = (

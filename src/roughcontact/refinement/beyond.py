@@ -70,6 +70,9 @@ class BeyondResolution:
         low, high = self.means - _HOLDS * self.stds, self.means + _HOLDS * self.stds
         return max(0.0, float(low.min())), float(high.max())
 
+    def __repr__(self) -> str:
+        return f"<BeyondResolution {str(self).splitlines()[-1]}>"
+
     def __str__(self) -> str:
         nominal = self.measured.value / self.measured.fraction if self.measured.fraction else 0.0
         lines = ["   shortest wave   cells  rms slope         area         +-  of nominal, %"]

@@ -51,7 +51,7 @@ def draw_errors(axes: Axes, report: ErrorReport, quantity: str) -> None:
     axes.set_title(_TITLES[quantity])
     lines = _select_lines(report.rows, quantity)
     if not lines:
-        axes.text(0.5, 0.5, "all cases failed", ha="center", transform=axes.transAxes)
+        axes.text(0.5, 0.5, "nothing to compare", ha="center", transform=axes.transAxes)
         return
     bound, parts = report.reference.relative_uncertainty(quantity), find_varying_parts(report.rows)
     estimators = list(dict.fromkeys(rows[0].estimator for rows in lines))
@@ -93,7 +93,7 @@ def _set_axes(axes: Axes) -> None:
 
 def _select_lines(rows: Sequence[ReportRow], quantity: str) -> list[list[ReportRow]]:
     """Return the rows of each line; pressure and approach need no estimator, so its rows are taken once."""
-    lines = group_by_setup(rows)
+    lines = group_by_setup([row for row in rows if quantity not in row.of_reference])
     if quantity == "area":
         return lines
     return list({line[0].setup[:-1]: line for line in reversed(lines)}.values())[::-1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -14,6 +14,7 @@ from roughcontact.checks import number
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.extrapolation import richardson
+from roughcontact.grid import Grid
 from roughcontact.load import Load
 from roughcontact.refinement import on_grid, solve_ladder
 
@@ -36,6 +37,10 @@ def _bound(name: str) -> Any:
     return attrs.field(default=0.0, converter=check)
 
 
+def _shape(value: Sequence[int]) -> tuple[int, int]:
+    return Grid(value, 1.0).shape
+
+
 @guarded
 @attrs.frozen(kw_only=True)
 class Reference:
@@ -49,6 +54,8 @@ class Reference:
         Their error bounds, in the same units: smaller errors are not resolved.
     source
         Where it comes from, in words.
+    shape
+        Cells (nx, ny) of the solution that it is, if it is one: that is not compared with itself.
 
     Raises
     ------
@@ -63,6 +70,7 @@ class Reference:
     p_max_error: float = _bound("p_max")
     approach_error: float = _bound("approach")
     source: str = "given"
+    shape: tuple[int, int] | None = attrs.field(default=None, converter=attrs.converters.optional(_shape))
 
     def __attrs_post_init__(self) -> None:
         if not self.quantities:
@@ -133,7 +141,8 @@ def solve_reference(problem: ContactProblem, load: Load, finest: tuple[int, int]
         for name, series in values.items():
             known[name], known[f"{name}_error"] = _extrapolate(cells, series, smooth)
     nx, ny = last.grid.shape
-    return Reference(**known, source=f"a solution on {nx} x {ny} cells (area by {area.estimator})")
+    what = "a solution on" if smooth else "the map solved on its own"
+    return Reference(**known, source=f"{what} {nx} x {ny} cells (area by {area.estimator})", shape=(nx, ny))
 
 
 def _make_problems(

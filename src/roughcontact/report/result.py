@@ -14,9 +14,12 @@ from roughcontact.archive import replacing
 from roughcontact.checks import choice
 from roughcontact.report.reference import QUANTITIES, UNITS, Reference
 from roughcontact.report.row import ReportRow, Timing, advise, find_varying_parts, format_percent
-from roughcontact.units import si
+from roughcontact.tables import Table
+from roughcontact.units import counted, si
+from roughcontact.units.text import fit, split_columns
 
 _LABELS = {"area": "area", "p_max": "maximum pressure", "approach": "approach"}
+_ERRORS = {"area": "error", "p_max": "pressure error", "approach": "approach error"}
 # Errors whose ratio is above this count as equal, so that chance does not decide between them.
 _EQUAL = 0.99
 # Errors below this part of the reference's error bound are printed as zero: their digits mean nothing.
@@ -70,14 +73,25 @@ class ErrorReport:
         It adds what the other estimators need. A case counts only if all finer grids of the report are accurate
         enough too: a coarse grid may be right by chance.
         """
-        return advise(self.rows, self.reference, area)
+        advice = advise(self.rows, self.reference, area)
+        if not any(row.of_reference for row in self.rows):
+            return advice
+        return (
+            f"{advice} The errors are those of coarser grids, against {self.reference.source}; not of the measurement."
+        )
+
+    def __repr__(self) -> str:
+        return f"<ErrorReport {counted(len(self.rows), 'row')}: {self.description}>"
+
+    def _repr_html_(self) -> str:
+        headings, body, notes = self._make_table()
+        columns = dict(zip(headings, zip(*body, strict=True), strict=True))
+        return Table(columns).to_html(*self._make_head(), *notes)
 
     def __str__(self) -> str:
         headings, body, footnotes = self._make_table()
-        table = [headings, *body]
-        widths = [max(len(line[column]) for line in table) for column in range(len(headings))]
-        lines = ["  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)) for line in table]
-        return "\n".join([*self._make_head(), "", *lines, "", *footnotes])
+        lines = split_columns([headings, *body], keys=2 + len(find_varying_parts(self.rows)))
+        return fit("\n".join([*self._make_head(), "", *lines, "", *footnotes]))
 
     def to_markdown(self) -> str:
         """Return the table and its notes as Markdown."""
@@ -123,8 +137,8 @@ class ErrorReport:
             "cells",
             *parts,
             "estimator",
-            "area, % of nominal",
-            *(f"{_LABELS[name]} error, %" for name in known),
+            "area, %",
+            *(f"{_ERRORS[name]}, %" for name in known),
         ]
         headings += ["CPU, s (min..max)", "area, s", "wall, s (min..max)", "iter.", "conv.", "float32", "peak, MiB"]
         front = {id(row) for row in self.front()}
@@ -148,6 +162,8 @@ class ErrorReport:
         return headings, body, [*reasons, *self._make_notes(bool(front))]
 
     def _error(self, row: ReportRow, name: str) -> str:
+        if name in row.of_reference:
+            return "reference"
         error = getattr(row, f"{name}_error")
         if name not in row.unresolved:
             return format_percent(error)
@@ -159,8 +175,11 @@ class ErrorReport:
         notes = ["* on the Pareto front: no other case is both cheaper and more accurate."] if front else []
         if any(row.unresolved for row in self.rows):
             notes.append("(in brackets) not resolved: the error is below the error bound of the reference.")
+        if any(row.of_reference for row in self.rows):
+            notes.append("reference: this case is the reference; the errors of the others are those of coarser grids.")
         return [
             *notes,
+            "area: in % of nominal; errors of it, of the maximum pressure and of the approach are relative.",
             f"CPU (all threads) and wall time: median (min..max) of {self.repeats} after a warm-up, from the heights "
             "to the area; 'area, s' is the CPU time of the estimator.",
             "conv.: convolutions of the solve; float32: how many convolutions, on all grids, ran in float32.",

@@ -45,6 +45,8 @@ class ReportRow:
         Relative errors, with sign; nan where the reference does not have the quantity.
     unresolved
         The quantities whose error is below the error bound of the reference.
+    of_reference
+        The quantities that the reference has from this very case: they have no error here, and are not ranked.
     cpu, wall
         CPU time of all threads and wall time, from the heights to the area.
     solve_cpu, area_cpu
@@ -73,6 +75,7 @@ class ReportRow:
     p_max_error: float = math.nan
     approach_error: float = math.nan
     unresolved: frozenset[str] = frozenset()
+    of_reference: frozenset[str] = frozenset()
     cpu: Timing = Timing()
     wall: Timing = Timing()
     solve_cpu: Timing = Timing()
@@ -144,9 +147,11 @@ def advise(rows: Sequence[ReportRow], reference: Reference, area: float) -> str:
     if bound > area:
         text = f"The reference area is known to {_percent(bound)} only, which does not resolve {_percent(area)}."
         return text if bound > 1.0 else f"{text} {advise(rows, reference, bound)}"
-    groups, parts, target = group_by_setup(rows), find_varying_parts(rows), f"For an area error of {_percent(area)}"
+    judged = [row for row in rows if "area" not in row.of_reference]
+    groups, parts, target = group_by_setup(judged), find_varying_parts(rows), f"For an area error of {_percent(area)}"
     if not groups:
-        return "All cases failed, so there is no advice."
+        why = "All cases failed" if len(judged) == len(rows) else "No case but the reference itself was solved"
+        return f"{why}, so there is no advice."
     accurate = [row for group in groups if (row := _find_cheapest(group, area)) is not None]
     if not accurate:
         row = min((row for group in groups for row in group), key=lambda row: row.error("area"))
@@ -156,7 +161,7 @@ def advise(rows: Sequence[ReportRow], reference: Reference, area: float) -> str:
         )
     best = min(accurate, key=_cost)
     clauses = [f"{target}: {_cells(best)} with {best.describe(parts)}, {_seconds(best)}"]
-    for name in dict.fromkeys(row.estimator for row in rows if row.estimator != best.estimator and not row.failure):
+    for name in dict.fromkeys(row.estimator for row in judged if row.estimator != best.estimator and not row.failure):
         row = min((row for row in accurate if row.estimator == name), key=_cost, default=None)
         if row is not None:
             clauses.append(f"{row.describe(parts)} needs {_cells(row)} ({_seconds(row)})")

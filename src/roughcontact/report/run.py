@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 import tracemalloc
 from collections.abc import Callable, Sequence
@@ -81,7 +82,10 @@ class Benchmark:
     ) -> ReportRow:
         """Return a row with its results; times have the shape (repeats, 2), CPU and wall, s."""
         values = {"area": area.value, "p_max": float(solution.pressure.max()), "approach": solution.approach}
-        errors = {name: self.reference.error(name, value) for name, value in values.items()}
+        own = self._of_reference(row)
+        errors = {
+            name: math.nan if name in own else self.reference.error(name, value) for name, value in values.items()
+        }
         bounds = {name: self.reference.relative_uncertainty(name) for name in values}
         results: dict[str, Any] = {**values, **{f"{name}_error": error for name, error in errors.items()}}
         cpu, wall = (solves + estimates).T
@@ -89,6 +93,7 @@ class Benchmark:
             row,
             **results,
             area_uncertainty=area.uncertainty,
+            of_reference=own,
             unresolved=frozenset(name for name, error in errors.items() if abs(error) < bounds[name]),
             cpu=Timing.of(cpu),
             wall=Timing.of(wall),
@@ -99,6 +104,12 @@ class Benchmark:
             float32_convolutions=sum(level.single for level in solution.levels),
             peak_bytes=peak,
         )
+
+    def _of_reference(self, row: ReportRow) -> frozenset[str]:
+        """Return the quantities that the reference has from the same solution, whatever the solver."""
+        if row.shape != self.reference.shape or row.kernel != name_part(self.problem.kernel):
+            return frozenset()
+        return frozenset(self.reference.quantities) - ({"area"} if row.estimator != DEFAULT_AREA else set())
 
 
 @guarded
@@ -132,7 +143,8 @@ def error_vs_time(
     reference
         A `Reference`, or a dict or object with any of area (m2), p_max (Pa) and approach (m), such as
         `reference.Hertz`. By default the problem is solved on a grid twice as fine as the finest case, a
-        height map that is not band-limited on its own grid; errors below the error bound of that are marked.
+        height map that is not band-limited on its own grid: the case on that grid is the reference, is not ranked, and
+        the errors of the others are those of coarsening. Errors below the error bound are marked.
     cells
         Numbers of cells along x; those along y follow. By default an eighth, a quarter, half and all of
         the problem's.

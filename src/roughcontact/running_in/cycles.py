@@ -80,6 +80,9 @@ class RunIn:
         """Volume flattened in all cycles, m3."""
         return sum(cycle.volume for cycle in self.cycles)
 
+    def __repr__(self) -> str:
+        return f"<RunIn {str(self).splitlines()[0]}>"
+
     def __str__(self) -> str:
         nominal = self.problem.plan.grid.area
         end = "shakedown" if self.shakedown else "no shakedown yet"

@@ -20,7 +20,7 @@ from roughcontact.studies.record import Record
 # Columns of the tables of a study, which are no axes.
 _COLUMNS = {*(one.name for one in attrs.fields(Record)), "area", "area_uncertainty", "estimator"} - {"seed"}
 # Values of an axis, and problems of a study.
-_MOST = 1_000_000
+_MOST = 100_000
 # Characters of an exception that a sentence repeats.
 _LONGEST = 300
 
@@ -61,6 +61,12 @@ class BuiltProblems(Mapping[str, ContactProblem]):
             raise InputError.about("The number of problems of a study", count, f"at most {_MOST}")
         points = [dict(zip(checked, values, strict=True)) for values in itertools.product(*checked.values())]
         return cls(build, checked, {_name(point): point for point in points})
+
+    @property
+    def name(self) -> str:
+        """Where the function is defined, or of which class it is."""
+        own = getattr(self.build, "__qualname__", type(self.build).__qualname__)
+        return f"{getattr(self.build, '__module__', '')}:{own}"
 
     def parameters(self, name: str) -> Mapping[str, Any]:
         """Return the value of each parameter of a problem."""

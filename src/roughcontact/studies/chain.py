@@ -217,7 +217,7 @@ def _find(chain: Chain, key: str, load: Load) -> tuple[Record | None, ContactSol
     """Return the record of a solution on disk, and the solution if it was read; None if there is no intact one."""
     known = chain.known.get(key)
     if known is not None:
-        place = {"problem": chain.name, "seed": chain.seed, "parameters": chain.parameters}
+        place: dict[str, Any] = {"problem": chain.name, "seed": chain.seed, "parameters": chain.parameters}
         known = attrs.evolve(known, **place, control=load.kind, load=load.value)
     try:
         figures = read_figures(solution_path(chain.folder, key), key)

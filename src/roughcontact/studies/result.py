@@ -94,7 +94,7 @@ class StudyResult:
         estimators = list(dict.fromkeys(name for record in self.records for name in record.areas))
 
         def spread(values: Iterable[Any], missing: object, kind: type) -> RealArray:
-            filled = np.full([len(known) for known in positions], missing, dtype=kind)
+            filled: RealArray = np.full([len(known) for known in positions], missing, dtype=kind)
             for where, value in zip(index, values, strict=True):
                 filled[where] = value
             return filled
@@ -143,7 +143,7 @@ class StudyResult:
         return Table(columns, units | {"load": self._load_unit})
 
     def __repr__(self) -> str:
-        return f"<StudyResult: {self}>"
+        return f"<StudyResult {self}>"
 
     def _repr_html_(self) -> str:
         table, axes = self._table, self._places

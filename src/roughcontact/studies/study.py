@@ -29,6 +29,8 @@ from roughcontact.units import counted
 _ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds")
 # Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts; for `explain` only.
 _CONVOLUTIONS = 25
+# Units in which texts of a study file are read.
+_PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
 
 
 def _problems(value: object) -> Mapping[str, ContactProblem]:
@@ -53,8 +55,15 @@ def _as_tuple(value: object) -> object:
         return value
 
 
+def _as_list(value: object, what: str) -> tuple[Any, ...]:
+    items = _as_tuple(value)
+    if not isinstance(items, tuple):
+        raise InputError.about(what, value, "a list")
+    return items
+
+
 def _names(value: str | Sequence[str]) -> tuple[str, ...]:
-    names = (value,) if isinstance(value, str) else tuple(value)
+    names = (value,) if isinstance(value, str) else _as_list(value, "The area estimators of a study")
     for name in names:
         if not isinstance(name, str):
             raise InputError.about("An area estimator of a study", name, "a registered name")
@@ -63,7 +72,7 @@ def _names(value: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def _seeds(value: Iterable[int]) -> tuple[int, ...]:
-    return tuple(integer(seed, "A seed of the study", at_least=0) for seed in value)
+    return tuple(integer(seed, "A seed of the study", at_least=0) for seed in _as_list(value, "The seeds of a study"))
 
 
 @attrs.frozen(eq=False, init=False)
@@ -96,9 +105,9 @@ class Study:
     """
 
     problems: Mapping[str, ContactProblem] = attrs.field(converter=_problems)
-    pressure: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
-    force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
-    approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True)
+    pressure: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_PASCAL)
+    force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_NEWTON)
+    approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_METRE)
     areas: tuple[str, ...] = attrs.field(default=(DEFAULT_AREA,), converter=_names, kw_only=True)
     seeds: tuple[int, ...] = attrs.field(default=(), converter=_seeds, kw_only=True)
 
@@ -148,7 +157,7 @@ class Study:
         """A name for the study, made from its content; with a function, from its name and the axes."""
         described: Any = {}
         if isinstance(self.problems, BuiltProblems):
-            described = [_name_of(self.problems.build), dict(self.problems.axes)]
+            described = [self.problems.name, dict(self.problems.axes)]
         else:
             described = {name: problem.parts for name, problem in self.problems.items()}
         return key_of([described, [load.arguments for load in self.loads], self.seeds])[:12]
@@ -242,7 +251,7 @@ class Study:
         problems = ", ".join(f"{name}={len(values)}" for name, values in self.axes.items())
         loads = self.loads
         what = problems or counted(len(self.problems), "problem")
-        return f"<Study: {what}, {counted(len(loads), 'load')} of {loads[0].kind}>"
+        return f"<Study {what}, {counted(len(loads), 'load')} of {loads[0].kind}>"
 
     @property
     def axes(self) -> Mapping[str, tuple[Any, ...]]:
@@ -286,7 +295,3 @@ def _stop_error(reason: str, done: Mapping[int, list[Record]], total: int) -> St
 
 def _has_random_surface(problem: ContactProblem) -> bool:
     return any(body.surface.reseed(0) is not None for body in (problem.body, problem.counterbody))
-
-
-def _name_of(function: Callable[..., Any]) -> str:
-    return f"{getattr(function, '__module__', '')}:{getattr(function, '__qualname__', type(function).__qualname__)}"

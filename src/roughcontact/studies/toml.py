@@ -13,7 +13,7 @@ from typing import Any, Union, get_args, get_origin
 
 import attrs
 from cattrs import ClassValidationError, Converter, ForbiddenExtraKeysError, IterableValidationError, transform_error
-from cattrs.gen import make_dict_structure_fn
+from cattrs.gen import make_dict_structure_fn, override
 
 from roughcontact import checks
 from roughcontact._convolvers import convolvers
@@ -28,6 +28,7 @@ from roughcontact.files import read_surface
 from roughcontact.grid import Boundary, Grid
 from roughcontact.registry import Registry
 from roughcontact.studies.study import Study
+from roughcontact.units.quantities import parse_quantity
 
 _REGISTRIES: tuple[Registry[Any], ...] = (surfaces, materials, kernels, convolvers, solvers)
 _TABLES = ("problems", "study")
@@ -35,7 +36,7 @@ _TABLES = ("problems", "study")
 _SHOWN, _TEXT = 10, 500
 # A key of more than 64 parts, of words and of texts.
 _LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){64}""")
-_READING = ("size", "non_measured", "unit", "reader")
+_READING = ("size", "non_measured", "unit", "reader", "separator", "decimal", "skip_rows", "variable", "page")
 _OF_FILE = ("path", *_READING, "detrend", "resample")
 
 
@@ -44,7 +45,8 @@ def read_study(path: str | Path) -> Study:
 
     The tables ``[problems.NAME]`` hold the arguments of a `ContactProblem`, the table ``[study]`` those of
     a `Study`. Surfaces, materials, kernels, convolvers and solvers are registered names, or tables with
-    the name as ``type`` and the fields of the class. A surface may also be a ``file``, with the arguments of
+    the name as ``type`` and the fields of the class. A field whose attrs metadata name its SI ``unit`` may be a text
+    with another one, such as ``"210GPa"``. A surface may also be a ``file``, with the arguments of
     `read_surface`, ``detrend`` and ``resample``; its path leads to the folder of the study file or below it.
 
     Raises
@@ -133,7 +135,12 @@ def _converter(folder: Path) -> Converter:
 
 
 def _structure_table(converter: Converter, cls: Any) -> Callable[[Any, Any], Any]:
-    make = make_dict_structure_fn(cls, converter, _cattrs_forbid_extra_keys=True, _cattrs_use_alias=True)
+    quantities: dict[str, Any] = {
+        field.name: override(struct_hook=partial(_in_si, field.metadata["unit"]))
+        for field in attrs.fields(cls)
+        if "unit" in field.metadata
+    }
+    make = make_dict_structure_fn(cls, converter, _cattrs_forbid_extra_keys=True, _cattrs_use_alias=True, **quantities)
 
     def structure(value: Any, kind: Any) -> Any:
         if not isinstance(value, dict):
@@ -141,6 +148,18 @@ def _structure_table(converter: Converter, cls: Any) -> Callable[[Any, Any], Any
         return make(value, kind)
 
     return structure
+
+
+def _in_si(unit: str, value: Any, _: Any = None) -> Any:
+    """Return a quantity with its unit, or a list of them, in SI units; plain numbers are."""
+    if isinstance(value, list):
+        return [_in_si(unit, item) for item in value]
+    if not isinstance(value, str):
+        return value
+    try:
+        return parse_quantity(value, unit)
+    except ValueError as error:
+        raise InputError(f"{error}, or as a number in {unit}" if unit else str(error)) from error
 
 
 def _asks_for(base: type, kind: Any) -> bool:
@@ -164,7 +183,13 @@ def _read_map(fields: dict[str, Any], folder: Path) -> HeightMap:
     file = (folder / str(path)).resolve()
     if not isinstance(path, str) or not file.is_relative_to(folder.resolve()):
         raise InputError.about("The path of a map", path, "that of a file in the folder of the study file")
-    surface = read_surface(file, **{name: fields[name] for name in _READING if name in fields})
+    given = {name: fields[name] for name in _READING if name in fields}
+    for name in given.keys() & {"size", "unit"}:
+        try:
+            given[name] = _in_si("m", given[name])
+        except InputError as error:
+            raise InputError(f"The {name} of a map: {error}.") from error
+    surface = read_surface(file, **given)
     if "detrend" in fields:
         surface = surface.detrend(fields["detrend"])
     if "resample" not in fields:

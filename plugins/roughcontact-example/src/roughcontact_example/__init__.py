@@ -5,6 +5,7 @@ from roughcontact_example.convolver import SignalConvolver
 from roughcontact_example.flattening import Springback
 from roughcontact_example.kernel import Springs
 from roughcontact_example.material import Foam
+from roughcontact_example.panel import PatchForces
 from roughcontact_example.reader import Raw16
 from roughcontact_example.response import Capacitance
 from roughcontact_example.solver import AcceleratedGradient
@@ -16,6 +17,7 @@ __all__ = [
     "Capacitance",
     "Dimples",
     "Foam",
+    "PatchForces",
     "Raw16",
     "SignalConvolver",
     "Springback",

@@ -57,9 +57,9 @@ class Layer:
         If a value is out of these bounds.
     """
 
-    young: float = attrs.field(converter=_young)
+    young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
     poisson: float = attrs.field(converter=_poisson)
-    thickness: float = attrs.field(converter=_thickness)
+    thickness: float = attrs.field(converter=_thickness, metadata={"unit": "m"})
 
     @property
     def compliance(self) -> float:

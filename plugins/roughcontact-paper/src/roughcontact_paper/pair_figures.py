@@ -11,12 +11,18 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from roughcontact.panel import LIGHT, style
 
 from roughcontact_paper.output import label_grids
 from roughcontact_paper.pair_tables import FORCES, STATES, PairCase, fit_counts, local_contact, select
 from roughcontact_paper.synthetic_pair import BALL_RADIUS, SIZE, STEEL
 
-_COLORS = ("#1b6ca8", "#d1495b", "#3c8d53")
+_COLORS = LIGHT.lines[:3]
+# Open cells, cells in contact, and saturated ones; the edge.
+_KINDS = (LIGHT.open, LIGHT.lines[5], LIGHT.limit)
+_EDGE = LIGHT.edge
 # Half the side of the domain, and half the window of Figure 13, um.
 _HALF = 0.5e6 * SIZE
 _HALF_WINDOW = 3.0
@@ -26,29 +32,38 @@ _PLACE = {"xlabel": "x, µm", "ylabel": "y, µm"}
 
 def draw_pair_figures(pairs: Mapping[str, rc.ContactProblem], cases: Sequence[PairCase]) -> Mapping[str, Figure]:
     """Return Figures 8 to 13 by name."""
-    return {
-        "figure8": _draw_heights(pairs[STATES[0]], STATES[0]),
-        "figure9": _draw_heights(pairs[STATES[1]], STATES[1]),
-        "figure10": _draw_areas(cases),
-        "figure11": _draw_extrapolations(cases),
-        "figure12": _draw_pressures(cases),
-        "figure13": _draw_local_contact(cases),
-    }
+    with style():
+        heights = {state: _find_heights(pairs[state]) for state in STATES}
+        # The same colours before and after, so that the figures can be compared.
+        limits = {name: np.percentile(values, (0.1, 99.9)) for name, values in heights[STATES[0]].items()}
+        return {
+            "figure8": _draw_heights(heights[STATES[0]], limits, STATES[0]),
+            "figure9": _draw_heights(heights[STATES[1]], limits, STATES[1]),
+            "figure10": _draw_areas(cases),
+            "figure11": _draw_extrapolations(cases),
+            "figure12": _draw_pressures(cases),
+            "figure13": _draw_local_contact(cases),
+        }
 
 
-def _draw_heights(pair: rc.ContactProblem, state: str) -> Figure:
-    """Figures 8 and 9: the heights of both bodies."""
-    figure = Figure(figsize=(11, 4.6), layout="compressed")
+def _find_heights(pair: rc.ContactProblem) -> dict[str, npt.NDArray[np.float64]]:
+    """Return the heights of both bodies, um."""
     grid = pair.plan.grid
     sphere = rc.SphereSurface(BALL_RADIUS).heights(grid)
-    maps = {
-        "ball without its sphere": pair.body.surface.heights(grid) - sphere,
-        "ring": pair.counterbody.surface.heights(grid),
+    return {
+        "ball without its sphere": 1e6 * (pair.body.surface.heights(grid) - sphere),
+        "ring": 1e6 * pair.counterbody.surface.heights(grid),
     }
-    for axes, (name, values) in zip(figure.subplots(1, 2), maps.items(), strict=True):
-        heights = 1e6 * values
-        low, high = np.percentile(heights, (0.1, 99.9))
-        image = axes.imshow(heights.T, origin="lower", extent=_EXTENT, cmap="viridis", vmin=low, vmax=high)
+
+
+def _draw_heights(
+    heights: Mapping[str, npt.NDArray[np.float64]], limits: Mapping[str, npt.NDArray[np.float64]], state: str
+) -> Figure:
+    """Figures 8 and 9: the heights of both bodies."""
+    figure = Figure(figsize=(11, 4.6), layout="compressed")
+    for axes, (name, values) in zip(figure.subplots(1, 2), heights.items(), strict=True):
+        low, high = limits[name]
+        image = axes.imshow(values.T, origin="lower", extent=_EXTENT, cmap="cividis", vmin=low, vmax=high)
         figure.colorbar(image, ax=axes, label="height, µm", extend="both")
         axes.set(title=f"{name}, {state}", **_PLACE)
     return figure
@@ -73,7 +88,8 @@ def _draw_areas(cases: Sequence[PairCase]) -> Figure:
                 capsize=3,
                 label=f"{force:g} N, sub-grid",
             )
-        _finish(axes, state, 2)
+        _finish(axes, state)
+    _name(figure, 6)
     return figure
 
 
@@ -82,18 +98,22 @@ def _plot_counted_areas(axes: Axes, of_load: Sequence[PairCase], force: float, c
     axes.plot(cells, [1e12 * case.counted for case in of_load], style, color=color, label=f"{force:g} N, counted")
 
 
-def _finish(axes: Axes, state: str, columns: int) -> None:
+def _finish(axes: Axes, state: str) -> None:
     label_grids(axes)
-    axes.set(title=state, ylim=(0, 1.35 * axes.dataLim.y1))
+    axes.set(title=state, ylim=(0, 1.05 * axes.dataLim.y1))
     if state == STATES[0]:
         axes.set_ylabel("real contact area, µm²")
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize=8, ncols=columns, loc="upper right")
+    axes.grid(True)
+
+
+def _name(figure: Figure, columns: int) -> None:
+    """Name the lines above the panels, where they hide nothing."""
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=columns)
 
 
 def _draw_extrapolations(cases: Sequence[PairCase]) -> Figure:
     """Figure 11: eq. 28 through the counted areas, and the sub-grid area of the finest grid."""
-    figure = Figure(figsize=(11, 4.6), layout="constrained")
+    figure = Figure(figsize=(11, 5.2), layout="constrained")
     for axes, state in zip(figure.subplots(1, 2, sharey=True), STATES, strict=True):
         for force, color in zip(FORCES, _COLORS, strict=True):
             of_load = select(cases, state, force)
@@ -105,23 +125,25 @@ def _draw_extrapolations(cases: Sequence[PairCase]) -> Figure:
             last = of_load[-1].area
             value = 1e12 * last.value
             axes.axhline(value, color=color, ls=":", label=f"sub-grid: {value:.0f} µm²")
-        _finish(axes, state, 3)
+        _finish(axes, state)
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3)
     return figure
 
 
 def _draw_pressures(cases: Sequence[PairCase]) -> Figure:
-    """Figure 12: pressure distributions at 10 N on the finest grid."""
-    figure = Figure(figsize=(11, 4.8), layout="compressed")
-    for axes, state in zip(figure.subplots(1, 2), STATES, strict=True):
+    """Figure 12: pressure distributions at 10 N on the finest grid, in the same colours."""
+    figure = Figure(figsize=(10.5, 5.0), layout="compressed")
+    places = figure.subplots(1, 2, sharey=True)
+    highest = float(STEEL.hardness) / 1e9
+    for axes, state in zip(places, STATES, strict=True):
         case = select(cases, state, FORCES[-1])[-1]
         shown = np.where(case.pressure > 0.0, case.pressure / 1e9, np.nan).T
-        highest = float(STEEL.hardness) / 1e9
-        image = axes.imshow(
-            shown, origin="lower", extent=_EXTENT, cmap="plasma", vmin=0.0, vmax=highest, interpolation="nearest"
-        )
-        axes.set_facecolor("0.92")
-        figure.colorbar(image, ax=axes, label="contact pressure, GPa")
-        axes.set(title=f"{state}, 10 N: {case.patches} contact patches", xlim=(-100, 100), ylim=(-100, 100), **_PLACE)
+        image = axes.imshow(shown, origin="lower", extent=_EXTENT, cmap="viridis", vmin=0.0, vmax=highest)
+        axes.set_facecolor(LIGHT.open)
+        axes.set(title=f"{state}, 10 N: {case.patches} contact patches", xlim=(-100, 100), ylim=(-100, 100))
+        axes.set_xlabel(_PLACE["xlabel"])
+    places[0].set_ylabel(_PLACE["ylabel"])
+    figure.colorbar(image, ax=places, label=f"contact pressure, GPa; hardness {highest:g} GPa")
     return figure
 
 
@@ -129,7 +151,7 @@ def _draw_local_contact(cases: Sequence[PairCase]) -> Figure:
     """Figure 13: one small contact on the four finest grids, after running in at 10 N."""
     of_load = select(cases, STATES[1], FORCES[-1])[-4:]
     x, y = (1e6 * value for value in local_contact(of_load[-1], SIZE))
-    figure = Figure(figsize=(8.6, 8.6), layout="constrained")
+    figure = Figure(figsize=(8.6, 8.9), layout="constrained")
     for axes, case in zip(figure.subplots(2, 2).flat, of_load, strict=False):
         edges = np.linspace(-_HALF, _HALF, case.cells + 1)
         i, j = (_cells_near(edges, centre, 1.5 * _HALF_WINDOW) for centre in (x, y))
@@ -138,17 +160,22 @@ def _draw_local_contact(cases: Sequence[PairCase]) -> Figure:
             edges[i.start : i.stop + 1],
             edges[j.start : j.stop + 1],
             kinds[i, j].T,
-            cmap=ListedColormap(["#2b4c8c", "#f4d35e", "#f2a541"]),
+            cmap=ListedColormap(_KINDS),
             vmin=0,
             vmax=2,
-            edgecolors="0.6",
+            edgecolors="0.75",
             linewidth=0.3,
         )
-        axes.add_collection(LineCollection(list(1e6 * case.edge), colors="#d1495b", linewidths=2.0))
+        lines = [1e6 * line for line in case.edge]
+        axes.add_collection(LineCollection(lines, colors=_EDGE, linewidths=1.8, joinstyle="round"))
         axes.set(xlim=(x - _HALF_WINDOW, x + _HALF_WINDOW), ylim=(y - _HALF_WINDOW, y + _HALF_WINDOW))
         axes.set(aspect="equal", **_PLACE)
         axes.set_title(f"{case.cells} x {case.cells}")
-    figure.suptitle("10 N, run in: cells in contact (yellow), saturated (orange), and the sub-grid edge (red)")
+    names = [
+        Patch(color=color, label=name) for color, name in zip(_KINDS, ("open", "contact", "saturated"), strict=True)
+    ]
+    names.append(Line2D([], [], color=_EDGE, linewidth=1.8, label="sub-grid edge"))
+    figure.legend(handles=names, title="10 N, run in", loc="outside upper center", ncols=4)
     return figure
 
 

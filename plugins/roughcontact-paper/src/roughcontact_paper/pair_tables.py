@@ -43,7 +43,7 @@ class PairCase:
     seconds, residuals
         Wall time of the solve, and its residuals.
     pressure, edge
-        The pressure, shape (cells, cells), Pa, and the edge as line segments, shape (n, 2, 2), m.
+        The pressure, shape (cells, cells), Pa, and the edge as lines, each of shape (n, 2), m.
     """
 
     state: str
@@ -57,7 +57,7 @@ class PairCase:
     seconds: float
     residuals: Residuals
     pressure: npt.NDArray[np.float64]
-    edge: npt.NDArray[np.float64]
+    edge: tuple[npt.NDArray[np.float64], ...]
 
 
 def solve_pair(state: str, pair: rc.ContactProblem, force: float, cells: int) -> PairCase:
@@ -75,7 +75,7 @@ def solve_pair(state: str, pair: rc.ContactProblem, force: float, cells: int) ->
         seconds=solution.seconds,
         residuals=solution.residuals,
         pressure=solution.pressure,
-        edge=rc.LevelSet().outline(solution),
+        edge=tuple(rc.LevelSet().contours(solution)),
     )
 
 

@@ -8,7 +8,9 @@ import numpy as np
 import roughcontact as rc
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch
+from roughcontact.panel import LIGHT, style
 
 from roughcontact_paper import published
 from roughcontact_paper.output import label_grids
@@ -18,12 +20,13 @@ from roughcontact_paper.wave_tables import fit_areas
 
 def draw_wave_figures(cases: Sequence[WaveCase]) -> Mapping[str, Figure]:
     """Return Figures 3 to 6 by name."""
-    return {
-        "figure3": _draw_surface(),
-        "figure4": _draw_errors(cases),
-        "figure5": _draw_summit(cases),
-        "figure6": _draw_extrapolations(cases),
-    }
+    with style():
+        return {
+            "figure3": _draw_surface(),
+            "figure4": _draw_errors(cases),
+            "figure5": _draw_summit(cases),
+            "figure6": _draw_extrapolations(cases),
+        }
 
 
 def _draw_surface() -> Figure:
@@ -33,18 +36,17 @@ def _draw_surface() -> Figure:
     grid = rc.Grid((128, 128), 4 * WAVELENGTH)
     heights = 1e6 * rc.WavySurface(AMPLITUDE, WAVELENGTH).heights(grid)
     x, y = np.broadcast_arrays(1e6 * grid.x, 1e6 * grid.y)
-    left.plot_surface(x, y, heights, cmap="viridis", rcount=128, ccount=128)
+    left.plot_surface(x, y, heights, cmap="cividis", rcount=128, ccount=128)
     left.set_box_aspect((1, 1, 0.25))
     left.set(title="(a) 4 of 20 x 20 waves", xlabel="x, µm", ylabel="y, µm", zlabel="z, µm", zticks=(-1, 0, 1))
     along = np.linspace(-0.5 * SIZE, 0.5 * SIZE, 4001)
     for place, label in ((0.0, "through the summits"), (0.5 * WAVELENGTH, "half a wave beside them")):
         waves = np.cos(2 * np.pi * along / WAVELENGTH) + np.cos(2 * np.pi * place / WAVELENGTH)
         right.plot(1e6 * along, 1e6 * AMPLITUDE * waves, label=label)
-    right.set(
-        title="(b) sections", xlabel="x, µm", ylabel="z, µm", xlim=(-0.5e6 * SIZE, 0.5e6 * SIZE), ylim=(-1.2, 1.6)
-    )
-    right.legend(ncols=2, loc="upper center")
-    right.grid(alpha=0.3)
+    right.set(xlabel="x, µm", ylabel="z, µm", xlim=(-0.5e6 * SIZE, 0.5e6 * SIZE), ylim=(-1.2, 1.2))
+    right.set_title("(b) sections", pad=22)
+    right.legend(ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
+    right.grid(True)
     return figure
 
 
@@ -58,23 +60,23 @@ def _draw_errors(cases: Sequence[WaveCase]) -> Figure:
     for axes, load in zip(figure.subplots(1, 3, sharey=True), published.LOADS, strict=True):
         chosen = _of_load(cases, load)
         cells = [case.cells for case in chosen]
-        for label, values, true, style in (
+        for label, values, true, marker in (
             ("area, counted cells", [case.area for case in chosen], published.TRUE_AREA, "o-"),
             ("area, sub-grid", [case.default_area for case in chosen], published.TRUE_AREA, "s-"),
             ("maximum pressure", [case.p_max for case in chosen], published.TRUE_P_MAX, "^-"),
         ):
-            axes.plot(cells, _errors(values, true[load]), style, label=label)
-        for label, printed, true, style in (
-            ("area, as printed", published.SAM_AREA, published.TRUE_AREA, "kx"),
-            ("maximum pressure, as printed", published.SAM_P_MAX, published.TRUE_P_MAX, "k+"),
+            axes.plot(cells, _errors(values, true[load]), marker, label=label)
+        for label, printed, true, marker in (
+            ("area, as printed", published.SAM_AREA, published.TRUE_AREA, "x"),
+            ("maximum pressure, as printed", published.SAM_P_MAX, published.TRUE_P_MAX, "+"),
         ):
-            axes.plot(published.GRIDS, _errors(printed[load], true[load]), style, label=label)
+            axes.plot(published.GRIDS, _errors(printed[load], true[load]), marker, color=LIGHT.ink, ms=6, label=label)
         axes.set_yscale("log")
         label_grids(axes)
         axes.set_title(f"{load} MPa")
-        axes.grid(alpha=0.3)
+        axes.grid(True)
     figure.axes[0].set_ylabel("magnitude of the error against the\nconverged values, %")
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=5, fontsize=8)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
     return figure
 
 
@@ -90,18 +92,22 @@ def _draw_summit(cases: Sequence[WaveCase]) -> Figure:
     for axes, case in zip(figure.subplots(2, 2).flat, chosen, strict=False):
         position, half = 1e6 * summit_positions(case), 0.5e6 * case.spacing
         edges = np.append(position - half, position[-1] + half)
-        lines = {"edgecolors": "0.6", "linewidth": 0.2} if case.cells <= 1024 else {}
+        lines = {"edgecolors": "0.75", "linewidth": 0.2} if case.cells <= 1024 else {}
         axes.pcolormesh(
-            edges, edges, case.summit.T, cmap=ListedColormap(["#2b4c8c", "#f4d35e"]), vmin=0, vmax=1, **lines
+            edges, edges, case.summit.T, cmap=ListedColormap([LIGHT.open, LIGHT.lines[5]]), vmin=0, vmax=1, **lines
         )
-        axes.add_patch(Circle((0, 0), radius, fill=False, edgecolor="#d1495b", linewidth=1.8))
+        axes.add_patch(Circle((0, 0), radius, fill=False, edgecolor=LIGHT.limit, linewidth=2.2))
         window = 2.6 * radius
         axes.set(xlim=(-window, window), ylim=(-window, window), aspect="equal")
         axes.set_title(
             f"{case.cells} x {case.cells}: counted area {100 * (case.area / published.TRUE_AREA[100] - 1):+.1f} %"
         )
         axes.set(xlabel="x from the summit, µm", ylabel="y, µm")
-    figure.suptitle("Cells in contact on one summit at 100 MPa (yellow), and a circle of the converged area (red)")
+    names = [
+        Patch(color=LIGHT.lines[5], label="cells in contact"),
+        Line2D([], [], color=LIGHT.limit, linewidth=2.2, label="circle of the converged area"),
+    ]
+    figure.legend(handles=names, title="one summit at 100 MPa", loc="outside upper center", ncols=2)
     return figure
 
 
@@ -109,7 +115,7 @@ def _draw_extrapolations(cases: Sequence[WaveCase]) -> Figure:
     """Figure 6: extrapolation by eq. 28."""
     figure = Figure(figsize=(7, 5), layout="constrained")
     axes = figure.subplots()
-    for color, load in zip(("#1b6ca8", "#d1495b", "#3c8d53"), published.LOADS, strict=True):
+    for color, load in zip(LIGHT.lines[:3], published.LOADS, strict=True):
         chosen = _of_load(cases, load)
         decay, _ = fit_areas(cases, load)
         cells = np.geomspace(published.GRIDS[0], 1.4 * published.GRIDS[-1], 300)
@@ -130,6 +136,6 @@ def _draw_extrapolations(cases: Sequence[WaveCase]) -> Figure:
         )
     label_grids(axes)
     axes.set(ylabel="real contact area, % of nominal", ylim=(0, None))
-    axes.legend(fontsize=8, ncols=3, loc="upper right")
-    axes.grid(alpha=0.3)
+    axes.legend(ncols=3, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
+    axes.grid(True)
     return figure

@@ -29,7 +29,7 @@ from roughcontact.checks.memory import require_memory
 from roughcontact.checks.threads import use_threads
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
-from roughcontact.units import si
+from roughcontact.units import outlined, si
 
 # Depths by default: from half a cell, each so many times the last, to two radii of the largest patch, at least some
 # cells and at most half a side of the domain.
@@ -57,7 +57,7 @@ class Stress:
     """
 
     solution: ContactSolution = attrs.field(repr=False)
-    depths: Array = attrs.field(converter=frozen_array)
+    depths: Array = attrs.field(converter=frozen_array, repr=outlined)
     poisson: float
     _threads: int = attrs.field(default=1, repr=False)
 

@@ -82,7 +82,7 @@ def counted(count: int, what: str) -> str:
 
 
 def outlined(value: Any) -> str:
-    """Return an array in words such as ``<8 x 8 float64>``, and anything else as `repr` does."""
+    """Return a field of a result for its `repr`: an array as ``<8 x 8 float64>``."""
     if isinstance(value, np.ndarray):
         return f"<{' x '.join(map(str, value.shape))} {value.dtype}>" if value.ndim else repr(value.item())
     return repr(value)

@@ -1,0 +1,76 @@
+"""Files that a solve writes: each in the format that the ending of its name says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import roughcontact as rc
+from roughcontact import checks
+from roughcontact.panel.figures import save_figure
+from roughcontact.panel.theme import require_matplotlib
+from roughcontact.units.text import fit
+
+PICTURES = frozenset({".png", ".svg", ".pdf"})
+
+
+def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path]) -> list[Path]:
+    """Return the files to be written; a name without an ending is that of a folder, which is made.
+
+    Raises
+    ------
+    InputError
+        If a folder is missing, no writer knows an ending, or a height map would be overwritten.
+    MissingPackage
+        If a picture is asked for without matplotlib.
+    """
+    known = {suffix for name in rc.writers for suffix in rc.writers.create(name).suffixes} | PICTURES
+    files = []
+    for text in given:
+        path = checks.path(text, "The output")
+        if path.is_dir() or not path.suffix or text.endswith("/"):
+            path.mkdir(parents=True, exist_ok=True)
+            files += [path / "solution.npz", path / "solution.png"]
+        elif path.suffix in known:
+            files.append(path)
+        else:
+            allowed = f"a folder, or a file that ends in {', '.join(sorted(known))}"
+            raise rc.InputError.about("The output", text, allowed)
+    if report is not None:
+        files.append(checks.path(report, "The report"))
+        if files[-1].suffix != ".html":
+            raise rc.InputError.about("The report", report, "a file that ends in .html")
+    for path in files:
+        if not path.parent.is_dir():
+            raise rc.InputError(f"There is no folder {str(path.parent)!r} to write {path.name!r} into.")
+        if path.exists() and any(one.exists() and path.samefile(one) for one in maps):
+            raise rc.InputError(f"The output {str(path)!r} is a height map that is read: give another name.")
+        # A report has figures.
+        if path.suffix in {*PICTURES, ".html"}:
+            require_matplotlib()
+    return files
+
+
+def plan_picture(text: str, others: Sequence[str] = ()) -> Path:
+    """Return the file of a picture; `InputError` for another ending, of which `others` would be possible."""
+    path = checks.path(text, "The output")
+    if path.suffix not in PICTURES:
+        raise rc.InputError.about("The output", text, f"a file that ends in {', '.join((*others, *sorted(PICTURES)))}")
+    require_matplotlib()
+    return path
+
+
+def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.ContactSolution]) -> str:
+    """Write a solution, or those of a sweep with their numbers, and a picture of the subject; say what was written."""
+    written = []
+    for path in files:
+        if path.suffix in PICTURES:
+            save_figure(subject.plot(), path)
+            written.append(path)
+            continue
+        for number, solution in enumerate(solutions, 1):
+            target = path if len(solutions) == 1 else path.with_stem(f"{path.stem}-{number}")
+            solution.save(target)
+            written.append(target)
+    return fit(f"\nWritten: {', '.join(map(str, written))}") if written else ""

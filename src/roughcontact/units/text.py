@@ -1,0 +1,51 @@
+"""Lines of text that fit a terminal."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Sequence
+
+# Width of what is printed, characters: that of a terminal as it opens, and of a page of mail or of a log.
+WIDTH = 80
+# What stands before the text of a line: blanks, and a label with two blanks or more behind it.
+_LABEL = re.compile(r"\s*(?:\S(?:\S| (?! ))*\s{2,})?")
+
+# A blank behind a number, before a unit, and behind the sign of an uncertainty; and the blank that is not broken.
+_TOGETHER = re.compile(r"(?<=\d) (?=%|[fpnµmkMGT]?(?:m[23]?|Pa|N|s)\b|\+- )|(?<=\+-) ")
+_NO_BREAK = "\N{NO-BREAK SPACE}"
+
+
+def fit(text: str) -> str:
+    """Return a text with the lines that are too long wrapped, and continued under their own text."""
+    lines = []
+    for line in text.split("\n"):
+        if len(line) <= WIDTH:
+            lines.append(line)
+            continue
+        label = _LABEL.match(line)
+        indent = " " * min(label.end() if label else 0, WIDTH // 2)
+        # Neither a path nor the name of an option is broken, nor a number from its unit or its uncertainty.
+        kept = _TOGETHER.sub(_NO_BREAK, line)
+        lines += textwrap.wrap(kept, WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines).replace(_NO_BREAK, " ")
+
+
+def split_columns(table: Sequence[Sequence[str]], keys: int) -> list[str]:
+    """Return the lines of a table, its heading first, as one table or several below each other that fit the width.
+
+    Each begins with the first columns, so many as `keys`.
+    """
+    widths = [max(len(row[column]) for row in table) for column in range(len(table[0]))]
+    blocks: list[list[int]] = [[]]
+    for column in range(keys, len(widths)):
+        wanted = [*range(keys), *blocks[-1], column]
+        if blocks[-1] and sum(widths[place] + 2 for place in wanted) - 2 > WIDTH:
+            blocks.append([])
+        blocks[-1].append(column)
+    lines = []
+    for block in blocks:
+        places = [*range(keys), *block]
+        lines += ["  ".join(row[place].rjust(widths[place]) for place in places).rstrip() for row in table]
+        lines.append("")
+    return lines[:-1]

@@ -1,0 +1,276 @@
+"""The report of a solution: one page that opens anywhere, prints on two pages, and can be repeated and cited."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import io
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from xml.etree import ElementTree
+
+import attrs
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact import archive
+from roughcontact._solution import origin as origins
+from roughcontact.html import citation, figures, rerun
+from roughcontact.html.elements import escape, quantity
+
+STEEL = rc.Elastic(young=200e9, poisson=0.3)
+HOSTILE = "<script>alert(1)</script>.npz & \"'\x00\ud800"
+ROOT = Path(__file__).parents[1]
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+WAVE = rc.WavySurface(amplitude=0.5e-6, wavelength=12.5e-6)
+ROUGH = rc.SelfAffineSurface(hurst=0.7, rms_slope=0.1, shortest=8e-6, longest=64e-6, seed=2)
+
+
+def solve(surface=WAVE, material=STEEL, counterbody=rc.RIGID_FLAT, shape=(32, 32), **parts):
+    grid = None if surface.own_grid is not None else rc.Grid(shape, 64e-6)
+    problem = rc.ContactProblem(rc.Body(surface, material), counterbody, grid=grid, **parts)
+    return problem.solve(pressure=100e6, throw=False)
+
+
+def make_map(history=()):
+    return rc.HeightMap(ROUGH.heights(rc.Grid((32, 32), 64e-6)), size=64e-6, history=history)
+
+
+def read(text):
+    """Return the tree of a page that is HTML5 without any error."""
+    html5lib = pytest.importorskip("html5lib")
+    return html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(text)
+
+
+def text_of(tree):
+    body = tree.find("body")
+    return " ".join(" ".join((tree if body is None else body).itertext()).split())
+
+
+@pytest.fixture
+def plain(monkeypatch):
+    """Let reports be made without figures, as without matplotlib."""
+    monkeypatch.setattr("roughcontact.html.report.can_draw", lambda: False)
+
+
+@pytest.fixture(scope="module")
+def page():
+    solution = solve(shape=(64, 64), boundary="periodic")
+    return solution, solution.to_html()
+
+
+class TestPage:
+    def test_it_is_html5_and_fetches_nothing(self, page):
+        solution, text = page
+        tree = read(text)
+        assert tree.find("head/meta[@http-equiv]").get("content").startswith("default-src 'none'; img-src data:;")
+        for name in ("script", "link", "iframe", "object", "base", "form"):
+            assert not tree.findall(f".//{name}")
+        assert all(one.get("src").startswith("data:image/png;base64,") for one in tree.iter("img"))
+        assert not re.search(r"url\(|@import|srcset", text)
+        assert ElementTree.tostring(read(solution.to_html())).startswith(b"<html")
+
+    def test_the_answer_comes_first_and_the_plan_last(self, page):
+        solution, text = page
+        tree = read(text)
+        headings = [one.text for name in ("h1", "h2") for one in tree.iter(name)]
+        expected = ["Contact report", "Figures", "Inputs", "Certificate", "Versions", "Run it again", "Cite", "Plan"]
+        assert headings == expected
+        words = text_of(tree)
+        area, peak = solution.area(), solution.peak_pressure()
+        assert words.index("Converged:") < words.index("% of nominal") < words.index("Figures")
+        value, std = re.search(r"\(([\d.]+) ± ([\d.]+)\) % of nominal", words).groups()
+        assert float(value) == pytest.approx(100.0 * area.fraction, abs=float(std))
+        assert float(std) == pytest.approx(100.0 * area.uncertainty / solution.grid.area, rel=0.06)
+        assert float(re.search(r"([\d.]+) µm²", words)[1]) == pytest.approx(1e12 * area.value, rel=1e-3)
+        value, std = re.search(r"Max pressure \(([\d.]+) ± ([\d.]+)\) GPa", words).groups()
+        assert float(value) == pytest.approx(1e-9 * peak.value, abs=float(std))
+        assert float(std) == pytest.approx(1e-9 * peak.uncertainty, rel=0.06)
+        plan = rc.ContactProblem(**solution.origin.problem).explain()
+        assert text_of(tree.findall(".//pre")[-1]) == " ".join(plan.split())
+
+    def test_figures_are_all_panels_of_solutions_with_the_answer_in_words(self, page):
+        _, text = page
+        shown = read(text).findall(".//figure")
+        assert len(shown) == sum(rc.panels[name].subject == "solution" for name in rc.panels)
+        for figure in shown:
+            image = figure.find("img")
+            content = base64.b64decode(image.get("src").partition(",")[2])
+            assert content.startswith(b"\x89PNG")
+            assert "% of nominal" in image.get("alt")
+            assert figure.find("figcaption").text
+
+    def test_tables_have_captions_and_heads(self, page):
+        for table in read(page[1]).iter("table"):
+            assert table.find("caption").text
+            assert [row.find("th").get("scope") for row in table.iter("tr")] == ["row"] * len(list(table.iter("tr")))
+
+    @pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
+    def test_it_prints_on_two_pages(self, page, tmp_path):
+        (tmp_path / "report.html").write_text(page[1], encoding="utf-8")
+        options = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}"]
+        command = [CHROMIUM, *options, f"--print-to-pdf={tmp_path / 'report.pdf'}", str(tmp_path / "report.html")]
+        subprocess.run(command, check=True, capture_output=True, timeout=120)
+        assert len(re.findall(rb"/Type\s*/Page\b", (tmp_path / "report.pdf").read_bytes())) == 2
+
+    def test_a_panel_that_fails_leaves_a_sentence(self, monkeypatch):
+        def refuse(solution, name):
+            raise ZeroDivisionError("<b>by zero</b>")
+
+        monkeypatch.setattr(figures, "draw_panel", refuse)
+        words = text_of(read(solve().to_html()))
+        assert "The panel pressure is not drawn: <b>by zero</b>" in words
+
+
+@pytest.mark.usefixtures("plain")
+class TestContent:
+    def test_without_matplotlib_it_says_what_brings_the_figures(self, tmp_path):
+        path = tmp_path / "report.html"
+        solve().save(path)
+        tree = read(path.read_text(encoding="utf-8"))
+        assert not list(tree.iter("img"))
+        assert "pip install 'roughcontact[plot]'" in text_of(tree)
+
+    def test_what_did_not_converge_is_said_first(self):
+        solution = solve(solver=rc.ProjectedConjugateGradient(tolerance=1e-8, max_iterations=1))
+        assert not solution.status.success
+        words = text_of(read(solution.to_html()))
+        assert words.index("Not converged:") < words.index("Do not use these numbers") < words.index("Contact area")
+
+    def test_fields_that_are_not_finite_still_give_a_page(self):
+        solution = solve()
+        broken = attrs.evolve(solution, pressure=np.nan * solution.pressure, status=rc.Status.NOT_FINITE)
+        assert "not determined" in text_of(read(broken.to_html()))
+
+    def test_without_an_origin_it_says_so(self):
+        words = text_of(read(attrs.evolve(solve(), origin=None).to_html()))
+        assert "does not say which problem it solves" in words
+        assert "Run it again" not in words
+        assert "10.1080/17515831.2020.1720382" in words
+
+    def test_warnings_of_the_solution_and_of_the_area_stand_before_the_figures(self):
+        steep = rc.HeightMap(300.0 * make_map().values, size=64e-6)
+        solution = solve(steep)
+        words = text_of(read(solution.to_html()))
+        assert solution.warnings
+        assert solution.area().warnings
+        for text in (*solution.warnings, *solution.area().warnings):
+            assert words.index("Warnings") < words.index(" ".join(text.split())) < words.index("Figures")
+
+    def test_saturated_cells_and_kernels_of_layers(self):
+        words = text_of(read(solve(ROUGH, rc.ElasticPerfectlyPlastic(200e9, 0.3, 2e9)).to_html()))
+        assert re.search(r"Saturated \(?[\d.]+", words)
+        layered = attrs.evolve(solve(), moduli=((1e-6, 1e-3), (1e11, 2e11)))
+        assert "another for each wavelength" in text_of(read(layered.to_html()))
+
+    def test_the_heights_of_a_map_are_identified(self):
+        height_map = make_map(("read from ring.x3p", "the best plane subtracted"))
+        words = text_of(read(solve(height_map).to_html()))
+        assert archive.digest_of(height_map.values) in words
+        assert "read from ring.x3p; the best plane subtracted" in words
+        assert "waves below 4 µm are not in it" in words
+
+    def test_hostile_texts_stay_texts(self):
+        named = type("<img src=x onerror=alert(1)>", (rc.FlatSurface,), {"__repr__": lambda self: HOSTILE})
+        solution = solve(make_map((HOSTILE, "]]></style><!--")), counterbody=rc.Body(named(), rc.Rigid()))
+        tree = read(solution.to_html())
+        assert not list(tree.iter("script"))
+        assert not list(tree.iter("img"))
+        assert "<script>alert(1)</script>.npz & \"'??" in text_of(tree)
+        fragment = solution._repr_html_()
+        assert "<script" not in fragment
+
+    def test_a_loaded_solution_states_the_versions_that_made_it(self, tmp_path, monkeypatch):
+        solution = solve()
+        solution.save(tmp_path / "a.npz")
+        later = {**origins.versions(), "roughcontact": "9.9.9"}
+        monkeypatch.setattr(origins, "versions", lambda: later)
+        monkeypatch.setattr("roughcontact._solution.storage.versions", lambda: later)
+        loaded = rc.ContactSolution.load(tmp_path / "a.npz")
+        assert loaded.origin.versions == solution.origin.versions
+        words = text_of(read(loaded.to_html()))
+        assert f"roughcontact {rc.__version__}, numpy {np.__version__}" in words
+        assert origins.key_of_origin(solution.origin) in words
+        loaded.save(tmp_path / "b.npz")
+        again = rc.ContactSolution.load(tmp_path / "b.npz")
+        assert origins.key_of_origin(again.origin) == origins.key_of_origin(solution.origin)
+
+
+def run_script(solution):
+    """Run the script on the page of a solution, and return its solution and the last line that it prints."""
+    tree = read(solution.to_html())
+    script = "".join(tree.find(".//pre/code").itertext())
+    printed, names = io.StringIO(), {}
+    with contextlib.redirect_stdout(printed):
+        exec(compile(script, "script", "exec"), names)
+    assert printed.getvalue().splitlines()[-1] in script
+    return names["solution"]
+
+
+SCENES = {
+    "waves": lambda: solve(boundary="periodic"),
+    "odd numbers": lambda: solve(rc.WavySurface((1 / 3e7, 0.1 + 0.2e-6), (64e-6 / 3, 64e-6 / 7)), boundary="wrapped"),
+    "a sum, a hardness": lambda: solve(
+        ROUGH + rc.SphereSurface(3e-3) + rc.FlatSurface(), rc.ElasticPerfectlyPlastic(70e9, 0.33, 3e9)
+    ),
+    "sums of sums": lambda: solve(rc.surfaces["sum"]((ROUGH, WAVE + rc.SphereSurface(1e-3, center=(1e-6, -2e-6))))),
+    "two bodies": lambda: solve(counterbody=rc.Body(ROUGH, rc.Elastic(3e9, 0.4)), shape=(32, 16)),
+    "parts by instance": lambda: solve(
+        kernel=rc.FourierHalfSpace(), boundary="periodic", solver=rc.PolonskyKeer(tolerance=1e-7)
+    ),
+}
+
+
+@pytest.mark.usefixtures("plain")
+class TestScript:
+    @pytest.mark.parametrize("name", SCENES)
+    def test_it_finds_the_same_pressure_to_the_last_bit(self, name):
+        solution = SCENES[name]()
+        np.testing.assert_array_equal(run_script(solution).pressure, solution.pressure)
+
+    def test_that_of_a_map_reads_the_saved_solution(self, tmp_path, monkeypatch):
+        solution = solve(make_map())
+        monkeypatch.chdir(tmp_path)
+        solution.save("solution.npz")
+        np.testing.assert_array_equal(run_script(solution).pressure, solution.pressure)
+
+    def test_numbers_are_exact_and_short(self):
+        for value, text in ((200e9, "200e9"), (12.5e-6, "12.5e-6"), (5e-7, "500e-9"), (0.3, "0.3"), (-0.0, "-0.0")):
+            assert rerun._write_number(value) == text
+        rng = np.random.default_rng(1)
+        for value in rng.standard_normal(300) * 10.0 ** rng.integers(-300, 300, 300):
+            assert float(rerun._write_number(value)) == value
+        assert eval(rerun._write_number(np.inf)) == np.inf
+
+
+class TestCitation:
+    def test_it_is_that_of_the_repository(self):
+        text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+        for value in (citation.TITLE, citation.AUTHORS, citation.ADDRESS, citation.PAPER, citation.JOURNAL):
+            assert f": {value}\n" in text
+        assert f"doi: {citation.PAPER_DOI}\n" in text
+        assert f"year: {citation.PAPER_YEAR}\n" in text
+        assert f"(c) {citation.YEAR}," in (ROOT / "LICENSE").read_text(encoding="utf-8")
+
+    def test_methods_are_cited_by_the_dois_of_their_docstrings(self):
+        found = citation.list_references("1.2.3", [rc.Love(), rc.PolonskyKeer(), rc.Perimeter(), rc.Blend()])
+        addresses = [one.address for one in found]
+        assert "1.2.3" in found[0].text
+        assert len(set(addresses)) == len(addresses)
+        for doi in ("10.1098/rsta.1929.0009", "10.1016/S0043-1648(99)00113-1", "10.1016/j.triboint.2017.04.023"):
+            assert f"https://doi.org/{doi}" in addresses
+        assert all(re.search(r"\(\d{4}\)", one.text) for one in found)
+
+    def test_bibtex_has_title_version_and_year(self):
+        entry = citation.write_bibtex("1.2.3")
+        for line in ("title = {roughcontact}", "version = {1.2.3}", f"year = {{{citation.YEAR}}}"):
+            assert line in entry
+
+
+def test_units_are_raised_and_texts_escaped():
+    assert quantity("(1.0 +- 0.1) % of nominal, 360 µm2 [a<b]") == "(1.0 ± 0.1) % of nominal, 360 µm² [a&lt;b]"
+    assert quantity("2 mm3/s, 5 W/(m2 K)") == "2 mm³/s, 5 W/(m² K)"
+    assert escape("a\x00\x1b\ufffe\udc80b\n") == "a????b\n"
