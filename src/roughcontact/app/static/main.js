@@ -173,7 +173,10 @@ async function restore(text) {
 function listen() {
   form.addEventListener("submit", solve);
   form.addEventListener("input", (event) => {
-    if (event.target.id === "file-input" || event.target.id === "link") return;
+    if (event.target.tagName === "INPUT" && event.target.name) changed();
+  });
+  form.addEventListener("change", (event) => {
+    if (event.target.tagName !== "SELECT") return;
     if (event.target.name === "load") settings.loadKindChanged();
     if (event.target.name === "surface") settings.surfaceKindChanged();
     changed();
