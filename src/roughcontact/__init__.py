@@ -3,6 +3,7 @@
 Surfaces and materials in; contact pressure, gap, approach and real contact area out.
 """
 
+import importlib
 import inspect
 
 from roughcontact.errors import interrupt as _interrupt  # noqa: F401 - for an interrupt of what follows
@@ -163,6 +164,13 @@ _SELDOM_TYPED = frozenset({
     "Response", "RoughContactError", "SolutionWriter", "Solver", "SpectralGradient", "Status", "StudyStopped",
     "Surface", "SurfaceReader", "UnexpectedError", "UniformRise",
 })  # fmt: skip
+
+
+def __getattr__(name: str) -> object:
+    """Import a module at its first use; what every plug-in must do is seldom asked."""
+    if name == "testing":
+        return importlib.import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
