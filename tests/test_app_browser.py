@@ -72,7 +72,9 @@ class Page:
         return self
 
     def until(self, condition):
-        return WebDriverWait(self.driver, PATIENCE, poll_frequency=0.1, ignored_exceptions=BUSY).until(lambda _: condition())
+        return WebDriverWait(self.driver, PATIENCE, poll_frequency=0.1, ignored_exceptions=BUSY).until(
+            lambda _: condition()
+        )
 
     def find(self, name):
         return self.driver.find_element(By.ID, name)

@@ -49,8 +49,10 @@ class Outputs:
         yield self._write_table
         for index in range(len(solutions)):
             yield partial(self._write_solution, index)
-        curves = [(self.sweep, name) for name in _panels_of("sweep")] if len(solutions) > 1 else []
-        first, *others = [*curves, *((largest, name) for name in _panels_of("solution"))]
+        drawn: list[tuple[Sweep | ContactSolution, str]] = []
+        if len(solutions) > 1:
+            drawn += [(self.sweep, name) for name in _panels_of("sweep")]
+        first, *others = drawn + [(largest, name) for name in _panels_of("solution")]
         yield partial(self._draw, *first)
         yield partial(self._write_report, largest)
         for subject, name in others:
@@ -98,7 +100,7 @@ def draw(plot: Callable[[], Any], path: Path) -> None:
 
     try:
         with replacing(path) as unfinished:
-            figure.savefig(unfinished, format="png")
+            figure.savefig(unfinished, format="png", bbox_inches="tight")
     finally:
         pyplot.close(figure)
 

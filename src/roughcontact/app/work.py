@@ -95,7 +95,7 @@ def _solve(settings: Settings, upload: Upload | None, folder: Path, send: Send) 
     ratio = (time.perf_counter() - started) / forecast
     send({"phase": "evaluating", "fraction": 1.0, "text": "The contact is solved; areas and uncertainties follow."})
     answers = [describe_solution(solution) for solution in sweep.solutions]
-    send({"phase": "drawing", "answers": answers, "ratio": ratio})
+    send({"phase": "drawing", "text": "Pictures and report follow.", "answers": answers, "ratio": ratio})
     return {"notes": _write_all(Outputs(sweep, answers, folder, settings["scheme"] == "dark"), send)}
 
 
