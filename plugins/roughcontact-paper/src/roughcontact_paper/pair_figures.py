@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 import roughcontact as rc
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
@@ -171,7 +172,7 @@ def _draw_local_contact(cases: Sequence[PairCase]) -> Figure:
         axes.set(xlim=(x - _HALF_WINDOW, x + _HALF_WINDOW), ylim=(y - _HALF_WINDOW, y + _HALF_WINDOW))
         axes.set(aspect="equal", **_PLACE)
         axes.set_title(f"{case.cells} x {case.cells}")
-    names = [
+    names: list[Artist] = [
         Patch(color=color, label=name) for color, name in zip(_KINDS, ("open", "contact", "saturated"), strict=True)
     ]
     names.append(Line2D([], [], color=_EDGE, linewidth=1.8, label="sub-grid edge"))
