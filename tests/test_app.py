@@ -453,7 +453,7 @@ def test_a_file_that_ends_early_is_refused(client):
 
 
 def test_the_name_of_a_file_is_only_shown(client, server):
-    _, found = client.upload("../../<b>evil</b>\n\0.csv", b"1,2\n3,4\n5,7\n")
+    _, found = client.upload("../../<b>evil</b>\n\0.csv", b"1 2\n3 4\n5 7\n")
     assert found["name"] == "b>.csv"
     stored = server.session.uploads.find(found["digest"])
     assert re.fullmatch(r"[0-9a-f]{16}\.csv", stored.path.name)
@@ -474,7 +474,7 @@ def test_uploads_lie_in_a_private_folder_that_ends_with_the_session():
 def test_the_oldest_uploads_give_way(client, server, monkeypatch):
     monkeypatch.setattr("roughcontact.app.uploads._LARGEST_SUM", 60)
     digests = [
-        client.upload("a.csv", f"1,2\n3,{number}0000000000000000000000\n".encode())[1]["digest"] for number in range(3)
+        client.upload("a.csv", f"1 2\n3 {number}0000000000000000000000\n".encode())[1]["digest"] for number in range(3)
     ]
     assert [client.post("api/file", digest)["here"] for digest in digests] == [False, True, True]
 

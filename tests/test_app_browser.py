@@ -1,6 +1,6 @@
 """The page in a browser: headless Chromium, as in Debian's packages chromium and chromium-driver.
 
-Skipped where there is none, unless ROUGHCONTACT_BROWSER=1 says that there must be.
+They run where ROUGHCONTACT_BROWSER=1 asks for them, and then there must be one.
 """
 
 from __future__ import annotations
@@ -13,24 +13,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from selenium import webdriver
+from selenium.common.exceptions import NoSuchElementException, StaleElementReferenceException
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.ui import Select, WebDriverWait
 
 import roughcontact as rc
 from roughcontact.app import AppServer, Session
 
-REQUIRED = os.environ.get("ROUGHCONTACT_BROWSER") == "1"
+if os.environ.get("ROUGHCONTACT_BROWSER") != "1":
+    pytest.skip("set ROUGHCONTACT_BROWSER=1, and install chromium and chromium-driver", allow_module_level=True)
 CHROMIUM, DRIVER = (shutil.which(name) for name in ("chromium", "chromedriver"))
-try:
-    from selenium import webdriver
-    from selenium.common.exceptions import NoSuchElementException, StaleElementReferenceException
-    from selenium.webdriver.chrome.service import Service
-    from selenium.webdriver.common.action_chains import ActionChains
-    from selenium.webdriver.common.by import By
-    from selenium.webdriver.common.keys import Keys
-    from selenium.webdriver.support.ui import Select, WebDriverWait
-except ImportError:
-    webdriver = None
-if not REQUIRED and (webdriver is None or CHROMIUM is None or DRIVER is None):
-    pytest.skip("no Chromium: install chromium, chromium-driver and selenium", allow_module_level=True)
 
 # What is looked at may be drawn anew meanwhile.
 BUSY = [NoSuchElementException, StaleElementReferenceException]

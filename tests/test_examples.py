@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib.metadata
 import os
 import re
 import shutil
@@ -17,6 +17,8 @@ from roughcontact.cli import commands
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+# Pages whose blocks run with every change; those of the others are for the slow tests.
+FIRST = ("README", "index", "tutorial_map", "tutorial_study")
 # Commands that take more than some ten seconds.
 SLOW = ("roughcontact paper", "roughcontact report")
 # Waits until it is ended; tests/test_app*.py drive it.
@@ -33,20 +35,33 @@ def commands_of(page):
     return [line for line in lines if line.startswith("roughcontact ") and not line.startswith(SERVES)]
 
 
+def is_installed(package):
+    """Its entry points count, which its source on the path does not have."""
+    return any(entry.module.partition(".")[0] == package for entry in importlib.metadata.entry_points())
+
+
 def needs(line):
     """Why a line cannot run here, if it cannot."""
     if re.search(r"\.(x3p|opd|plux|sur|datx)\b", line) and "ROUGHCONTACT_MAPS" not in os.environ:
         return "measured maps are in the folder ROUGHCONTACT_MAPS"
-    plugins = {"roughcontact paper": "roughcontact_paper", "springs": "roughcontact_example"}
+    plugins = {"roughcontact paper": "roughcontact_paper", "check ": "roughcontact_example"}
     for word, package in plugins.items():
-        if word in line and importlib.util.find_spec(package) is None:
+        if word in line and not is_installed(package):
             return f"{package} is not installed"
     return None
 
 
-SCRIPTS = [pytest.param(page, id=page.stem) for page in PAGES if blocks_of(page, "python")]
+SCRIPTS = [
+    pytest.param(page, id=page.stem, marks=[] if page.stem in FIRST else [pytest.mark.slow])
+    for page in PAGES
+    if blocks_of(page, "python")
+]
 LINES = [
-    pytest.param(line, id=f"{page.stem}-{number}", marks=[pytest.mark.slow] if line.startswith(SLOW) else [])
+    pytest.param(
+        line,
+        id=f"{page.stem}-{number}",
+        marks=[] if page.stem in FIRST and not line.startswith(SLOW) else [pytest.mark.slow],
+    )
     for page in PAGES
     for number, line in enumerate(commands_of(page))
 ]

@@ -548,7 +548,9 @@ ELSEWHERE = {
     ("netcdf.py", "write_netcdf"): "writes to memory first",
     ("picture.py", "draw_report"): "draws in memory first",
     ("figures.py", "save_figure"): "draws in memory first",
+    ("figures.py", "draw_panel"): "draws in memory",
     ("sheet.py", "savefig"): "chooses the pixels for the caller's file",
+    ("uploads.py", "_copy"): "an unfinished file, renamed when it is complete",
     ("output.py", "write_results"): "draws in memory first",
     ("inputs.py", "_damaged"): "writes to a temporary folder",
 }

@@ -260,6 +260,8 @@ def collect():
             if method[0] != "_" or method in ("__add__", "__getitem__", "__contains__"):
                 calls[f"{name}.{method}"] = getattr(thing, method)
     calls["ContactSolution.load"] = rc.ContactSolution.load
+    if not HAS_TOPOGRAPHY:
+        del calls["HeightMap.from_topography"]
     return {name: call for name, call in calls.items() if name not in SKIPPED and parameters(call)}
 
 

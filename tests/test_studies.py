@@ -642,7 +642,7 @@ class TestFiles:
         assert "4 solves (2 problems, 1 seed, 2 loads of force)" in capsys.readouterr().out
         assert main(["run", str(study_file)]) == 0
         folder = study_file.with_suffix("")
-        assert capsys.readouterr().out == f"4 solves, 4 of them now, in {folder}\n"
+        assert capsys.readouterr().out.split() == f"4 solves, 4 of them now, in {folder}".split()
         assert main(["run", str(study_file), "--workers", "2"]) == 0
         assert "0 of them now" in capsys.readouterr().out
         assert (folder / "records.csv").read_text().count("CONVERGED") == 4

@@ -12,9 +12,10 @@ import scipy.fft
 from roughcontact._problem.plan import SolvePlan
 from roughcontact.grid import Boundary
 
-# Transforms there and back of the grid's cells that a solve lasts as long as, and seconds that it takes on the smallest
-# grid; measured on self-affine, wavy and spherical surfaces of 128 x 128 to 512 x 512 cells, of which most need less.
+# Transforms there and back of the grid's cells that a solve lasts as long as; measured on self-affine, wavy and
+# spherical surfaces of 128 x 128 to 512 x 512 cells, of which most need less.
 _TRANSFORMS = {Boundary.FREE: 64.0, Boundary.PERIODIC: 40.0, Boundary.WRAPPED: 40.0}
+# Seconds that a solve takes on the smallest grid, measured on the same.
 _ANY_GRID = 0.1
 # Cells along a side of the transform that is timed, and how often it is.
 _TIMED, _REPEATS = 256, 5

@@ -15,7 +15,7 @@ from roughcontact._problem.plan import require_memory_of_solve
 from roughcontact._surfaces import FlatSurface, HeightMap, SelfAffineSurface, SphereSurface, Surface, WavySurface
 from roughcontact.app.settings import Settings, load_values, plain, quantity, whole
 from roughcontact.checks import Pair
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.files import RawMap, read_surface
 from roughcontact.files.reading import read_raw
 from roughcontact.grid import Boundary, Grid
@@ -109,7 +109,7 @@ def _facts(raw: RawMap) -> dict[str, object]:
 def _read_raw(upload: Upload) -> RawMap:
     try:
         return read_raw(upload.path)
-    except InputError as error:
+    except (InputError, MissingPackage) as error:
         raise _renamed(error, upload) from error
 
 
@@ -155,7 +155,7 @@ def _exponent(unit: str) -> str:
     return known[unit]
 
 
-def _renamed(error: InputError, upload: Upload) -> InputError:
+def _renamed(error: RoughContactError, upload: Upload) -> RoughContactError:
     """Return the error with the name of the file that the user knows."""
     return type(error)(str(error).replace(str(upload.path), upload.name).replace(upload.path.name, upload.name))
 

@@ -22,6 +22,7 @@ from roughcontact.units import binary
 _LARGEST, _LARGEST_SUM = 1 << 29, 1 << 31
 # Fraction of the memory that a file may be: it is read into float64 and transformed.
 _OF_MEMORY = 0.25
+# Bytes that are read at a time, and characters of a name that are shown.
 _BLOCK, _SHOWN = 1 << 16, 100
 # Seconds in which a file of the largest size must have come; it is sent on one machine.
 _PATIENCE = 300.0

@@ -161,7 +161,7 @@ class InstrumentReader(SurfaceReader):
         except ImportError:
             raise MissingPackage(
                 f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
-                f"(Files {', '.join(_ENDINGS)} are read without it.)"
+                f"Files {', '.join(_ENDINGS)} are read without it."
             ) from None
         heights, size, periodic = read_topography(read_file(str(path)))
         return RawMap(heights, size, periodic, metric=True)

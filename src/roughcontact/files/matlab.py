@@ -27,6 +27,7 @@ _EXPANDED, _EXPANSION = 2**21, 20
 _HEAD, _LONGEST_NAME = 128, 64
 # Types of data by number: integers and floats of MATLAB.
 _TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+# Types of an array with its head, and of one that is deflated.
 _MATRIX, _COMPRESSED = 14, 15
 # Classes of arrays: 6 to 15, double to uint64; the flags of complex ones, and of those of true and false.
 _NUMBERS, _COMPLEX, _LOGICAL = range(6, 16), 0x0800, 0x0200

@@ -14,6 +14,10 @@ from roughcontact.units import outlined
 _PARTS = 4
 
 
+def _column(values: object) -> Array:
+    return read_only(numbers(values, "A column of the bearing curve", "numbers"))
+
+
 @guarded
 @attrs.frozen(eq=False)
 class BearingCurve:
@@ -30,9 +34,9 @@ class BearingCurve:
         which must be larger than its longest waves.
     """
 
-    levels: Array = attrs.field(converter=read_only, repr=outlined)
-    fractions: Array = attrs.field(converter=read_only, repr=outlined)
-    uncertainties: Array = attrs.field(converter=read_only, repr=outlined)
+    levels: Array = attrs.field(converter=_column, repr=outlined)
+    fractions: Array = attrs.field(converter=_column, repr=outlined)
+    uncertainties: Array = attrs.field(converter=_column, repr=outlined)
 
 
 @guarded

@@ -20,12 +20,15 @@ _QUANTITY = re.compile(
     r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?)\s*" rf"({_NAME}(?:[*/]{_NAME}){{0,5}}|[%°]|)\s*"
 )
 _FACTOR = re.compile(r"([*/]?)([^\W\d_²³]+|[%°])(?:\^|\*\*)?([1-4²³]?)")
+# What a power in the name of a unit means.
 _POWERS = {"": 1, "²": 2, "³": 3}
+# Powers of ten of the prefixes of SI; two letters look like mu.
 _PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "c": -2, "d": -1}
 _PREFIXES |= {"": 0, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12}
-# Powers of metre, kilogram, second and radian.
 Dimension: TypeAlias = tuple[int, int, int, int]
+# Powers of metre, kilogram, second and radian.
 _LENGTH, _MASS, _TIME, _ANGLE = (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)
+# The same of forces, of pressures and of numbers.
 _FORCE, _PRESSURE, _NONE = (1, 1, -2, 0), (-1, 1, -2, 0), (0, 0, 0, 0)
 # Units that take a prefix: their power of ten in SI units.
 _METRIC: dict[str, tuple[int, Dimension]] = {
