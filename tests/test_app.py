@@ -378,7 +378,7 @@ def test_a_map_is_shown_and_solved_as_the_library_does(client, tmp_path):
     settings = {"surface": "file", "file": found["digest"], "file_name": found["name"], "form": "plane", "loads": "0.1"}
     settings |= {"load": "force", "load_unit": "N", "young": "70", "poisson": "0.33", "hardness": "2"}
     settings |= {"counterbody": "deformable", "counterbody_young": "3", "ball": "5"}
-    assert "not the size of its domain: fill it in." in client.refusal("api/surface", settings)
+    assert "not the size of its domain: fill in both sides, x and y." in client.refusal("api/surface", settings)
     settings |= {"size_x": "40", "size_y": "36"}
     assert "does not state the unit of its heights: choose it." in client.refusal("api/surface", settings)
     settings |= {"height_unit": "um"}

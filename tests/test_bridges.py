@@ -51,7 +51,7 @@ class TestSweep:
         pandas = pytest.importorskip("pandas")
         frame = SWEEP.to_pandas()
         assert isinstance(frame, pandas.DataFrame)
-        for name in ("force", "mean_pressure", "approach", "area", "area_uncertainty", "stiffness"):
+        for name in ("force", "mean_pressure", "approach", "area", "area_uncertainty", "secant_stiffness"):
             np.testing.assert_array_equal(frame[name], getattr(SWEEP, name))
         assert frame.area_fraction[1] == SOLUTION.area().fraction
         assert frame.peak_pressure[1] == SOLUTION.peak_pressure().value

@@ -131,7 +131,7 @@ class TestCsv:
         solution = solve(force=0.02)
         assert float(row["area [m2]"]) == solution.area().value
         assert float(row["other_area [m2]"]) == solution.area("cell-count").value
-        assert row["stiffness [N/m]"] == "nan"
+        assert row["secant_stiffness [N/m]"] == "nan"
         assert json.loads(json.dumps(row))["warnings"] == " ".join(
             dict.fromkeys((*solution.warnings, *solution.area().warnings))
         )

@@ -377,7 +377,7 @@ class TestSweep:
     @pytest.mark.parametrize("boundary", ["free", "periodic"])
     def test_is_monotone(self, boundary):
         sweep = rough(96, boundary=boundary).sweep(pressure=np.geomspace(1e-4, 0.05, 8))
-        for column in (sweep.force, sweep.mean_pressure, sweep.approach, sweep.area, sweep.stiffness):
+        for column in (sweep.force, sweep.mean_pressure, sweep.approach, sweep.area, sweep.secant_stiffness):
             assert (np.diff(column) > 0).all()
         assert str(sweep).count("\n") == 8
 
@@ -434,7 +434,7 @@ class TestSweep:
         problem = rc.ContactProblem(body, grid=rc.Grid((128, 128), 1e-3))
         sweep = problem.sweep(force=np.linspace(9.0, 11.0, 5))
         radius = (0.75 * 10.0 * 1e-2 / 1e11) ** (1 / 3)
-        assert sweep.stiffness[2] == pytest.approx(2e11 * radius, rel=0.01)
+        assert sweep.secant_stiffness[2] == pytest.approx(2e11 * radius, rel=0.01)
 
     @pytest.mark.parametrize("fraction", [0.02, 0.1, 0.5, 0.9])
     def test_a_target_area_is_found(self, fraction):

@@ -91,8 +91,11 @@ class Sweep:
         return np.array([solution.area().uncertainty for solution in self.solutions])
 
     @property
-    def stiffness(self) -> Array:
-        """Slopes dF/d(approach) through neighbouring loads, N/m; nan where there is no neighbour."""
+    def secant_stiffness(self) -> Array:
+        """Slopes dF/d(approach) through neighbouring loads, N/m; nan where there is no neighbour.
+
+        The stiffness at a load itself, with its uncertainty, is that of its solution: `ContactSolution.stiffness`.
+        """
         if len(self.solutions) < 2 or np.unique(self.approach).size < len(self.solutions):
             return np.full(len(self.solutions), np.nan)
         return np.gradient(self.force, self.approach)
@@ -110,7 +113,8 @@ class Sweep:
         """Return the results as a `pandas.DataFrame`, a row for each load (extra ``table``).
 
         Its columns are ``mean_pressure``, ``force``, ``approach``, ``area``, ``area_uncertainty``, ``area_fraction``,
-        ``peak_pressure``, ``peak_pressure_uncertainty`` and ``stiffness``, in the units of ``frame.attrs["units"]``.
+        ``peak_pressure``, ``peak_pressure_uncertainty`` and ``secant_stiffness``, in the units of
+        ``frame.attrs["units"]``.
         """
         return make_table(self).to_pandas()
 
@@ -134,11 +138,12 @@ class Sweep:
         return make_table(self).to_html(f"{counted(len(self), 'load')}, {self.solutions[0].grid}")
 
     def __str__(self) -> str:
+        secants = self.secant_stiffness
         rows = zip(
-            self.mean_pressure, self.force, self.approach, self.area, self.area_uncertainty, self.stiffness, strict=True
+            self.mean_pressure, self.force, self.approach, self.area, self.area_uncertainty, secants, strict=True
         )
         nominal = self.solutions[0].grid.area
-        lines = [f"{'mean pressure':>14} {'force':>11} {'approach':>11} {'area, %':>18} {'stiffness':>13}"]
+        lines = [f"{'mean pressure':>14} {'force':>11} {'approach':>11} {'area, %':>18} {'secant':>13}"]
         for pressure, force, approach, area, uncertainty, stiffness in rows:
             percent = f"{100 * area / nominal:.4g} +- {100 * uncertainty / nominal:.1g}"
             lines.append(

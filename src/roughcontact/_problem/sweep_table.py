@@ -20,7 +20,7 @@ _UNITS = {
     "area_fraction": "",
     "peak_pressure": "Pa",
     "peak_pressure_uncertainty": "Pa",
-    "stiffness": "N/m",
+    "secant_stiffness": "N/m",
 }
 _LOADS = {"pressure": ("nominal mean pressure", "Pa"), "force": ("normal force", "N"), "approach": ("approach", "m")}
 

@@ -120,7 +120,9 @@ def _read(settings: Settings, upload: Upload | None) -> HeightMap:
     facts = _facts(_read_raw(upload))
     if facts["size"] is None and not (settings["size_x"] and settings["size_y"]):
         cells = " x ".join(map(str, facts["shape"]))  # type: ignore[call-overload]
-        raise InputError(f"The file {upload.name} holds {cells} heights but not the size of its domain: fill it in.")
+        raise InputError(
+            f"The file {upload.name} holds {cells} heights but not the size of its domain: fill in both sides, x and y."
+        )
     if not facts["metric"] and not settings["height_unit"]:
         raise InputError(f"The file {upload.name} does not state the unit of its heights: choose it.")
     if facts["non_measured"] and settings["non_measured"] == "refuse":

@@ -153,4 +153,4 @@ def _unit(raw: RawMap, given: float | None, file: Path) -> float:
         return 1.0
     if raw.metric:
         raise InputError(f"The file {file.name} states its own unit of height: leave unit= out.")
-    return number(given, "The unit of the heights", "m", above=0.0)
+    return number(given, "The unit of the heights", "m, such as 1e-6 for µm", above=0.0)

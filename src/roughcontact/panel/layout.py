@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from roughcontact.panel.maps import proportion
-from roughcontact.units import si
+from roughcontact.units import counted, si
 
 if TYPE_CHECKING:
     from roughcontact.grid import Grid
@@ -89,7 +89,7 @@ def title_of_solution(solution: Any) -> str:
     count = len({*solution.warnings, *area.warnings})
     if not solution.status.success:
         text = f"NOT CONVERGED. {text}"
-    return f"{text}\n{count} warning{'s' if count > 1 else ''}: print(solution)" if count else text
+    return f"{text}\n{counted(count, 'warning')}" if count else text
 
 
 def percent(fraction: float, uncertainty: float) -> str:
