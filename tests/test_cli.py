@@ -365,3 +365,14 @@ def test_every_command_has_help(name, capsys):
         main([name, "--help"])
     assert ended.value.code == 0
     assert capsys.readouterr().out.startswith(f"usage: roughcontact {name}")
+
+
+def test_a_unit_alone_is_one_of_it(tmp_path, capsys):
+    np.savetxt(tmp_path / "map.txt", np.random.default_rng(1).random((16, 16)))
+    printed = []
+    for unit in ("um", "1um"):
+        assert main(["info", str(tmp_path / "map.txt"), "--unit", unit, "--size", "16um"]) in (0, 3)
+        printed.append(capsys.readouterr().out)
+    assert printed[0] == printed[1]
+    with pytest.raises(SystemExit):
+        main(["info", str(tmp_path / "map.txt"), "--unit", "2", "--size", "16um"])

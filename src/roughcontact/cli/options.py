@@ -38,6 +38,11 @@ NUMBER = quantity("")
 METRE, _PASCAL, _NEWTON, _ANGLE = (quantity(unit) for unit in ("m", "Pa", "N", "rad"))
 
 
+def _unit(text: str) -> float:
+    """Return the length that a height of one means, for argparse: ``um`` alone is ``1um``."""
+    return METRE(f"1{text}" if text[:1].isalpha() else text)
+
+
 def _load(text: str) -> Load:
     """Return a load whose unit says what it is, for argparse."""
     for kind, unit in (("force", "N"), ("pressure", "Pa"), ("approach", "m")):
@@ -114,7 +119,7 @@ def _add_maps(parser: argparse.ArgumentParser, study: bool) -> None:
     maps.add_argument(
         "--resample", type=whole_number, nargs=2, metavar=("NX", "NY"), help="number of cells, bilinearly"
     )
-    for name, what in (("size", METRE), ("unit", METRE), ("detrend", _form)):
+    for name, what in (("size", METRE), ("unit", _unit), ("detrend", _form)):
         maps.add_argument(
             f"--counterbody-{name}",
             type=what,
@@ -135,7 +140,7 @@ def _add_treatment(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     """Declare how a height map is read."""
     maps = parser.add_argument_group("height maps")
     maps.add_argument("--size", type=METRE, nargs="+", metavar="L", help="side lengths, one or x y (the file's)")
-    maps.add_argument("--unit", type=METRE, metavar="U", help="unit of the heights, such as 1um (the file's)")
+    maps.add_argument("--unit", type=_unit, metavar="U", help="unit of the heights, such as 1um (the file's)")
     treatments = ("refuse", "fill", "keep")
     maps.add_argument("--non-measured", choices=treatments, default="refuse", help="non-measured points (refuse)")
     for name, (convert, what) in OF_READERS.items():
