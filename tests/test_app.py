@@ -183,6 +183,7 @@ def test_it_listens_on_the_loopback_address_alone(server):
     assert server.server_address[0] == "127.0.0.1"
 
 
+@pytest.mark.slow
 def test_every_answer_has_the_headers_that_protect(client, solved):
     _, state = solved
     asked = [
@@ -227,6 +228,7 @@ def test_each_input_has_a_label(server):
 # What they may ask for
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "path",
     [
@@ -364,6 +366,7 @@ def test_wrong_settings_are_refused_in_words(client, changed, words):
 # Maps
 
 
+@pytest.mark.slow
 def test_a_map_is_shown_and_solved_as_the_library_does(client, tmp_path):
     heights = rc.SelfAffineSurface(hurst=0.8, rms_height=0.2e-6, shortest=10e-6, longest=30e-6, seed=3).heights(
         rc.Grid((40, 36), (40e-6, 36e-6))
@@ -523,6 +526,7 @@ def test_a_worker_that_dies_at_its_task_says_so():
 # Runs
 
 
+@pytest.mark.slow
 def test_the_answers_are_those_of_the_library(solved, sweep):
     _, state = solved
     assert state["notes"] == []
@@ -536,6 +540,7 @@ def test_the_answers_are_those_of_the_library(solved, sweep):
         assert values["force"] == solution.force
 
 
+@pytest.mark.slow
 def test_the_table_is_the_answers_with_units(solved, sweep):
     client, state = solved
     rows = list(csv.DictReader(io.StringIO(client.get(f"runs/{state['id']}/answers.csv").decode("utf-8-sig"))))
@@ -547,6 +552,7 @@ def test_the_table_is_the_answers_with_units(solved, sweep):
     assert rows[0]["status"].startswith("converged")
 
 
+@pytest.mark.slow
 def test_the_fields_are_those_of_the_library(solved, sweep, tmp_path):
     client, state = solved
     for index, solution in enumerate(sweep.solutions):
@@ -558,6 +564,7 @@ def test_the_fields_are_those_of_the_library(solved, sweep, tmp_path):
         assert rc.ContactSolution.load(path).origin.load == solution.origin.load
 
 
+@pytest.mark.slow
 def test_the_report_opens_alone_and_runs_no_script(solved):
     client, state = solved
     status, headers, body = client.request("GET", f"runs/{state['id']}/report.html")
@@ -568,6 +575,7 @@ def test_the_report_opens_alone_and_runs_no_script(solved):
     assert not re.search(rb"src=[\"']?(?!data:)\w", body)
 
 
+@pytest.mark.slow
 def test_there_is_a_picture_of_each_panel(solved):
     client, state = solved
     pictures = {one["panel"]: one["file"] for one in state["outputs"] if one["role"] == "picture"}
@@ -599,6 +607,7 @@ def test_the_plan_says_time_and_memory_before_the_run(client):
     assert larger["seconds"] > 3 * plan["seconds"]
 
 
+@pytest.mark.slow
 def test_a_run_is_cancelled_and_another_waits_for_it(client, server):
     running = client.post("api/runs", LONG)["id"]
     waiting = client.post("api/runs", SMALL)["id"]

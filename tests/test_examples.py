@@ -18,7 +18,7 @@ from roughcontact.cli import commands
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 # Pages whose blocks run with every change; those of the others are for the slow tests.
-FIRST = ("README", "index", "tutorial_map", "tutorial_study")
+FIRST = ("README",)
 # Commands that take more than some ten seconds.
 SLOW = ("roughcontact paper", "roughcontact report")
 # Waits until it is ended; tests/test_app*.py drive it.
