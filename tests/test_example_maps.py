@@ -72,15 +72,17 @@ def test_the_files_hold_the_maps(tmp_path, capsys):
     assert rc.examples.write(tmp_path) == tuple(tmp_path / path.name for path in paths)
 
 
-def test_the_line_of_the_readme_gives_a_contact_without_warnings(tmp_path, monkeypatch, capsys):
-    pytest.importorskip("pint")
+def test_the_line_of_the_readme_gives_a_contact_whose_area_is_known(tmp_path, monkeypatch, capsys):
     text = (Path(rc.__file__).parents[2] / "README.md").read_text(encoding="utf-8")
     (line,) = re.findall(r"^roughcontact (solve ball.npz ring.npz .*)$", text, re.M)
     monkeypatch.chdir(tmp_path)
     rc.examples.write()
-    assert main(line.split()) == 0
-    assert "warning" not in capsys.readouterr().out
-    solution = rc.ContactSolution.load("contact-results/solution.npz")
+    assert main([*line.split(), "-o", "contact.npz"]) == 0
+    # A dozen saturated cells are not an area: that one is doubtful, and nothing else.
+    said = " ".join(capsys.readouterr().out.split()).split("warning ")[1:]
+    assert all(text.startswith("The saturated area is doubtful") for text in said)
+    solution = rc.ContactSolution.load("contact.npz")
+    assert solution.warnings == ()
     area = solution.area()
     assert area.uncertainty < 0.01 * area.value
     assert area.warnings == ()
