@@ -37,7 +37,11 @@ def commands_of(page):
 
 def is_installed(package):
     """Its entry points count, which its source on the path does not have."""
-    return any(entry.module.partition(".")[0] == package for entry in importlib.metadata.entry_points())
+    try:
+        importlib.metadata.distribution(package.replace("_", "-"))
+    except importlib.metadata.PackageNotFoundError:
+        return False
+    return True
 
 
 def needs(line):
