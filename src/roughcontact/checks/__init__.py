@@ -178,6 +178,9 @@ def callback(value: object, what: str, *given: str) -> Callable[..., Any] | None
 def numbers(values: object, what: str, allowed: str) -> Array:
     """Return `values` as an array of float64, or raise `InputError` if it is something else."""
     try:
+        # numpy would omit the imaginary part, with a warning.
+        if np.iscomplexobj(values):
+            raise TypeError
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError, RecursionError):
         raise InputError.about(what, values, allowed) from None
