@@ -179,7 +179,7 @@ def numbers(values: object, what: str, allowed: str) -> Array:
     """Return `values` as an array of float64, or raise `InputError` if it is something else."""
     try:
         # numpy would omit the imaginary part, with a warning.
-        if np.iscomplexobj(values):
+        if np.asarray(values).dtype.kind == "c":
             raise TypeError
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError, RecursionError):
