@@ -33,6 +33,7 @@ from roughcontact._solution.theory import TheoryBeside, compare_with_theory
 from roughcontact._solution.vti import to_pyvista
 from roughcontact._solution.writers import write_solution, writers
 from roughcontact._surfaces import HeightMap
+from roughcontact.archive import replacing
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
 from roughcontact.panel import Panel
@@ -211,10 +212,13 @@ class ContactSolution(ContactFields):
 
     def to_html(self, path: str | os.PathLike[str] | None = None) -> str:
         """Return a report, one page of HTML that opens without a network; written to a file if a path is given."""
+        target = None if path is None else checks.path(path, "The report")
         writer: Any = writers.create("html")
-        if path is not None:
-            writer.write(self, checks.path(path, "The report"))
+        # Its figures take seconds: they are drawn once.
         text: str = writer.text(self)
+        if target is not None:
+            with replacing(target) as partial:
+                partial.write_text(text, encoding="utf-8")
         return text
 
     def plot(self, panel: str | Panel | None = None, *, axes: Any = None, dark: bool = False) -> Any:

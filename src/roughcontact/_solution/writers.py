@@ -34,28 +34,13 @@ writers = Registry(SolutionWriter, "solution writer", "roughcontact.writers", in
 
 @final
 @attrs.frozen
-class NpzWriter(SolutionWriter):
-    """Arrays for numpy, with the problem; `ContactSolution.load` reads it."""
+class ArchiveWriter(SolutionWriter):
+    """Arrays for numpy, or netCDF with units, with the problem; `ContactSolution.load` reads both."""
 
     @property
     def suffixes(self) -> frozenset[str]:
-        """Npz."""
-        return frozenset({".npz"})
-
-    def write(self, solution: ContactSolution, path: Path) -> None:
-        """Write the file."""
-        storage.write(path, solution)
-
-
-@final
-@attrs.frozen
-class NetcdfWriter(SolutionWriter):
-    """netCDF with units, with the problem; `ContactSolution.load` reads it."""
-
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """Nc."""
-        return frozenset({".nc"})
+        """Npz and nc."""
+        return frozenset({".npz", ".nc"})
 
     def write(self, solution: ContactSolution, path: Path) -> None:
         """Write the file."""
