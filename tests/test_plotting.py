@@ -6,6 +6,7 @@ import io
 import itertools
 import re
 
+import attrs
 import matplotlib
 import numpy as np
 import pytest
@@ -350,6 +351,39 @@ class TestFigures:
         title = solution.plot().get_suptitle()
         assert solution.warnings
         assert re.search(r"\n[1-9]\d* warnings?$", title)
+
+    def test_one_panel_has_the_title_too_but_axes_of_the_user_have_none(self, hertz, sweep):
+        title = hertz.plot("pressure").figure.get_suptitle()
+        assert title.replace("\n", " ") == hertz.plot().get_suptitle().replace("\n", " ")
+        assert sweep.plot("area-load").figure.get_suptitle() == sweep.plot().get_suptitle()
+        axes = pyplot.figure().add_subplot()
+        assert hertz.plot("pressure", axes=axes).figure.get_suptitle() == ""
+
+    def test_titles_of_sweeps_state_the_loads_that_are_on_the_axis(self, sweep):
+        assert sweep.plot("area-load").get_xlabel() == "force, mN"
+        assert sweep.plot().get_suptitle() == "3 loads, force 20 mN to 100 mN"
+        wave = rc.ContactProblem(rc.Body(rc.WavySurface(1e-7, 1e-5), STEEL), grid=rc.Grid((16, 16), 1e-5))
+        drawn = attrs.evolve(wave, boundary="periodic").sweep(pressure=[1e8, 2e8]).plot()
+        assert drawn.get_suptitle() == "2 loads, mean pressure 100 MPa to 200 MPa"
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("size", [(256e-6, 256e-6), (3e-4, 1e-4), (1e-4, 5e-4)])
+    def test_nothing_is_cut_off_at_the_border(self, size):
+        grid = rc.Grid((24, 18), size)
+        surface = rc.SelfAffineSurface(hurst=0.8, rms_height=3e-7, shortest=6e-5, longest=1e-4, seed=3)
+        problem = rc.ContactProblem(rc.Body(surface, STEEL), grid=grid, boundary="periodic")
+        sweep = problem.sweep(pressure=[1e7, 1.2e8])
+        subjects = {"solution": sweep.solutions[-1], "sweep": sweep}
+        for kind, names in BY_SUBJECT.items():
+            for name in (None, *names):
+                drawn = surface.plot(grid, name) if kind == "surface" else subjects[kind].plot(name)
+                content = io.BytesIO()
+                drawn.figure.savefig(content, format="png")
+                content.seek(0)
+                pixels = pyplot.imread(content)
+                ring = (pixels[:2], pixels[-2:], pixels[:, :2], pixels[:, -2:])
+                assert all((side == 1.0).all() for side in ring), f"{kind} {name}"
+                pyplot.close("all")
 
     def test_parameters_of_the_user_stay(self, hertz):
         before = dict(matplotlib.rcParams)

@@ -11,7 +11,7 @@ from roughcontact.archive import replacing
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.panel.base import Panel, panels
-from roughcontact.panel.layout import arrange
+from roughcontact.panel.layout import Layout, arrange, title_of
 from roughcontact.panel.theme import require_matplotlib, style, theme_of
 
 # The panels of a figure where none is named.
@@ -22,6 +22,8 @@ _STANDARD = {
 }
 # Characters in a line of a sentence that stands in place of a panel.
 _WIDTH = 40
+# Characters of a title that an inch holds, and the height of a line, inches.
+_PER_INCH, _LINE = 13.0, 0.18
 
 
 def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bool) -> Any:
@@ -44,7 +46,11 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
     with style(dark):
         figure = pyplot.figure(FigureClass=Sheet)
         try:
-            return _fill(figure, kind, subject) if chosen is None else _fill_one(figure, chosen, subject)
+            if chosen is None:
+                return _fill(figure, kind, subject)
+            drawn = _fill_one(figure, chosen, subject)
+            _add_title(figure, title_of(kind, subject))
+            return drawn
         except BaseException:
             pyplot.close(figure)
             raise
@@ -52,7 +58,7 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
 
 @guarded
 def make_figure(kind: str, subject: Any, panel: str | Panel | None = None, dark: bool = False) -> Any:
-    """Return the figure that ``plot`` draws, but without pyplot: to be saved, in any thread.
+    """Return the figure that ``plot`` draws, but without pyplot, to be saved in any thread; one panel has no title.
 
     Parameters
     ----------
@@ -93,10 +99,7 @@ def _resolve(kind: str, panel: str | Panel) -> Panel:
 
 def _fill(figure: Any, kind: str, subject: Any) -> Any:
     """Draw all standard panels, where one refuses, what it says."""
-    layout = arrange(kind, subject, len(_STANDARD[kind]))
-    figure.set_size_inches(layout.size)
-    figure.set_layout_engine(layout.engine)
-    figure.saving_dpi = layout.dpi
+    layout = _arrange(figure, kind, subject, len(_STANDARD[kind]))
     places = figure.subplots(layout.rows, layout.columns, squeeze=False).ravel()
     for name, axes in zip(_STANDARD[kind], places, strict=True):
         try:
@@ -105,16 +108,29 @@ def _fill(figure: Any, kind: str, subject: Any) -> Any:
             axes.cla()
             axes.set_axis_off()
             axes.text(0.5, 0.5, textwrap.fill(str(error), _WIDTH), ha="center", va="center", transform=axes.transAxes)
-    figure.suptitle(layout.title)
+    _add_title(figure, title_of(kind, subject))
     _keep_colors(figure)
     return figure
 
 
-def _fill_one(figure: Any, panel: Panel, subject: Any) -> Any:
-    layout = arrange(panel.subject, subject, 1)
+def _arrange(figure: Any, kind: str, subject: Any, count: int) -> Layout:
+    layout = arrange(kind, subject, count)
     figure.set_size_inches(layout.size)
     figure.set_layout_engine(layout.engine)
     figure.saving_dpi = layout.dpi
+    return layout
+
+
+def _add_title(figure: Any, title: str) -> None:
+    """Write a title in lines that are no longer than the figure is wide, on paper added for them."""
+    width, height = figure.get_size_inches()
+    lines = [line for part in title.split("\n") for line in textwrap.wrap(part, int(_PER_INCH * width))]
+    figure.set_size_inches(width, height + _LINE * len(lines))
+    figure.suptitle("\n".join(lines))
+
+
+def _fill_one(figure: Any, panel: Panel, subject: Any) -> Any:
+    _arrange(figure, panel.subject, subject, 1)
     axes = figure.add_subplot()
     panel.draw(subject, axes)
     _keep_colors(figure)

@@ -1,4 +1,4 @@
-"""Size, arrangement and title of figures."""
+"""Size, arrangement and titles of figures."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from roughcontact.grid import Grid
 
 # Side of a square map, and what labels beside and below it take, inches.
-_SIDE, _BESIDE, _BELOW, _TITLE = 3.0, 1.3, 0.65, 0.45
+_SIDE, _BESIDE, _BELOW = 3.0, 1.3, 0.65
 # Width and height of axes with curves, inches.
 _CURVES = (3.6, 2.9)
 # Smallest width and height of a panel alone and of one among others, inches.
@@ -39,8 +39,6 @@ class Layout:
         Pixels an inch that show every cell.
     engine
         Name of the layout engine.
-    title
-        What the figure says.
     """
 
     rows: int
@@ -48,19 +46,17 @@ class Layout:
     size: tuple[float, float]
     dpi: float
     engine: str
-    title: str
 
 
 def arrange(kind: str, subject: Any, count: int) -> Layout:
     """Return the layout of so many panels of a subject."""
-    title = {"solution": title_of_solution, "surface": title_of_surface, "sweep": title_of_sweep}[kind](subject)
     if kind == "sweep":
         width, height = _CURVES
-        return Layout(1, count, (count * width, height + _TITLE), _PIXELS[0], "constrained", title)
-    return _arrange_maps(subject.grid, count, title, "compressed" if kind == "solution" else "constrained")
+        return Layout(1, count, (count * width, height), _PIXELS[0], "constrained")
+    return _arrange_maps(subject.grid, count, "compressed" if kind == "solution" else "constrained")
 
 
-def _arrange_maps(grid: Grid, count: int, title: str, engine: str) -> Layout:
+def _arrange_maps(grid: Grid, count: int, engine: str) -> Layout:
     ratio = proportion(grid)
     columns = count if ratio < _TALL else (1 if ratio > _WIDE and count > 1 else math.ceil(math.sqrt(count)))
     if engine == "constrained":
@@ -75,8 +71,17 @@ def _arrange_maps(grid: Grid, count: int, title: str, engine: str) -> Layout:
     # Legends and curves need as much beside and below narrow domains.
     smallest = _ALONE if count == 1 else _AMONG
     width, height = max(width, smallest[0]), max(height, smallest[1])
-    size = (columns * (width + _BESIDE), rows * (height + _BELOW) + (_TITLE if count > 1 else 0.0))
-    return Layout(rows, columns, size, min(max(dpi, _PIXELS[0]), _PIXELS[1]), engine, title)
+    if count == 1:
+        # Constrained layout cuts the labels of a map alone: it is sized before its proportions are.
+        engine = "compressed"
+    size = (columns * (width + _BESIDE), rows * (height + _BELOW))
+    return Layout(rows, columns, size, min(max(dpi, _PIXELS[0]), _PIXELS[1]), engine)
+
+
+def title_of(kind: str, subject: Any) -> str:
+    """Return what a figure of the subject says."""
+    titles = {"solution": title_of_solution, "surface": title_of_surface, "sweep": title_of_sweep}
+    return titles[kind](subject)
 
 
 def title_of_solution(solution: Any) -> str:
@@ -112,5 +117,6 @@ def title_of_surface(sampled: Any) -> str:
 
 def title_of_sweep(sweep: Any) -> str:
     """Return the number of loads and their range."""
-    loads = sweep.mean_pressure
-    return f"{len(loads)} loads, mean pressure {si(loads.min(), 'Pa', 3)} to {si(loads.max(), 'Pa', 3)}"
+    free = sweep.solutions[0].boundary.value == "free"
+    loads, name, unit = (sweep.force, "force", "N") if free else (sweep.mean_pressure, "mean pressure", "Pa")
+    return f"{len(loads)} loads, {name} {si(loads.min(), unit, 3)} to {si(loads.max(), unit, 3)}"
