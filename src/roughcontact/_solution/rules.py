@@ -33,7 +33,8 @@ PLAUSIBILITY_RULES = {
         "quantities that no contact has: a modulus below 1 MPa without the Poisson's ratio of a gel, or above that of "
         "diamond; heights that exceed the domain, or an rms slope above 10; a domain above 10 m; cells or heights "
         "below an atom",
-        "Lengths are in m and moduli in Pa: 5 µm is 5e-6, 210 GPa is 210e9.",
+        "Lengths are in m and moduli in Pa: 5 µm is 5e-6, 210 GPa is 210e9; for heights of a file in another unit give "
+        "unit= (on the command line --unit).",
     ),
     "border jump": Rule(
         3,
