@@ -25,8 +25,14 @@ from roughcontact.load import Load
 from roughcontact.units import binary
 
 # How the time of a solve is estimated.
-_BASIS = "The time is estimated from the cells and a transform timed here; it may be a third or three times that."
-_CORRECTED = "The time is estimated from the cells and a transform timed here, corrected by the runs before."
+_BASIS = (
+    "The time of the solve is estimated from the cells and a transform timed here; it may be a third or three times "
+    "that. The pictures and the report take longer than a small solve."
+)
+_CORRECTED = (
+    "The time of the solve is estimated from the cells and a transform timed here, corrected by the runs before. The "
+    "pictures and the report come on top."
+)
 
 Send = Callable[[dict[str, Any]], None]
 

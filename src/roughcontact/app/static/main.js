@@ -1,7 +1,7 @@
 // The page: what the user changes is sent, checked and shown at once; a run is started and followed.
 
 import { get, post, upload } from "./api.js";
-import { element, follow, showList } from "./run.js";
+import { element, follow, showList, subjectOf } from "./run.js";
 import * as settings from "./settings.js";
 import { Viewer } from "./viewer.js";
 
@@ -138,8 +138,7 @@ function showRun(id) {
 }
 
 function listRun(state) {
-  const what = { file: state.settings.file_name || "map", example: "example" }[state.settings.surface] || state.settings.surface;
-  const text = `${what}, ${state.settings.load} ${state.settings.loads} ${state.settings.load_unit}: ${state.phase}`;
+  const text = `${subjectOf(state.settings)}, ${state.settings.load} ${state.settings.loads} ${state.settings.load_unit}: ${state.phase}`;
   if (runs.get(state.id) === text) return;
   runs.set(state.id, text);
   byId("runs").hidden = runs.size < 2;

@@ -27,6 +27,8 @@ export function element(name, text = "", attributes = {}) {
   return made;
 }
 
+export const subjectOf = ({ surface, file_name: name, example }) => ({ file: name || "map", example }[surface] || surface);
+
 export function follow(run, onChange) {
   clearTimeout(timer);
   viewer ??= new Viewer(byId("picture"), "Picture of the answer");
@@ -133,7 +135,9 @@ function curveRows(state) {
 
 function fileLink(state, output, text, main = false) {
   const address = `runs/${state.id}/${output.file}`;
-  const link = element("a", text, { href: address, download: `roughcontact-${output.file}` });
+  const { loads, load_unit: unit } = state.settings;
+  const run = `${subjectOf(state.settings).replace(/\.[^.]*$/, "")}-${loads}-${unit}`;
+  const link = element("a", text, { href: address, download: `${run.replace(/[^\p{L}\p{N}.]+/gu, "-")}-${output.file}` });
   if (main !== null) link.className = main ? "button main" : "button";
   return link;
 }
