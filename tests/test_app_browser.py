@@ -91,9 +91,9 @@ class Page:
         return float(cell.get_attribute("data-value"))
 
     def download(self, name):
-        link = self.until(lambda: self.driver.find_elements(By.CSS_SELECTOR, f"a[download='roughcontact-{name}']"))
+        link = self.until(lambda: self.driver.find_elements(By.CSS_SELECTOR, f"a[download='{name}']"))
         link[0].click()
-        return self.until(lambda: next(iter(self.downloads.glob(f"roughcontact-{name}")), None))
+        return self.until(lambda: next(iter(self.downloads.glob(name)), None))
 
     def drop(self, text, name):
         self.driver.execute_script(DROP, text, name)
@@ -156,15 +156,15 @@ def test_a_map_is_dropped_solved_and_reported(page, surface, tmp_path):
     solution = rc.ContactProblem(rc.Body(expected, rc.Elastic(210e9, 0.3))).solve(pressure=50e6)
     assert page.value("contact area") == solution.area().value
     assert page.value("maximum pressure") == solution.peak_pressure().value
-    report = page.download("report.html")
+    report = page.download("ring-1-50-MPa-report.html")
     page.driver.switch_to.new_window("tab")
     page.driver.get(report.as_uri())
     assert "ring <1>.csv" in page.driver.find_element(By.TAG_NAME, "body").text
     page.driver.close()
     page.driver.switch_to.window(page.driver.window_handles[0])
-    with page.download("answers.csv").open(encoding="utf-8-sig", newline="") as file:
+    with page.download("ring-1-50-MPa-answers.csv").open(encoding="utf-8-sig", newline="") as file:
         assert float(next(csv.DictReader(file))["contact area, m2"]) == solution.area().value
-    with np.load(page.download("solution-1.npz")) as data:
+    with np.load(page.download("ring-1-50-MPa-solution-1.npz")) as data:
         assert np.array_equal(data["pressure"], solution.pressure)
 
 

@@ -183,7 +183,8 @@ class _Handler(BaseHTTPRequestHandler):
         ending = name.rpartition(".")[2]
         extra = {"Content-Security-Policy": _REPORT_POLICY} if ending == "html" else {}
         if ending in ("csv", "npz"):
-            extra = {"Content-Disposition": f'attachment; filename="roughcontact-{name}"'}
+            # The page's link names the file.
+            extra = {"Content-Disposition": "attachment"}
         self._send(200, _TYPES[ending], file.read_bytes(), extra)
 
     def _post(self, path: str) -> None:
