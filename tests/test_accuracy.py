@@ -158,6 +158,7 @@ class TestTolerance:
         assert abs(loose.area().value / tight.area().value - 1.0) <= 0.1 * 0.5 * within
 
 
+@pytest.mark.slow
 def test_the_command_line_asks_for_an_accuracy(tmp_path, capsys):
     problem = map_problem()
     np.save(tmp_path / "map.npy", problem.body.surface.values)

@@ -497,6 +497,7 @@ def test_a_reader_that_takes_too_long_is_ended():
         assert "took more than 0.001 s" in Client(server).refusal("api/surface", {})
 
 
+@pytest.mark.slow
 def test_a_reader_that_crashes_takes_nothing_down(client, server):
     client.post("api/surface", SMALL)
     worker = server.session._reader

@@ -71,6 +71,7 @@ def errors(cells_across, name):
     return np.array(found).T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells_across", [2.5, 4.0, 6.5, 11.0, 20.0])
 def test_two_uncertainties_hold_the_area_of_a_sphere(cells_across):
     for name in ("cell-count", "perimeter"):
@@ -78,6 +79,7 @@ def test_two_uncertainties_hold_the_area_of_a_sphere(cells_across):
         assert np.mean(np.abs(error) <= 2 * std) >= 0.9
 
 
+@pytest.mark.slow
 def test_the_counted_area_is_too_large_and_the_perimeter_corrects_most_of_it():
     for cells_across in (4.0, 8.0, 16.0):
         counted, _ = errors(cells_across, "cell-count")

@@ -60,6 +60,7 @@ def test_iterations_with_a_limit(n, boundary, fraction):
     assert solution.residuals.load <= 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", [0.33, 0.67])
 def test_a_million_cells_most_of_which_are_saturated(part):
     """Rounding of their load once unsaturated all of them, and the descent stalled."""
@@ -406,6 +407,7 @@ class TestSweep:
         for index, solution in zip(order, other.solutions, strict=True):
             np.testing.assert_array_equal(solution.pressure, one.solutions[index].pressure)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("loads", "hardness"),
         [((0.003, 0.1), None), ((0.6, 1.3), None), ((0.003, 0.1), 0.3 * SLOPE * YOUNG)],
@@ -417,6 +419,7 @@ class TestSweep:
         cold = sum(problem.solve(pressure=load).convolutions for load in loads)
         assert problem.sweep(pressure=loads).convolutions < 0.93 * cold
 
+    @pytest.mark.slow
     @settings(max_examples=30, deadline=None)
     @given(st.integers(0, 99), st.floats(0.05, 0.9), st.floats(0.4, 1.2), st.sampled_from([None, 0.2 * SLOPE * YOUNG]))
     def test_a_start_is_within_the_bounds(self, seed, load, ratio, hardness):

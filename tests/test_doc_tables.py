@@ -40,6 +40,7 @@ def hold(name):
     assert doc_tables.compare(table.rows(), doc_tables.read(name), table) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", tables(0.0, ORDINARY))
 def test_the_script_still_finds_it(name):
     hold(name)

@@ -73,7 +73,7 @@ def test_the_files_hold_the_maps(tmp_path, capsys):
 
 
 def test_the_line_of_the_readme_gives_a_contact_whose_area_is_known(tmp_path, monkeypatch, capsys):
-    text = (Path(rc.__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
     (line,) = re.findall(r"^roughcontact (solve ball.npz ring.npz .*)$", text, re.M)
     monkeypatch.chdir(tmp_path)
     rc.examples.write()

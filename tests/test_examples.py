@@ -194,6 +194,7 @@ def test_partial_slip(monkeypatch, tmp_path):
     assert (tmp_path / "partial_slip.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_which_estimator(monkeypatch, tmp_path):
     module = study("which_estimator", monkeypatch)
     wave = module.make_table(module.measure_wave((64, 128), 1))
@@ -213,6 +214,7 @@ def test_lost_heights(monkeypatch, tmp_path):
     assert (tmp_path / "lost_heights.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_random_problems(monkeypatch, capsys):
     counts, wrong = study("random_problems", monkeypatch).main(30)
     assert sum(counts.values()) == 30

@@ -187,6 +187,7 @@ class TestOneFailingPart:
         assert not again.failed
         assert all(record.areas["blend"][0] > 0.0 for record in again.records)
 
+    @pytest.mark.slow
     def test_a_problem_that_cannot_be_sent_to_a_worker(self, tmp_path):
         problems = {"locked": problem(Locked("NaN")), "good": problem(), "broken": problem(Trouble("a key"))}
         with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
@@ -418,6 +419,7 @@ def without_privileges():
 class TestDisk:
     """A full disk, a folder that cannot be written to: a sentence, and what was there stays as it was."""
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("name", FORMATS)
     def test_full(self, tmp_path, made, name):
         (tmp_path / name).write_text("what was there")
@@ -513,6 +515,7 @@ def test_nothing_depends_on_the_clocks(tmp_path, monkeypatch):
     assert study().run(tmp_path / "jumps").computed == 0
 
 
+@pytest.mark.slow
 def test_too_little_memory_for_one_problem(tmp_path):
     """The address space is limited: the large problem fails, the others are solved."""
     script = (

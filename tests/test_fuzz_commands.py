@@ -258,6 +258,7 @@ def test_what_no_command_foresees_is_a_sentence(raised, folder, monkeypatch, cap
     assert capsys.readouterr().err.startswith("roughcontact: ")
 
 
+@pytest.mark.slow
 def test_a_process_without_memory_ends_in_a_sentence(folder):
     """The limit leaves room for the packages, and none for a solve."""
     script = (

@@ -111,6 +111,7 @@ def compare(seeds):
     return errors
 
 
+@pytest.mark.slow
 def test_gradients_are_differences_of_solves():
     assert max(compare(range(6))) < 1e-6
 

@@ -562,6 +562,7 @@ NOTES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NOTES)
 def test_only_a_short_text_beside_an_array_is_read(files, tmp_path, monkeypatch, name):
     """In a process of its own, because h5py would read addresses that end it."""

@@ -259,6 +259,7 @@ def try_large_cases(folder):
     print(json.dumps(result))
 
 
+@pytest.mark.slow
 @linux
 def test_the_largest_grid_is_refused_before_anything_is_taken(tmp_path):
     code = f"import pathlib, test_memory; test_memory.try_large_cases(pathlib.Path({str(tmp_path)!r}))"

@@ -61,6 +61,7 @@ def mindlin(cells, fraction):
     return a * stuck ** (1 / 3), moved, energy
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("cells", "moved", "energy"), [(3, 0.015, 0.3), (6, 0.005, 0.05), (12, 0.0005, 0.01)], ids="of {} cells".format
 )
@@ -192,6 +193,7 @@ def test_uncoupled_bodies_of_different_materials():
     assert slide(press_ball(8, (0.3, 0.1), stiff, soft, modulus), 0.6).displacement == found.displacement
 
 
+@pytest.mark.slow
 @settings(max_examples=12)
 @given(st.integers(-30, 30), st.integers(-20, 20))
 def test_scales_change_nothing_else(length, stress):

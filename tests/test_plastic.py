@@ -69,6 +69,7 @@ def test_vanishing_hardness_is_the_bearing_area(surface, share, boundary):
             np.testing.assert_allclose(carried[:count], soft.hardness, rtol=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(seeds, st.floats(1e-3, 3.0), st.sampled_from(["free", "periodic"]), st.sampled_from(["force", "approach"]))
 @example(110, 0.0625, "free", "force")
@@ -94,6 +95,7 @@ def rough_pair(cells, force):
     return rc.ContactProblem(*bodies, grid=rc.Grid((cells, cells), size)).solve(force=force)
 
 
+@pytest.mark.slow
 def test_saturated_area_of_a_rough_pair_converges_within_its_bar():
     fine = rough_pair(1024, 20.0).saturated_area()
     for cells in (256, 512):

@@ -419,6 +419,7 @@ class TestFigures:
             colors = {tick.label1.get_color() for tick in axes.xaxis.get_major_ticks()}
             assert colors == {rc.panel.DARK.ink}
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("size", [(1e-5, 1e-5), (4e-5, 1e-5), (1e-5, 4e-5), (1e-4, 1e-6), (1e-6, 1e-4)])
     def test_axes_have_three_ticks(self, size):
         surface = rc.WavySurface(1e-8, (size[0], size[1]))
@@ -430,6 +431,7 @@ class TestFigures:
                 shown = [place for place in axis.get_majorticklocs() if low <= place <= high]
                 assert len(shown) >= 3
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("ratio", [0.17, 5.9])
     def test_narrow_domains_have_room_for_all_panels(self, ratio):
         values = np.random.default_rng(1).standard_normal((16, 16))

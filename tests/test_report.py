@@ -403,6 +403,7 @@ def test_the_command_writes_table_picture_and_advice(tmp_path, capsys):
     assert "no solver named 'magic'" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_command_takes_the_scenes_of_a_study_file(tmp_path, capsys):
     (tmp_path / "scenes.toml").write_text(
         """
@@ -436,6 +437,7 @@ def test_the_command_takes_the_scenes_of_a_study_file(tmp_path, capsys):
     assert {path.name for path in (tmp_path / "one").iterdir()} == {"report.csv", "report.md", "report.png"}
 
 
+@pytest.mark.slow
 def test_the_study_runs_small(monkeypatch, tmp_path, capsys):
     monkeypatch.syspath_prepend(str(ROOT / "plugins" / "roughcontact-paper" / "src"))
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "studies"))

@@ -111,6 +111,7 @@ def judge_block(seeds):
     assert solved > 0.8 * len(seeds)
 
 
+@pytest.mark.slow
 def test_random_loads_near_their_limits_against_extended_precision():
     judge_block(range(100))
 

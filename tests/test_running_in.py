@@ -31,6 +31,7 @@ def heights(problem):
 class TestOverlap:
     """The overlap remains as flattening."""
 
+    @pytest.mark.slow
     @settings(max_examples=10, deadline=None)
     @given(seeds, st.floats(1e7, 1e9), st.sampled_from(["free", "periodic"]))
     def test_loaded_again_in_the_same_place_the_contact_is_the_same_and_elastic(self, seed, load, boundary):

@@ -317,6 +317,7 @@ def test_a_description_is_plain_data():
     assert key_of(again) == key_of(parts)
 
 
+@pytest.mark.slow
 @given(
     st.recursive(
         st.none() | st.booleans() | st.integers(-(10**30), 10**30) | st.floats() | st.text(),

@@ -110,6 +110,7 @@ def test_loads_start_from_those_before(tmp_path):
     assert sum(record.convolutions for record in warm.records) < 0.85 * sum(cold)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pool", ["threads", "processes"])
 def test_any_executor_gives_the_same(tmp_path, pool):
     alone = study().run(tmp_path / "alone")
@@ -177,6 +178,7 @@ class TestAxes:
         study.run(tmp_path)
         assert max(most) <= 3
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("pool", ["threads", "processes"])
     def test_any_executor_gives_the_same_though_the_function_is_not_sent(self, tmp_path, pool):
         alone = over().run(tmp_path / "alone")
@@ -354,6 +356,7 @@ def test_a_broken_executor_is_said_and_the_study_goes_on_later(tmp_path):
     assert result.computed <= 12 - 6
 
 
+@pytest.mark.slow
 def test_a_killed_process_of_a_pool(tmp_path):
     """A pool that loses a process breaks; what was finished is safe."""
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
@@ -408,6 +411,7 @@ class TestMishaps:
         assert again.computed == 1
         assert again.solution(again.records[4]).force == pytest.approx(0.5)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("content", [b"", b"[{", b"\xff\xfe", b'{"a": 1}', b'[{"key": "x"}]', b"[1, 2]"])
     def test_a_corrupt_index_is_made_again(self, tmp_path, content):
         first = study().run(tmp_path)
@@ -469,6 +473,7 @@ class TestMishaps:
         (tmp_path / f"{first.records[0].key}.npz").unlink()
         assert study().run(tmp_path).computed == 1
 
+    @pytest.mark.slow
     def test_a_full_disk_stops_the_study_with_a_sentence(self, tmp_path):
         """Files of this process may not grow beyond a limit, which fails as a full disk does."""
         script = tmp_path / "limited.py"

@@ -54,6 +54,7 @@ def spread(radii, count, name, **options):
     return np.array(found).T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("radii", "most"), [((3, 5), 1.5), ((5, 8), 0.8), ((8, 14), 0.7), ((14, 25), 0.2), ((25, 50), 0.1)]
 )
@@ -63,6 +64,7 @@ def test_level_set_on_spheres(radii, most):
     assert np.mean(np.abs(error) <= 2 * std) >= 0.9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radii", [(0.8, 1.5), (1.5, 3), (3, 6), (6, 12)])
 def test_blend_on_ellipses(radii):
     error, std = spread(radii, 24, "blend", ratios=(0.15, 1.0))
@@ -136,6 +138,7 @@ def rough(cells, per_wave, *, hurst, seed, kernel="love"):
 ROUGH = [(0.8, 21), *(pytest.param(h, s, marks=pytest.mark.slow) for h, s in ((0.8, 22), (0.4, 23), (0.5, 24)))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("hurst", "seed"), ROUGH)
 @pytest.mark.parametrize("fraction", [0.005, 0.025, 0.08, 0.25])
 def test_blend_on_rough_surfaces(fraction, hurst, seed):
@@ -189,6 +192,7 @@ def test_no_contact_has_exactly_no_area(name):
     assert lifted.area(name).value == 0.0
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(problems())
 def test_every_estimator_gives_a_possible_area(case):

@@ -47,6 +47,7 @@ def shipped():
                     yield pytest.param(kind, part, id=f"{kind}-{name}" + (f"-{number}" if number else ""))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "part"), list(shipped()))
 def test_what_ships_conforms(kind, part):
     report = kit.check(part)

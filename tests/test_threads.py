@@ -184,6 +184,7 @@ class TestTiles:
 
 
 class TestBits:
+    @pytest.mark.slow
     @pytest.mark.parametrize(("convolver", "boundary"), PAIRS)
     @pytest.mark.parametrize("dtype", [np.float32, np.float64])
     @given(grid=grids(90), seed=seeds)

@@ -226,6 +226,7 @@ def keys_in_process(folder, *, seed, source, changes):
     ).stdout.split()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", [True, False])
 def test_a_key_knows_the_source_of_a_class_without_a_distribution(tmp_path, source):
     changes = [{}, {"body": 22.0}, {"helper": 333.0}, {"constant": 4444.0}]
@@ -280,6 +281,7 @@ LIMITED = """
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["npz", "nc"])
 def test_a_full_disk_leaves_the_old_file_and_a_sentence(tmp_path, suffix):
     path = save(problem().solve(force=1.0), tmp_path / f"solution.{suffix}")

@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact.extrapolation import exponential, power_law
+from roughcontact.panel import style
 from roughcontact.report.picture import draw_errors
 from roughcontact.typing import ErrorReport
 from roughcontact_paper import published
@@ -106,6 +107,7 @@ def make_rows(grids: Sequence[int] = GRIDS, defaults: Sequence[int] = DEFAULTS, 
     return lines
 
 
+@style()
 def draw(report: ErrorReport, methods: Sequence[Method], path: Path) -> None:
     figure = Figure(figsize=(8.2, 6.4), layout="constrained")
     axes = figure.subplots()

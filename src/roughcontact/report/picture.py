@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from roughcontact.archive import replacing
 from roughcontact.errors import InputError, MissingPackage
+from roughcontact.panel import style
 from roughcontact.report.row import ReportRow, find_varying_parts, group_by_setup
 
 try:
@@ -30,6 +31,7 @@ _TINY = 1e-9
 _WIDE = 300.0
 
 
+@style()
 def draw_report(report: ErrorReport, path: Path) -> None:
     """Draw a panel for each quantity of the reference into a file; see `ErrorReport.draw`."""
     names, ending = report.reference.quantities, path.suffix
