@@ -31,19 +31,19 @@ _TINY = 1e-9
 _WIDE = 300.0
 
 
-@style()
 def draw_report(report: ErrorReport, path: Path) -> None:
     """Draw a panel for each quantity of the reference into a file; see `ErrorReport.draw`."""
-    names, ending = report.reference.quantities, path.suffix
-    figure = Figure(figsize=(5.6 * len(names), 5.6), layout="constrained")
-    for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
-        draw_errors(axes, report, name)
-    known = figure.canvas.get_supported_filetypes()
-    if ending.lstrip(".") not in known:
-        raise InputError.about("The ending of a picture", ending, f"one of {', '.join(sorted(known))}")
+    names, ending = report.reference.quantities, path.suffix.lstrip(".")
     # In memory: when a disk is full, some formats fail in other ways than by an error of the system.
     content = io.BytesIO()
-    figure.savefig(content, dpi=150, format=ending.lstrip("."))
+    with style():
+        figure = Figure(figsize=(5.6 * len(names), 5.6), layout="constrained")
+        known = figure.canvas.get_supported_filetypes()
+        if ending not in known:
+            raise InputError.about("The ending of a picture", path.suffix, f"one of {', '.join(sorted(known))}")
+        for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
+            draw_errors(axes, report, name)
+        figure.savefig(content, dpi=150, format=ending)
     with replacing(path) as partial:
         partial.write_bytes(content.getvalue())
 
