@@ -82,7 +82,7 @@ def _set_axes(axes: Axes) -> None:
         # A single number spans no axis.
         axes.set_ylim(0.5 * low, 2.0 * high)
     axes.set(xscale="log", yscale="log", xlabel="CPU time, s (beside the points: cells along x)", ylabel="error, %")
-    axes.grid(alpha=0.3)
+    axes.grid(True)
     axes.margins(x=0.12)
     for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < _WIDE * low else (1.0,), numticks=12))
