@@ -60,7 +60,7 @@ exit statuses:
   0    solved, without warnings
   1    no certified answer: not converged, or a check failed
   2    wrong input, or something is missing: one sentence says what
-  3    solved, but the solution has warnings (other than of its area)
+  3    solved, with warnings other than those of its area
   130  interrupted by Ctrl-C"""
 
 

@@ -26,12 +26,12 @@ from roughcontact.units import binary
 
 # How the time of a solve is estimated.
 _BASIS = (
-    "The time of the solve is estimated from the cells and a transform timed here; it may be a third or three times "
-    "that. The pictures and the report take longer than a small solve."
+    "The time is that of the solve, without pictures and report, estimated from the cells and a transform timed here; "
+    "it may be a third or three times that."
 )
 _CORRECTED = (
-    "The time of the solve is estimated from the cells and a transform timed here, corrected by the runs before. The "
-    "pictures and the report come on top."
+    "The time is that of the solve, without pictures and report, estimated from the cells and a transform timed here, "
+    "corrected by the runs before."
 )
 
 Send = Callable[[dict[str, Any]], None]

@@ -11,6 +11,7 @@ from roughcontact.panel.maps import proportion
 from roughcontact.units import counted, si
 
 if TYPE_CHECKING:
+    from roughcontact.checks import Array
     from roughcontact.grid import Grid
 
 # Side of a square map, and what labels beside and below it take, inches.
@@ -115,8 +116,14 @@ def title_of_surface(sampled: Any) -> str:
     return f"Rms height {rms} on {size}, {nx} x {ny} cells"
 
 
+def loads_of(sweep: Any) -> tuple[Array, str, str]:
+    """Return the loads of a sweep, their name and their unit: forces on a free boundary, else mean pressures."""
+    if sweep.solutions[0].boundary.value == "free":
+        return sweep.force, "force", "N"
+    return sweep.mean_pressure, "mean pressure", "Pa"
+
+
 def title_of_sweep(sweep: Any) -> str:
     """Return the number of loads and their range."""
-    free = sweep.solutions[0].boundary.value == "free"
-    loads, name, unit = (sweep.force, "force", "N") if free else (sweep.mean_pressure, "mean pressure", "Pa")
+    loads, name, unit = loads_of(sweep)
     return f"{len(loads)} loads, {name} {si(loads.min(), unit, 3)} to {si(loads.max(), unit, 3)}"

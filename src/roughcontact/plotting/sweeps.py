@@ -11,9 +11,9 @@ from roughcontact._problem.sweep import Sweep
 from roughcontact._solution import Estimate
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
-from roughcontact.grid import Boundary
 from roughcontact.panel import Panel
 from roughcontact.panel.curves import draw_band, scale_axes
+from roughcontact.panel.layout import loads_of
 from roughcontact.units import prefixed
 
 # Smallest load over the largest, of those that a unit is chosen for.
@@ -21,9 +21,8 @@ _NARROW = 1e-4
 
 
 def _scale_loads(sweep: Sweep) -> tuple[Array, str]:
-    """Return the loads in their unit and a label: forces on a free boundary, else mean pressures."""
-    free = sweep.solutions[0].boundary is Boundary.FREE
-    loads, unit, name = (sweep.force, "N", "force") if free else (sweep.mean_pressure, "Pa", "mean pressure")
+    """Return the loads in the unit that suits them and a label."""
+    loads, name, unit = loads_of(sweep)
     # The unit suits the middle of the range.
     factor, prefixed_unit = prefixed(float(np.sqrt(loads.max() * max(loads.min(), _NARROW * loads.max()))), unit)
     return factor * loads, f"{name}, {prefixed_unit}"
