@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 import area_classes
 
-from roughcontact.panel import style
+from roughcontact.panel import LIGHT, style
 
 # Groups of classes, by panels of the figure.
 PANELS = {
@@ -75,11 +75,11 @@ def draw(folder: str | None = None) -> None:
     z = np.linspace(0.0, 3.0, 121)
     for axes, (title, starts) in zip(figure.subplots(2, 3, sharex=True, sharey=True).flat, PANELS.items(), strict=True):
         axes.plot(z, erf(z / np.sqrt(2.0)), "k--", lw=1.0, label="normal errors")
-        for name in list_classes():
-            if name.startswith(starts):
-                errors = np.array(judge(name, folder))
-                found = np.abs(errors[:, 0]) / np.maximum(errors[:, 1], np.finfo(float).tiny)
-                axes.plot(z, np.mean(found[:, np.newaxis] <= z, axis=0), lw=1.4, label=name)
+        for place, name in enumerate(name for name in list_classes() if name.startswith(starts)):
+            errors = np.array(judge(name, folder))
+            found = np.abs(errors[:, 0]) / np.maximum(errors[:, 1], np.finfo(float).tiny)
+            dashes = "-" if place < len(LIGHT.lines) else "-."
+            axes.plot(z, np.mean(found[:, np.newaxis] <= z, axis=0), dashes, lw=1.4, label=name)
         axes.axvline(2.0, color="0.7", lw=0.8)
         axes.set(title=title, xlim=(0.0, 3.0), ylim=(0.0, 1.02))
         axes.legend(fontsize=7, loc="lower right", frameon=True)

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from stiffness import MODULUS, SIZE, STEEL, hertz, rough
 
 import roughcontact as rc
-from roughcontact.panel import LIGHT, add_key, style
+from roughcontact.panel import LIGHT, add_key, draw_map, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 RADIUS = 1000.0
@@ -90,9 +90,9 @@ def draw_currents(axes: Axes, cells: int) -> None:
     flows = solution.conductance(50.0).patches
     field = np.full((cells, cells), np.nan)
     field[solution.contact] = 1e3 * flows[solution.patches.labels[solution.contact] - 1]
-    image = axes.imshow(field.T, origin="lower", extent=(-5e5 * SIZE, 5e5 * SIZE) * 2, cmap="viridis", norm="log")
-    axes.figure.colorbar(image, ax=axes, label="conductance of each patch, mW/K")
-    axes.set(xlabel="x, µm", ylabel="y, µm")
+    axes.set_facecolor(LIGHT.open)
+    ends = float(np.nanmin(field)), float(np.nanmax(field))
+    draw_map(axes, field, solution.grid, "conductance of each patch", "mW/K", limits=ends, logarithmic=True)
 
 
 def draw_loads(axes: Axes, cells: int, loads: int) -> None:

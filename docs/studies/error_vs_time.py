@@ -79,18 +79,21 @@ def draw(rows: dict[int, dict[str, float]], path: Path) -> None:
     axes = figure.subplots()
     alike = {cells: row for cells, row in rows.items() if cells % WAVES == 0}
     others = {cells: row for cells, row in rows.items() if cells % WAVES}
+    joined = {cells: row for cells, row in others.items() if cells.bit_count() == 1}
     for name, marker in (("cell-count", "o"), ("perimeter", "s"), ("blend", "D"), ("p_max", "^")):
         label = "maximum pressure" if name == "p_max" else f"area, {name}"
-        (line,) = axes.loglog(*_points(others, name), f"{marker}-", label=label)
+        (line,) = axes.loglog(*_points(joined, name), f"{marker}-", label=label)
+        axes.loglog(*_points(others, name), marker, color=line.get_color())
         axes.loglog(*_points(alike, name), marker, color=line.get_color(), markerfacecolor="none")
-    for cells, row in others.items():
-        place = row["cpu"], abs(row["cell-count"])
-        if cells.bit_count() == 1:
-            axes.annotate(f"N = {cells}", place, xytext=(4, 6), textcoords="offset points", fontsize=8)
-    axes.set_xlim(right=3 * max(row["cpu"] for row in rows.values()))
+    for cells, row in joined.items():
+        place = row["cpu"], row["cell-count"]
+        text = f"N = {cells}" if cells == min(joined) else f"{cells}"
+        axes.annotate(text, place, xytext=(-2, 5), textcoords="offset points", fontsize=8, ha="right")
+    axes.set_xlim(left=0.7 * min(row["cpu"] for row in rows.values()))
     axes.plot([], [], "o", color=LIGHT.ink, markerfacecolor="none", label="open: whole cells a wave")
     scale_axes(axes, x="CPU time of one solve, s", y="error, %", logarithmic="xy")
-    axes.set_xticks([0.02, 0.05, 0.1, 0.2, 0.5, 1.0])
+    ticks = [0.02, 0.05, 0.1, 0.2]
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.minorticks_off()
     add_key(axes)
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -50,15 +50,11 @@ def make_rows() -> list[list[str]]:
 @style()
 def draw(folder: Path = FIGURES, cells: int = 512) -> None:
     from matplotlib.figure import Figure
-    from matplotlib.ticker import EngFormatter
 
     law = make_law(2, cells)
     figure = Figure(figsize=(12, 3.8), layout="constrained")
     for axes, name in zip(figure.subplots(1, 3), ("area", "mean_gap", "conductance"), strict=True):
         law.plot(name, axes)
-        if name == "mean_gap":
-            axes.yaxis.set_major_formatter(EngFormatter("m"))
-            axes.set_ylabel("mean gap")
     folder.mkdir(parents=True, exist_ok=True)
     figure.savefig(folder / "interface_law.png", dpi=120)
 

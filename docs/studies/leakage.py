@@ -82,17 +82,17 @@ def draw(folder: Path = FIGURES) -> None:
     place = {"origin": "lower", "extent": (-50, 50, -50, 50)}
     image = left.imshow(flow.fluid_pressure.T / 1e5, cmap="viridis", **place)
     figure.colorbar(image, ax=left, label="pressure of the liquid, bar")
-    speed = np.hypot(*flow.flux)
+    speed = 1e12 * np.hypot(*flow.flux)
     top = float(np.quantile(speed, 0.999))
     shown = np.where(speed > 0.0, speed, np.nan).T
     image = right.imshow(shown, cmap="viridis", norm=LogNorm(1e-4 * top, top), **place)
-    figure.colorbar(image, ax=right, label="flow over width, m2/s")
+    figure.colorbar(image, ax=right, label="flow over width, µm²/s")
     for axes in (left, right):
         axes.set_facecolor(LIGHT.unknown)
         axes.plot(*(1e6 * one for one in flow.throat.place), "o", ms=14, mfc="none", mec="white", mew=2.5)
         axes.set(xlabel="x, µm", ylabel="y, µm")
     left.set_title(f"contact (grey) {100 * solution.area().fraction:.0f} %, critical throat (white)")
-    right.set_title(f"{flow.value:.3g} m3/s from left to right")
+    right.set_title(f"{1e18 * flow.value:.0f} µm³/s from left to right")
     folder.mkdir(parents=True, exist_ok=True)
     figure.savefig(folder / "leakage.png", dpi=110)
 

@@ -35,15 +35,27 @@ def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes:
     factor, unit = prefixed(float(np.sqrt(pressures.min() * pressures.max())), "Pa")
     name = column.name.replace("_", " ")
     with style(theme.is_dark):
-        draw_band(axes, factor * pressures[shown], values[shown], column.uncertainties[shown], label=name)
+        scale, named = _unit_of(column)
+        spread = scale * column.uncertainties[shown]
+        draw_band(axes, factor * pressures[shown], scale * values[shown], spread, label=name)
         if fit is not None:
             ends = np.array(fit.pressures)
             label = f"exponent {fit.exponent:.3f} ± {fit.exponent_std:.1g}"
-            power = fit.factor * (ends / fit.pivot) ** fit.exponent
+            power = scale * fit.factor * (ends / fit.pivot) ** fit.exponent
             axes.plot(factor * ends, power, "--", color=theme.ink, zorder=3, label=label)
         # The mean gap falls with the logarithm of the pressure, the others rise with powers of it.
         scales = "x" if column.name == "mean_gap" else "xy"
-        ylabel = name + (f", {column.unit}" if column.unit else "")
-        scale_axes(axes, x=f"nominal mean pressure, {unit}", y=ylabel, logarithmic=scales)
+        scale_axes(
+            axes, x=f"nominal mean pressure, {unit}", y=f"{name}, {named}" if named else name, logarithmic=scales
+        )
         add_key(axes)
     return axes
+
+
+def _unit_of(column: LawColumn) -> tuple[float, str]:
+    """Return the unit in which a column is drawn, and what its values are multiplied by for it."""
+    if column.unit == "m":
+        return prefixed(float(np.nanmax(column.values)), "m")
+    if column.name == "area":
+        return 1.0, "fraction of nominal"
+    return 1.0, column.unit.replace("m2", "m²").replace("m3", "m³")

@@ -71,11 +71,11 @@ def draw_map(
     axes
         Axes of matplotlib.
     values
-        Shape `grid.shape`, in the SI unit; NaN where nothing is drawn.
+        Shape `grid.shape`, in the unit that is named; NaN where nothing is drawn.
     grid
         The cells.
     label, unit
-        What it is, and its SI unit with a prefix, for the colour bar.
+        What it is, and the unit, such as ``"µm"``, for the colour bar; an empty unit is left out.
     colors
         Name of a colour map.
     limits

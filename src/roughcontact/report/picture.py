@@ -22,6 +22,8 @@ except ImportError:
 if TYPE_CHECKING:
     from roughcontact.report.result import ErrorReport
 
+Box = tuple[float, float, float, float]  # left, lower, right and upper end, points
+
 _MARKERS = "oDs^vP*X<>hp"
 _DASHES = ("-", "--", "-.", ":")
 _TITLES = {"area": "real contact area", "p_max": "maximum pressure", "approach": "approach"}
@@ -29,6 +31,8 @@ _TITLES = {"area": "real contact area", "p_max": "maximum pressure", "approach":
 _TINY = 1e-9
 # Axes whose ends have a smaller ratio get ticks between the powers of ten.
 _WIDE = 300.0
+# Size of the numbers beside the points, points, and where they may stand: from the point, in points.
+_NUMBERS, _BESIDE = 7, ((5, 4), (5, -10), (-20, 4), (-20, -10))
 
 
 def draw_report(report: ErrorReport, path: Path) -> None:
@@ -74,6 +78,28 @@ def draw_errors(axes: Axes, report: ErrorReport, quantity: str) -> None:
         label = "error bound of the reference"
         axes.axhline(100 * bound, color="0.4", linestyle="--", linewidth=1, label=label)
     _set_axes(axes)
+    _write_numbers(axes, [(row.cost(quantity), _height(row, quantity, bound), row.shape[0]) for row in sum(lines, [])])
+
+
+def _write_numbers(axes: Axes, points: Sequence[tuple[float, float, int]]) -> None:
+    """Write the cells along x beside each point where there is room, so that no number covers another or a point."""
+    pixel = axes.figure.dpi / 72
+    places = axes.transData.transform([point[:2] for point in points]) / pixel
+    taken = [(x - 3, y - 3, x + 3, y + 3) for x, y in places]
+    for (x, y), (across, up, cells) in zip(places, points, strict=True):
+        width = 0.65 * _NUMBERS * len(str(cells))
+        for right, above in _BESIDE:
+            box = (x + right, y + above, x + right + width, y + above + _NUMBERS)
+            if not any(_overlap(box, other) for other in taken):
+                taken.append(box)
+                axes.annotate(
+                    str(cells), (across, up), (right, above), textcoords="offset points", fontsize=_NUMBERS, color="0.3"
+                )
+                break
+
+
+def _overlap(box: Box, other: Box) -> bool:
+    return box[0] < other[2] and other[0] < box[2] and box[1] < other[3] and other[1] < box[3]
 
 
 def _set_axes(axes: Axes) -> None:
@@ -109,13 +135,9 @@ def _draw_line(
     times = [row.timing(quantity) for row in rows]
     spread = [[time.median - time.minimum for time in times], [time.maximum - time.median for time in times]]
     axes.errorbar(x, y, xerr=spread, linewidth=1.2, linestyle=dashes, elinewidth=0.8, color=color)
-    # Numbers of every other line are below it, so that two solvers on one grid do not write over each other.
-    place = (5, -10) if setup % 2 else (5, 4)
     for across, up, row in zip(x, y, rows, strict=True):
         face = "white" if quantity in row.unresolved else color
         axes.plot(across, up, marker, markerfacecolor=face, color=color)
-        text = str(row.shape[0])
-        axes.annotate(text, (across, up), xytext=place, textcoords="offset points", fontsize=7, color="0.3")
     axes.plot([], [], marker, linestyle=dashes, color=color, label=label)
 
 
