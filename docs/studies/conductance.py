@@ -12,7 +12,7 @@ import numpy as np
 from doc_tables import DocTable, write_tables
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from stiffness import MODULUS, SIZE, STEEL, hertz, rough
+from stiffness import MODULUS, STEEL, hertz, rough
 
 import roughcontact as rc
 from roughcontact.panel import LIGHT, add_key, draw_map, style

@@ -78,7 +78,8 @@ def draw_errors(axes: Axes, report: ErrorReport, quantity: str) -> None:
         label = "error bound of the reference"
         axes.axhline(100 * bound, color="0.4", linestyle="--", linewidth=1, label=label)
     _set_axes(axes)
-    _write_numbers(axes, [(row.cost(quantity), _height(row, quantity, bound), row.shape[0]) for row in sum(lines, [])])
+    drawn = [row for line in lines for row in line]
+    _write_numbers(axes, [(row.cost(quantity), _height(row, quantity, bound), row.shape[0]) for row in drawn])
 
 
 def _write_numbers(axes: Axes, points: Sequence[tuple[float, float, int]]) -> None:
