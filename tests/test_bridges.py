@@ -32,6 +32,13 @@ def hide(monkeypatch, package):
     monkeypatch.setitem(sys.modules, package, None)
 
 
+def draw_3d(subject, **settings):
+    """Return the view of a solution or surface, without a window."""
+    pyvista = pytest.importorskip("pyvista")
+    pyvista.OFF_SCREEN = True
+    return subject.plot_3d(**settings)
+
+
 class TestSweep:
     def test_it_is_a_sequence_of_its_solutions(self):
         assert len(SWEEP) == 3
@@ -161,11 +168,52 @@ class TestVtk:
         where = np.unravel_index(SOLUTION.pressure.argmax(), GRID.shape)
         np.testing.assert_allclose([x, y], [GRID.x[where[0], 0], GRID.y[0, where[1]]], rtol=1e-6)
 
+    def test_a_view_has_the_heights_and_pressures_of_the_solution(self):
+        view = draw_3d(SOLUTION, exaggeration=50.0)
+        (mesh,) = view.meshes
+        heights = -SOLUTION.initial_gap
+        # In longer sides of the domain, 50 times as high.
+        relief = 50.0 * (heights - heights.mean()) / 3e-4
+        np.testing.assert_allclose(mesh.points[:, 2].reshape(16, 24).T, relief, atol=1e-6)
+        np.testing.assert_allclose(
+            mesh.points[:, 0].reshape(16, 24).T * 3e-4, np.broadcast_to(GRID.x, GRID.shape), rtol=1e-5
+        )
+        drawn = mesh.point_data["pressure, GPa"].reshape(16, 24).T
+        np.testing.assert_array_equal(np.isnan(drawn), ~SOLUTION.contact)
+        np.testing.assert_allclose(drawn[SOLUTION.contact], 1e-9 * SOLUTION.pressure[SOLUTION.contact])
+
+    def test_a_view_of_a_capped_contact_in_dark_shows_where_it_is_saturated(self):
+        steel = rc.ElasticPerfectlyPlastic(210e9, 0.3, hardness=6e9)
+        solution = rc.ContactProblem(rc.Body(ROUGH, steel), grid=GRID).solve(force=5.0)
+        assert solution.saturated.any()
+        view = draw_3d(solution, dark=True)
+        (mesh,) = view.meshes
+        np.testing.assert_array_equal((mesh.point_data["pressure, GPa"] > 6.0).reshape(16, 24).T, solution.saturated)
+        picture = view.screenshot(return_img=True)
+        assert picture.shape == (900, 1200, 3)
+        # Saturated cells and their colour bar are orange, (255, 140, 66), before the light falls on them.
+        assert (np.ptp(picture.astype(int), axis=2) > 120).sum() > 1000
+
+    @pytest.mark.parametrize("heights", [np.zeros((8, 6)), np.where(np.arange(48).reshape(8, 6) == 20, np.nan, 1e-7)])
+    def test_flat_and_partly_measured_surfaces_have_a_view(self, heights):
+        view = draw_3d(rc.HeightMap(np.nan_to_num(heights), (8e-6, 6e-6), non_measured=np.isnan(heights)))
+        (mesh,) = view.meshes
+        assert np.isnan(mesh.active_scalars).sum() == np.isnan(heights).sum()
+        assert np.isfinite(mesh.points).all()
+
+    @pytest.mark.parametrize("wrong", [{"exaggeration": 0.0}, {"exaggeration": "high"}, {"dark": "yes"}])
+    def test_a_wrong_setting_of_a_view_is_said(self, wrong):
+        pytest.importorskip("pyvista")
+        with pytest.raises(rc.InputError, match=next(iter(wrong))):
+            SOLUTION.plot_3d(**wrong)
+
     def test_without_pyvista_the_file_is_written_and_the_view_named(self, tmp_path, monkeypatch):
         hide(monkeypatch, "pyvista")
         SOLUTION.save(tmp_path / "contact.vti")
         with pytest.raises(rc.MissingPackage, match=r"roughcontact\[vtk\]"):
             SOLUTION.to_pyvista()
+        with pytest.raises(rc.MissingPackage, match=r"roughcontact\[vtk\]"):
+            SOLUTION.plot_3d()
 
 
 BLOCKS = re.findall(r"```py\n(.*?)```", (Path(__file__).parents[1] / "docs" / "bridges.md").read_text("utf-8"), re.S)

@@ -33,6 +33,7 @@ def draw(address, profile):
         wait.until(lambda page: "for the solve" in page.find_element(By.ID, "plan").text)
         driver.find_element(By.ID, "solve").click()
         wait.until(lambda page: page.find_element(By.CSS_SELECTOR, "#picture img").size["height"] > 100)
+        wait.until(lambda page: not page.find_element(By.ID, "progress").is_displayed())
         driver.execute_script("scrollTo(0, 0)")
         FIGURE.write_bytes(driver.get_screenshot_as_png())
     finally:

@@ -16,6 +16,7 @@ from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 from roughcontact.panel import Panel, SampledSurface
 from roughcontact.panel.figures import plot
+from roughcontact.panel.solid import view_surface
 from roughcontact.registry import Registry
 
 # Two evaluations of the same heights at the same points agree to this fraction of their range: rounding.
@@ -146,14 +147,32 @@ class Surface(abc.ABC):
         matplotlib.axes.Axes or matplotlib.figure.Figure
             The axes of one panel, or the figure of several.
         """
+        return plot("surface", self._sample(grid), panel, axes, flag(dark, "dark="))
+
+    def plot_3d(self, grid: Grid | None = None, *, exaggeration: float | None = None, dark: bool = False) -> Any:
+        """Return the heights as a relief in perspective (extra ``vtk``): a `pyvista.Plotter`, to show or to save.
+
+        Parameters
+        ----------
+        grid
+            The cells; None: those of a surface that has its own.
+        exaggeration
+            How many times as high the heights are drawn; None: so that the relief is a tenth as high as the domain is
+            long, at most.
+        dark
+            Whether the background is dark.
+        """
+        return view_surface(self._sample(grid), exaggeration, dark)
+
+    def _sample(self, grid: Grid | None) -> SampledSurface:
+        """Return the heights on a grid, or on that of its own, with NaN at non-measured points."""
         chosen = grid or self.own_grid
         if chosen is None:
-            raise InputError("The surface has no grid of its own: give one, as in plot(rc.Grid(shape, size)).")
+            raise InputError("The surface has no grid of its own: give one, rc.Grid(shape, size), first.")
         heights, missing = np.array(self.heights(chosen)), self.non_measured_on(chosen)
         if missing is not None:
             heights[missing] = np.nan
-        sampled = SampledSurface(heights, chosen, bool(getattr(self, "periodic", False)))
-        return plot("surface", sampled, panel, axes, flag(dark, "dark="))
+        return SampledSurface(heights, chosen, bool(getattr(self, "periodic", False)))
 
     def reseed(self, increment: int) -> Surface | None:
         """Return the surface with `increment` added to each of its random seeds; None if it has none.

@@ -1,0 +1,117 @@
+"""Views in three dimensions, by pyvista."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import numpy as np
+
+from roughcontact.checks import Array, flag, number
+from roughcontact.errors import MissingPackage
+from roughcontact.panel.base import SampledSurface
+from roughcontact.panel.theme import DARK, LIGHT, Theme
+from roughcontact.units import prefixed, si
+
+if TYPE_CHECKING:
+    from roughcontact.grid import Grid
+
+# Peak to valley of the heights as drawn, over the longer side of the domain, where no exaggeration is given.
+_RELIEF = 0.12
+# Points along a side that are drawn at most.
+_POINTS = 1024
+# From where the view looks: to the right, to the front and from above, in longer sides of the domain.
+_CAMERA = (1.05, -1.82, 1.43)
+# Pixels of the window, and sizes of its title and numbers.
+_WINDOW, _TITLE, _NUMBERS = (1200, 900), 12, 10
+
+
+@attrs.frozen(eq=False)
+class Paint:
+    """What colours a view: a field, shape (nx, ny), NaN where nothing is; its name with the unit, and the colour map.
+
+    Attributes
+    ----------
+    field, label, colors
+        The field, what stands beside its colour bar, and the name of a colour map of matplotlib.
+    limits
+        Values at the ends of the colours.
+    nothing
+        Name of the colour of `Theme` where the field is NaN.
+    above
+        What values above the limits are called; None: they have the last colour.
+    """
+
+    field: Array
+    label: str
+    colors: str
+    limits: tuple[float, float]
+    nothing: str = "counterbody"
+    above: str | None = None
+
+
+def make_view(grid: Grid, heights: Array, paint: Paint, title: str, exaggeration: object, dark: object) -> Any:
+    """Return a `pyvista.Plotter` with the heights, shape `grid.shape`, m, as a relief in perspective."""
+    try:
+        import pyvista
+    except ImportError:
+        raise MissingPackage("Views in three dimensions need pyvista: pip install 'roughcontact[vtk]'.") from None
+    theme = DARK if flag(dark, "dark=") else LIGHT
+    relief = np.where(np.isfinite(heights), heights, np.nanmean(heights))
+    relief = relief - relief.mean()
+    side = max(grid.size)
+    times = _choose(grid, relief) if exaggeration is None else number(exaggeration, "exaggeration=", above=0.0)
+    # In longer sides, since lengths in metres are too small for clipping planes.
+    steps = tuple(-(-count // _POINTS) for count in grid.shape)
+    chosen = np.s_[:: steps[0], :: steps[1]]
+    across, along = np.broadcast_arrays(grid.x[:: steps[0]] / side, grid.y[:, :: steps[1]] / side)
+    mesh = pyvista.StructuredGrid(across, along, times / side * relief[chosen])
+    mesh.point_data[paint.label] = paint.field[chosen].ravel(order="F")
+    view = pyvista.Plotter(window_size=_WINDOW)
+    view.set_background(theme.paper)
+    _add_relief(view, mesh, paint, theme)
+    sides = " x ".join(si(one, "m", 4) for one in grid.size)
+    said = f"{title}\n{sides}; heights drawn {times:g} times as high"
+    view.add_text(said, position="upper_left", font_size=_TITLE, color=theme.ink)
+    view.add_axes(xlabel="x", ylabel="y", zlabel="z", color=theme.ink)
+    view.camera_position = [_CAMERA, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
+    return view
+
+
+def view_surface(sampled: SampledSurface, exaggeration: object, dark: object) -> Any:
+    """Return a view of a surface coloured by its heights; see `Surface.plot_3d`."""
+    heights = sampled.heights - np.nanmean(sampled.heights)
+    factor, unit = prefixed(float(np.nanmax(np.abs(heights))), "m")
+    end = factor * float(np.nanmax(np.abs(heights))) or 1.0
+    paint = Paint(factor * heights, f"height, {unit}", "cividis", (-end, end), nothing="unknown")
+    title = f"Rms height {si(sampled.rms_height, 'm', 3)}"
+    return make_view(sampled.grid, heights, paint, title, exaggeration, dark)
+
+
+def _choose(grid: Grid, relief: Array) -> float:
+    """Return how many times as high heights are drawn: 1, 2 or 5 times a power of ten."""
+    tallest = float(np.ptp(relief))
+    if not tallest > 0.0:
+        return 1.0
+    wanted = _RELIEF * max(grid.size) / tallest
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return float(max((one for one in (1.0, 2.0, 5.0) if one * power <= wanted), default=1.0) * power)
+
+
+def _add_relief(view: Any, mesh: Any, paint: Paint, theme: Theme) -> None:
+    bar = {"title": paint.label, "color": theme.ink, "n_labels": 3, "fmt": "%.3g", "vertical": True}
+    bar |= {"title_font_size": 2 * _TITLE, "label_font_size": 2 * _NUMBERS, "position_x": 0.88, "position_y": 0.25}
+    above = {} if paint.above is None else {"above_color": theme.limit}
+    if paint.above is not None:
+        bar["above_label"] = paint.above
+    view.add_mesh(
+        mesh,
+        scalars=paint.label,
+        cmap=paint.colors,
+        clim=paint.limits,
+        nan_color=getattr(theme, paint.nothing),
+        scalar_bar_args=bar,
+        smooth_shading=True,
+        interpolate_before_map=True,
+        **above,
+    )
