@@ -173,8 +173,8 @@ class TestVtk:
         (mesh,) = view.meshes
         heights = -SOLUTION.initial_gap
         # In longer sides of the domain, 50 times as high.
-        relief = 50.0 * (heights - heights.mean()) / 3e-4
-        np.testing.assert_allclose(mesh.points[:, 2].reshape(16, 24).T, relief, atol=1e-6)
+        raised = 50.0 * (heights - heights.mean()) / 3e-4
+        np.testing.assert_allclose(mesh.points[:, 2].reshape(16, 24).T, raised, atol=1e-6)
         np.testing.assert_allclose(
             mesh.points[:, 0].reshape(16, 24).T * 3e-4, np.broadcast_to(GRID.x, GRID.shape), rtol=1e-5
         )

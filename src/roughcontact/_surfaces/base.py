@@ -150,15 +150,14 @@ class Surface(abc.ABC):
         return plot("surface", self._sample(grid), panel, axes, flag(dark, "dark="))
 
     def plot_3d(self, grid: Grid | None = None, *, exaggeration: float | None = None, dark: bool = False) -> Any:
-        """Return the heights as a relief in perspective (extra ``vtk``): a `pyvista.Plotter`, to show or to save.
+        """Return the heights in three dimensions (extra ``vtk``): a `pyvista.Plotter`, to show or to save.
 
         Parameters
         ----------
         grid
             The cells; None: those of a surface that has its own.
         exaggeration
-            How many times as high the heights are drawn; None: so that the relief is a tenth as high as the domain is
-            long, at most.
+            How many times as high the heights are drawn; None: 0.12 domains from peak to valley, at most.
         dark
             Whether the background is dark.
         """

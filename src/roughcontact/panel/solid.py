@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from roughcontact.grid import Grid
 
 # Peak to valley of the heights as drawn, over the longer side of the domain, where no exaggeration is given.
-_RELIEF = 0.12
+_TALL = 0.12
 # Points along a side that are drawn at most.
 _POINTS = 1024
 # From where the view looks: to the right, to the front and from above, in longer sides of the domain.
@@ -51,25 +51,25 @@ class Paint:
 
 
 def make_view(grid: Grid, heights: Array, paint: Paint, title: str, exaggeration: object, dark: object) -> Any:
-    """Return a `pyvista.Plotter` with the heights, shape `grid.shape`, m, as a relief in perspective."""
+    """Return a `pyvista.Plotter` with the heights, shape `grid.shape`, m, in perspective."""
     try:
         import pyvista
     except ImportError:
         raise MissingPackage("Views in three dimensions need pyvista: pip install 'roughcontact[vtk]'.") from None
     theme = DARK if flag(dark, "dark=") else LIGHT
-    relief = np.where(np.isfinite(heights), heights, np.nanmean(heights))
-    relief = relief - relief.mean()
+    raised = np.where(np.isfinite(heights), heights, np.nanmean(heights))
+    raised = raised - raised.mean()
     side = max(grid.size)
-    times = _choose(grid, relief) if exaggeration is None else number(exaggeration, "exaggeration=", above=0.0)
+    times = _choose(grid, raised) if exaggeration is None else number(exaggeration, "exaggeration=", above=0.0)
     # In longer sides, since lengths in metres are too small for clipping planes.
     steps = tuple(-(-count // _POINTS) for count in grid.shape)
     chosen = np.s_[:: steps[0], :: steps[1]]
     across, along = np.broadcast_arrays(grid.x[:: steps[0]] / side, grid.y[:, :: steps[1]] / side)
-    mesh = pyvista.StructuredGrid(across, along, times / side * relief[chosen])
+    mesh = pyvista.StructuredGrid(across, along, times / side * raised[chosen])
     mesh.point_data[paint.label] = paint.field[chosen].ravel(order="F")
     view = pyvista.Plotter(window_size=_WINDOW)
     view.set_background(theme.paper)
-    _add_relief(view, mesh, paint, theme)
+    _add_heights(view, mesh, paint, theme)
     sides = " x ".join(si(one, "m", 4) for one in grid.size)
     said = f"{title}\n{sides}; heights drawn {times:g} times as high"
     view.add_text(said, position="upper_left", font_size=_TITLE, color=theme.ink)
@@ -88,17 +88,17 @@ def view_surface(sampled: SampledSurface, exaggeration: object, dark: object) ->
     return make_view(sampled.grid, heights, paint, title, exaggeration, dark)
 
 
-def _choose(grid: Grid, relief: Array) -> float:
+def _choose(grid: Grid, raised: Array) -> float:
     """Return how many times as high heights are drawn: 1, 2 or 5 times a power of ten."""
-    tallest = float(np.ptp(relief))
+    tallest = float(np.ptp(raised))
     if not tallest > 0.0:
         return 1.0
-    wanted = _RELIEF * max(grid.size) / tallest
+    wanted = _TALL * max(grid.size) / tallest
     power = 10.0 ** np.floor(np.log10(wanted))
     return float(max((one for one in (1.0, 2.0, 5.0) if one * power <= wanted), default=1.0) * power)
 
 
-def _add_relief(view: Any, mesh: Any, paint: Paint, theme: Theme) -> None:
+def _add_heights(view: Any, mesh: Any, paint: Paint, theme: Theme) -> None:
     bar = {"title": paint.label, "color": theme.ink, "n_labels": 3, "fmt": "%.3g", "vertical": True}
     bar |= {"title_font_size": 2 * _TITLE, "label_font_size": 2 * _NUMBERS, "position_x": 0.88, "position_y": 0.25}
     above = {} if paint.above is None else {"above_color": theme.limit}
