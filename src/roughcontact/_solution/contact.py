@@ -241,7 +241,7 @@ class ContactSolution(ContactFields):
         return plot("solution", self, panel, axes, checks.flag(dark, "dark="))
 
     def plot_3d(self, *, exaggeration: float | None = None, dark: bool = False) -> Any:
-        """Return a `pyvista.Plotter` of the combined heights in three dimensions, coloured by the pressure (extra ``vtk``).
+        """Return a `pyvista.Plotter` of the combined heights in space, coloured by the pressure (extra ``vtk``).
 
         Heights are drawn `exaggeration` times as high; None: 0.12 domains from peak to valley, at most.
         """
