@@ -31,6 +31,8 @@ _TITLES = {"area": "real contact area", "p_max": "maximum pressure", "approach":
 _TINY = 1e-9
 # Axes whose ends have a smaller ratio get ticks between the powers of ten.
 _WIDE = 300.0
+# Numbers with a smaller ratio are one and the same.
+_ALIKE = 1.001
 # Size of the numbers beside the points, points, and where they may stand: from the point, in points.
 _NUMBERS, _BESIDE = 7, ((5, 4), (5, -10), (-20, 4), (-20, -10))
 
@@ -105,8 +107,8 @@ def _overlap(box: Box, other: Box) -> bool:
 
 def _set_axes(axes: Axes) -> None:
     low, high = axes.dataLim.intervaly
-    if low == high:
-        # A single number spans no axis.
+    if not high > _ALIKE * low:
+        # A single number, also one with its rounding, spans no axis.
         axes.set_ylim(0.5 * low, 2.0 * high)
     axes.set(xscale="log", yscale="log", xlabel="CPU time, s (beside the points: cells along x)", ylabel="error, %")
     axes.grid(True)
