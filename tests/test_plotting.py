@@ -157,6 +157,17 @@ class TestEdges:
         assert crossing > 0
         assert len(drawn.get_paths()) >= len(lines) + crossing
 
+    def test_lines_do_not_hide_narrow_patches(self, hertz):
+        heights = 1e-7 * np.random.default_rng(5).standard_normal((128, 128))
+        narrow = rc.ContactProblem(rc.Body(rc.HeightMap(heights, 1e-4), STEEL)).solve(pressure=1e8)
+        widths = []
+        for solution in (hertz, narrow):
+            axes = draw("solution", solution, "pressure")
+            cell = 72.0 * axes.get_window_extent().width / axes.figure.dpi / solution.grid.shape[0]
+            widths.append(axes.collections[0].get_linewidth()[0] / cell)
+        assert widths[0] > 0.2
+        assert widths[1] < 0.1
+
 
 class TestFields:
     def test_the_image_is_the_pressure_in_the_unit_of_its_label(self, hertz):
@@ -301,9 +312,10 @@ class TestSurfaces:
         middle = np.interp(0.0, levels, ratio)
         assert middle == pytest.approx(100 * np.mean(heights > heights.mean()), abs=1.0)
 
-    def test_a_flat_surface_says_that_it_has_no_spectrum(self):
-        with pytest.raises(rc.InputError, match="flat, so that it has no spectrum"):
-            rc.FlatSurface().plot(self.GRID, "spectrum")
+    @pytest.mark.parametrize("name", ["spectrum", "autocorrelation"])
+    def test_a_flat_surface_says_that_it_has_no_spectrum(self, name):
+        with pytest.raises(rc.InputError, match=f"flat, so that it has no {name}"):
+            rc.FlatSurface().plot(self.GRID, name)
         figure = rc.FlatSurface().plot(self.GRID)
         assert "no spectrum" in " ".join(figure.axes[1].texts[0].get_text().split())
 
@@ -365,6 +377,14 @@ class TestFigures:
         wave = rc.ContactProblem(rc.Body(rc.WavySurface(1e-7, 1e-5), STEEL), grid=rc.Grid((16, 16), 1e-5))
         drawn = attrs.evolve(wave, boundary="periodic").sweep(pressure=[1e8, 2e8]).plot()
         assert drawn.get_suptitle() == "2 loads, mean pressure 100 MPa to 200 MPa"
+
+    @pytest.mark.parametrize("size", [(83e-6, 204e-6), (256e-6, 256e-6), (4e-4, 1e-4)])
+    def test_the_legend_of_a_profile_stays_on_the_paper(self, size):
+        surface = rc.SelfAffineSurface(hurst=0.8, rms_height=3e-7, shortest=6e-5, longest=1e-4, seed=3)
+        problem = rc.ContactProblem(rc.Body(surface, STEEL), grid=rc.Grid((24, 18), size))
+        axes = problem.solve(pressure=1e7).plot(rc.panels.create("profile", position=-0.4826 * size[1]))
+        axes.figure.draw_without_rendering()
+        assert axes.get_legend().get_window_extent().x1 < axes.figure.bbox.x1
 
     @pytest.mark.slow
     @pytest.mark.parametrize("size", [(256e-6, 256e-6), (3e-4, 1e-4), (1e-4, 5e-4)])
@@ -444,8 +464,9 @@ class TestFigures:
     def test_what_cannot_be_drawn_is_said(self, hertz, sweep):
         with pytest.raises(rc.InputError, match="Axes hold one panel: name it"):
             hertz.plot(axes=pyplot.figure().add_subplot())
-        with pytest.raises(rc.InputError, match="The axes must be an Axes of matplotlib, or None, but got 5"):
-            hertz.plot("gap", axes=5)
+        for axes in (5, pyplot.figure().add_subplot(projection="polar"), pyplot.figure().add_subplot(projection="3d")):
+            with pytest.raises(rc.InputError, match="The axes must be plane, rectangular Axes of matplotlib, or None"):
+                hertz.plot("gap", axes=axes)
         with pytest.raises(rc.InputError, match="The panel 'area-load' draws a sweep, not a solution"):
             hertz.plot("area-load")
         with pytest.raises(rc.InputError, match=r"There is no panel named 'pressur'\. Did you mean 'pressure'"):

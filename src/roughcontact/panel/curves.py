@@ -13,8 +13,8 @@ from roughcontact.panel.theme import plain_logarithms, theme_of
 
 # Lowest end of a band over the value, on logarithmic axes.
 _LOWEST = 0.05
-# Characters of a legend that stand in one row, and those that a mark takes.
-_LONG, _MARK = 54, 5
+# Characters of a legend that an inch holds, and those that a mark takes.
+_PER_INCH, _MARK = 15.0, 5
 
 
 @guarded
@@ -73,12 +73,13 @@ def say(axes: Any, text: str) -> None:
 def add_key(axes: Any, handles: Sequence[Any] | None = None) -> None:
     """Add a legend of what is drawn, or of `handles`, above axes, so that it hides nothing."""
     shown = axes.get_legend_handles_labels()[0] if handles is None else list(handles)
-    labels = [one.get_label() for one in shown]
+    lengths = [len(one.get_label()) + _MARK for one in shown]
+    room = _PER_INCH * axes.get_window_extent().width / axes.get_figure(root=True).dpi
     axes.legend(
         handles=shown,
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=2 if sum(len(label) + _MARK for label in labels) > _LONG else max(len(labels), 1),
+        ncols=max(len(lengths), 1) if sum(lengths) <= room else (2 if max(lengths) <= 0.5 * room else 1),
         handlelength=1.2,
         columnspacing=1.2,
         borderaxespad=0.2,

@@ -34,8 +34,8 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
 
     from roughcontact.panel.sheet import Sheet
 
-    if axes is not None and not isinstance(axes, Axes):
-        raise InputError.about("The axes", axes, "an Axes of matplotlib, or None")
+    if axes is not None and not (isinstance(axes, Axes) and axes.name == "rectilinear"):
+        raise InputError.about("The axes", axes, "plane, rectangular Axes of matplotlib, or None")
     if panel is None and axes is not None:
         raise InputError("Axes hold one panel: name it, as in plot('pressure', axes=axes).")
     chosen = None if panel is None else _resolve(kind, panel)

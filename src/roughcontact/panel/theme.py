@@ -111,6 +111,9 @@ def parameters(dark: bool) -> dict[str, Any]:
         "lines.markersize": 4,
         "patch.edgecolor": theme.ink,
         "xtick.labelsize": 8,
+        # Minor ticks are shorter than major ones, and their labels stand on one line with these.
+        "xtick.minor.pad": 5.0,
+        "ytick.minor.pad": 5.0,
         "ytick.labelsize": 8,
     }
 

@@ -22,8 +22,8 @@ from roughcontact.units import prefixed
 _BANDS = 8
 # Half the angle of the sectors around x and y.
 _SECTOR = math.pi / 8.0
-# Power over the largest below which it is rounding.
-_ROUNDING = 1e-18
+# Power over the largest below which it is rounding, or what a window lets through.
+_ROUNDING = 1e-12
 
 
 @final

@@ -9,6 +9,7 @@ import numpy as np
 import scipy.fft
 
 from roughcontact.checks import Array
+from roughcontact.errors import InputError
 from roughcontact.panel import Panel, SampledSurface
 from roughcontact.panel.curves import add_key, scale_axes
 from roughcontact.panel.maps import draw_map, draw_mask, name_colors
@@ -92,6 +93,8 @@ class AutocorrelationPanel(Panel):
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a surface; see `Panel.draw`."""
         theme, (dx, dy) = theme_of(axes), subject.grid.spacing
+        if not np.nanmax(subject.heights) > np.nanmin(subject.heights):
+            raise InputError("The surface is flat, so that it has no autocorrelation to draw.")
         correlation = correlate(subject.heights, subject.periodic)
         nx, ny = correlation.shape
         factor, unit = prefixed(0.5 * max(subject.grid.size), "m")
@@ -129,7 +132,7 @@ def correlate(heights: Array, periodic: bool) -> Array:
     full = np.divide(pairs(rough), counts, out=np.zeros(shape), where=counts > 0.5)
     mirrored = 0.5 * (full + np.roll(full[::-1], 1, axis=0))
     nx, ny = (n // 2 + 1 for n in heights.shape)
-    return np.asarray(mirrored[:nx, :ny] / full[0, 0]) if full[0, 0] > 0.0 else np.ones((nx, ny))
+    return np.asarray(mirrored[:nx, :ny] / full[0, 0])
 
 
 def average_radially(values: Array, spacing: tuple[float, float]) -> tuple[Array, Array]:

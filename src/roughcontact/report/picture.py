@@ -15,7 +15,7 @@ from roughcontact.report.row import ReportRow, find_varying_parts, group_by_setu
 try:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 except ImportError:
     raise MissingPackage("Drawing needs matplotlib: pip install 'roughcontact[plot]'.") from None
 
@@ -31,6 +31,8 @@ _TITLES = {"area": "real contact area", "p_max": "maximum pressure", "approach":
 _TINY = 1e-9
 # Axes whose ends have a smaller ratio get ticks between the powers of ten.
 _WIDE = 300.0
+# Those whose ends have a smaller ratio get ticks at equal distances.
+_SHORT = 5.0
 # Numbers with a smaller ratio are one and the same.
 _ALIKE = 1.001
 # Size of the numbers beside the points, points, and where they may stand: from the point, in points.
@@ -114,7 +116,8 @@ def _set_axes(axes: Axes) -> None:
     axes.grid(True)
     axes.margins(x=0.12)
     for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < _WIDE * low else (1.0,), numticks=12))
+        logarithmic = LogLocator(subs=(1.0, 2.0, 5.0) if high < _WIDE * low else (1.0,), numticks=12)
+        axis.set_major_locator(logarithmic if high > _SHORT * low else MaxNLocator(5))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
     axes.legend(
