@@ -46,7 +46,7 @@ html_theme = "furo"
 html_title = f"roughcontact {release}"
 html_copy_source = False
 html_static_path = ["_static"]
-html_css_files = ["math.css"]
+html_css_files = ["site.css"]
 
 # Prompts and output are not copied.
 copybutton_prompt_text = r">>> |\.\.\. |\$ "

@@ -16,14 +16,15 @@ materials = {
     "elastic": rc.Elastic(young=210e9, poisson=0.3),
     "hardness 6 GPa": rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=hardness),
 }
-figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
-for (name, material), marker in zip(materials.items(), "os", strict=True):
-    problem = rc.ContactProblem(rc.Body(rc.ParaboloidSurface(1e-3), material), grid=grid)
-    sweep = problem.sweep(force=np.linspace(10, 200, 8))
-    middle = sweep[-1].pressure[:, 80] / 1e9
-    left.plot(1e6 * grid.x[:, 0], middle, label=name)
-    right.plot(sweep.force, 1e12 * sweep.area, f"{marker}-", label=name)
-left.set(xlabel="x, µm", ylabel="pressure at 200 N, GPa", ylim=(0, None))
-right.set(xlabel="force, N", ylabel="contact area, µm²", xlim=(0, None), ylim=(0, None))
-left.legend(loc="lower center")
-right.legend()
+with rc.panel.style():
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
+    for (name, material), marker in zip(materials.items(), "os", strict=True):
+        problem = rc.ContactProblem(rc.Body(rc.ParaboloidSurface(1e-3), material), grid=grid)
+        sweep = problem.sweep(force=np.linspace(10, 200, 8))
+        middle = sweep[-1].pressure[:, 80] / 1e9
+        left.plot(1e6 * grid.x[:, 0], middle, label=name)
+        right.plot(sweep.force, 1e12 * sweep.area, f"{marker}-", label=name)
+    left.set(xlabel="x, µm", ylabel="pressure at 200 N, GPa", ylim=(0, None))
+    right.set(xlabel="force, N", ylabel="contact area, µm²", xlim=(0, None), ylim=(0, None))
+    left.legend(loc="lower center")
+    right.legend()
