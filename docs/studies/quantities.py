@@ -5,6 +5,7 @@ python docs/studies/quantities.py [FOLDER]   # where area_classes.py keeps its s
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 
@@ -28,7 +29,7 @@ def make_rows(folder: Path | None = None) -> list[list[str]]:
             if row is None:
                 cells.append("")
                 continue
-            ratio = f"{row['ratio']:.1f}" if row["median error"] > 1e-9 else "-"
+            ratio = "-" if math.isnan(row["ratio"]) else f"{row['ratio']:.1f}"
             cells.append(f"{100 * row['95 %']:.2g}; {row['within 2']:.2f}; {ratio}")
         rows.append([name, *cells])
     return rows
