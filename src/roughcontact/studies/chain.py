@@ -246,7 +246,8 @@ def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
         iterations=solution.iterations,
         convolutions=solution.convolutions,
         seconds=solution.seconds,
-        **_judge(solution),
+        # What is known is not estimated again.
+        **({} if record.success else _judge(solution)),
     )
 
 
