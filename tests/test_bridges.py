@@ -49,6 +49,25 @@ class TestSweep:
         assert SWEEP[1:].solutions == SWEEP.solutions[1:]
         assert [solution.force for solution in reversed(SWEEP)] == pytest.approx(LOADS[::-1])
 
+    def test_secants_are_chords_between_neighbours_in_load(self):
+        force, approach = SWEEP.force, SWEEP.approach
+        expected = [(force[b] - force[a]) / (approach[b] - approach[a]) for a, b in ((0, 1), (0, 2), (1, 2))]
+        np.testing.assert_allclose(SWEEP.secant_stiffness, expected)
+
+    @pytest.mark.parametrize("order", [(2, 0, 1), (1, 1, 0, 2, 1)])
+    def test_secants_do_not_depend_on_the_order_of_the_loads_or_their_number(self, order):
+        sweep = PROBLEM.sweep(force=[LOADS[place] for place in order])
+        np.testing.assert_allclose(sweep.secant_stiffness, SWEEP.secant_stiffness[list(order)], rtol=1e-3)
+        sweep = PROBLEM.sweep(approach=[float(SWEEP.approach[place]) for place in order])
+        np.testing.assert_allclose(sweep.secant_stiffness, SWEEP.secant_stiffness[list(order)], rtol=1e-3)
+
+    @pytest.mark.parametrize("loads", [[1.0], [1.0, 1.0]])
+    def test_one_load_has_no_secant(self, loads):
+        sweep = PROBLEM.sweep(force=loads)
+        assert np.isnan(sweep.secant_stiffness).all()
+        assert str(sweep).splitlines()[-1].endswith(" -")
+        assert "nan" not in str(sweep) + sweep._repr_html_()
+
     @pytest.mark.parametrize("index", [3, -4, True, 1.0, "area", None, slice(5, 9), slice("a", None)])
     def test_a_wrong_index_is_said(self, index):
         with pytest.raises(rc.InputError, match=r"The index of a sweep must be a (whole number from 0 to 2|slice of)"):

@@ -126,6 +126,13 @@ BAD_CALLS = {
         rc.InputError,
         "grid= of WavySurface.heights must be of type Grid",
     ),
+    "a load without its name": (
+        lambda: problem().solve(1e6),
+        rc.InputError,
+        "ContactProblem.solve takes what was given as 1000000.0 by name: write pressure=1000000.0, or force=",
+    ),
+    "a number of numpy": (lambda: rc.Elastic(np.float64(0.0), 0.3), rc.InputError, "but got 0.0."),
+    "an item that is not there": (lambda: problem().sweep(pressure=[1e6])[9], IndexError, "whole number from 0 to 0"),
     "a path that is a number": (lambda: rc.read_surface(5), rc.InputError, "a str or a path"),
     "an executor that is a number": (
         lambda: rc.Study(problems=problem(), pressure=[1e6]).run("/tmp", executor=5),

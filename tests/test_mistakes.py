@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -104,6 +105,34 @@ def test_ordinary_contacts_have_no_warnings(name):
     assert solution.warnings == ()
     warned = [line for line in str(solution).splitlines() if line.startswith("warning")]
     assert all("The contact area is doubtful" in line or "The maximum pressure is doubtful" in line for line in warned)
+
+
+def in_millimetres(**load):
+    heights = rough(seed=0).heights(rc.Grid((64, 64), 64e-6))
+    return contact(rc.HeightMap(1e3 * heights, 64e-3), **load)
+
+
+@pytest.mark.parametrize(
+    "solve",
+    [
+        lambda: in_millimetres(force=0.04),
+        lambda: contact(rc.SphereSurface(5.0), 63, 0.9, force=5.0),
+        lambda: contact(rough(), boundary="periodic", pressure=100.0),
+        lambda: contact(rough(), boundary="periodic", pressure=0.1, material=rc.Elastic(10e6, 0.49)),
+    ],
+    ids=["lengths in mm", "a ball in mm", "MPa", "rubber in MPa"],
+)
+def test_loads_and_lengths_in_another_unit_are_named_where_all_is_on_single_cells(solve):
+    (warning,) = solve().warnings
+    assert re.match(
+        r"The mean pressure is .* of E\* \(loads are in Pa and N, lengths in m: 100 MPa is 100e6, 1 mm", warning
+    )
+    assert "single cell. The grid does not resolve" in warning
+
+
+def test_a_light_load_that_the_grid_resolves_is_no_mistake():
+    assert contact(rc.ParaboloidSurface(10e-3), 128, 2e-4, force=1e-6).mean_pressure < 1e-7 * STEEL.young
+    assert contact(rc.ParaboloidSurface(10e-3), 128, 5e-5, force=1e-6).warnings == ()
 
 
 @pytest.mark.parametrize(("radius", "cut"), [(0.95, False), (1.0, False), (1.06, True), (1.1, True), (1.5, True)])

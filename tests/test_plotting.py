@@ -304,6 +304,14 @@ class TestSurfaces:
     def test_the_bearing_curve_falls_from_all_to_nothing(self):
         surface = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, shortest=4e-6, longest=48e-6, seed=1)
         axes = surface.plot(self.GRID, "bearing-curve")
+        height_map = rc.HeightMap(surface.heights(self.GRID), self.GRID.size)
+        # The name of the panel alone, as of a solution and a sweep.
+        again = height_map.plot("bearing-curve")
+        np.testing.assert_array_equal(again.lines[0].get_data(), axes.lines[0].get_data())
+        with pytest.raises(rc.InputError, match="no grid of its own: give one"):
+            surface.plot("bearing-curve")
+        with pytest.raises(rc.InputError, match=r"There is no panel named 'bearing'. Did you mean 'bearing-curve'\?"):
+            height_map.plot("bearing")
         ratio, levels = axes.lines[0].get_data()
         assert ratio[0] == pytest.approx(100.0, abs=0.1)
         assert ratio[-1] == 0.0
@@ -377,6 +385,7 @@ class TestFigures:
         wave = rc.ContactProblem(rc.Body(rc.WavySurface(1e-7, 1e-5), STEEL), grid=rc.Grid((16, 16), 1e-5))
         drawn = attrs.evolve(wave, boundary="periodic").sweep(pressure=[1e8, 2e8]).plot()
         assert drawn.get_suptitle() == "2 loads, mean pressure 100 MPa to 200 MPa"
+        assert sweep[:1].plot().get_suptitle() == "1 load, force 20 mN"
 
     @pytest.mark.parametrize("size", [(83e-6, 204e-6), (256e-6, 256e-6), (4e-4, 1e-4)])
     def test_the_legend_of_a_profile_stays_on_the_paper(self, size):

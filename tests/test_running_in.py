@@ -57,6 +57,9 @@ class TestOverlap:
         assert result.cycles[0].volume > 0
         assert result.cycles[1].volume < 1e-6 * result.cycles[0].volume
         assert "shakedown after 2 cycles" in str(result)
+        # What the second cycle loses is rounding.
+        assert result.cycles[1].deepest < 1e-12 * result.cycles[1].approach
+        assert " 0 m " in str(result).splitlines()[-1]
 
     def test_what_is_flattened_bears_the_same_pressure(self):
         """The second cycle starts from the solution of the first, which is its own: two verifications remain."""

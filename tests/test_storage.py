@@ -68,6 +68,11 @@ def test_a_dataset_has_units_and_places():
     np.testing.assert_array_equal(data["x"], solution.grid.x[:, 0])
     assert float(data["force"]) == solution.force
     assert f"numpy {np.__version__}" in data.attrs["versions"]
+    assert set(data.dims) == {"x", "y"}
+    # What only a file needs is not in it.
+    height_map = rc.HeightMap(np.random.default_rng(0).random((12, 10)) * 1e-7, size=(1.2e-4, 1e-4))
+    names = rc.ContactProblem(rc.Body(height_map, rc.Elastic(210e9, 0.3))).solve(force=1.0).to_xarray().variables
+    assert not [name for name in names if name == "header" or name.startswith("part_")]
 
 
 @attrs.frozen

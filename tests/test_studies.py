@@ -22,8 +22,10 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
+from roughcontact._problem.sweep import Sweep
+from roughcontact.cli.run import list_warnings
 from roughcontact.studies.chain import run_chain
-from roughcontact.studies.record import read_index
+from roughcontact.studies.record import read_index, write_index
 from roughcontact.studies.toml import read_study
 
 STEEL = rc.ElasticPerfectlyPlastic(210e9, 0.3, 6e9)
@@ -245,7 +247,7 @@ class TestAxes:
 
     def test_results_are_short_and_indexed(self, tmp_path):
         result = over(seed=[0]).run(tmp_path)
-        assert repr(over(seed=[0])) == "<Study hurst=2, seed=1, 2 loads of force>"
+        assert repr(over(seed=[0])) == "<Study 2 values of hurst, 1 value of seed, 2 loads of force>"
         assert repr(study()) == "<Study 2 problems, 3 loads of force>"
         assert repr(result) == f"<StudyResult 4 solves, 4 of them now, in {tmp_path}>"
         assert result[0] is result.records[0]
@@ -561,7 +563,53 @@ class TestRecords:
         result.to_csv(tmp_path / "out.csv")
         lines = (tmp_path / "out.csv").read_text().splitlines()
         assert len(lines) == 7
-        assert "area cell-count" in lines[0]
+        assert "area cell-count [m2]" in lines[0]
+        assert ",force [N],mean_pressure [Pa],approach [m],p_max [Pa],saturated_area [m2]," in lines[0]
+        assert ",seed," in lines[0]
+
+    def test_what_a_sweep_states_too_has_the_same_name_and_value(self, tmp_path):
+        pytest.importorskip("pandas")
+        loads = [0.1, 0.5]
+        result = study(problems=problem(boundary="periodic"), seeds=[], force=loads).run(tmp_path)
+        sweep = Sweep(tuple(map(result.solution, result)))
+        frame, expected = result.to_pandas(), sweep.to_pandas()
+        common = ["mean_pressure", "force", "approach", "peak_pressure", "peak_pressure_uncertainty"]
+        for name in common:
+            np.testing.assert_array_equal(frame[name], expected[name])
+            assert frame.attrs["units"][name] == expected.attrs["units"][name]
+        np.testing.assert_array_equal(frame.saturated_area, [one.saturated_area().value for one in sweep])
+
+    def test_warnings_are_kept_whoever_solves_and_in_every_form(self, tmp_path):
+        pytest.importorskip("xarray")
+        soft = problem(material=rc.Elastic(210.0, 0.3), boundary="periodic")
+        parts = {"problems": {"soft": soft, "good": problem(boundary="periodic")}, "pressure": [1e-3, 2e-3]}
+        first = study(**parts, force=None, seeds=[]).run(tmp_path)
+        for record in first:
+            solution = first.solution(record)
+            assert set(solution.warnings) <= set(record.warnings)
+            assert record.doubtful == bool(solution.warnings)
+        assert all("foam or a gel" in record.warnings[0] for record in first[:2])
+        assert str(first).endswith(f"now, 4 doubtful (see their warnings), in {tmp_path}")
+        frame = first.to_pandas()
+        assert frame.warnings[0].startswith("A Young's modulus of 210 Pa")
+        assert frame.doubtful.all()
+        assert "foam or a gel" in str(first.to_xarray().warnings.sel(problem="soft", load=1e-3).item())
+        again = study(**parts, force=None, seeds=[]).run(tmp_path)
+        assert (again.computed, again.records) == (0, first.records)
+
+    def test_a_list_that_was_written_without_warnings_is_made_again_and_nothing_is_solved(self, tmp_path, monkeypatch):
+        first = study(seeds=[]).run(tmp_path)
+        (index,) = tmp_path.glob("study-*.json")
+        new = ("warnings", "doubtful", "peak_pressure", "peak_pressure_uncertainty")
+        with monkeypatch.context() as context:
+            context.setattr(
+                "roughcontact.studies.record._stated",
+                lambda one: {name: value for name, value in attrs.asdict(one).items() if name not in new and value},
+            )
+            write_index(index, first.records)
+        assert "doubtful" not in index.read_text(encoding="utf-8")
+        again = study(seeds=[]).run(tmp_path)
+        assert (again.computed, again.records) == (0, first.records)
 
 
 @pytest.mark.parametrize(
@@ -647,10 +695,32 @@ class TestFiles:
         assert "4 solves (2 problems, 1 seed, 2 loads of force)" in capsys.readouterr().out
         assert main(["run", str(study_file)]) == 0
         folder = study_file.with_suffix("")
-        assert capsys.readouterr().out.split() == f"4 solves, 4 of them now, in {folder}".split()
+        printed = capsys.readouterr().out.split()
+        begins = f"4 solves, 4 of them now, in {folder}".split()
+        # Only estimates are doubtful, which leaves the status at 0, as of `solve`.
+        assert printed[: len(begins) + 7] == [*begins, *"warning The contact area is doubtful: the".split()]
         assert main(["run", str(study_file), "--workers", "2"]) == 0
         assert "0 of them now" in capsys.readouterr().out
         assert (folder / "records.csv").read_text().count("CONVERGED") == 4
+
+    def test_the_command_prints_each_warning_once_and_ends_as_solve_does(self, study_file, capsys):
+        text = study_file.read_text().replace("young = 210e9, poisson = 0.3}", "young = 210, poisson = 0.3}")
+        study_file.write_text(text.replace("force = [0.1, 1.0]", "force = [1e-11, 1e-10]"))
+        assert main(["run", str(study_file)]) == 3
+        printed = " ".join(capsys.readouterr().out.split())
+        assert printed.count("A Young's modulus of 210 Pa is that of a foam or a gel.") == 1
+        assert "(on the command line --unit). [2 of 4 solves]" in printed
+        assert main(["run", str(study_file)]) == 3
+
+    def test_warnings_that_differ_in_numbers_alone_are_one(self, tmp_path):
+        result = study(problems=problem(), seeds=[]).run(tmp_path)
+        texts = ("9.5 % of 3 µm.", "99 % of 1 m.", "1e-5 % of 4 m."), ("99 % of 1 m.", "Another.")
+        records = [attrs.evolve(result[0], warnings=own) for own in (*texts, ())]
+        lines = list_warnings(attrs.evolve(result, records=tuple(records)))
+        assert lines == [
+            "warning  1e-5 % of 4 m. [2 of 3 solves, with other numbers]",
+            "warning  Another. [1 of 3 solves]",
+        ]
 
     @pytest.mark.parametrize(
         ("old", "new", "words"),

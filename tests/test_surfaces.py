@@ -192,3 +192,21 @@ def test_the_seed_fixes_the_long_waves(seed, one, other, cutoff, rms, aspect):
 def test_a_cutoff_beyond_the_longest_wave_is_refused():
     with pytest.raises(rc.InputError, match="cut-off of the rms value must be at most the longest wavelength"):
         rc.SelfAffineSurface(hurst=0.7, rms_slope=0.1, shortest=1.0, longest=8.0, rms_cutoff=9.0)
+
+
+def test_a_printed_map_says_what_it_is_and_where_it_comes_from():
+    heights = 1e-7 * np.random.default_rng(0).standard_normal((48, 40))
+    mask = np.zeros(heights.shape, dtype=bool)
+    mask[3, 4] = mask[5, 6] = True
+    surface = rc.HeightMap(heights, size=(48e-6, 40e-6), non_measured=mask, history=("read from a.csv",)).detrend(
+        "plane"
+    )
+    lines = str(surface).splitlines()
+    measured = surface.values[~mask]
+    assert lines[0].startswith("grid          48 x 40 cells") or "48 x 40" in lines[0]
+    assert f"rms height Sq {1e9 * measured.std():.4g} nm" in lines[1]
+    assert lines[2] == "history       read from a.csv"
+    assert "plane" in lines[3]
+    assert lines[4] == "non-measured  2 points of 1920"
+    assert all(len(line) <= 80 for line in lines)
+    assert "periodic" in str(rc.HeightMap(heights, size=(48e-6, 40e-6), periodic=True))

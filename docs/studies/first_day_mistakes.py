@@ -140,6 +140,15 @@ MISTAKES = [
         lambda _: solve(rc.WavySurface(amplitude=0.5, wavelength=12.5), grid=rc.Grid((256, 256), 250), pressure=100e6),
     ),
     Mistake(
+        "All lengths are in mm: a map of 1 mm, `size=1.0`.",
+        lambda _: solve(rc.HeightMap(ROUGH.heights(GRID) / 64e-6, size=1.0, periodic=True), grid=None),
+    ),
+    Mistake(
+        "`pressure=100`: MPa taken for Pa.",
+        lambda _: solve(ROUGH, pressure=100),
+        "{}/rough.npz --boundary periodic --pressure 100Pa --young 210GPa",
+    ),
+    Mistake(
         "The contact of a ball is cut by the border.",
         lambda _: solve(rc.SphereSurface(1e-3), boundary="free", force=17.4),
     ),

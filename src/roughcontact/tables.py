@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import html
+import math
 import os
 from collections.abc import Mapping, Sequence
 from typing import Any, TextIO
@@ -82,6 +83,8 @@ class Table:
     def _cell(self, name: str, value: object) -> str:
         if isinstance(value, (float, np.floating)):
             unit = self.units.get(name, "")
+            if math.isnan(value):
+                return "-"
             return si(float(value), unit) if unit else f"{value:.4g}"
         return "" if value is None else str(value)
 

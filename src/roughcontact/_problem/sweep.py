@@ -31,6 +31,8 @@ _LIGHTEST = 1e-20
 # Powers of the pressure (first) and of the overlap (last) that are extrapolated; maximum pressure, over the limit, of
 # a cell that is not saturated.
 _POWER, _BELOW, _OVERLAP = 1.75, 0.97, 2.0 / 3.0
+# Relative difference of two loads, or of their approaches, up to which they are one: rounding.
+_EQUAL = 1e-9
 # Ratio of two loads below which a solve from coarse grids is as fast as one from the other solution.
 _FARTHEST = 0.5
 
@@ -92,13 +94,25 @@ class Sweep:
 
     @property
     def secant_stiffness(self) -> Array:
-        """Slopes dF/d(approach) through neighbouring loads, N/m; nan where there is no neighbour.
+        """Slopes of the chords (F[k+1] - F[k-1]) / (d[k+1] - d[k-1]) of force over approach, N/m.
 
-        The stiffness at a load itself, with its uncertainty, is that of its solution: `ContactSolution.stiffness`.
+        The loads are numbered from the smallest up, whatever their order in the sweep, and equal ones count once. At
+        the smallest and at the largest load the load itself takes the place of the neighbour that it does not have; of
+        a single load it is nan. The stiffness at a load, with its uncertainty, is `ContactSolution.stiffness`.
         """
-        if len(self.solutions) < 2 or np.unique(self.approach).size < len(self.solutions):
-            return np.full(len(self.solutions), np.nan)
-        return np.gradient(self.force, self.approach)
+        order = np.argsort(self.force, kind="stable")
+        force, approach = self.force[order], self.approach[order]
+        differ = [np.diff(one) > _EQUAL * np.abs(one[1:]) for one in (force, approach)]
+        is_new = np.append(True, differ[0] & differ[1])
+        force, approach, last = force[is_new], approach[is_new], int(is_new.sum()) - 1
+        slopes = np.full(last + 1, np.nan)
+        if last > 0:
+            place = np.arange(last + 1)
+            above, below = np.minimum(place + 1, last), np.maximum(place - 1, 0)
+            slopes = (force[above] - force[below]) / (approach[above] - approach[below])
+        secants = np.empty(len(order))
+        secants[order] = slopes[np.cumsum(is_new) - 1]
+        return secants
 
     @property
     def convolutions(self) -> int:
@@ -148,7 +162,7 @@ class Sweep:
             percent = f"{100 * area / nominal:.4g} +- {100 * uncertainty / nominal:.1g}"
             lines.append(
                 f"{si(pressure, 'Pa'):>14} {si(force, 'N'):>11} {si(approach, 'm'):>11} {percent:>18} "
-                f"{si(stiffness, 'N/m'):>13}"
+                f"{'-' if math.isnan(stiffness) else si(stiffness, 'N/m'):>13}"
             )
         return "\n".join(lines)
 

@@ -24,8 +24,11 @@ if TYPE_CHECKING:
 _RUBBER, _GEL_POISSON, _GEL = 1e6, 0.45, 100.0
 # Young's modulus above which there is no material, Pa: diamond has 1.05 to 1.2e12.
 _DIAMOND = 1.3e12
-# Diameter of an atom, m, and the side of a domain beyond those of machines, m.
-_ATOM, _LONGEST = 1e-10, 10.0
+# Diameter of an atom, m, and the side from which on a domain is longer than rough surfaces are measured on, m.
+_ATOM, _LONGEST = 1e-10, 1.0
+# Mean pressure, over E*, below which a load may be in another unit: 10 kPa on steel, 1 Pa on rubber of 10 MPa. Of
+# 100 MPa given as 100, 4e-10 on steel, all is on single cells on grids of up to 1024 x 1024 cells.
+_LIGHTEST = 1e-7
 # Mean pressure of the cells at the border, over the nominal one, below which they are just touched: the area of a ball
 # that is cut by a border is 2 % too small there (benchmarks/border_constants.py).
 _LIGHT = 0.25
@@ -73,12 +76,11 @@ def find_contact(solution: ContactSolution) -> list[Finding]:
     if not solution.contact.any():
         return [Finding(name, math.nan, "there is no contact") for name in names]
     peak, approach = float(solution.pressure.max()) / solution.modulus, solution.approach / min(solution.grid.size)
-    edge, forces = _find_edge_contact(solution), solution.patches.forces
-    single = float(forces[solution.patches.cells == 1].sum() / forces.sum())
+    edge = _find_edge_contact(solution)
     return [
         edge,
         _find_tilt(solution, edge),
-        Finding("cells per contact", single, f"{_percent(single)} of the load is on contacts of a single cell"),
+        _find_single_cells(solution),
         _find_slope(solution),
         Finding("peak pressure", peak, f"the maximum pressure is {peak:.3g} times the contact modulus E*"),
         Finding("approach", approach, f"the approach is {approach:.3g} times the shorter side of the domain"),
@@ -121,7 +123,7 @@ def _list_lengths(initial_gap: Array, grid: Grid) -> list[str]:
         texts.append(f"the heights differ by {si(heights, 'm')}, with an rms slope of {slope:.2g}")
     elif largest < _ATOM:
         texts.append(f"the heights differ by {si(largest, 'm')}, less than an atom")
-    if side > _LONGEST:
+    if side >= _LONGEST:
         texts.append(f"the domain is {si(side, 'm')} long")
     elif cell < _ATOM:
         texts.append(f"the cells are {si(cell, 'm')} wide, less than an atom")
@@ -175,6 +177,20 @@ def _find_tilt(solution: ContactSolution, edge: Finding) -> Finding:
     across = si(float(plane.max() - plane.min()), "m", 3)
     text = f"the load is at the border, and {_percent(fraction)} of the variance of the heights is a tilt of {across}"
     return Finding(name, fraction, text)
+
+
+def _find_single_cells(solution: ContactSolution) -> Finding:
+    """Return the fraction of the load on single cells, and where all of it may be in another unit, that."""
+    name, forces = "cells per contact", solution.patches.forces
+    single, ratio = (
+        float(forces[solution.patches.cells == 1].sum() / forces.sum()),
+        solution.mean_pressure / solution.modulus,
+    )
+    text = f"{_percent(single)} of the load is on contacts of a single cell"
+    if ratio < _LIGHTEST and single > PLAUSIBILITY_RULES[name].admissible:
+        light = f"the mean pressure is {si(solution.mean_pressure, 'Pa')}, {ratio:.2g} of E*"
+        text = f"{light} (loads are in Pa and N, lengths in m: 100 MPa is 100e6, 1 mm is 1e-3), and {text}"
+    return Finding(name, single, text)
 
 
 def _find_slope(solution: ContactSolution) -> Finding:

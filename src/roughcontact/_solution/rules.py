@@ -31,8 +31,8 @@ PLAUSIBILITY_RULES = {
         0,
         0,
         "quantities that no contact has: a modulus below 1 MPa without the Poisson's ratio of a gel, or above that of "
-        "diamond; heights that exceed the domain, or an rms slope above 10; a domain above 10 m; cells or heights "
-        "below an atom",
+        "diamond; heights that exceed the domain, or an rms slope above 10; a domain of 1 m or more; cells or "
+        "heights below an atom",
         "Lengths are in m and moduli in Pa: 5 µm is 5e-6, 210 GPa is 210e9; for heights of a file in another unit give "
         "unit= (on the command line --unit).",
     ),

@@ -146,7 +146,11 @@ def _require_sound(fields: Mapping[str, Any], arrays: Mapping[str, RealArray]) -
 
 def to_xarray(solution: ContactSolution) -> Any:
     """Return the solution as an xarray dataset; see `ContactSolution.to_xarray`."""
-    return _dataset(solution, pack(*_disassemble(solution)))
+    arrays, _ = _disassemble(solution)
+    # Without the arrays of its problem, which only a file needs.
+    return _dataset(
+        solution, {name: np.asarray(values) for name, values in arrays.items() if not name.startswith(_PART)}
+    )
 
 
 def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:

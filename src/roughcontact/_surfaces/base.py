@@ -5,7 +5,7 @@ from __future__ import annotations
 import abc
 import dataclasses
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import attrs
 import numpy as np
@@ -19,6 +19,7 @@ from roughcontact.panel.figures import plot
 from roughcontact.panel.solid import view_surface
 from roughcontact.registry import Registry
 
+_PanelChoice: TypeAlias = str | Panel | None
 # Two evaluations of the same heights at the same points agree to this fraction of their range: rounding.
 _ROUNDING = 1e-9
 
@@ -127,14 +128,14 @@ class Surface(abc.ABC):
         return _Samples(grid, shift_by_half_cell(heights, grid))
 
     def plot(
-        self, grid: Grid | None = None, panel: str | Panel | None = None, *, axes: Any = None, dark: bool = False
+        self, grid: Grid | _PanelChoice = None, panel: _PanelChoice = None, *, axes: Any = None, dark: bool = False
     ) -> Any:
         """Draw the surface (extra ``plot``).
 
         Parameters
         ----------
         grid
-            The cells; None: those of a surface that has its own.
+            The cells; None: those of a surface that has its own, of which a panel may be given first.
         panel
             Registered name or instance of one panel of surfaces; None: the standard ones, side by side.
         axes
@@ -147,6 +148,8 @@ class Surface(abc.ABC):
         matplotlib.axes.Axes or matplotlib.figure.Figure
             The axes of one panel, or the figure of several.
         """
+        if panel is None and isinstance(grid, (str, Panel)):
+            grid, panel = None, grid
         return plot("surface", self._sample(grid), panel, axes, flag(dark, "dark="))
 
     def plot_3d(self, grid: Grid | None = None, *, exaggeration: float | None = None, dark: bool = False) -> Any:
@@ -163,7 +166,7 @@ class Surface(abc.ABC):
         """
         return view_surface(self._sample(grid), exaggeration, dark)
 
-    def _sample(self, grid: Grid | None) -> SampledSurface:
+    def _sample(self, grid: Any) -> SampledSurface:
         """Return the heights on a grid, or on that of its own, with NaN at non-measured points."""
         chosen = grid or self.own_grid
         if chosen is None:

@@ -16,6 +16,7 @@ from roughcontact._surfaces.base import Surface
 from roughcontact._surfaces.quality import find_period, list_map_warnings
 from roughcontact._surfaces.resampling import resample, shift_by_half_cell
 from roughcontact._surfaces.statistics import repeats
+from roughcontact._surfaces.summary import summarize
 from roughcontact._surfaces.topography import make_topography, read_map
 from roughcontact.checks import Array, Mask, Pair, choice, heights_array, instance_of, integer, pair
 from roughcontact.errors import InputError
@@ -133,6 +134,9 @@ class HeightMap(Surface):
         periodic = ", periodic" if self.periodic else ""
         lost = "" if self.non_measured is None else f", {int(self.non_measured.sum())} points non-measured"
         return f"<HeightMap {self.grid}{periodic}{lost}>"
+
+    def __str__(self) -> str:
+        return summarize(self)
 
     @classmethod
     def from_topography(cls, topography: Any, *, non_measured: str = "refuse") -> HeightMap:

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, NoSuchItem
 from roughcontact.errors.door import outside
 
 T = TypeVar("T")
@@ -102,7 +102,8 @@ def item_of(items: tuple[T, ...], index: object, what: str) -> T | tuple[T, ...]
         return chosen
     whole = isinstance(index, (int, np.integer)) and not isinstance(index, bool)
     if not (whole and -len(items) <= index < len(items)):  # type: ignore[operator]
-        raise InputError.about(what, index, f"a whole number from 0 to {len(items) - 1}, or a slice")
+        error = NoSuchItem if whole else InputError
+        raise error.about(what, index, f"a whole number from 0 to {len(items) - 1}, or a slice")
     return items[int(index)]  # type: ignore[call-overload]
 
 

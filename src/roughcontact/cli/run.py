@@ -5,18 +5,23 @@ from __future__ import annotations
 import argparse
 import multiprocessing
 import os
+import re
 import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
-from roughcontact.cli import Command
+from roughcontact.cli import DOUBTFUL, Command
 from roughcontact.cli.options import whole_number
 from roughcontact.cli.progress import show_progress
 from roughcontact.errors import InputError
-from roughcontact.studies import Record
+from roughcontact.studies import Record, StudyResult
+from roughcontact.units import counted
 from roughcontact.units.text import fit
+
+# A number, and the prefix of its unit.
+_NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
 
 
 class Run(Command):
@@ -35,7 +40,7 @@ examples:
         parser.add_argument("-o", "--output", metavar="FOLDER", help="output folder (the name of the study)")
 
     def run(self, options: argparse.Namespace) -> int:
-        """Return 0, or 1 if a solve has no certified solution."""
+        """Return 0, 1 if a solve has no certified solution, or 3 if a solution has warnings."""
         from roughcontact.studies.toml import read_study
 
         study = read_study(options.study)
@@ -58,7 +63,24 @@ examples:
         print(fit(str(result)))
         for record in result.failed:
             print(fit(f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}"))
-        return 1 if result.failed else 0
+        for text in list_warnings(result):
+            print(fit(text))
+        doubtful = DOUBTFUL if any(record.doubtful for record in result) else 0
+        return 1 if result.failed else doubtful
+
+
+def list_warnings(result: StudyResult) -> list[str]:
+    """Return each warning once, with the number of solves that have it; those that differ in numbers alone are one."""
+    found: dict[str, list[str]] = {}
+    for record in result:
+        kinds = {_NUMBER.sub("#", text): text for text in record.warnings}
+        for kind, text in kinds.items():
+            found.setdefault(kind, []).append(text)
+    lines = []
+    for texts in found.values():
+        numbers = "" if len(set(texts)) == 1 else ", with other numbers"
+        lines.append(f"warning  {texts[0]} [{len(texts)} of {counted(len(result), 'solve')}{numbers}]")
+    return lines
 
 
 @contextmanager

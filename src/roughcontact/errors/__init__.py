@@ -46,6 +46,10 @@ class InputError(RoughContactError, ValueError):
         return cls(f"There is no {kind} named {short(name)}.{guess} Known: {', '.join(names) or 'none'}.")
 
 
+class NoSuchItem(InputError, IndexError):
+    """There is no item at this position of a sequence."""
+
+
 class MissingPackage(RoughContactError, ImportError):
     """An optional package is needed for what was asked, and is not installed."""
 
@@ -94,6 +98,9 @@ def short(value: object) -> str:
     """Return a value in a few words."""
     if isinstance(value, (np.ndarray, np.dtype)):
         return f"an array of shape {getattr(value, 'shape', '?')} and type {getattr(value, 'dtype', '?')}"
+    if isinstance(value, np.generic):
+        # Without the name of its type.
+        value = value.item()
     try:
         text = " ".join(repr(value).split())
     # A class of the caller's may fail to describe itself.

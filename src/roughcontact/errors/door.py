@@ -195,8 +195,7 @@ def _explained(error: Exception, call: str, function: Any, args: Any, kwargs: An
     try:
         given = signature.bind(*args, **kwargs).arguments
     except TypeError as wrong:
-        names = [name for name in signature.parameters if name not in ("self", "cls")]
-        return InputError(f"{call}({', '.join(names)}): {wrong}.")
+        return _misplaced(call, signature, args) or InputError(f"{call}({', '.join(_names(signature))}): {wrong}.")
     try:
         hints = typing.get_type_hints(function, vars(sys.modules[function.__module__]))
     # A name that is imported for annotations alone.
@@ -207,6 +206,24 @@ def _explained(error: Exception, call: str, function: Any, args: Any, kwargs: An
             kind = signature.parameters[name].annotation
             return InputError.about(f"{name}= of {call}", value, f"of type {getattr(kind, '__name__', kind)}")
     return changed
+
+
+def _names(signature: inspect.Signature) -> list[str]:
+    return [name for name in signature.parameters if name not in ("self", "cls")]
+
+
+def _misplaced(call: str, signature: inspect.Signature, args: Any) -> InputError | None:
+    """Return the error of an argument that must be given by name, but is not; None if there is none."""
+    kinds = {name: one.kind for name, one in signature.parameters.items()}
+    named = [name for name, kind in kinds.items() if kind is inspect.Parameter.KEYWORD_ONLY]
+    places = sum(
+        kind in (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD) for kind in kinds.values()
+    )
+    if not named or len(args) <= places:
+        return None
+    value = short(args[places])
+    others = f", or {', '.join(f'{name}=' for name in named[1:])}" if named[1:] else ""
+    return InputError(f"{call} takes what was given as {value} by name: write {named[0]}={value}{others}.")
 
 
 def _is_a(value: object, hint: Any) -> bool:

@@ -126,4 +126,5 @@ def loads_of(sweep: Any) -> tuple[Array, str, str]:
 def title_of_sweep(sweep: Any) -> str:
     """Return the number of loads and their range."""
     loads, name, unit = loads_of(sweep)
-    return f"{len(loads)} loads, {name} {si(loads.min(), unit, 3)} to {si(loads.max(), unit, 3)}"
+    low, high = (si(float(bound), unit, 3) for bound in (loads.min(), loads.max()))
+    return f"{counted(len(loads), 'load')}, {name} {low if low == high else f'{low} to {high}'}"

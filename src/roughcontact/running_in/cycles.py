@@ -21,6 +21,8 @@ from roughcontact.units import si
 
 # Positions of the counterbody whose last pressure is kept as a start: each takes a field of memory.
 _KEPT = 16
+# Loss of height, over the approach, that is printed as none: rounding.
+_ROUNDING = 1e-12
 
 _is_problem = instance_of(ContactProblem, "What is run in", "a ContactProblem")
 
@@ -91,8 +93,10 @@ class RunIn:
             f"{'cycle':>5} {'shift':>12} {'volume, um3':>12} {'deepest':>10} {'area, %':>8} {'saturated, %':>12}"
         )
         for number_, cycle in enumerate(self.cycles, start=1):
+            lost = cycle.deepest > _ROUNDING * cycle.approach
+            volume, deepest = (cycle.volume, cycle.deepest) if lost else (0.0, 0.0)
             lines.append(
-                f"{number_:>5} {cycle.shift!s:>12} {cycle.volume * 1e18:>12.4g} {si(cycle.deepest, 'm', 3):>10} "
+                f"{number_:>5} {cycle.shift!s:>12} {volume * 1e18:>12.4g} {si(deepest, 'm', 3):>10} "
                 f"{100 * cycle.area.value / nominal:>8.4g} {100 * cycle.saturated.value / nominal:>12.3g}"
             )
         return "\n".join(lines)

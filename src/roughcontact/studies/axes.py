@@ -18,7 +18,9 @@ from roughcontact.errors.door import outside
 from roughcontact.studies.record import Record
 
 # Columns of the tables of a study, which are no axes.
-_COLUMNS = {*(one.name for one in attrs.fields(Record)), "area", "area_uncertainty", "estimator"} - {"seed"}
+_COLUMNS = {*(one.name for one in attrs.fields(Record)), "area", "area_uncertainty", "estimator", "saturated_area"} - {
+    "seed"
+}
 # Values of an axis, and problems of a study.
 _MOST = 100_000
 # Characters of an exception that a sentence repeats.

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
-import traceback
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
@@ -11,25 +11,18 @@ from typing import Any
 
 import attrs
 
-from roughcontact._convolvers import Convolver
-from roughcontact._kernels import InfluenceKernel
-from roughcontact._materials import Material
 from roughcontact._problem.body import Body
 from roughcontact._problem.problem import ContactProblem
 from roughcontact._problem.sweep import order_of_solving, predict_pressure
 from roughcontact._solution import ContactSolution
 from roughcontact._solution.origin import solution_key
 from roughcontact._solution.storage import read_figures, write
-from roughcontact._solvers import Solver
-from roughcontact._surfaces import Surface
+from roughcontact._solution.summary import list_all_warnings
 from roughcontact.description import key_of
-from roughcontact.errors import InputError, NotConverged, NotWritten, RoughContactError
+from roughcontact.errors import InputError, NotWritten
 from roughcontact.load import Load
+from roughcontact.studies.failures import name_exception, name_full_disk, status_of
 from roughcontact.studies.record import Record, read_solution, solution_path
-
-_KINDS = {Surface: "surface", Material: "material", InfluenceKernel: "kernel", Convolver: "convolver", Solver: "solver"}
-# Characters of an exception that a record repeats.
-_LONGEST = 300
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -190,7 +183,7 @@ def run_chain(chain: Chain) -> ChainResult:
         except NotWritten as error:
             return ChainResult(_in_order(records), computed - 1, name_full_disk(chain.folder, error))
         except Exception as error:
-            record, solution = chain.record(key, load, *_status(error)), None
+            record, solution = chain.record(key, load, *status_of(error)), None
         records[index] = record
         if solution is not None:
             solutions = [*solutions[-1:], solution]
@@ -200,17 +193,6 @@ def run_chain(chain: Chain) -> ChainResult:
 def _in_order(records: Mapping[int, Record]) -> list[Record]:
     """Return the records in the order of their loads."""
     return [records[index] for index in sorted(records)]
-
-
-def name_full_disk(folder: Path, error: NotWritten) -> str:
-    """Return in words why nothing can be written into a folder."""
-    return f"The folder {folder} cannot be written to ({error.strerror})"
-
-
-def name_exception(what: str, error: Exception) -> str:
-    """Return in a sentence what failed, and by which exception."""
-    reason = " ".join(traceback.format_exception_only(_met(error))[-1].split())
-    return f"{what} failed ({reason[:_LONGEST]})."
 
 
 def _find(chain: Chain, key: str, load: Load) -> tuple[Record | None, ContactSolution | None]:
@@ -264,24 +246,18 @@ def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
         iterations=solution.iterations,
         convolutions=solution.convolutions,
         seconds=solution.seconds,
+        # What is known is not estimated again.
+        **({} if record.success else _judge(solution)),
     )
 
 
-def _met(error: BaseException) -> BaseException:
-    """Return the exception that was met, where the public call of a worker has translated it."""
-    return error.__cause__ if isinstance(error, RoughContactError) and error.__cause__ is not None else error
-
-
-def _status(error: Exception) -> tuple[str, str]:
-    """Return the status and the message of a load that has no solution."""
-    if isinstance(error, NotConverged):
-        return error.solution.status.name, str(error)
-    if isinstance(error, InputError):
-        return "REFUSED", str(error)
-    # The innermost part of the problem in whose method it was raised.
-    for frame, _ in reversed(list(traceback.walk_tb(_met(error).__traceback__))):
-        owner = frame.f_locals.get("self")
-        for base, kind in _KINDS.items():
-            if isinstance(owner, base):
-                return "FAILED", name_exception(f"The {kind} {type(owner).__name__}", error)
-    return "FAILED", name_exception("The solve", error)
+def _judge(solution: ContactSolution) -> dict[str, Any]:
+    """Return the maximum pressure and the warnings, as fields of a record; without what fails."""
+    found: dict[str, Any] = {"warnings": list_all_warnings(solution)}
+    # Estimators and parts of the problem are plug-ins.
+    with contextlib.suppress(Exception):
+        found["doubtful"] = bool(solution.warnings)
+    with contextlib.suppress(Exception):
+        peak = solution.peak_pressure()
+        found |= {"peak_pressure": peak.value, "peak_pressure_uncertainty": peak.uncertainty}
+    return found

@@ -21,7 +21,9 @@ from roughcontact.errors import InputError
 _FORMAT = "roughcontact study, format 1"
 # What a record and the file of its solution both state, under the same name.
 _FIGURES = ("status", "force", "mean_pressure", "approach", "iterations", "convolutions", "seconds")
-# Bytes of the list of records, some 500 each.
+# Columns of a table that are named as those of a sweep.
+_COLUMNS = {"saturated": "saturated_area"}
+# Bytes of the list of records, some 500 each and their warnings.
 _LONGEST_INDEX = 2**28
 
 
@@ -52,12 +54,20 @@ class Record:
         where an exception ended the solve.
     message
         Why it was not solved, or which areas are missing and why.
-    force, mean_pressure, approach, p_max, saturated
-        N; Pa; m; maximum pressure, Pa; saturated area, m2.
+    force, mean_pressure, approach, saturated
+        N; Pa; m; saturated area, m2, ``saturated_area`` in tables.
+    p_max
+        Maximum pressure of a cell, Pa.
+    peak_pressure, peak_pressure_uncertainty
+        Maximum pressure between the cells and its standard deviation, Pa; see `ContactSolution.peak_pressure`.
     areas
         Area and standard deviation, m2, by the name of the estimator.
     iterations, convolutions, seconds
         Cost of the solve.
+    warnings
+        All that ``print(solution)`` warns of, in sentences.
+    doubtful
+        Whether they concern the solution itself, as `ContactSolution.warnings`, not only its area or maximum pressure.
     parameters
         The value on each axis of the study; empty without axes.
     """
@@ -78,6 +88,10 @@ class Record:
     iterations: int = attrs.field(default=0, converter=int)
     convolutions: int = attrs.field(default=0, converter=int)
     seconds: float = attrs.field(default=math.nan, converter=float)
+    peak_pressure: float = attrs.field(default=math.nan, converter=float)
+    peak_pressure_uncertainty: float = attrs.field(default=math.nan, converter=float)
+    warnings: tuple[str, ...] = attrs.field(default=(), converter=tuple)
+    doubtful: bool = attrs.field(default=False, converter=bool)
     parameters: Mapping[str, Any] = attrs.field(factory=dict, converter=dict)
 
     def agrees_with(self, figures: Mapping[str, Any]) -> bool:
@@ -99,6 +113,8 @@ class Record:
         """Return the figures by name, one for each column of a table; the parameters come first."""
         figures = attrs.asdict(self, recurse=False)
         areas, parameters = figures.pop("areas"), figures.pop("parameters")
+        figures = {_COLUMNS.get(name, name): value for name, value in figures.items()}
+        figures["warnings"] = " ".join(self.warnings)
         if parameters:
             del figures["seed"]
             figures = {**parameters, **figures}

@@ -17,11 +17,20 @@ from roughcontact.tables import Table, make_dataset
 from roughcontact.units import counted
 
 _LOAD_UNITS = {"pressure": "Pa", "force": "N", "approach": "m"}
-_UNITS = {"force": "N", "mean_pressure": "Pa", "approach": "m", "p_max": "Pa", "saturated": "m2", "seconds": "s"}
+_UNITS = {
+    "force": "N",
+    "mean_pressure": "Pa",
+    "approach": "m",
+    "p_max": "Pa",
+    "saturated_area": "m2",
+    "seconds": "s",
+    "peak_pressure": "Pa",
+    "peak_pressure_uncertainty": "Pa",
+}
 _COUNTS = ("iterations", "convolutions")
 _NO_AREA = (np.nan, np.nan)
 # Columns that a notebook shows of a record, beside the parameters and the areas.
-_IN_NOTEBOOKS = ("problem", "seed", "load", "status", "mean_pressure", "approach", "p_max")
+_IN_NOTEBOOKS = ("problem", "seed", "load", "status", "mean_pressure", "approach", "peak_pressure", "doubtful")
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -67,15 +76,18 @@ class StudyResult:
         return read_solution(self.folder, record.key)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the records as a table, completely or not at all: a row for each solve, a column for each axis."""
-        Table(self._columns).to_csv(path)
+        """Write the columns of `to_pandas` to a CSV file, completely or not at all.
+
+        It has a row for each solve; the units are in the heading, as ``force [N]``.
+        """
+        self._table.to_csv(path)
 
     def to_pandas(self) -> Any:
         """Return a `pandas.DataFrame` with a row for each solve (extra ``table``).
 
         Its columns are the axes of the study, or ``problem`` and ``seed``, then those of a `Record`: ``load``,
         ``status``, ``mean_pressure``, ``approach``, ``area blend``, ``uncertainty blend`` and so on, in the units of
-        ``frame.attrs["units"]``. What is missing is NaN.
+        ``frame.attrs["units"]``. What is missing is NaN. ``warnings`` is a text, empty where there are none.
         """
         return self._table.to_pandas()
 
@@ -83,7 +95,8 @@ class StudyResult:
         """Return an `xarray.Dataset` over the axes of the study and the load (extra ``store``).
 
         The dimensions are the axes, or ``problem`` and ``seed``, then ``load``; ``area`` and ``area_uncertainty``
-        have the dimension ``estimator`` too if there are several. What is missing is NaN, and its status empty.
+        have the dimension ``estimator`` too if there are several. What is missing is NaN, and its status
+        and warnings are empty.
         """
         places = self._places
         positions = [{value: position for position, value in enumerate(values)} for values in places.values()]
@@ -91,6 +104,7 @@ class StudyResult:
             tuple(known[_place(record, name)] for name, known in zip(places, positions, strict=True))
             for record in self.records
         ]
+        rows = [record.row() for record in self.records]
         estimators = list(dict.fromkeys(name for record in self.records for name in record.areas))
 
         def spread(values: Iterable[Any], missing: object, kind: type) -> RealArray:
@@ -100,10 +114,11 @@ class StudyResult:
             return filled
 
         variables: dict[str, Any] = {
-            name: (tuple(places), spread((getattr(one, name) for one in self), np.nan, float), {"units": unit})
+            name: (tuple(places), spread((row[name] for row in rows), np.nan, float), {"units": unit})
             for name, unit in {**_UNITS, **dict.fromkeys(_COUNTS, "")}.items()
         }
-        variables["status"] = (tuple(places), spread((one.status for one in self), "", object).astype(str))
+        for name in ("status", "warnings"):
+            variables[name] = (tuple(places), spread((row[name] for row in rows), "", object).astype(str))
         for part, name in enumerate(("area", "area_uncertainty")):
             values = [
                 spread((one.areas.get(estimator, _NO_AREA)[part] for one in self), np.nan, float)
@@ -162,6 +177,8 @@ class StudyResult:
             "all areas": sum(record.success for record in self.failed),
         }
         bad = "".join(f", {count} without {what}" for what, count in counts.items() if count)
+        if doubtful := sum(record.doubtful for record in self.records):
+            bad += f", {doubtful} doubtful (see their warnings)"
         return f"{counted(len(self), 'solve')}, {self.computed} of them now{bad}, in {self.folder}"
 
 

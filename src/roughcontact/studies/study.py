@@ -19,8 +19,9 @@ from roughcontact.description import key_of
 from roughcontact.errors import InputError, NotWritten, StudyStopped
 from roughcontact.load import Load
 from roughcontact.studies.axes import BuiltProblems
-from roughcontact.studies.chain import Chain, Unbuilt, name_full_disk
+from roughcontact.studies.chain import Chain, Unbuilt
 from roughcontact.studies.chains import Chains
+from roughcontact.studies.failures import name_full_disk
 from roughcontact.studies.record import Record, read_index, write_index
 from roughcontact.studies.result import StudyResult
 from roughcontact.studies.tasks import run_chains
@@ -248,9 +249,9 @@ class Study:
         return StudyResult(folder=target, records=tuple(_in_order(done, {})), computed=computed)
 
     def __repr__(self) -> str:
-        problems = ", ".join(f"{name}={len(values)}" for name, values in self.axes.items())
+        axes = ", ".join(f"{counted(len(values), 'value')} of {name}" for name, values in self.axes.items())
         loads = self.loads
-        what = problems or counted(len(self.problems), "problem")
+        what = axes or counted(len(self.problems), "problem")
         return f"<Study {what}, {counted(len(loads), 'load')} of {loads[0].kind}>"
 
     @property

@@ -8,7 +8,8 @@ from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 
 from roughcontact.checks.threads import share_machine
 from roughcontact.errors import RoughContactError
-from roughcontact.studies.chain import Chain, ChainResult, Unbuilt, name_exception, run_chain
+from roughcontact.studies.chain import Chain, ChainResult, Unbuilt, run_chain
+from roughcontact.studies.failures import name_exception
 
 # Workers that a chain is given to, one after the other, if they die.
 _TRIES = 3
