@@ -79,7 +79,7 @@ def test_filling_makes_no_summit_and_continues_planes():
         ("map.txt", b"1 2\nx y\n", "line 2 holds 'x', which is not a number: .* comments behind #"),
         ("map.csv", b"1,2,\n3,4\n5,6,7\n", "line 2 has 2 numbers, but others have 3"),
         ("map.csv", b"1,2\n3,4\n", "one comma in each line and no points, .*: give decimal=',' or decimal='.'"),
-        ("map.csv", b"1,2, 3,4\n5,6, 7,8\n", "commas with blanks beside them and without .*: give decimal=','"),
+        ("map.csv", b"1,2, 3,4\n5,6, 7,8\n", "commas, some of them beside blanks, and no points, .*: give decimal=','"),
         ("map.csv", b"1.5;2,5\n2.5;3,5\n", "line 1 holds '2,5', which is not a number: .* give decimal=','"),
         ("map.csv", b"1.234,5;2\n", "line 1 holds '1.234,5', which is not a number"),
         ("map.csv", b"z1.5,2,3\n4,5,6\n", "the line 'z1.5,2,3' above its heights .* skip_rows="),
@@ -415,3 +415,52 @@ def test_points_that_take_more_memory_than_there_is_are_not_filled(tmp_path, mon
     monkeypatch.setattr("roughcontact.checks.memory.available_memory", lambda: 2**24)
     with pytest.raises(rc.InputError, match=r"Filling 89700 non-measured points needs 42\.77 MiB of memory"):
         rc.read_surface(tmp_path / "map.npz", non_measured="fill")
+
+
+class TestWhatIsNotHeightsInATable:
+    ROUGH = np.random.default_rng(2).normal(size=(12, 10))
+
+    def refusal(self, tmp_path, table, text="nan"):
+        path = tmp_path / "map.csv"
+        path.write_text("\n".join(",".join(map(str, row)) for row in table).replace("nan", text) + "\n")
+        with pytest.raises(rc.InputError) as caught:
+            rc.read_surface(path, size=1e-3)
+        return str(caught.value)
+
+    def test_what_pandas_writes_beside_the_heights_is_refused(self, tmp_path):
+        table = np.pad(self.ROUGH, ((1, 0), (1, 0)))
+        table[0, 1:], table[1:, 0], table[0, 0] = np.arange(10), np.arange(12), np.nan
+        assert "first row and its first column count, as the header and the index that pandas writes" in self.refusal(
+            tmp_path, table, text=""
+        )
+        assert "first row counts the columns" in self.refusal(tmp_path, table[:, 1:])
+        assert "first column counts the rows" in self.refusal(tmp_path, table[1:])
+        path = tmp_path / "map.csv"
+        np.savetxt(path, table[:, 1:], delimiter=",")
+        surface = rc.read_surface(path, size=(1.0, 1.0), skip_rows=1)
+        np.testing.assert_array_equal(surface.values, self.ROUGH)
+
+    def test_a_row_and_a_column_of_places_are_refused(self, tmp_path):
+        table = np.pad(self.ROUGH, ((1, 0), (1, 0)))
+        table[0, 1:], table[1:, 0] = np.round(np.arange(10) / 3, 4), -2.5 * np.arange(12)
+        assert "as the places x and y of the heights: save the heights without them" in self.refusal(tmp_path, table)
+
+    @pytest.mark.parametrize("turn", [np.asarray, np.transpose])
+    def test_many_numbers_in_one_line_are_refused(self, tmp_path, turn):
+        words = self.refusal(tmp_path, turn(self.ROUGH.reshape(-1, 1)))
+        assert "its 120 numbers stand in one" in words
+        assert "reshape(nx, ny)" in words
+
+    @pytest.mark.parametrize(
+        "heights",
+        [
+            np.arange(12.0)[:, None] + np.arange(10.0),
+            np.arange(120.0).reshape(12, 10),
+            np.outer(np.arange(12.0), np.arange(1.0, 11.0)),
+            np.abs(np.arange(12.0)[:, None] - 5.0) + 0.0 * np.arange(10.0),
+            np.full((12, 10), 3.0),
+        ],
+    )
+    def test_planes_and_wedges_are_heights(self, tmp_path, heights):
+        np.savetxt(tmp_path / "map.csv", heights, delimiter=",")
+        np.testing.assert_array_equal(rc.read_surface(tmp_path / "map.csv", size=(1.0, 1.0)).values, heights)

@@ -16,6 +16,7 @@ from roughcontact.errors import InputError, MissingPackage
 from roughcontact.files.base import RawMap, SurfaceReader
 from roughcontact.files.gwyddion import read_header
 from roughcontact.files.layout import SEPARATORS, WORDS
+from roughcontact.files.margins import require_heights
 from roughcontact.files.points import put_on_grid
 from roughcontact.files.text import read_table
 
@@ -127,6 +128,7 @@ class TextReader(SurfaceReader):
             )
         if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] == _COLUMNS_OF_POINTS:
             return put_on_grid(heights)
+        require_heights(heights)
         if stated.unit is not None:
             heights = heights * stated.unit
         # From here on an image has x first, and y upwards.
