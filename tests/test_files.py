@@ -250,7 +250,7 @@ def test_results_can_be_read_by_others(tmp_path):
         ("1 2\n3 4\n".encode("utf-16"), [[1, 2], [3, 4]]),
         ("\ufeff1 2\n3 4\n".encode("utf-16-be"), [[1, 2], [3, 4]]),
         ("1 2\n3 4\n".encode("utf-32"), [[1, 2], [3, 4]]),
-        (b" ".join([b"1.5"] * 10**5), [[1.5] * 10**5]),
+        (b" ".join([b"1.5"] * 10**5) + b"\n" + b" ".join([b"2.5"] * 10**5), [[1.5] * 10**5, [2.5] * 10**5]),
     ],
 )
 def test_tables_as_instruments_and_spreadsheets_write_them(tmp_path, content, heights):
@@ -464,3 +464,49 @@ class TestWhatIsNotHeightsInATable:
     def test_planes_and_wedges_are_heights(self, tmp_path, heights):
         np.savetxt(tmp_path / "map.csv", heights, delimiter=",")
         np.testing.assert_array_equal(rc.read_surface(tmp_path / "map.csv", size=(1.0, 1.0)).values, heights)
+
+
+class TestFilesThatHoldNoHeights:
+    @pytest.mark.parametrize(
+        ("name", "content", "words"),
+        [
+            ("a.png", b"\x89PNG\r\n\x1a\n", "a PNG picture"),
+            ("a.csv", b"\x89PNG\r\n\x1a\n", "a PNG picture"),
+            ("a.jpg", b"\xff\xd8\xff\xe0", "a JPEG picture"),
+            ("a.gif", b"GIF89a", "a GIF picture"),
+            ("a.pdf", b"%PDF-1.7", "a PDF document"),
+            ("a.htm", b"\n<!DOCTYPE html>\n<html>", "a page of HTML"),
+            ("a.xml", b"<?xml version='1.0'?>\n<a/>", "an XML document"),
+            ("a.vti", b'<?xml version="1.0"?>\n<VTKFile type="ImageData">', "image data of VTK"),
+            ("a.zip", b"PK\x03\x04", "a ZIP archive"),
+        ],
+    )
+    def test_are_named_with_and_without_further_packages(self, tmp_path, monkeypatch, name, content, words):
+        (tmp_path / name).write_bytes(content)
+        for hidden in (False, True):
+            if hidden:
+                monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+            with pytest.raises(rc.InputError, match=f"The file {name} cannot be used: it is {words}"):
+                rc.read_surface(tmp_path / name)
+
+    @pytest.mark.parametrize("ending", ["npz", "nc"])
+    def test_a_saved_solution_says_how_to_continue(self, tmp_path, ending):
+        if ending == "nc":
+            pytest.importorskip("xarray")
+        problem = rc.ContactProblem(rc.Body(rc.HeightMap(HEIGHTS, size=(1e-3, 1e-3)), rc.Elastic(1e9, 0.3)))
+        problem.solve(pressure=1e4).save(tmp_path / f"contact.{ending}")
+        with pytest.raises(rc.InputError, match=r"it is a saved solution, .*ContactSolution.load.*roughcontact plot"):
+            rc.read_surface(tmp_path / f"contact.{ending}")
+
+    def test_of_no_known_format_name_those_that_are_read(self, tmp_path):
+        pytest.importorskip("SurfaceTopography", exc_type=ImportError)
+        (tmp_path / "a.bin").write_bytes(bytes(range(256)))
+        with pytest.raises(rc.InputError, match=r"none of the formats that are read: \.npz, .*\.tif, .*\.x3p\.$"):
+            rc.read_surface(tmp_path / "a.bin")
+
+
+def test_the_package_of_each_ending_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    (tmp_path / "a.x3p").write_bytes(b"PK\x03\x04")
+    with pytest.raises(rc.MissingPackage, match=r"\.mat are read without it, and \.tif by .*roughcontact\[files\]"):
+        rc.read_surface(tmp_path / "a.x3p")

@@ -21,7 +21,7 @@ from roughcontact.files.points import put_on_grid
 from roughcontact.files.text import read_table
 
 # Endings of files that need no instrument's reader.
-_ENDINGS = (".npz", ".npy", ".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz", ".mat", ".tif")
+_ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .mat"
 # Numbers in a row of a profile x z and of a list of points x y z; and rows from which on a table is one: 3 x 3 points.
 _COLUMNS_OF_PROFILES, _COLUMNS_OF_POINTS, _ROWS_OF_LISTS = 2, 3, 9
 
@@ -160,10 +160,18 @@ class InstrumentReader(SurfaceReader):
             # Its imports warn of optional parallel packages.
             with warnings.catch_warnings(action="ignore"):
                 from SurfaceTopography import read_topography as read_file
+                from SurfaceTopography.Exceptions import CannotDetectFileFormat
         except ImportError:
             raise MissingPackage(
                 f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
-                f"Files {', '.join(_ENDINGS)} are read without it."
+                f"Files {_ENDINGS} are read without it, and .tif by tifffile: pip install 'roughcontact[files]'."
             ) from None
-        heights, size, periodic = read_topography(read_file(str(path)))
+        try:
+            topography = read_file(str(path))
+        except CannotDetectFileFormat:
+            raise InputError(
+                f"it is in none of the formats that are read: {_ENDINGS}, .tif, and those of instruments that "
+                "SurfaceTopography knows, such as .al3d, .opd, .plu, .sur and .x3p"
+            ) from None
+        heights, size, periodic = read_topography(topography)
         return RawMap(heights, size, periodic, metric=True)
