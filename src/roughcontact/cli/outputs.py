@@ -8,6 +8,7 @@ from typing import Any
 
 import roughcontact as rc
 from roughcontact import checks
+from roughcontact._solution.netcdf import require_netcdf
 from roughcontact.panel.figures import save_figure
 from roughcontact.panel.theme import require_matplotlib
 from roughcontact.units.text import fit
@@ -23,7 +24,7 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path])
     InputError
         If a folder is missing, no writer knows an ending, or a height map would be overwritten.
     MissingPackage
-        If a picture is asked for without matplotlib.
+        If a picture, a report or netCDF is asked for without its packages.
     """
     known = {suffix for name in rc.writers for suffix in rc.writers.create(name).suffixes} | PICTURES
     files = []
@@ -49,6 +50,8 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path])
         # A report has figures.
         if path.suffix in {*PICTURES, ".html"}:
             require_matplotlib()
+        elif path.suffix == ".nc":
+            require_netcdf()
     return files
 
 

@@ -38,7 +38,7 @@ class MakeSurface(Command):
     epilog = """
 examples:
   roughcontact surface self-affine --hurst 0.8 --rms-height 100nm \\
-      --shortest 2um --longest 100um --shape 256 256 --size 100um -o map.npz
+      --shortest 2um --longest 100um --shape 256 256 --size 100um -o rough.npz
   roughcontact surface sphere --radius 5mm --shape 64 64 --size 0.2mm \\
       -o ball.npz
   roughcontact surface wavy --amplitude 0.5um --wavelength 12.5um \\
