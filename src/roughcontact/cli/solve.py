@@ -78,7 +78,8 @@ examples:
             raise rc.InputError("--dry-run prints the plan, which is text: omit --json or --csv.")
         _refuse_for_several(options)
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
-        files = plan_outputs(options.output, options.report, [checks.path(name, "The map") for name in maps])
+        paths = [checks.path(name, "The map") for name in maps]
+        files = plan_outputs(options.output, options.report, paths, len(loads_of(options)))
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
         if options.explain or options.dry_run:

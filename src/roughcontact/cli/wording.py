@@ -29,7 +29,7 @@ def _option(found: re.Match[str]) -> str:
     name, value = found["name"], found["value"] or ""
     words = value if value[:1] == "'" and not value.strip("'").isalpha() else value.strip("'")
     if value.startswith("("):
-        words = value.removesuffix(", m").strip("()").replace(",", "").upper()
+        words = value.removesuffix(", m").strip("()").replace(",", "").replace("x y", "X Y")
     if name in _LENGTHS:
         words = re.sub(r"[0-9]+(?:\.[0-9]*)?(?:[eE]-?[0-9]+)?", r"\g<0>m", words)
     return f"--{name.replace('_', '-')} {words}".rstrip()
