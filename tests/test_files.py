@@ -430,20 +430,24 @@ class TestWhatIsNotHeightsInATable:
     def test_what_pandas_writes_beside_the_heights_is_refused(self, tmp_path):
         table = np.pad(self.ROUGH, ((1, 0), (1, 0)))
         table[0, 1:], table[1:, 0], table[0, 0] = np.arange(10), np.arange(12), np.nan
-        assert "first row and its first column count, as the header and the index that pandas writes" in self.refusal(
-            tmp_path, table, text=""
-        )
-        assert "first row counts the columns" in self.refusal(tmp_path, table[:, 1:])
-        assert "first column counts the rows" in self.refusal(tmp_path, table[1:])
+        both, index = self.refusal(tmp_path, table, text=""), self.refusal(tmp_path, table[1:])
+        assert "the numbers of its first row and its first column count, as header and index of pandas do" in both
+        assert "the numbers of its first row count, as" in (header := self.refusal(tmp_path, table[:, 1:]))
+        assert "the numbers of its first column count, as" in index
+        assert "skip_rows=" in header
+        assert all("to_csv(path, header=False, index=False)" in words for words in (both, header, index))
         path = tmp_path / "map.csv"
         np.savetxt(path, table[:, 1:], delimiter=",")
         surface = rc.read_surface(path, size=(1.0, 1.0), skip_rows=1)
         np.testing.assert_array_equal(surface.values, self.ROUGH)
 
-    def test_a_row_and_a_column_of_places_are_refused(self, tmp_path):
+    def test_rows_and_columns_of_places_are_refused(self, tmp_path):
         table = np.pad(self.ROUGH, ((1, 0), (1, 0)))
         table[0, 1:], table[1:, 0] = np.round(np.arange(10) / 3, 4), -2.5 * np.arange(12)
-        assert "as the places x and y of the heights: save the heights without them" in self.refusal(tmp_path, table)
+        for part, what in ((table, "row and its first column"), (table[:, 1:], "row"), (table[1:], "column")):
+            words = self.refusal(tmp_path, part)
+            assert f"its first {what} rise in equal steps, as places x and y do" in words
+            assert "give size=" in words
 
     @pytest.mark.parametrize("turn", [np.asarray, np.transpose])
     def test_many_numbers_in_one_line_are_refused(self, tmp_path, turn):

@@ -11,14 +11,14 @@ from roughcontact.errors import InputError
 _FEWEST = 8
 # Part of a step by which a place may differ from its own: rounding of printed places.
 _OFF = 0.01
-_KEEP = "if these are heights, save the map with numpy.save"
+_COUNT = "count"
+_KEEP = "if they are heights, save the map with numpy.save"
 
 
 def require_heights(table: Array) -> None:
     """Refuse a table, shape (rows, numbers in a row), that is a list, or has more than heights.
 
-    A margin rises in equal steps, and the row or column beside it does not. Where there is one margin alone, it must
-    count from 0 or 1; where there are two, they may hold places.
+    A margin, its first row or column, rises in equal steps, and the row or column beside it does not.
 
     Raises
     ------
@@ -33,35 +33,30 @@ def require_heights(table: Array) -> None:
         )
     if min(table.shape) < 2:
         return
-    # pandas leaves the corner empty, where there are both margins.
-    both = [_margin(side[0, 1:], side[1, 1:]) for side in (table, table.T)]
-    if all(both):
-        if all(step == "count" for step in both):
-            raise InputError(
-                f"its first row and its first column count, as the header and the index that pandas writes, and are "
-                f"not heights: write it by to_csv(path, header=False, index=False); {_KEEP}"
-            )
-        raise InputError(
-            "its first row and its first column rise in equal steps, as the places x and y of the heights: save the "
-            f"heights without them, and give size=; {_KEEP}"
-        )
-    if _margin(table[0], table[1]) == "count":
-        raise InputError(
-            "its first row counts the columns, as the header that pandas writes, and is not one of heights: skip it "
-            f"with skip_rows=, or write it by to_csv(path, header=False, index=False); {_KEEP}"
-        )
-    if _margin(table[:, 0], table[:, 1]) == "count":
-        raise InputError(
-            "its first column counts the rows, as the index that pandas writes, and is not one of heights: write it "
-            f"by to_csv(path, header=False, index=False); {_KEEP}"
-        )
+    # The corner, where there are both margins, belongs to neither.
+    row, column = (_margin(side[0, 1:], side[1, 1:]) for side in (table, table.T))
+    if row and column:
+        what, counts = "its first row and its first column", row == column == _COUNT
+    elif row := _margin(table[0], table[1]):
+        what, counts = "its first row", row == _COUNT
+    elif column := _margin(table[:, 0], table[:, 1]):
+        what, counts = "its first column", column == _COUNT
+    else:
+        return
+    skip = "skip them with skip_rows=" if what == "its first row" else "save the heights without them"
+    found, advice = (
+        ("count, as header and index of pandas do", ", in pandas by to_csv(path, header=False, index=False)")
+        if counts
+        else ("rise in equal steps, as places x and y do", ", and give size=")
+    )
+    raise InputError(f"the numbers of {what} {found}, and are not heights: {skip}{advice}; {_KEEP}")
 
 
 def _margin(line: Array, beside: Array) -> str:
-    """Return whether a line counts or has equal steps; nothing if it does neither, or the line beside it does, too."""
+    """Return whether a line counts or has equal steps; nothing if it has none, or the line beside it has some."""
     if not _is_even(line) or _is_even(beside):
         return ""
-    return "count" if line[0] in (0.0, 1.0) and np.array_equal(line, line[0] + np.arange(line.size)) else "steps"
+    return _COUNT if line[0] in (0.0, 1.0) and np.array_equal(line, line[0] + np.arange(line.size)) else "steps"
 
 
 def _is_even(line: Array) -> bool:
