@@ -134,7 +134,7 @@ def write(folder: str | os.PathLike[str] = ".") -> tuple[Path, ...]:
             if path == table:
                 np.savetxt(file, arrays[path][""], fmt="%.6f", delimiter=",")
             else:
-                np.savez_compressed(file, **arrays[path])
+                np.savez_compressed(file, heights=arrays[path]["heights"], size=arrays[path]["size"])
     return tuple(arrays)
 
 

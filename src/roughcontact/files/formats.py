@@ -170,8 +170,8 @@ class InstrumentReader(SurfaceReader):
             topography = read_file(str(path))
         except CannotDetectFileFormat:
             raise InputError(
-                f"it is in none of the formats that are read: {_ENDINGS}, .tif, and those of instruments that "
-                "SurfaceTopography knows, such as .al3d, .opd, .plu, .sur and .x3p"
+                f"its content fits none of the formats that are read, which are those of {_ENDINGS}, .tif and of "
+                "instruments (.al3d, .opd, .plu, .sur, .x3p, ...): it is of another kind, or damaged"
             ) from None
         heights, size, periodic = read_topography(topography)
         return RawMap(heights, size, periodic, metric=True)
