@@ -446,7 +446,7 @@ class TestFigures:
             hertz.plot(axes=pyplot.figure().add_subplot())
         with pytest.raises(rc.InputError, match="The axes must be an Axes of matplotlib, or None, but got 5"):
             hertz.plot("gap", axes=5)
-        with pytest.raises(rc.InputError, match="The panel 'area-load' draws a sweep, not a solution"):
+        with pytest.raises(rc.InputError, match="draws a sweep, not a solution: the panels of a solution are '"):
             hertz.plot("area-load")
         with pytest.raises(rc.InputError, match=r"There is no panel named 'pressur'\. Did you mean 'pressure'"):
             hertz.plot("pressur")
