@@ -81,13 +81,13 @@ def test_a_wrong_command_line_is_explained(height_map, extra, words, capsys):
     ("extra", "words"),
     [
         (["--young", "0GPa"], "Young's modulus must be"),
-        (["--young", "1GPa", "--size", "1um"], "leave size= out"),
+        (["--young", "1GPa", "--size", "1um"], "leave --size out"),
         (["--young", "1GPa", "--size", "1um", "2um", "3um"], "one value or two"),
         (["--young", "1GPa", "--kernel", "lave"], "Did you mean 'love'"),
         (["--young", "1GPa", "--counterbody-hardness", "1GPa"], "needs --counterbody-young"),
         (["--young", "1GPa", "--hardness", "1kPa"], "at most 1 kPa"),
         (["--young", "1GPa", "--area", "guess"], "no area estimator named 'guess'"),
-        (["--young", "1GPa", "--solver", "polonsky-keer", "--hardness", "1GPa"], "solver='auto'"),
+        (["--young", "1GPa", "--solver", "polonsky-keer", "--hardness", "1GPa"], "use --solver auto"),
         (["--young", "1GPa", "--threads", "0"], "'auto' or a whole number of at least 1, but got 0"),
     ],
 )
@@ -194,7 +194,7 @@ def test_a_ball_gets_its_radius_back(two_maps, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--size", "40um"], "bring maps of two domains together"),
+        (["--size", "40um"], "give --match bilinear, which interpolates both"),
         (["--size", "40um", "--counterbody-size", "40um"], "which is not the size given"),
         (["--size", "40um", "--counterbody-unit", "1um"], "states its own unit"),
         (["--size", "40um", "--match", "bilinear", "--domain", "1m"], "was asked for"),

@@ -264,7 +264,7 @@ class TestText:
         _, out, _ = run("--help")
         assert not too_wide(out)
         assert "  roughcontact solve map.npz --pressure 10MPa --young 210GPa" in out
-        assert re.findall(r"^  (\d+) ", out, re.MULTILINE) == ["0", "1", "2", "3", "130"]
+        assert re.findall(r"^  (\d+) ", out, re.MULTILINE) == ["0", "1", "2", "3", "130", "141"]
 
     def test_the_verdict_comes_first(self, run):
         _, out, _ = run("stability", "rough.npz", "--force", "20mN", *STEEL)
@@ -308,7 +308,8 @@ class TestSurface:
         assert made.periodic
         assert made.size == (48e-6, 48e-6)
         np.testing.assert_array_equal(made.values, wanted.heights(GRID))
-        assert "rms height              50 nm" in out
+        assert "root of m0              50 nm" in out
+        assert "Sq            50 nm about the mean" in out
 
     def test_pairs_pictures_and_sides(self, run):
         options = [

@@ -72,6 +72,33 @@ def test_the_files_hold_the_maps(tmp_path, capsys):
     assert rc.examples.write(tmp_path) == tuple(tmp_path / path.name for path in paths)
 
 
+@pytest.mark.parametrize("name", ["map.npz", "map.csv", "liner.npz"])
+def test_no_file_of_the_user_is_replaced(tmp_path, monkeypatch, capsys, name):
+    monkeypatch.chdir(tmp_path)
+    mine = Path(name)
+    if mine.suffix == ".npz":
+        np.savez(mine, heights=np.ones((8, 8)), size=1e-3)
+    else:
+        mine.write_text("1,2\n3,4\n")
+    before = mine.read_bytes()
+    assert main(["examples"]) == 2
+    err = capsys.readouterr().err
+    assert f"'{name}' holds something else" in err
+    assert "examples maps" in err
+    assert mine.read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_the_files_are_written_once(tmp_path, capsys):
+    rc.examples.write(tmp_path)
+    (tmp_path / "ring.npz").unlink()
+    times = {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
+    assert main(["examples", str(tmp_path)]) == 0
+    assert capsys.readouterr().out.count("(already there)") == 4
+    assert (tmp_path / "ring.npz").exists()
+    assert all(path.stat().st_mtime_ns == time for path, time in times.items())
+
+
 def test_the_line_of_the_readme_gives_a_contact_whose_area_is_known(tmp_path, monkeypatch, capsys):
     text = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
     (line,) = re.findall(r"^roughcontact (solve ball.npz ring.npz .*)$", text, re.M)

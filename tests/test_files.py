@@ -79,7 +79,7 @@ def test_filling_makes_no_summit_and_continues_planes():
         ("map.txt", b"1 2\nx y\n", "line 2 holds 'x', which is not a number: .* comments behind #"),
         ("map.csv", b"1,2,\n3,4\n5,6,7\n", "line 2 has 2 numbers, but others have 3"),
         ("map.csv", b"1,2\n3,4\n", "one comma in each line and no points, .*: give decimal=',' or decimal='.'"),
-        ("map.csv", b"1,2, 3,4\n5,6, 7,8\n", "commas with blanks beside them and without .*: give decimal=','"),
+        ("map.csv", b"1,2, 3,4\n5,6, 7,8\n", "commas, some of them beside blanks, and no points, .*: give decimal=','"),
         ("map.csv", b"1.5;2,5\n2.5;3,5\n", "line 1 holds '2,5', which is not a number: .* give decimal=','"),
         ("map.csv", b"1.234,5;2\n", "line 1 holds '1.234,5', which is not a number"),
         ("map.csv", b"z1.5,2,3\n4,5,6\n", "the line 'z1.5,2,3' above its heights .* skip_rows="),
@@ -250,7 +250,7 @@ def test_results_can_be_read_by_others(tmp_path):
         ("1 2\n3 4\n".encode("utf-16"), [[1, 2], [3, 4]]),
         ("\ufeff1 2\n3 4\n".encode("utf-16-be"), [[1, 2], [3, 4]]),
         ("1 2\n3 4\n".encode("utf-32"), [[1, 2], [3, 4]]),
-        (b" ".join([b"1.5"] * 10**5), [[1.5] * 10**5]),
+        (b" ".join([b"1.5"] * 10**5) + b"\n" + b" ".join([b"2.5"] * 10**5), [[1.5] * 10**5, [2.5] * 10**5]),
     ],
 )
 def test_tables_as_instruments_and_spreadsheets_write_them(tmp_path, content, heights):
@@ -415,3 +415,102 @@ def test_points_that_take_more_memory_than_there_is_are_not_filled(tmp_path, mon
     monkeypatch.setattr("roughcontact.checks.memory.available_memory", lambda: 2**24)
     with pytest.raises(rc.InputError, match=r"Filling 89700 non-measured points needs 42\.77 MiB of memory"):
         rc.read_surface(tmp_path / "map.npz", non_measured="fill")
+
+
+class TestWhatIsNotHeightsInATable:
+    ROUGH = np.random.default_rng(2).normal(size=(12, 10))
+
+    def refusal(self, tmp_path, table, text="nan"):
+        path = tmp_path / "map.csv"
+        path.write_text("\n".join(",".join(map(str, row)) for row in table).replace("nan", text) + "\n")
+        with pytest.raises(rc.InputError) as caught:
+            rc.read_surface(path, size=1e-3)
+        return str(caught.value)
+
+    def test_what_pandas_writes_beside_the_heights_is_refused(self, tmp_path):
+        table = np.pad(self.ROUGH, ((1, 0), (1, 0)))
+        table[0, 1:], table[1:, 0], table[0, 0] = np.arange(10), np.arange(12), np.nan
+        both, index = self.refusal(tmp_path, table, text=""), self.refusal(tmp_path, table[1:])
+        assert "the numbers of its first row and its first column count, as header and index of pandas do" in both
+        assert "the numbers of its first row count, as" in (header := self.refusal(tmp_path, table[:, 1:]))
+        assert "the numbers of its first column count, as" in index
+        assert "skip_rows=" in header
+        assert all("to_csv(path, header=False, index=False)" in words for words in (both, header, index))
+        path = tmp_path / "map.csv"
+        np.savetxt(path, table[:, 1:], delimiter=",")
+        surface = rc.read_surface(path, size=(1.0, 1.0), skip_rows=1)
+        np.testing.assert_array_equal(surface.values, self.ROUGH)
+
+    def test_rows_and_columns_of_places_are_refused(self, tmp_path):
+        table = np.pad(self.ROUGH, ((1, 0), (1, 0)))
+        table[0, 1:], table[1:, 0] = np.round(np.arange(10) / 3, 4), -2.5 * np.arange(12)
+        for part, what in ((table, "row and its first column"), (table[:, 1:], "row"), (table[1:], "column")):
+            words = self.refusal(tmp_path, part)
+            assert f"its first {what} rise in equal steps, as places x and y do" in words
+            assert "give size=" in words
+
+    @pytest.mark.parametrize("turn", [np.asarray, np.transpose])
+    def test_many_numbers_in_one_line_are_refused(self, tmp_path, turn):
+        words = self.refusal(tmp_path, turn(self.ROUGH.reshape(-1, 1)))
+        assert "its 120 numbers stand in one" in words
+        assert "reshape(nx, ny)" in words
+
+    @pytest.mark.parametrize(
+        "heights",
+        [
+            np.arange(12.0)[:, None] + np.arange(10.0),
+            np.arange(120.0).reshape(12, 10),
+            np.outer(np.arange(12.0), np.arange(1.0, 11.0)),
+            np.abs(np.arange(12.0)[:, None] - 5.0) + 0.0 * np.arange(10.0),
+            np.full((12, 10), 3.0),
+        ],
+    )
+    def test_planes_and_wedges_are_heights(self, tmp_path, heights):
+        np.savetxt(tmp_path / "map.csv", heights, delimiter=",")
+        np.testing.assert_array_equal(rc.read_surface(tmp_path / "map.csv", size=(1.0, 1.0)).values, heights)
+
+
+class TestFilesThatHoldNoHeights:
+    @pytest.mark.parametrize(
+        ("name", "content", "words"),
+        [
+            ("a.png", b"\x89PNG\r\n\x1a\n", "a PNG picture"),
+            ("a.csv", b"\x89PNG\r\n\x1a\n", "a PNG picture"),
+            ("a.jpg", b"\xff\xd8\xff\xe0", "a JPEG picture"),
+            ("a.gif", b"GIF89a", "a GIF picture"),
+            ("a.pdf", b"%PDF-1.7", "a PDF document"),
+            ("a.htm", b"\n<!DOCTYPE html>\n<html>", "a page of HTML"),
+            ("a.xml", b"<?xml version='1.0'?>\n<a/>", "an XML document"),
+            ("a.vti", b'<?xml version="1.0"?>\n<VTKFile type="ImageData">', "image data of VTK"),
+            ("a.zip", b"PK\x03\x04", "a ZIP archive"),
+        ],
+    )
+    def test_are_named_with_and_without_further_packages(self, tmp_path, monkeypatch, name, content, words):
+        (tmp_path / name).write_bytes(content)
+        for hidden in (False, True):
+            if hidden:
+                monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+            with pytest.raises(rc.InputError, match=f"The file {name} cannot be used: it is {words}"):
+                rc.read_surface(tmp_path / name)
+
+    @pytest.mark.parametrize("ending", ["npz", "nc"])
+    def test_a_saved_solution_says_how_to_continue(self, tmp_path, ending):
+        if ending == "nc":
+            pytest.importorskip("xarray")
+        problem = rc.ContactProblem(rc.Body(rc.HeightMap(HEIGHTS, size=(1e-3, 1e-3)), rc.Elastic(1e9, 0.3)))
+        problem.solve(pressure=1e4).save(tmp_path / f"contact.{ending}")
+        with pytest.raises(rc.InputError, match=r"it is a saved solution, .*ContactSolution.load.*roughcontact plot"):
+            rc.read_surface(tmp_path / f"contact.{ending}")
+
+    def test_of_no_known_format_name_those_that_are_read(self, tmp_path):
+        pytest.importorskip("SurfaceTopography", exc_type=ImportError)
+        (tmp_path / "a.bin").write_bytes(bytes(range(256)))
+        with pytest.raises(rc.InputError, match=r"none of the formats that are read, .* \.npz, .*\.tif .*\.x3p"):
+            rc.read_surface(tmp_path / "a.bin")
+
+
+def test_the_package_of_each_ending_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    (tmp_path / "a.x3p").write_bytes(b"PK\x03\x04")
+    with pytest.raises(rc.MissingPackage, match=r"\.mat are read without it, and \.tif by .*roughcontact\[files\]"):
+        rc.read_surface(tmp_path / "a.x3p")

@@ -149,8 +149,26 @@ def test_a_limit_holds_for_finer_grids():
     problem = contact(WAVY, grid=rc.Grid((64, 64), 1e-4), boundary="periodic", memory_limit="1 MiB")
     with pytest.raises(rc.InputError, match=r"allows only 1 MiB"):
         rc.extrapolate(problem, pressure=1e5, levels=3)
-    with pytest.raises(rc.NotConverged, match=r"allows only 1 MiB"):
+    words = r"It seems to need 256 x 256 cells, .*too little memory \(.*allows only 1 MiB\): allow a larger error\."
+    with pytest.raises(rc.NotConverged, match=words):
         problem.solve(pressure=1e5, area_within=1e-6)
+
+
+def test_a_finer_grid_that_no_longer_fits_when_it_is_solved_is_a_shortfall(monkeypatch):
+    """The heights of the finer grid take memory too."""
+    solve, calls = rc.ContactProblem._solve, []
+
+    def once(problem, *args, **options):
+        calls.append(problem)
+        if len(calls) > 1:
+            require_memory_of_solve(problem.plan.grid, problem.boundary, 2**20)
+        return solve(problem, *args, **options)
+
+    monkeypatch.setattr(rc.ContactProblem, "_solve", once)
+    problem = contact(WAVY, grid=rc.Grid((64, 64), 1e-4), boundary="periodic")
+    solution = problem.solve(pressure=1e5, area_within=1e-6, throw=False)
+    assert solution.grid.shape == (64, 64)
+    assert "too little memory" in solution.accuracy.shortfall
 
 
 def test_explain_says_for_how_much_contact_the_memory_suffices(monkeypatch):

@@ -476,7 +476,7 @@ class TestFigures:
         for axes in (5, pyplot.figure().add_subplot(projection="polar"), pyplot.figure().add_subplot(projection="3d")):
             with pytest.raises(rc.InputError, match="The axes must be plane, rectangular Axes of matplotlib, or None"):
                 hertz.plot("gap", axes=axes)
-        with pytest.raises(rc.InputError, match="The panel 'area-load' draws a sweep, not a solution"):
+        with pytest.raises(rc.InputError, match="draws a sweep, not a solution: the panels of a solution are '"):
             hertz.plot("area-load")
         with pytest.raises(rc.InputError, match=r"There is no panel named 'pressur'\. Did you mean 'pressure'"):
             hertz.plot("pressur")

@@ -6,13 +6,15 @@ import argparse
 import inspect
 import io
 import os
+import re
 import sys
 import warnings
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from roughcontact import __version__
 from roughcontact.cli import Command, commands
+from roughcontact.cli.wording import name_options
 from roughcontact.errors import InputError, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import translated
 from roughcontact.units.text import fit
@@ -20,27 +22,18 @@ from roughcontact.units.text import fit
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status: 1 for no certified answer, 2 for wrong input, 3 for warnings."""
-    # A terminal that cannot show a micro sign gets a question mark, not a traceback.
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")
+    _prepare_streams()
     warnings.formatwarning = lambda message, *_, **__: f"roughcontact: {message}\n"
     given = list(sys.argv[1:] if arguments is None else arguments)
     call = f"The command {shorten(given[0], 40)}" if given else "The command"
     try:
-        if given and not given[0].startswith("-"):
-            status = _run(given[0], given[1:])
-            sys.stdout.flush()
-            return status
-        parser = _overview()
-        parser.parse_args(given)
-        parser.error("name a command")
+        return _answer(given)
     except ModuleNotFoundError as error:
         return _fail(f"This command needs {error.name}: pip install 'roughcontact[cli]'.", 2)
     except BrokenPipeError:
         # Whoever reads the output has enough, as head does; nor shall Python complain when it closes it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+        return _PIPE_CLOSED
     except KeyboardInterrupt:
         return _fail("interrupted", 130)
     except Exception as error:
@@ -48,24 +41,54 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(str(known), 1 if isinstance(known, (NotConverged, UnexpectedError)) else 2)
 
 
+def _prepare_streams() -> None:
+    for name in ("stdout", "stderr"):
+        # A shell can close a stream: >&-.
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - it stays open
+        # A terminal that cannot show a micro sign gets a question mark, not a traceback.
+        if isinstance(stream := getattr(sys, name), io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def _answer(given: Sequence[str]) -> int:
+    """Run the command, or print the help; what is printed is out when it ends."""
+    try:
+        if given and not given[0].startswith("-"):
+            return _run(given[0], given[1:])
+        parser = _overview()
+        parser.parse_args(given)
+        parser.error("name a command")
+    finally:
+        sys.stdout.flush()
+
+
+# The exit status when whoever reads the output has closed it: 128 and the number of SIGPIPE, as shells state it.
+_PIPE_CLOSED = 141
 _EPILOG = """
 examples:
   roughcontact solve map.npz --pressure 10MPa --young 210GPa
   roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
   roughcontact surface self-affine --hurst 0.8 --rms-height 100nm \\
-      --shortest 2um --longest 100um --shape 256 256 --size 100um -o map.npz
-  roughcontact plot map.npz -o map.png
+      --shortest 2um --longest 100um --shape 256 256 --size 100um -o rough.npz
+  roughcontact plot rough.npz -o rough.png
 
 exit statuses:
   0    solved, without warnings
   1    no certified answer: not converged, or a check failed
   2    wrong input, or something is missing: one sentence says what
   3    solved, with warnings other than those of its area
-  130  interrupted by Ctrl-C"""
+  130  interrupted by Ctrl-C
+  141  whoever reads the output, such as head, has closed it"""
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors do not repeat thousands of characters."""
+    """A parser whose errors do not repeat thousands of characters, and that takes -1N for a value, not an option."""
+
+    def __init__(self, **others: Any) -> None:
+        super().__init__(**others)
+        # As Python 3.14 has it; before, it takes -1 for a number, but -1N for an option.
+        self._negative_number_matcher = re.compile(r"-\.?[0-9]")
 
     def error(self, message: str) -> NoReturn:
         super().error(shorten(message, 400))
@@ -89,7 +112,13 @@ def _run(name: str, arguments: Sequence[str]) -> int:
         command.declare(parser)
     except Exception as error:
         raise InputError(f"The command {name!r} cannot declare its arguments: {error}") from error
-    return command.run(parser.parse_args(arguments))
+    options = parser.parse_args(arguments)
+    try:
+        return command.run(options)
+    except InputError as error:
+        shown = parser.format_help()
+        names = [option for option in vars(options) if f"--{option.replace('_', '-')} " in shown]
+        raise InputError(name_options(str(error), names)) from error
 
 
 def _load(name: str) -> Command:

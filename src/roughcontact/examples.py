@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +13,16 @@ import numpy as np
 from roughcontact import checks
 from roughcontact._surfaces import HeightMap, SelfAffineSurface
 from roughcontact._surfaces.filling import fill
-from roughcontact.archive import replacing
+from roughcontact.archive import read_npz, replacing
 from roughcontact.checks import Array
+from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.grid import Grid
 
 # Digits behind the point of heights in m: a picometre, far below every roughness, hides the rounding of machines.
 _DIGITS = 12
+# By how much the numbers of a file may differ from those that it should hold: rounding, in m and in µm.
+_SAME = {".npz": 2e-12, ".csv": 2e-6}
 # Standard deviation of the logarithm of the depth of skewed surfaces: a skewness of about -1.
 _DEPTH = 0.33
 
@@ -101,26 +106,59 @@ def write(folder: str | os.PathLike[str] = ".") -> tuple[Path, ...]:
     """Write the example maps as the files that the docs mention, and return their paths.
 
     ``ball.npz``, ``ring.npz``, ``map.npz`` (the lapped plate) and ``liner.npz`` (the honed liner, NaN at non-measured
-    points) hold `heights`, m, and `size`, m; ``map.csv`` the heights of ``map.npz`` in µm, one row for each x. Files of
-    these names are replaced.
+    points) hold `heights`, m, and `size`, m; ``map.csv`` the heights of ``map.npz`` in µm, one row for each x. Those
+    that are there already are not written again.
 
     Parameters
     ----------
     folder
         Where to; it is made if there is none.
+
+    Raises
+    ------
+    InputError
+        If a file of one of these names holds something else; then none is written.
     """
     target = checks.path(folder, "The folder of the examples")
     target.mkdir(parents=True, exist_ok=True)
     maps = {"ball": ball(), "ring": ground_ring(), "map": lapped_plate(), "liner": honed_liner()}
-    for name, surface in maps.items():
-        values = (
-            surface.values if surface.non_measured is None else np.where(surface.non_measured, np.nan, surface.values)
-        )
-        with replacing(target / f"{name}.npz") as partial, partial.open("wb") as file:
-            np.savez_compressed(file, heights=values, size=surface.size)
-    with replacing(target / "map.csv") as partial:
-        np.savetxt(partial, 1e6 * maps["map"].values, fmt="%.6f", delimiter=",")
-    return (*(target / f"{name}.npz" for name in maps), target / "map.csv")
+    arrays = {
+        target / f"{name}.npz": {"heights": _with_nan(surface), "size": np.array(surface.size)}
+        for name, surface in maps.items()
+    }
+    table = target / "map.csv"
+    arrays[table] = {"": 1e6 * maps["map"].values}
+    missing = [path for path, content in arrays.items() if not _is_there(path, content)]
+    for path in missing:
+        with replacing(path) as partial, partial.open("wb") as file:
+            if path == table:
+                np.savetxt(file, arrays[path][""], fmt="%.6f", delimiter=",")
+            else:
+                np.savez_compressed(file, heights=arrays[path]["heights"], size=arrays[path]["size"])
+    return tuple(arrays)
+
+
+def _is_there(path: Path, content: dict[str, Array]) -> bool:
+    """Return whether a file holds these arrays; `InputError` if it holds others."""
+    if not path.exists():
+        return False
+    # What cannot be read holds something else.
+    with contextlib.suppress(OSError, ValueError, zipfile.BadZipFile), path.open("rb") as file:
+        found = {"": np.loadtxt(file, delimiter=",")} if path.suffix == ".csv" else read_npz(file, deflated=True)
+        if found.keys() == content.keys() and all(
+            np.shape(found[name]) == values.shape
+            and np.allclose(found[name], values, rtol=0.0, atol=_SAME[path.suffix], equal_nan=True)
+            for name, values in content.items()
+        ):
+            return True
+    raise InputError(
+        f"The file {str(path)!r} holds something else than the example of this name, and nothing was written: give "
+        "another folder, such as write('maps') or the command 'roughcontact examples maps'."
+    )
+
+
+def _with_nan(surface: HeightMap) -> Array:
+    return surface.values if surface.non_measured is None else np.where(surface.non_measured, np.nan, surface.values)
 
 
 def _crop(surface: SelfAffineSurface, grid: Grid) -> Array:

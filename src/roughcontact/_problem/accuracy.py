@@ -107,7 +107,14 @@ def solve_within(
         if solution is not None:
             periodic = problem.boundary is not Boundary.FREE
             start = bilinear(solution.pressure, rung.plan.grid.shape, periodic=periodic)
-        solution = rung.solve(**load.arguments, start=start, throw=False, on_step=on_step)
+        try:
+            solution = rung.solve(**load.arguments, start=start, throw=False, on_step=on_step)
+        except InputError as error:
+            # The memory is compared once more before a solve: the heights take some of it.
+            if solution is None:
+                raise
+            shortfall = _explain(error, rung.plan.grid.shape)
+            break
         trials.append(target.measure(solution))
         if not solution.status.success:
             shortfall = "the solver did not converge"
@@ -202,10 +209,25 @@ def _refine(problem: ContactProblem, trials: list[Trial], target: Target) -> Con
     nx, ny = (
         _MULTIPLE * scipy.fft.next_fast_len(math.ceil(factor * n / _MULTIPLE), real=True) for n in trials[-1].shape
     )
-    require_memory_of_solve(Grid((nx, ny), problem.plan.grid.size), problem.boundary, problem.memory_limit)
+    try:
+        require_memory_of_solve(Grid((nx, ny), problem.plan.grid.size), problem.boundary, problem.memory_limit)
+    except InputError as error:
+        raise InputError(_explain(error, (nx, ny))) from error
     try:
         return resample_problem(problem, (nx, ny))
     except InputError as error:
         if _has_map(problem):
             raise InputError(_NO_HEIGHTS) from error
         raise
+
+
+def _explain(error: InputError, shape: tuple[int, int]) -> str:
+    """Return why a grid, which nobody has asked for, is not solved: without the advice to choose another."""
+    reason, _, advice = str(error).rstrip(".").partition(": choose ")
+    if not advice:
+        return reason
+    available = reason.rpartition(", but ")[2]
+    return (
+        f"it seems to need {shape[0]} x {shape[1]} cells, for which there is too little memory ({available}): allow a "
+        "larger error"
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 import math
 import os
@@ -19,12 +20,19 @@ from roughcontact.errors import MissingPackage
 _STORED_BOOLEANS = np.int8
 
 
+def require_netcdf() -> None:
+    """Raise `MissingPackage` without the packages that write netCDF."""
+    for name in ("xarray", "h5netcdf"):
+        try:
+            importlib.import_module(name)
+        except ImportError:
+            raise MissingPackage(f"netCDF needs the package {name}: pip install 'roughcontact[store]'.") from None
+
+
 def write_netcdf(path: Path, dataset: Any) -> None:
     """Write an xarray dataset with a seal, completely or not at all."""
-    try:
-        import h5netcdf
-    except ImportError:
-        raise MissingPackage("netCDF needs the package h5netcdf: pip install 'roughcontact[store]'.") from None
+    require_netcdf()
+    import h5netcdf
     from xarray.backends import H5NetCDFStore
 
     # In memory: HDF5 ends the process when it cannot write its file.

@@ -33,8 +33,8 @@ def _size(value: float | Sequence[float], height_map: Any) -> Pair:
     sides, (nx, ny) = pair(value, "The size of the height map", "m", above=0.0), height_map.values.shape
     if nx != ny and np.size(value) == 1:
         raise InputError(
-            f"A height map of {nx} x {ny} points needs both sides, size=(x, y) or --size X Y, but got one: with square "
-            f"cells it is {si(sides[0], 'm')} x {si(sides[0] * ny / nx, 'm')} large."
+            f"A height map of {nx} x {ny} points needs both sides, size=(x, y), m (on the command line --size X Y), "
+            f"but got one: with square cells it is {si(sides[0], 'm')} x {si(sides[0] * ny / nx, 'm')} large."
         )
     return sides
 

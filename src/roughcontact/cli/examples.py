@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 import roughcontact as rc
 from roughcontact.cli import Command
@@ -21,6 +22,8 @@ examples:
         parser.add_argument("folder", nargs="?", default=".", metavar="FOLDER", help="where to (this folder)")
 
     def run(self, options: argparse.Namespace) -> int:
+        """Write the files, print their names, and return 0."""
+        before = set(Path(options.folder).glob("*"))
         for path in rc.examples.write(options.folder):
-            print(path)
+            print(f"{path}{' (already there)' if path in before else ''}")
         return 0

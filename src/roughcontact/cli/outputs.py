@@ -8,6 +8,7 @@ from typing import Any
 
 import roughcontact as rc
 from roughcontact import checks
+from roughcontact._solution.netcdf import require_netcdf
 from roughcontact.panel.figures import save_figure
 from roughcontact.panel.theme import require_matplotlib
 from roughcontact.units.text import fit
@@ -15,15 +16,17 @@ from roughcontact.units.text import fit
 PICTURES = frozenset({".png", ".svg", ".pdf"})
 
 
-def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path]) -> list[Path]:
+def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path], count: int = 1) -> list[Path]:
     """Return the files to be written; a name without an ending is that of a folder, which is made.
+
+    `count` solutions get their numbers when they are written.
 
     Raises
     ------
     InputError
         If a folder is missing, no writer knows an ending, or a height map would be overwritten.
     MissingPackage
-        If a picture is asked for without matplotlib.
+        If a picture, a report or netCDF is asked for without its packages.
     """
     known = {suffix for name in rc.writers for suffix in rc.writers.create(name).suffixes} | PICTURES
     files = []
@@ -44,11 +47,14 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path])
     for path in files:
         if not path.parent.is_dir():
             raise rc.InputError(f"There is no folder {str(path.parent)!r} to write {path.name!r} into.")
-        if path.exists() and any(one.exists() and path.samefile(one) for one in maps):
-            raise rc.InputError(f"The output {str(path)!r} is a height map that is read: give another name.")
+        for target in (path, *_numbered(path, count)):
+            if target.exists() and any(one.exists() and target.samefile(one) for one in maps):
+                raise rc.InputError(f"The output {str(target)!r} is a height map that is read: give another name.")
         # A report has figures.
         if path.suffix in {*PICTURES, ".html"}:
             require_matplotlib()
+        elif path.suffix == ".nc":
+            require_netcdf()
     return files
 
 
@@ -69,8 +75,11 @@ def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.Co
             save_figure(subject.plot(), path)
             written.append(path)
             continue
-        for number, solution in enumerate(solutions, 1):
-            target = path if len(solutions) == 1 else path.with_stem(f"{path.stem}-{number}")
+        for target, solution in zip(_numbered(path, len(solutions)), solutions, strict=True):
             solution.save(target)
             written.append(target)
     return fit(f"\nWritten: {', '.join(map(str, written))}") if written else ""
+
+
+def _numbered(path: Path, count: int) -> list[Path]:
+    return [path] if count == 1 else [path.with_stem(f"{path.stem}-{number}") for number in range(1, count + 1)]

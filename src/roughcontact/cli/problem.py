@@ -49,7 +49,13 @@ def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.G
     form = options.detrend if options.counterbody_detrend is None else options.counterbody_detrend
     counterbody = _read(options.counterbody, options, *_counterbody_size_and_unit(options), form)
     if options.match is None:
-        return _resample(body, options), _resample(counterbody, options), None
+        body, counterbody = _resample(body, options), _resample(counterbody, options)
+        if not body.grid.matches(counterbody.grid):
+            raise rc.InputError(
+                f"The height maps are given on {body.grid} and {counterbody.grid}: give --match bilinear, which "
+                "interpolates both on a common grid, or --resample NX NY where only their cells differ."
+            )
+        return body, counterbody, None
     pair = rc.match(
         body,
         counterbody,

@@ -15,6 +15,7 @@ from roughcontact.cli.options import NUMBER, add_output, whole_number
 from roughcontact.cli.progress import show_progress
 from roughcontact.cli.scenes import Scene, add_scenes, read_scenes
 from roughcontact.diagnostics import Verdict
+from roughcontact.panel.theme import require_matplotlib
 from roughcontact.report import ErrorReport
 from roughcontact.units.text import fit
 
@@ -55,6 +56,7 @@ examples:
 
     def run(self, options: argparse.Namespace) -> int:
         """Solve all cases, print the table and the advice, write CSV, Markdown and picture; return 0."""
+        require_matplotlib()
         output = checks.path(options.output, "The output folder")
         for scene in read_scenes(options):
             folder = output / scene.name

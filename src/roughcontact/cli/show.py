@@ -11,10 +11,10 @@ import roughcontact as rc
 from roughcontact import checks
 from roughcontact.cli import Command
 from roughcontact.cli.answers import to_json, to_text
+from roughcontact.cli.maps import describe_map, list_warnings
 from roughcontact.cli.options import add_reading
 from roughcontact.cli.outputs import plan_picture
 from roughcontact.cli.problem import read_map
-from roughcontact.cli.surface import describe_map
 from roughcontact.panel.figures import save_figure
 from roughcontact.units.text import fit
 
@@ -64,8 +64,11 @@ examples:
     def run(self, options: argparse.Namespace) -> int:
         """Draw what the file holds, and return 0."""
         path = plan_picture(options.output)
-        save_figure(_read(options).plot(panel=options.panel, dark=options.dark), path)
+        subject = _read(options)
+        save_figure(subject.plot(panel=options.panel, dark=options.dark), path)
         print(fit(f"Written: {path}"))
+        for text in list_warnings(subject) if isinstance(subject, rc.HeightMap) else ():
+            print(text)
         return 0
 
 

@@ -73,10 +73,13 @@ examples:
         """Return 0, or 3 if a solution has warnings, or raise `NotConverged` after writing what was reached."""
         if options.area is not None:
             rc.areas.resolve(options.area)
+        piped = options.json or options.csv
+        if options.dry_run and piped:
+            raise rc.InputError("--dry-run prints the plan, which is text: omit --json or --csv.")
         _refuse_for_several(options)
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
-        files = plan_outputs(options.output, options.report, [checks.path(name, "The map") for name in maps])
-        piped = options.json or options.csv
+        paths = [checks.path(name, "The map") for name in maps]
+        files = plan_outputs(options.output, options.report, paths, len(loads_of(options)))
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
         if options.explain or options.dry_run:

@@ -17,11 +17,10 @@ import roughcontact as rc
 from roughcontact import checks
 from roughcontact.archive import replacing
 from roughcontact.cli import Command
+from roughcontact.cli.maps import describe_map
 from roughcontact.cli.options import METRE, NUMBER, quantity, whole_number
 from roughcontact.cli.outputs import plan_picture
 from roughcontact.panel.figures import save_figure
-from roughcontact.reference import roughness
-from roughcontact.units import si
 from roughcontact.units.text import fit
 
 # Types of fields, as they are annotated, that an option can give: the converter, and how many values.
@@ -38,7 +37,7 @@ class MakeSurface(Command):
     epilog = """
 examples:
   roughcontact surface self-affine --hurst 0.8 --rms-height 100nm \\
-      --shortest 2um --longest 100um --shape 256 256 --size 100um -o map.npz
+      --shortest 2um --longest 100um --shape 256 256 --size 100um -o rough.npz
   roughcontact surface sphere --radius 5mm --shape 64 64 --size 0.2mm \\
       -o ball.npz
   roughcontact surface wavy --amplitude 0.5um --wavelength 12.5um \\
@@ -143,19 +142,3 @@ def _field_texts(cls: type) -> Iterator[tuple[str, str]]:
     for names, text in re.findall(r"^(\w[\w, ]*)\n((?:[ ]+.*\n?)+)", section[1] if section else "", re.MULTILINE):
         for name in names.split(", "):
             yield name, " ".join(text.split())
-
-
-def describe_map(surface: rc.HeightMap) -> str:
-    """Return size, cells and roughness of a height map, and its warnings, in lines of at most 80 columns."""
-    heights, grid = surface.values, surface.grid
-    lines = [
-        f"grid          {grid}, cells of {si(grid.spacing[0], 'm')} x {si(grid.spacing[1], 'm')}",
-        f"heights       {si(float(heights.min()), 'm')} to {si(float(heights.max()), 'm')}",
-        *(f"history       {text}" for text in surface.history),
-    ]
-    if surface.non_measured is not None:
-        count = int(surface.non_measured.sum())
-        lines.append(f"non-measured  {count} of {grid.cells} points ({100 * count / grid.cells:.2g} %)")
-    lines.append(str(roughness(heights, grid, periodic=surface.periodic)))
-    lines += [f"warning       {text}" for text in surface.warnings]
-    return fit("\n".join(lines))

@@ -16,11 +16,12 @@ from roughcontact.errors import InputError, MissingPackage
 from roughcontact.files.base import RawMap, SurfaceReader
 from roughcontact.files.gwyddion import read_header
 from roughcontact.files.layout import SEPARATORS, WORDS
+from roughcontact.files.margins import require_heights
 from roughcontact.files.points import put_on_grid
 from roughcontact.files.text import read_table
 
 # Endings of files that need no instrument's reader.
-_ENDINGS = (".npz", ".npy", ".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz", ".mat", ".tif")
+_ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .mat"
 # Numbers in a row of a profile x z and of a list of points x y z; and rows from which on a table is one: 3 x 3 points.
 _COLUMNS_OF_PROFILES, _COLUMNS_OF_POINTS, _ROWS_OF_LISTS = 2, 3, 9
 
@@ -127,6 +128,7 @@ class TextReader(SurfaceReader):
             )
         if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] == _COLUMNS_OF_POINTS:
             return put_on_grid(heights)
+        require_heights(heights)
         if stated.unit is not None:
             heights = heights * stated.unit
         # From here on an image has x first, and y upwards.
@@ -158,10 +160,18 @@ class InstrumentReader(SurfaceReader):
             # Its imports warn of optional parallel packages.
             with warnings.catch_warnings(action="ignore"):
                 from SurfaceTopography import read_topography as read_file
+                from SurfaceTopography.Exceptions import CannotDetectFileFormat
         except ImportError:
             raise MissingPackage(
                 f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
-                f"Files {', '.join(_ENDINGS)} are read without it."
+                f"Files {_ENDINGS} are read without it, and .tif by tifffile: pip install 'roughcontact[files]'."
             ) from None
-        heights, size, periodic = read_topography(read_file(str(path)))
+        try:
+            topography = read_file(str(path))
+        except CannotDetectFileFormat:
+            raise InputError(
+                f"its content fits none of the formats that are read, which are those of {_ENDINGS}, .tif and of "
+                "instruments (.al3d, .opd, .plu, .sur, .x3p, ...): it is of another kind, or damaged"
+            ) from None
+        heights, size, periodic = read_topography(topography)
         return RawMap(heights, size, periodic, metric=True)

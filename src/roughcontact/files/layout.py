@@ -105,7 +105,7 @@ def _judge_commas(lines: Sequence[str]) -> str:
         return ","
     if not beside and " " in text:
         return " "
-    found = "commas with blanks beside them and without" if beside else "one comma in each line"
+    found = "commas, some of them beside blanks," if beside else "one comma in each line"
     raise InputError(
         f"it has {found} and no points, so that the commas may be decimal or separate numbers: give decimal=',' or "
         "decimal='.'"

@@ -16,12 +16,15 @@ from roughcontact import checks
 from roughcontact._surfaces import HeightMap
 from roughcontact._surfaces.filling import TREATMENTS, complete
 from roughcontact.checks import choice, number, pair
-from roughcontact.errors import InputError, RoughContactError
+from roughcontact.errors import InputError, RoughContactError, shorten
 from roughcontact.errors.door import guarded
 from roughcontact.files.base import RawMap, SurfaceReader, readers
+from roughcontact.files.foreign import find_foreign
 from roughcontact.units import si
 
 _FALLBACK = "instrument"
+# Characters of a reader's message that a sentence repeats.
+_REASON = 200
 # A given size agrees with that of the file to this fraction: six digits, as people type them.
 _SAME_SIZE = 1e-6
 
@@ -101,19 +104,28 @@ def read_raw(file: Path, reader: str | SurfaceReader = "auto", **options: Any) -
     chosen = _make_reader(_reader_for(file) if reader == "auto" else reader, file, options)
     try:
         raw = chosen.read(file)
-    except InputError as error:
-        raise InputError(f"The file {file.name} cannot be used: {str(error).rstrip('.')}.") from error
-    except RoughContactError:
-        raise
     # Readers fail in as many ways as there are broken files; the user needs one sentence.
     except Exception as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"The file {file.name} cannot be read as a height map: {reason[:200]}.") from error
+        explained = _explain(error, file)
+        if explained is error:
+            raise
+        raise explained from error
     if not isinstance(raw, RawMap) or not isinstance(raw.heights, np.ndarray):
         raise InputError(
             f"The reader {chosen!r} must return a RawMap with an array of heights, but returned {raw!r:.80}."
         )
     return raw
+
+
+def _explain(error: Exception, file: Path) -> Exception:
+    """Return the sentence about a file that its reader could not read."""
+    foreign = find_foreign(file)
+    if foreign or isinstance(error, InputError):
+        return InputError(f"The file {file.name} cannot be used: {foreign or str(error).rstrip('.')}.")
+    if isinstance(error, RoughContactError):
+        return error
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return InputError(f"The file {file.name} cannot be read as a height map: {shorten(reason, _REASON).rstrip('.')}.")
 
 
 def options_of(file: Path, reader: str = "auto") -> tuple[str, ...]:

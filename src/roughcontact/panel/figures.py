@@ -93,7 +93,9 @@ def _resolve(kind: str, panel: str | Panel) -> Panel:
     chosen = panels.resolve(panel)
     if chosen.subject != kind:
         known = ", ".join(repr(name) for name in panels if panels[name].subject == kind)
-        raise InputError(f"The panel {panel!r} draws a {chosen.subject}, not a {kind}, of which there are {known}.")
+        raise InputError(
+            f"The panel {panel!r} draws a {chosen.subject}, not a {kind}: the panels of a {kind} are {known}."
+        )
     return chosen
 
 

@@ -54,7 +54,7 @@ class Roughness:
 
     def __str__(self) -> str:
         rows = {
-            "rms height": self.rms_height,
+            "root of m0": self.rms_height,
             "rms slope": self.rms_slope,
             "m0": self.m0,
             "m2": self.m2,

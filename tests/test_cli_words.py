@@ -1,0 +1,184 @@
+"""What the command line says of wrong input and of doubtful maps: in its own words, before anything is solved."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.__main__ import main
+from roughcontact.cli.wording import name_options
+
+GRID = rc.Grid((48, 48), 48e-6)
+ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=50e-9, shortest=8e-6, longest=24e-6, seed=3)
+LOADED = ["--force", "20mN", "--young", "210GPa"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """A rough map, another one on other cells, and a table in µm, in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    np.savez("rough.npz", heights=ROUGH.heights(GRID), size=GRID.size)
+    np.savez("other.npz", heights=ROUGH.heights(rc.Grid((32, 32), 48e-6)), size=GRID.size)
+    np.savetxt("table.csv", 1e6 * ROUGH.heights(GRID), delimiter=",")
+    return tmp_path
+
+
+@pytest.fixture
+def run(capsys):
+    def call(*arguments):
+        capsys.readouterr()
+        try:
+            status = main([str(one) for one in arguments])
+        except SystemExit as ended:
+            status = ended.code
+        out, err = capsys.readouterr()
+        return status, " ".join(out.split()), " ".join(err.split())
+
+    return call
+
+
+class TestOptionsInSentences:
+    @pytest.mark.parametrize(
+        ("sentence", "words"),
+        [
+            ("give size=(x, y), m (on the command line --size).", "give --size X Y."),
+            ("or keep them with non_measured='keep' (on the command line --non-measured).", "--non-measured keep."),
+            ("such as unit=1e-9 (on the command line --unit 1nm).", "such as --unit 1nm."),
+            ("if that is the micrometre, size=(6.4e-05, 4.8e-05)): give", "--size 6.4e-05m 4.8e-05m): give"),
+            ("give decimal=',' or decimal='.'.", "give --decimal ',' or --decimal '.'."),
+            ("skip the lines with skip_rows=.", "with --skip-rows."),
+            ("numpy.savez(path, size=(lx, ly))", "numpy.savez(path, size=(lx, ly))"),
+            ("Subtract it, on the command line --detrend plane.", "Subtract it, on the command line --detrend plane."),
+        ],
+    )
+    def test_take_the_place_of_arguments(self, sentence, words):
+        assert words in name_options(sentence, ["size", "unit", "non_measured", "decimal", "skip_rows"])
+
+    def test_of_a_table_without_a_size(self, run):
+        status, _, err = run("solve", "table.csv", *LOADED)
+        assert status == 2
+        assert err.endswith("give --size X Y.")
+
+    def test_of_two_maps_on_different_grids(self, run):
+        status, _, err = run("solve", "rough.npz", "other.npz", *LOADED)
+        assert status == 2
+        assert "give --match bilinear, " in err
+        assert "match()" not in err
+        assert ".resample(" not in err
+
+    def test_of_one_side_of_a_map_that_is_not_square(self, run):
+        np.savetxt("table.csv", np.random.default_rng(0).random((20, 30)))
+        _, _, err = run("info", "table.csv", "--size", "1mm", "--separator", "blank")
+        assert "needs both sides, --size X Y, but got one" in err
+
+
+def test_a_negative_value_is_not_taken_for_an_option(run):
+    status, _, err = run("solve", "rough.npz", "--force", "-1N", "--young", "210GPa")
+    assert status == 2
+    assert "The force must be a finite number, above 0 (N), but got -1.0." in err
+    assert "expected one argument" not in err
+    status, out, _ = run("solve", "rough.npz", "other.npz", *LOADED, "--match", "bilinear", "--offset", "-2um,0um")
+    assert status in (0, 3)
+    assert "contact area" in out
+
+
+class TestMissingPackages:
+    @pytest.mark.parametrize(
+        ("output", "package", "extra"),
+        [
+            ("c.nc", "xarray", "store"),
+            ("c.nc", "h5netcdf", "store"),
+            ("c.html", "matplotlib", "plot"),
+            ("folder", "matplotlib", "plot"),
+        ],
+    )
+    def test_are_named_before_a_solve(self, run, monkeypatch, output, package, extra):
+        monkeypatch.setitem(sys.modules, package, None)
+        monkeypatch.setattr(rc.ContactProblem, "solve", None)
+        status, _, err = run("solve", "rough.npz", *LOADED, "-o", output)
+        assert status == 2
+        assert package in err
+        assert f"roughcontact[{extra}]" in err
+
+    def test_are_named_before_a_report(self, run, monkeypatch):
+        monkeypatch.setitem(sys.modules, "matplotlib", None)
+        monkeypatch.setattr(rc.ContactProblem, "solve", None)
+        status, _, err = run("report", "rough.npz", *LOADED)
+        assert status == 2
+        assert "roughcontact[plot]" in err
+
+
+def test_a_numbered_output_does_not_replace_a_map_that_is_read(run):
+    os.rename("rough.npz", "map-2.npz")
+    status, _, err = run("solve", "map-2.npz", "--loads", "10mN", "20mN", "--young", "210GPa", "-o", "map.npz")
+    assert status == 2
+    assert "The output 'map-2.npz' is a height map that is read" in err
+
+
+@pytest.mark.parametrize("shape", ["--json", "--csv"])
+def test_a_plan_is_text(run, shape):
+    status, out, err = run("solve", "rough.npz", *LOADED, "--dry-run", shape)
+    assert (status, out) == (2, "")
+    assert "--dry-run prints the plan, which is text: omit --json or --csv." in err
+
+
+class TestMapsInWords:
+    @pytest.mark.parametrize("command", [["info"], ["plot", "-o", "table.png"]])
+    def test_heights_in_an_unknown_unit_are_doubtful(self, run, command):
+        name, *rest = command
+        _, out, _ = run(name, "table.csv", "--size", "48um", *rest)
+        assert "warning The heights differ by" in out
+        assert "give --unit." in out
+        _, out, _ = run(name, "table.csv", "--size", "48um", "--unit", "1um", *rest)
+        assert "heights differ" not in out
+
+    def test_sq_is_that_about_the_mean(self, run):
+        rough = rc.HeightMap(ROUGH.heights(GRID), GRID.size).detrend(2)
+        np.savez("rough.npz", heights=rough.values, size=GRID.size)
+        _, out, _ = run("info", "rough.npz")
+        assert f"Sq {1e9 * rough.values.std():.4g} nm about the mean" in out
+        assert "rms height" not in out
+        assert "is tilt and curvature" not in out
+
+    def test_form_is_not_taken_for_roughness(self, run):
+        heights = ROUGH.heights(GRID) - (GRID.x**2 + GRID.y**2) / (2 * 1e-4)
+        np.savez("ball.npz", heights=heights, size=GRID.size)
+        _, out, _ = run("info", "ball.npz")
+        assert re.search(r"warning 9\d.*% of the variance of the heights is tilt and curvature", out)
+        _, out, _ = run("info", "ball.npz", "--detrend", "2")
+        assert "is tilt and curvature" not in out
+
+
+class TestClosedOutput:
+    def start(self, arguments, stdout, **others):
+        return subprocess.run(
+            [sys.executable, "-m", "roughcontact", *arguments],
+            stdout=stdout,
+            stderr=subprocess.PIPE,
+            text=True,
+            **others,
+        )
+
+    @pytest.mark.parametrize(
+        ("arguments", "status"), [(["info", "rough.npz"], 141), (["solve", "--help"], 0), (["info", "none.npz"], 2)]
+    )
+    def test_of_a_pipe_is_not_an_answer_that_failed(self, arguments, status):
+        reading, writing = os.pipe()
+        os.close(reading)
+        done = self.start(arguments, writing)
+        os.close(writing)
+        assert done.returncode == status
+        assert "Error" not in done.stderr
+
+    def test_of_a_shell_is_no_fault(self):
+        command = f"{sys.executable} -m roughcontact solve rough.npz {' '.join(LOADED)} -o c.npz >&-"
+        done = subprocess.run(["sh", "-c", command], stderr=subprocess.PIPE, text=True)
+        assert done.returncode in (0, 3)
+        assert "report this" not in done.stderr
+        assert rc.ContactSolution.load("c.npz").force == pytest.approx(0.02)
