@@ -31,7 +31,7 @@ CHROMIUM, DRIVER = (shutil.which(name) for name in ("chromium", "chromedriver"))
 # What is looked at may be drawn anew meanwhile.
 BUSY = [NoSuchElementException, StaleElementReferenceException]
 # Seconds; the machine may be busy.
-PATIENCE = 20
+PATIENCE = 180
 # A map whose file states everything, in a minute of nothing: 48 x 40 cells.
 SIZE = (48e-6, 40e-6)
 # What a drop of a file on the page is, to the page.

@@ -166,14 +166,14 @@ function showRun(state) {
   run = state;
   remember();
   follow(run.id, noteRun);
-  listRuns(run.id, (id) => showRun({ id }));
+  listRuns(run.id, showRun);
 }
 
 function noteRun(state) {
   const isNews = state.phase !== run.phase;
   run = state;
   remember();
-  if (isNews) listRuns(run.id, (id) => showRun({ id }));
+  if (isNews) listRuns(run.id, showRun);
 }
 
 async function restore(found) {
@@ -262,7 +262,7 @@ async function begin() {
   }
   listen();
   await restoreAddress();
-  listRuns(run.id, (id) => showRun({ id }));
+  listRuns(run.id, showRun);
   document.body.dataset.ready = "true";
 }
 

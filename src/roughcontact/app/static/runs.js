@@ -11,7 +11,7 @@ const buttons = new Map();
 let current = "";
 let timer = 0;
 
-// Marks a run at once; choose(id) is called when another one is wanted.
+// Marks a run at once; choose is called with another one that is wanted.
 export async function listRuns(run, choose) {
   current = run;
   clearTimeout(timer);
@@ -24,7 +24,7 @@ export async function listRuns(run, choose) {
   }
   for (const [id, button] of buttons) if (!runs.some((one) => one.id === id)) drop(id, button);
   for (const one of runs) {
-    if (!buttons.has(one.id)) addButton(one.id, choose);
+    if (!buttons.has(one.id)) addButton(one, choose);
     const text = `Run ${one.number}: ${describe(one.settings)}; ${one.phase}`;
     if (buttons.get(one.id).textContent !== text) buttons.get(one.id).textContent = text;
   }
@@ -33,13 +33,13 @@ export async function listRuns(run, choose) {
   if (runs.some((one) => !ENDED.includes(one.phase))) timer = setTimeout(() => listRuns(current, choose), INTERVAL);
 }
 
-function addButton(id, choose) {
+function addButton(one, choose) {
   const button = element("button", "", { type: "button" });
-  button.addEventListener("click", () => choose(id));
+  button.addEventListener("click", () => choose(one));
   const item = element("li");
   item.append(button);
   byId("run-list").append(item);
-  buttons.set(id, button);
+  buttons.set(one.id, button);
 }
 
 // The server forgets the oldest ones.
