@@ -278,6 +278,11 @@ def test_an_answer_says_what_it_answers(page):
         page.until(lambda: page.text("run-subject") == first and page.find("picture").is_displayed())
         marked = page.driver.find_elements(By.CSS_SELECTOR, "#run-list [aria-pressed=true]")
         assert [button.text for button in marked] == [f"{first[:-1]}; done"]
+    # Nor does an old address show a run as that of other settings.
+    page.driver.execute_script("location.hash = location.hash.replace('loads=20', 'loads=30')")
+    page.until(lambda: page.setting("loads") == "30" and page.find("stale").is_displayed())
+    assert page.text("run-subject") == first
+    assert not page.has_run_in_address()
 
 
 def test_typical_values_and_links_do_what_they_say(page):

@@ -75,7 +75,7 @@ def draw_map(
     grid
         The cells.
     label, unit
-        What it is, and the unit, such as ``"µm"``, for the colour bar; an empty unit is left out.
+        What it is, and the unit, such as ``"µm"``, for the colour bar; an empty unit is omitted.
     colors
         Name of a colour map.
     limits

@@ -216,12 +216,14 @@ function listen() {
   form.addEventListener("submit", solve);
   byId("restore-form").addEventListener("submit", restoreLink);
   form.addEventListener("input", (event) => {
-    if (event.target.tagName === "INPUT" && event.target.name) changed();
+    if (event.target.tagName !== "INPUT" || !event.target.name) return;
+    say("note", "");
+    changed();
   });
   form.addEventListener("change", (event) => {
     if (event.target.tagName !== "SELECT") return;
     if (event.target.name === "load") settings.loadKindChanged();
-    if (event.target.name === "surface") say("note", settings.surfaceKindChanged());
+    say("note", event.target.name === "surface" ? settings.surfaceKindChanged() : "");
     changed();
   });
   byId("file-input").addEventListener("change", (event) => {
