@@ -28,6 +28,7 @@ from roughcontact.app.answers import describe_solution
 from roughcontact.app.process import TaskEnded, Worker
 from roughcontact.app.progress import Progress
 from roughcontact.app.scene import make_loads, make_problem, make_scene
+from roughcontact.app.server import _CONNECTIONS
 from roughcontact.app.settings import DEFAULTS, load_values, quantity, read_settings
 from roughcontact.app.uploads import shown_name
 from roughcontact.typing import Step
@@ -149,6 +150,23 @@ def test_nothing_is_served_without_the_token(client, path, token):
     assert status == 403
     assert client.token.encode() not in body
     assert client.request("POST", path, b"{}", token=wrong)[0] == 403
+
+
+def test_a_browser_is_refused_by_a_page_and_a_script_by_json(client):
+    person = {"Accept": "text/html,application/xhtml+xml,*/*;q=0.8"}
+    for token, path, status in (("wrong", "", 403), (None, "<b>nothing</b>", 404)):
+        found, headers, body = client.request("GET", urllib.parse.quote(path), headers=person, token=token)
+        assert (found, headers["Content-Type"]) == (status, "text/html; charset=utf-8")
+        assert body.startswith(b"<!doctype html>")
+        assert b"<b>" not in body
+        assert b"default-src 'none'" in headers["Content-Security-Policy"].encode()
+        assert json.loads(client.request("GET", path and "nothing", token=token)[2])["error"].endswith(".")
+    # The address without its last slash leads to the page.
+    connection = http.client.HTTPConnection("127.0.0.1", client.port, timeout=PATIENCE)
+    connection.request("GET", f"/{client.token}", headers=person)
+    answer = connection.getresponse()
+    assert (answer.status, answer.headers["Location"]) == (302, f"/{client.token}/")
+    connection.close()
 
 
 def test_the_token_cannot_be_guessed():
@@ -310,7 +328,9 @@ def test_a_slow_client_is_sent_away_and_holds_up_nobody(client, monkeypatch):
 def test_a_connection_too_many_is_closed(client, server):
     held = []
     try:
-        while server._connections.acquire(blocking=False):
+        # Those of tests before this one may take a moment to end.
+        while len(held) < _CONNECTIONS:
+            assert server._connections.acquire(timeout=PATIENCE)
             held.append(1)
         with pytest.raises((ConnectionError, http.client.HTTPException)):
             client.request("GET", "")
@@ -416,9 +436,26 @@ def test_non_measured_points_are_asked_about(client):
     assert "2 points were not measured: choose whether" in client.refusal("api/surface", settings)
     kept = client.post("api/surface", {**settings, "non_measured": "keep"})
     assert dict(kept["rows"])["Non-measured points"] == "2 of 400"
-    assert (
-        dict(client.post("api/surface", {**settings, "non_measured": "fill"})["rows"])["Non-measured points"] == "none"
-    )
+    filled = client.post("api/surface", {**settings, "non_measured": "fill"})
+    assert dict(filled["rows"])["Non-measured points"] == "2 of 400, filled"
+
+
+def test_a_tilt_is_warned_of_before_the_solve(client):
+    tilted = io.BytesIO()
+    np.savez(tilted, heights=np.add.outer(1e-7 * np.arange(40), 1e-7 * np.sin(np.arange(36))), size=(40e-6, 72e-6))
+    _, found = client.upload("map.npz", tilted.getvalue())
+    settings = {"surface": "file", "file": found["digest"]}
+    shown = client.post("api/surface", settings)
+    assert dict(shown["rows"])["Size of a cell"] == "1 µm x 2 µm"
+    assert "is a tilt: unless it is meant, choose 'plane (tilt)' under 'Form that is removed'." in shown["warnings"][-1]
+    for without in ({"form": "plane"}, {"ball": "5"}):
+        assert not [text for text in client.post("api/surface", settings | without)["warnings"] if "tilt" in text]
+
+
+def test_a_ball_that_the_page_does_not_show_is_not_added():
+    settings = read_settings({"surface": "sphere", "radius": "1", "ball": "5"})
+    scene = make_scene(settings, None)
+    assert scene.surface is scene.rough
 
 
 @pytest.mark.parametrize(
@@ -636,6 +673,16 @@ def test_runs_in_the_queue_are_bounded(client, monkeypatch):
     finally:
         for run in reversed(runs):
             client.post(f"api/cancel/{run}", {})
+
+
+def test_runs_are_numbered_and_listed(client):
+    first, second = (client.post("api/runs", SMALL) for _ in range(2))
+    listed = json.loads(client.get("api/runs"))["runs"]
+    assert [one["id"] for one in listed[-2:]] == [first["id"], second["id"]]
+    assert second["number"] == first["number"] + 1 == listed[-1]["number"]
+    assert listed[-1]["settings"] == second["settings"]
+    for run in (first, second):
+        client.post(f"api/cancel/{run['id']}", {})
 
 
 def test_a_run_that_is_not_known_is_said_so(client):

@@ -42,6 +42,8 @@ transfer.items.add(new File([text], name));
 for (const kind of ["dragenter", "dragover", "drop"])
   document.body.dispatchEvent(new DragEvent(kind, { dataTransfer: transfer, bubbles: true, cancelable: true }));
 """
+# Whether the page is not scrolled for a fifth of a second.
+STANDS = "const [done] = arguments, y = scrollY; setTimeout(() => done(y === scrollY), 200)"
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +96,12 @@ class Page:
         link = self.until(lambda: self.driver.find_elements(By.CSS_SELECTOR, f"a[download='{name}']"))
         link[0].click()
         return self.until(lambda: next(iter(self.downloads.glob(name)), None))
+
+    def setting(self, name):
+        return self.driver.find_element(By.NAME, name).get_attribute("value")
+
+    def has_run_in_address(self):
+        return "run=" in self.driver.current_url
 
     def drop(self, text, name):
         self.driver.execute_script(DROP, text, name)
@@ -184,6 +192,124 @@ def test_a_file_is_chosen_and_a_bad_one_refused_in_words(page, surface, tmp_path
     page.until(lambda: "Write decimals with a point" in page.text("plan"))
     page.find("solve").click()
     page.until(lambda: "Write decimals with a point" in page.text("refusal"))
+
+
+def test_solve_waits_for_the_file_and_needs_one_that_was_read(page, server, surface, monkeypatch):
+    sent, read = threading.Event(), server.session.upload
+    monkeypatch.setattr(server.session, "upload", lambda *file: read(*file) if sent.wait(PATIENCE) else None)
+    page.open().until_planned()
+    page.set("boundary", "periodic")
+    page.drop(write_table(surface), "ring.csv")
+    page.until(lambda: page.text("solve-why") == "Solve waits until ring.csv is read.")
+    # Neither the button nor the return key solves what was shown before.
+    assert not page.find("solve").is_enabled()
+    page.find("loads").send_keys(Keys.ENTER)
+    page.until(lambda: page.text("plan") == page.text("surface-history") == "")
+    sent.set()
+    page.until(lambda: page.text("size-help") == "x: 48 lines of the file; y: 40 values in each.")
+    assert page.find("solve").is_enabled()
+    assert "was periodic; for this surface it is now free." in page.text("note")
+    assert not page.has_run_in_address()
+    page.drop("1,2,3\n4,5\n", "bad.csv")
+    page.until(lambda: "The file bad.csv cannot be used" in page.text("surface-problem"))
+    assert "There is no surface to solve" in page.text("solve-why")
+    assert not page.find("solve").is_enabled()
+    for place in ("plan", "surface-history", "file-shown"):
+        assert page.text(place) == "", place
+    assert not page.driver.find_elements(By.CSS_SELECTOR, "#surface-table td")
+    page.set("surface", "example")
+    page.until_planned()
+    assert page.find("solve").is_enabled()
+    page.drop(write_table(surface)[:-1], "other.csv")
+    page.until(lambda: "other.csv, 48 x 40 points" in page.text("file-shown"))
+    # No link has asked for a file.
+    assert "of the link" not in page.text("file-shown")
+
+
+def test_filled_points_are_counted_and_filling_is_of_one_file(page, surface, tmp_path):
+    for name, missing in {"one.npz": 3, "two.npz": 4}.items():
+        heights = np.array(surface.values)
+        heights[5, :missing] = np.nan
+        np.savez(tmp_path / name, heights=heights, size=SIZE)
+    page.open().find("file-input").send_keys(str(tmp_path / "one.npz"))
+    page.until(lambda: page.find("non_measured").is_displayed())
+    page.set("non_measured", "fill")
+    page.until(lambda: "Non-measured points 3 of 1920, filled" in page.text("surface-table"))
+    assert "Size of a cell 1 µm x 1 µm" in page.text("surface-table")
+    page.find("file-input").send_keys(str(tmp_path / "two.npz"))
+    page.until(lambda: "4 points were not measured: choose" in page.text("surface-problem"))
+    assert page.setting("non_measured") == "refuse"
+
+
+def test_an_answer_says_what_it_answers(page):
+    page.open()
+    for name, text in {"surface": "wavy", "cells": "64", "loads": "20", "hardness": "7"}.items():
+        page.set(name, text)
+    page.until_planned()
+
+    def solve():
+        before = page.text("run-subject")
+        page.find("solve").click()
+        page.until(lambda: page.text("run-subject") not in ("", before) and page.text("headline"))
+        place = page.find("headline").location
+        page.until(lambda: page.driver.find_elements(By.LINK_TEXT, "Download the report"))
+        page.until(lambda: not page.find("progress").is_displayed())
+        # Nothing moves when the progress ends.
+        assert page.find("headline").location == place
+        return page.text("run-subject")
+
+    first = solve()
+    assert first.endswith(": wavy, 20 MPa, E 210 GPa, ν 0.3, hardness 7 GPa, periodic.")
+    assert page.has_run_in_address()
+    page.set("loads", "30")
+    assert page.text("stale") == "The settings have changed since."
+    assert not page.has_run_in_address()
+    page.set("loads", "20")
+    assert not page.find("stale").is_displayed()
+    assert page.has_run_in_address()
+    second = solve()
+    assert first != second
+    # Equal runs have numbers, and the one that is shown is marked; a reload loses none of them.
+    page.driver.refresh()
+    of_first = [By.XPATH, f"//button[starts-with(., '{first[:-1]};')]"]
+    page.until(lambda: page.driver.find_elements(*of_first) and page.text("run-subject") == second)
+    for _ in range(2):
+        page.driver.find_element(*of_first).click()
+        page.until(lambda: page.text("run-subject") == first and page.find("picture").is_displayed())
+        marked = page.driver.find_elements(By.CSS_SELECTOR, "#run-list [aria-pressed=true]")
+        assert [button.text for button in marked] == [f"{first[:-1]}; done"]
+    # Nor does an old address show a run as that of other settings.
+    page.driver.execute_script("location.hash = location.hash.replace('loads=20', 'loads=30')")
+    page.until(lambda: page.setting("loads") == "30" and page.find("stale").is_displayed())
+    assert page.text("run-subject") == first
+    assert not page.has_run_in_address()
+
+
+def test_typical_values_and_links_do_what_they_say(page):
+    page.open()
+    preset = Select(page.find("preset"))
+    preset.select_by_value("bearing steel, hardened")
+    assert page.setting("hardness") == "7"
+    preset.select_by_value("rubber")
+    assert (page.setting("young"), page.setting("hardness")) == ("0.004", "")
+    page.set("young", "210")
+    assert preset.first_selected_option.text == "choose"
+    page.find("link").find_element(By.XPATH, "ancestor::details/summary").click()
+    for link, problem in {
+        "rubbish": "it has no setting 'rubbish'",
+        "http://127.0.0.1/#form=cubic": "its 'form' is 'cubic', which the page does not offer",
+    }.items():
+        page.find("link").clear()
+        page.find("link").send_keys(link, Keys.ENTER)
+        page.until(lambda expected=problem: expected in page.text("link-problem"))
+        assert page.setting("poisson") == "0.495"
+    page.find("link").clear()
+    page.find("link").send_keys(f"#surface=file&file={'0' * 64}&file_name=lost.npz&loads=33", Keys.ENTER)
+    page.until(lambda: "Choose or drop the file of this link again: lost.npz" in page.text("note"))
+    assert (page.setting("loads"), page.setting("poisson")) == ("33", "0.3")
+    assert not page.find("link-problem").is_displayed()
+    # The return key has started nothing.
+    assert not page.find("run").is_displayed()
 
 
 def test_a_run_is_cancelled(page):
@@ -314,9 +440,41 @@ def test_a_picture_is_zoomed_by_wheel_and_buttons(page):
     assert "scale(1)" in image.get_attribute("style")
 
 
+def test_solve_is_in_view_and_a_swipe_over_a_picture_scrolls_the_page(page):
+    def emulate(width, height):
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+        page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+
+    emulate(1280, 900)
+    page.open().until_planned()
+    assert page.driver.execute_script("return solve.getBoundingClientRect().bottom") < 900
+    emulate(390, 844)
+    page.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
+    picture = page.find("surface-picture").find_element(By.CLASS_NAME, "frame")
+
+    page.until(lambda: picture.size["height"] > 200)
+
+    def swipe():
+        page.driver.execute_script("arguments[0].scrollIntoView({ block: 'center' })", picture)
+        top = "return [scrollY, arguments[0].getBoundingClientRect().top]"
+        before, y = page.driver.execute_script(top, picture)
+        for kind, moved in (("touchStart", 0), *(("touchMove", step) for step in range(10, 90, 10)), ("touchEnd", 0)):
+            points = [] if kind == "touchEnd" else [{"x": 195, "y": int(y) + 150 - moved}]
+            page.driver.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        # The page may move on for a moment.
+        page.until(lambda: page.driver.execute_async_script(STANDS))
+        return page.driver.execute_script(top, picture)[0] - before
+
+    assert swipe() > 40
+    page.find("surface-picture").find_element(By.TAG_NAME, "button").click()
+    assert swipe() == 0
+
+
 def test_an_old_link_is_refused_in_words(page):
     page.driver.get(page.address.replace(page.address.split("/")[3], "old"))
-    assert "open the address that it has printed" in page.driver.find_element(By.TAG_NAME, "body").text
+    text = page.driver.find_element(By.TAG_NAME, "body").text
+    assert text.startswith("roughcontact\nThis link is not of the run")
+    assert "open the address that it has printed" in text
     # The status of the refusal itself is logged.
     page.driver.get_log("browser")
 

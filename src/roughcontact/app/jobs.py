@@ -28,11 +28,11 @@ ENDED = ("done", "failed", "cancelled")
 
 
 class Job:
-    """One run: its settings, what is known of it, and the process that does it."""
+    """One run: its number, its settings, what is known of it, and the process that does it."""
 
-    def __init__(self, settings: Settings, task: dict[str, Any], folder: Path, worker: Worker):
+    def __init__(self, number: int, settings: Settings, task: dict[str, Any], folder: Path, worker: Worker):
         self.id, self.settings, self.task, self.folder = folder.name, settings, task, folder
-        self.worker = worker
+        self.number, self.worker = number, worker
         self.future: Future[None] | None = None
         self._lock = threading.Lock()
         self._state: dict[str, Any] = {"phase": "waiting", "fraction": 0.0, "text": "", "error": ""}
@@ -48,7 +48,11 @@ class Job:
         """Return what the page shows of this run."""
         with self._lock:
             seconds = (self._ended or time.monotonic()) - self._begun if self._begun else 0.0
-            return {**self._state, "id": self.id, "seconds": seconds, "settings": dict(self.settings)}
+            return {**self._state, **self.name(), "seconds": seconds}
+
+    def name(self) -> dict[str, Any]:
+        """Return by what people tell this run from others."""
+        return {"id": self.id, "number": self.number, "phase": self.phase, "settings": dict(self.settings)}
 
     def update(self, event: dict[str, Any]) -> None:
         """Take note of a message of the process."""
@@ -79,6 +83,7 @@ class Jobs:
         self.slots = slots or available_threads()
         self._pool = ThreadPoolExecutor(self.slots, thread_name_prefix="run")
         self._jobs: dict[str, Job] = {}
+        self._started = 0
         self._ratios: list[float] = []
         # Started ahead: a process takes a second or two to import what it needs.
         self._spare = Worker()
@@ -99,7 +104,8 @@ class Jobs:
                 raise InputError(f"The queue is full, {_WAITING} runs are waiting: cancel some, or wait for them.")
             folder = self._folder / secrets.token_hex(12)
             folder.mkdir(mode=0o700)
-            job = Job(settings, make_task(folder), folder, self._spare)
+            self._started += 1
+            job = Job(self._started, settings, make_task(folder), folder, self._spare)
             self._spare = Worker()
             self._jobs[job.id] = job
             self._forget_oldest()
@@ -110,6 +116,11 @@ class Jobs:
         """Return the run of that name, if there is one."""
         with self._lock:
             return self._jobs.get(name)
+
+    def list_names(self) -> list[dict[str, Any]]:
+        """Return all runs that are kept, in the order of their starts: see `Job.name`."""
+        with self._lock:
+            return [job.name() for job in self._jobs.values()]
 
     def describe(self, job: Job) -> dict[str, Any]:
         """Return what the page shows of a run, with the number of those before it in the queue."""

@@ -20,7 +20,6 @@ from roughcontact.files import RawMap, read_surface
 from roughcontact.files.reading import read_raw
 from roughcontact.grid import Boundary, Grid
 from roughcontact.load import Load
-from roughcontact.units import si
 
 EXAMPLES: dict[str, Callable[[], HeightMap]] = {
     one.__name__: one for one in (examples.ground_ring, examples.ball, examples.lapped_plate, examples.honed_liner)
@@ -48,19 +47,23 @@ class Scene:
         The heights without the ball, as they are shown.
     grid
         The cells.
+    filled
+        Number of non-measured points that were filled.
     """
 
     surface: Surface
     rough: Surface
     grid: Grid
+    filled: int = 0
 
 
 def make_scene(settings: Settings, upload: Upload | None) -> Scene:
     """Return the surface that the settings describe, or raise `InputError`."""
     kind = settings["surface"]
     rough: Surface
+    filled = 0
     if kind in ("file", "example"):
-        found = _read(settings, upload) if kind == "file" else _example(settings)
+        found, filled = _read(settings, upload) if kind == "file" else (_example(settings), 0)
         rough = found if settings["form"] == "none" else found.detrend(_FORMS[settings["form"]])
         grid = found.grid
     else:
@@ -69,10 +72,11 @@ def make_scene(settings: Settings, upload: Upload | None) -> Scene:
         rough = _make_synthetic(settings)
     # Before there are heights.
     require_memory_of_solve(grid, Boundary(settings["boundary"]))
-    if not settings["ball"]:
-        return Scene(rough, rough, grid)
+    # The page asks for no ball beside a sphere.
+    if kind == "sphere" or not settings["ball"]:
+        return Scene(rough, rough, grid, filled)
     ball = SphereSurface(quantity(settings, "ball", "The radius of the ball", "length"))
-    return Scene(rough + ball, rough, grid)
+    return Scene(rough + ball, rough, grid, filled)
 
 
 def make_problem(settings: Settings, scene: Scene) -> ContactProblem:
@@ -113,7 +117,8 @@ def _read_raw(upload: Upload) -> RawMap:
         raise _renamed(error, upload) from error
 
 
-def _read(settings: Settings, upload: Upload | None) -> HeightMap:
+def _read(settings: Settings, upload: Upload | None) -> tuple[HeightMap, int]:
+    """Return the map in a file, and how many of its points were filled."""
     if upload is None:
         named = settings["file_name"] or "the height map"
         raise InputError(f"Choose a file, or drop one on the page: {named} is not here.")
@@ -139,7 +144,9 @@ def _read(settings: Settings, upload: Upload | None) -> HeightMap:
         )
     except InputError as error:
         raise _renamed(error, upload) from error
-    return attrs.evolve(surface, history=tuple(step.replace(upload.path.name, upload.name) for step in surface.history))
+    history = tuple(step.replace(upload.path.name, upload.name) for step in surface.history)
+    filled = facts["non_measured"] if settings["non_measured"] == "fill" else 0
+    return attrs.evolve(surface, history=history), int(filled)  # type: ignore[call-overload]
 
 
 def _size(settings: Settings) -> Pair:
@@ -192,23 +199,3 @@ def _make_material(settings: Settings, prefix: str, whose: str) -> Material:
         return Elastic(young, poisson)
     hardness = quantity(settings, f"{prefix}hardness", f"The hardness of {whose}", "modulus")
     return ElasticPerfectlyPlastic(young, poisson, hardness)
-
-
-def describe(scene: Scene) -> dict[str, object]:
-    """Return what the page shows of a surface beside its picture."""
-    heights = scene.rough.heights(scene.grid)
-    missing = scene.rough.non_measured_on(scene.grid)
-    measured = heights if missing is None else heights[~missing]
-    warnings = scene.rough.warnings if isinstance(scene.rough, HeightMap) else ()
-    (nx, ny), (lx, ly) = scene.grid.shape, scene.grid.size
-    return {
-        "rows": [
-            ["Cells", f"{nx} x {ny}"],
-            ["Size", f"{si(lx, 'm')} x {si(ly, 'm')}"],
-            ["Sq (rms height)", si(float(np.std(measured)), "m")],
-            ["Sz (peak to valley)", si(float(np.ptp(measured)), "m")],
-            ["Non-measured points", "none" if missing is None else f"{int(missing.sum())} of {missing.size}"],
-        ],
-        "history": list(scene.rough.provenance),
-        "warnings": [f"{text[0].upper()}{text[1:]}." for text in warnings],
-    }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hmac
+import html
 import http
 import json
 import re
@@ -39,16 +40,22 @@ _POLICY = (
 )
 # A report is a page of its own, without scripts, and reaches nothing.
 _REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:; sandbox"
+_JSON = "application/json"
+# A sentence to a browser that has not found the page: it needs no other file.
+_PAGE = (
+    '<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+    '<meta name="color-scheme" content="light dark"><title>roughcontact</title><h1>roughcontact</h1><p>{}</p></html>'
+)
 _LENGTH = re.compile(r"[0-9]{1,12}")
 _RUN = re.compile(r"(?P<run>[0-9a-f]{24})(?:/(?P<name>[a-z0-9-]+\.[a-z]+))?")
 
 
 class Refusal(Exception):
-    """A request that is not served: status and sentence."""
+    """A request that is not served: status and sentence; and where to ask instead, if that is known."""
 
-    def __init__(self, status: int, sentence: str):
+    def __init__(self, status: int, sentence: str, location: str = ""):
         super().__init__(sentence)
-        self.status = status
+        self.status, self.location = status, location
 
 
 class AppServer(ThreadingHTTPServer):
@@ -126,7 +133,7 @@ class _Handler(BaseHTTPRequestHandler):
         try:
             serve(self._admit())
         except Refusal as refusal:
-            self._fail(refusal.status, str(refusal))
+            self._fail(refusal.status, str(refusal), {"Location": refusal.location} if refusal.location else None)
         except (TaskEnded, RoughContactError) as error:
             self._fail(http.HTTPStatus.UNPROCESSABLE_ENTITY, str(error))
         except TimeoutError:
@@ -143,12 +150,14 @@ class _Handler(BaseHTTPRequestHandler):
             raise Refusal(http.HTTPStatus.FORBIDDEN, f"Open the page as {HOST}: this server has no other name.")
         path = self.path.partition("?")[0]
         token, slash, rest = path.removeprefix("/").partition("/")
-        if not hmac.compare_digest(token.encode("utf-8", "replace"), self.server.session.token.encode()) or not slash:
+        if not hmac.compare_digest(token.encode("utf-8", "replace"), self.server.session.token.encode()):
             raise Refusal(
                 http.HTTPStatus.FORBIDDEN,
                 "This link is not of the run of 'roughcontact app' that serves here: open the address that it has "
                 "printed. There, 'Restore from a link' takes the settings of an old link.",
             )
+        if not slash:
+            raise Refusal(http.HTTPStatus.FOUND, "The address of the page ends with a slash.", f"/{token}/")
         origin = f"http://{names[0].lower()}"
         if self.command == "POST" and self.headers.get_all("Origin", []) != [origin]:
             raise Refusal(http.HTTPStatus.FORBIDDEN, "Only the page of this server may send this.")
@@ -162,6 +171,8 @@ class _Handler(BaseHTTPRequestHandler):
             self._send(200, _TYPES[name.rpartition(".")[2]], self.server.pages[name])
         elif path == "api/start":
             self._send_json(session.describe())
+        elif path == "api/runs":
+            self._send_json({"runs": session.jobs.list_names()})
         elif folder == "pictures" and (picture := session.picture(rest)) is not None:
             self._send(200, _TYPES["png"], picture)
         elif folder == "runs" and (found := _RUN.fullmatch(rest)):
@@ -229,9 +240,13 @@ class _Handler(BaseHTTPRequestHandler):
         except (ValueError, RecursionError):
             raise Refusal(http.HTTPStatus.BAD_REQUEST, "The settings are not JSON.") from None
 
-    def _fail(self, status: int, sentence: str) -> None:
+    def _fail(self, status: int, sentence: str, extra: dict[str, str] | None = None) -> None:
         self.close_connection = True
-        self._send_json({"error": sentence}, status)
+        # A person's browser asks for a page, the scripts of this page for JSON.
+        if self.command == "GET" and "text/html" in self.headers.get("Accept", ""):
+            self._send(status, _TYPES["html"], _PAGE.format(html.escape(sentence)).encode(), extra)
+        else:
+            self._send(status, _JSON, json.dumps({"error": sentence}).encode(), extra)
         # A client that still sends gets the answer only if what it sends is read.
         self.connection.settimeout(1.0)
         try:
@@ -242,8 +257,8 @@ class _Handler(BaseHTTPRequestHandler):
         except OSError:
             pass
 
-    def _send_json(self, data: Any, status: int = 200) -> None:
-        self._send(status, "application/json", json.dumps(data, allow_nan=False).encode())
+    def _send_json(self, data: Any) -> None:
+        self._send(200, _JSON, json.dumps(data, allow_nan=False).encode())
 
     def _send(self, status: int, kind: str, body: bytes, extra: dict[str, str] | None = None) -> None:
         headers = {

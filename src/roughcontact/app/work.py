@@ -16,8 +16,9 @@ from roughcontact._solvers.base import DEFAULT_TOLERANCE
 from roughcontact.app.answers import describe_solution
 from roughcontact.app.forecast import forecast_seconds
 from roughcontact.app.outputs import Outputs, draw
+from roughcontact.app.preview import describe
 from roughcontact.app.progress import Progress
-from roughcontact.app.scene import Scene, Upload, describe, inspect_file, make_loads, make_problem, make_scene
+from roughcontact.app.scene import Scene, Upload, inspect_file, make_loads, make_problem, make_scene
 from roughcontact.app.settings import Settings, read_settings
 from roughcontact.checks import Array
 from roughcontact.errors import RoughContactError

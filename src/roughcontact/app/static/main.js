@@ -1,41 +1,57 @@
 // The page: what the user changes is sent, checked and shown at once; a run is started and followed.
 
 import { get, post, upload } from "./api.js";
-import { element, follow, showList, subjectOf } from "./run.js";
+import { byId, say } from "./page.js";
+import { follow } from "./run.js";
+import { listRuns } from "./runs.js";
 import * as settings from "./settings.js";
-import { Viewer } from "./viewer.js";
+import { showNoSurface, showSurface } from "./surface.js";
 
-const byId = (name) => document.getElementById(name);
 const { form } = settings;
 // Milliseconds after the last key until the server is asked.
 const DELAY = 350;
+// The facts of the map's file; the file that is being read; why the last one could not be; what a link asks for.
 let facts = null;
-let run = "";
+let reading = null;
+let unread = "";
+let wanted = null;
+// The run that is shown, its settings and its phase.
+let run = { id: "" };
+let starting = false;
 let changes = 0;
 let timer = 0;
-let viewer;
-const runs = new Map();
 
-function say(place, text) {
-  byId(place).hidden = !text;
-  byId(place).textContent = text;
-}
+const hasNoSurface = () => Boolean(reading || (unread && form.elements.surface.value === "file"));
 
+// The address holds the shown run only beside the settings that it had.
 function remember() {
-  history.replaceState(null, "", `#${settings.toFragment(run)}`);
+  const others = Boolean(run.settings) && settings.differ(run.settings);
+  byId("stale").hidden = !others;
+  history.replaceState(null, "", `#${settings.toFragment(others ? "" : run.id)}`);
 }
 
 function changed(delay = DELAY) {
   settings.showFields(facts);
   remember();
+  allowSolve();
   clearTimeout(timer);
   timer = setTimeout(refresh, delay);
+}
+
+function allowSolve() {
+  byId("solve").disabled = starting || hasNoSurface();
+  const why = reading ? `Solve waits until ${reading.name} is read.` : "There is no surface to solve: choose another file, or another surface.";
+  say("solve-why", hasNoSurface() ? why : "");
 }
 
 // The surface first, then the plan; an answer to settings that have changed again is dropped.
 async function refresh() {
   const change = ++changes;
   const values = settings.read();
+  if (hasNoSurface()) {
+    showNothing(reading ? "" : unread);
+    return;
+  }
   document.body.setAttribute("aria-busy", "true");
   try {
     const surface = await post("api/surface", values);
@@ -43,30 +59,21 @@ async function refresh() {
     showSurface(surface);
     await showPlan(values, change);
   } catch (error) {
-    if (change !== changes) return;
-    say("surface-problem", error.message);
-    showList(byId("surface-warnings"), []);
-    byId("surface-table").tBodies[0].replaceChildren();
-    byId("surface-history").textContent = "";
-    viewer.hide();
-    byId("plan").textContent = "";
+    if (change === changes) showNothing(error.message);
   } finally {
     if (change === changes) document.body.removeAttribute("aria-busy");
   }
 }
 
-function showSurface(surface) {
-  say("surface-problem", "");
-  showList(byId("surface-warnings"), surface.warnings);
-  const rows = surface.rows.map(([name, text]) => {
-    const row = element("tr");
-    row.append(element("th", name, { scope: "row" }), element("td", text));
-    return row;
-  });
-  byId("surface-table").tBodies[0].replaceChildren(...rows);
-  byId("surface-history").textContent = [...surface.history, surface.note || ""].filter(Boolean).join("; ");
-  if (surface.picture) viewer.show(`pictures/${surface.picture}`, "Heights of the surface");
-  else viewer.hide();
+function showNothing(problem) {
+  document.body.removeAttribute("aria-busy");
+  showNoSurface(problem);
+  showNoPlan("");
+}
+
+function showNoPlan(why) {
+  byId("plan").textContent = why;
+  byId("plan-basis").textContent = byId("plan-text").textContent = "";
 }
 
 async function showPlan(values, change) {
@@ -74,14 +81,13 @@ async function showPlan(values, change) {
   try {
     plan = await post("api/plan", values);
   } catch (error) {
-    if (change !== changes) return;
-    byId("plan").textContent = error.message;
-    byId("plan-text").textContent = "";
+    if (change === changes) showNoPlan(error.message);
     return;
   }
   if (change !== changes) return;
-  const loads = plan.loads.length > 1 ? `${plan.loads.length} loads, ` : "";
-  byId("plan").textContent = `${loads}about ${duration(plan.seconds)} for the solve, ${plan.memory}. ${plan.basis}`;
+  const loads = plan.loads.length > 1 ? `${plan.loads.length} loads, about` : "About";
+  byId("plan").textContent = `${loads} ${duration(plan.seconds)} for the solve, ${plan.memory}.`;
+  byId("plan-basis").textContent = plan.basis;
   byId("plan-text").textContent = plan.text;
 }
 
@@ -90,27 +96,50 @@ function duration(seconds) {
   return seconds < 3600 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`;
 }
 
+// What was shown before is of another surface: it goes at once, and answers on their way are dropped.
 async function takeFile(file) {
-  say("refusal", "");
-  const wanted = settings.read();
+  reading = file;
+  for (const place of ["refusal", "note"]) say(place, "");
   say("file-shown", `Reading ${file.name} ...`);
+  changed(0);
   try {
     const found = await upload(file);
-    facts = found.facts;
-    settings.setFile(found.digest, found.name);
-    form.elements.surface.value = "file";
-    const other = wanted.file && wanted.surface === "file" && wanted.file !== found.digest && wanted.file_name;
-    showFile(found, other ? ` It is not the file of the link, ${wanted.file_name}, whose digest begins ${wanted.file.slice(0, 12)}.` : "");
-    if (wanted.surface !== "file") settings.surfaceKindChanged();
-    changed(0);
+    if (reading === file) acceptFile(found);
   } catch (error) {
-    say("file-shown", "");
-    say("surface-problem", error.message);
-    viewer.hide();
-    showList(byId("surface-warnings"), []);
-    byId("surface-table").tBodies[0].replaceChildren();
+    if (reading === file) refuseFile(file.name, error.message);
   }
 }
+
+function acceptFile(found) {
+  const other = wanted && wanted.digest !== found.digest;
+  // What a link says of its file holds for the file that is chosen for it.
+  if (!wanted && settings.read().file !== found.digest) settings.reset("non_measured");
+  facts = found.facts;
+  settings.setFile(found.digest, found.name);
+  showFile(found, other ? ` It is not the file of the link, ${wanted.name}, whose digest begins ${wanted.digest.slice(0, 12)}.` : "");
+  reading = wanted = null;
+  unread = "";
+  solveFile();
+}
+
+function refuseFile(name, problem) {
+  facts = reading = null;
+  unread = problem;
+  settings.setFile(wanted?.digest || "", wanted?.name || name);
+  say("file-shown", wanted ? wishFor(wanted) : "");
+  solveFile();
+}
+
+function solveFile() {
+  const { surface } = form.elements;
+  if (surface.value !== "file") {
+    surface.value = "file";
+    say("note", settings.surfaceKindChanged());
+  }
+  changed(0);
+}
+
+const wishFor = ({ name, digest }) => `Choose or drop the file of this link again: ${name}, digest ${digest.slice(0, 12)}.`;
 
 function showFile(found, more = "") {
   const cells = found.facts ? `, ${found.facts.shape.join(" x ")} points` : "";
@@ -119,65 +148,82 @@ function showFile(found, more = "") {
 
 async function solve(event) {
   event.preventDefault();
+  if (starting || hasNoSurface()) return;
   say("refusal", "");
-  byId("solve").disabled = true;
+  starting = true;
+  allowSolve();
   try {
-    const state = await post("api/runs", settings.read());
-    showRun(state.id, state.settings);
+    showRun(await post("api/runs", settings.read()));
   } catch (error) {
     say("refusal", error.message);
   } finally {
-    byId("solve").disabled = false;
+    starting = false;
+    allowSolve();
   }
 }
 
-function showRun(id) {
-  run = id;
+function showRun(state) {
+  run = state;
   remember();
-  follow(id, listRun);
+  follow(run.id, noteRun);
+  listRuns(run.id, showRun);
 }
 
-function listRun(state) {
-  const text = `${subjectOf(state.settings)}, ${state.settings.load} ${state.settings.loads} ${state.settings.load_unit}: ${state.phase}`;
-  if (runs.get(state.id) === text) return;
-  runs.set(state.id, text);
-  byId("runs").hidden = runs.size < 2;
-  const items = [...runs].map(([id, label]) => {
-    const button = element("button", label, { type: "button", "aria-pressed": String(id === run) });
-    button.addEventListener("click", () => showRun(id));
-    const item = element("li");
-    item.append(button);
-    return item;
-  });
-  byId("run-list").replaceChildren(...items);
+function noteRun(state) {
+  const isNews = state.phase !== run.phase;
+  run = state;
+  remember();
+  if (isNews) listRuns(run.id, showRun);
 }
 
-async function restore(text) {
-  const found = settings.fromFragment(text);
+async function restore(found) {
   settings.write(found.values);
-  facts = null;
-  say("file-shown", "");
+  facts = reading = wanted = null;
+  unread = "";
   const { surface, file, file_name: name } = settings.read();
-  if (surface === "file" && file) {
-    const known = await post("api/file", file).catch(() => ({ here: false }));
-    facts = known.facts || null;
-    if (known.here) showFile(known);
-    else say("file-shown", `Choose or drop the file of this link again: ${name}, digest ${file.slice(0, 12)}.`);
+  const known = surface === "file" && file ? await post("api/file", file).catch(() => ({ here: false })) : null;
+  say("file-shown", "");
+  if (known?.here) {
+    facts = known.facts;
+    showFile(known);
+  } else if (known) {
+    wanted = { name, digest: file };
+    say("file-shown", wishFor(wanted));
   }
-  run = found.run;
+  byId("file-input").value = "";
+  if (found.run) showRun({ id: found.run });
   changed(0);
-  if (run) follow(run, listRun);
+  return wanted ? `The settings are restored. ${wishFor(wanted)}` : "The settings are restored.";
+}
+
+// The link is in the address.
+async function restoreAddress() {
+  const found = settings.fromFragment(location.hash);
+  if (found.problem) changed(0);
+  else await restore(found);
+  say("note", found.problem);
+}
+
+async function restoreLink(event) {
+  event.preventDefault();
+  const text = byId("link").value;
+  const found = text.trim() ? settings.fromFragment(text) : { problem: "Paste a link first." };
+  say("link-problem", found.problem);
+  if (!found.problem) say("note", await restore(found));
 }
 
 function listen() {
   form.addEventListener("submit", solve);
+  byId("restore-form").addEventListener("submit", restoreLink);
   form.addEventListener("input", (event) => {
-    if (event.target.tagName === "INPUT" && event.target.name) changed();
+    if (event.target.tagName !== "INPUT" || !event.target.name) return;
+    say("note", "");
+    changed();
   });
   form.addEventListener("change", (event) => {
     if (event.target.tagName !== "SELECT") return;
     if (event.target.name === "load") settings.loadKindChanged();
-    if (event.target.name === "surface") settings.surfaceKindChanged();
+    say("note", event.target.name === "surface" ? settings.surfaceKindChanged() : "");
     changed();
   });
   byId("file-input").addEventListener("change", (event) => {
@@ -187,13 +233,12 @@ function listen() {
     const link = `${location.href.split("#")[0]}#${settings.toFragment("")}`;
     try {
       await navigator.clipboard.writeText(link);
-      byId("note").textContent = "The link is copied.";
+      say("note", "The link is copied.");
     } catch {
-      byId("note").textContent = link;
+      say("note", link);
     }
   });
-  byId("restore").addEventListener("click", () => restore(byId("link").value));
-  window.addEventListener("hashchange", () => restore(location.hash));
+  window.addEventListener("hashchange", restoreAddress);
   settings.darkness.addEventListener("change", () => changed(0));
   let depth = 0;
   addEventListener("dragenter", () => { byId("veil").hidden = ++depth === 0; });
@@ -203,22 +248,23 @@ function listen() {
     event.preventDefault();
     depth = 0;
     byId("veil").hidden = true;
+    byId("file-input").value = "";
     if (event.dataTransfer?.files.length) takeFile(event.dataTransfer.files[0]);
   });
 }
 
 async function begin() {
-  viewer = new Viewer(byId("surface-picture"), "Picture of the surface");
   try {
     const start = await get("api/start");
     settings.prepare(start.defaults, start.examples);
     byId("file-input").accept = start.endings.join(",");
   } catch (error) {
-    say("surface-problem", error.message);
+    showNoSurface(error.message);
     return;
   }
   listen();
-  await restore(location.hash);
+  await restoreAddress();
+  listRuns(run.id, showRun);
   document.body.dataset.ready = "true";
 }
 

@@ -1,10 +1,11 @@
 // One run: its progress, its answer, its pictures and files.
 
 import { get, post } from "./api.js";
+import { byId, element, say, showList } from "./page.js";
+import { ENDED } from "./runs.js";
+import { describe, subjectOf } from "./settings.js";
 import { Viewer } from "./viewer.js";
 
-const byId = (name) => document.getElementById(name);
-const ENDED = ["done", "failed", "cancelled"];
 const PHASES = {
   waiting: "Waiting", starting: "Starting", preparing: "Preparing", solving: "Solving", evaluating: "Evaluating",
   drawing: "Drawing", done: "Done", failed: "Failed", cancelled: "Cancelled",
@@ -15,27 +16,14 @@ let current = "";
 let shown = {};
 let timer = 0;
 
-export function showList(place, texts) {
-  place.hidden = !texts.length;
-  place.replaceChildren(...texts.map((text) => element("li", text)));
-}
-
-export function element(name, text = "", attributes = {}) {
-  const made = document.createElement(name);
-  made.textContent = text;
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  return made;
-}
-
-export const subjectOf = ({ surface, file_name: name, example }) => ({ file: name || "map", example }[surface] || surface);
-
 export function follow(run, onChange) {
   clearTimeout(timer);
   viewer ??= new Viewer(byId("picture"), "Picture of the answer");
   current = run;
   shown = { panel: "", phase: "", answers: 0, outputs: -1 };
   byId("run").hidden = false;
-  for (const name of ["answer", "run-problem", "progress"]) byId(name).hidden = true;
+  for (const name of ["answer", "run-problem", "run-subject", "progress"]) byId(name).hidden = true;
+  byId("panel-buttons").dataset.run = "";
   viewer.hide();
   byId("cancel").onclick = () => post(`api/cancel/${run}`, {}).catch(() => {});
   poll(run, onChange);
@@ -67,12 +55,12 @@ function render(state) {
   const bar = byId("bar");
   if (["waiting", "starting", "preparing"].includes(state.phase)) bar.removeAttribute("value");
   else bar.value = state.fraction;
+  say("run-subject", `Run ${state.number}: ${describe(state.settings)}.`);
   byId("phase").textContent = `${PHASES[state.phase]}, ${state.seconds.toFixed(0)} s. ${state.text}`;
   if (state.phase !== shown.phase) byId("live").textContent = `${PHASES[state.phase]}. ${ended ? "" : state.text}`;
   problem(state.phase === "failed" ? state.error : state.phase === "cancelled" ? "The run was cancelled." : "");
   if (state.answers.length && !shown.answers) renderAnswer(state);
   if (state.outputs.length !== shown.outputs || state.phase !== shown.phase) renderOutputs(state);
-  byId("drawing").hidden = state.phase !== "drawing";
   showList(byId("run-notes"), state.notes);
   Object.assign(shown, { phase: state.phase, answers: state.answers.length, outputs: state.outputs.length });
 }
@@ -152,6 +140,8 @@ function renderOutputs(state) {
       href: `runs/${state.id}/${of("report").file}`, target: "_blank", rel: "noopener", class: "button",
     }));
   }
+  // It keeps the place of the report, so that nothing jumps away under the pointer.
+  else if (!ENDED.includes(state.phase)) links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
   if (of("table")) links.push(fileLink(state, of("table"), "Table (.csv)"));
   if (!many && of("solution")) links.push(fileLink(state, of("solution"), "Fields (.npz)"));
   keepOrReplace(byId("downloads"), links);

@@ -10,22 +10,25 @@ const UNITS = {
 };
 // At first for each kind of load: a value and its unit.
 const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"] };
-// Young's modulus in GPa and Poisson's ratio, rounded: a first guess, not a certificate.
+// Young's modulus, GPa, Poisson's ratio and hardness (Vickers), GPa, as typical in textbooks, rounded: a first guess, not a
+// certificate. Polymers have no hardness here: they creep, and theirs depends on time.
 const MATERIALS = {
-  steel: ["210", "0.3"],
-  "stainless steel": ["195", "0.3"],
-  "cast iron": ["120", "0.26"],
-  "aluminium alloy": ["70", "0.33"],
-  "copper": ["120", "0.34"],
-  "brass": ["100", "0.35"],
-  "titanium alloy": ["114", "0.34"],
-  "silicon nitride": ["310", "0.27"],
-  "alumina": ["370", "0.22"],
-  "glass": ["70", "0.22"],
-  "PTFE": ["0.5", "0.46"],
-  "PEEK": ["3.8", "0.4"],
-  "rubber": ["0.004", "0.495"],
+  "bearing steel, hardened": ["210", "0.3", "7"],
+  "structural steel": ["210", "0.3", "1.5"],
+  "stainless steel": ["195", "0.3", "1.8"],
+  "grey cast iron": ["120", "0.26", "2"],
+  "aluminium alloy": ["70", "0.33", "1.1"],
+  "copper": ["120", "0.34", "0.8"],
+  "brass": ["100", "0.35", "1.2"],
+  "titanium alloy": ["114", "0.34", "3.4"],
+  "silicon nitride": ["310", "0.27", "15"],
+  "alumina": ["370", "0.22", "16"],
+  "glass": ["70", "0.22", "5.5"],
+  "PTFE": ["0.5", "0.46", ""],
+  "PEEK": ["3.8", "0.4", ""],
+  "rubber": ["0.004", "0.495", ""],
 };
+const FORMS = { plane: "its plane", quadratic: "its form of second degree", sphere: "its sphere" };
 let defaults = {};
 
 export const darkness = matchMedia("(prefers-color-scheme: dark)");
@@ -53,6 +56,19 @@ function choosePreset(select) {
   form.elements[`${prefix}young`].value = values[0];
   form.elements[`${prefix}young_unit`].value = "GPa";
   form.elements[`${prefix}poisson`].value = values[1];
+  form.elements[`${prefix}hardness`].value = values[2];
+  form.elements[`${prefix}hardness_unit`].value = "GPa";
+}
+
+// A name stands only beside its own numbers.
+function showPresets() {
+  for (const select of form.querySelectorAll("[data-preset]")) {
+    const text = (name) => form.elements[`${select.dataset.preset}${name}`].value.trim();
+    const found = Object.entries(MATERIALS).find(([, [young, poisson, hardness]]) =>
+      text("young") === young && text("poisson") === poisson && text("hardness") === hardness &&
+      text("young_unit") === "GPa" && (!hardness || text("hardness_unit") === "GPa"));
+    select.value = found ? found[0] : "";
+  }
 }
 
 const hidden = { file: "", file_name: "" };
@@ -85,10 +101,16 @@ export function loadKindChanged() {
   [form.elements.loads.value, form.elements.load_unit.value] = FIRST_LOADS[kind];
 }
 
-// A surface that repeats is solved as such, others are not; the user may still change it.
+export function reset(name) {
+  form.elements[name].value = defaults[name];
+}
+
+// A surface that repeats is solved as such, others are not; the user may still change it. Returns what to say of it.
 export function surfaceKindChanged() {
-  const periodic = ["self-affine", "wavy"].includes(form.elements.surface.value);
-  form.elements.boundary.value = periodic ? "periodic" : "free";
+  const { surface, boundary } = form.elements;
+  const before = boundary.value;
+  boundary.value = ["self-affine", "wavy"].includes(surface.value) ? "periodic" : "free";
+  return before === boundary.value ? "" : `'Beyond the border of the domain' was ${before}; for this surface it is now ${boundary.value}.`;
 }
 
 export function showFields(facts) {
@@ -102,6 +124,13 @@ export function showFields(facts) {
     const wanted = values.split(" ").includes(form.elements[name].value);
     part.hidden = !wanted || (part.dataset.need !== undefined && !needs[part.dataset.need]);
   }
+  showPresets();
+  if (needs.size) document.getElementById("size-help").textContent = whichIsX(facts.shape);
+}
+
+function whichIsX([nx, ny]) {
+  if (/\.(csv|tsv|txt|dat|asc)$/i.test(hidden.file_name)) return `x: ${nx} lines of the file; y: ${ny} values in each.`;
+  return `x: ${nx} points, along the first index; y: ${ny} points, along the second.`;
 }
 
 // Only what differs from the first values, so that links stay short.
@@ -112,9 +141,42 @@ export function toFragment(run) {
   return query.toString();
 }
 
+// Settings and run of a link, or the problem with it, in a sentence.
 export function fromFragment(text) {
-  const query = Object.fromEntries(new URLSearchParams(text.replace(/^[^#]*#/, "").replace(/^#/, "")));
-  const run = query.run || "";
-  const values = Object.fromEntries(Object.entries(query).filter(([name]) => name in defaults));
-  return { run, values };
+  const { run = "", ...values } = Object.fromEntries(new URLSearchParams(text.trim().replace(/^[^#]*#/, "")));
+  const unknown = Object.keys(values).find((name) => !(name in defaults));
+  if (unknown !== undefined) return { problem: `This is no link to settings of this page: it has no setting '${unknown}'.` };
+  const wrong = Object.keys(values).find((name) => !isChoice(name, values));
+  if (wrong) return { problem: `The link is not used: its '${wrong}' is '${values[wrong]}', which the page does not offer.` };
+  return { run, values, problem: "" };
+}
+
+function isChoice(name, values) {
+  const element = form.elements[name];
+  if (name === "load_unit") return values[name] in UNITS[values.load || defaults.load];
+  return element?.tagName !== "SELECT" || [...element.options].some((option) => option.value === values[name]);
+}
+
+// Whether the form asks for something else than a run had; what is hidden does not count.
+export function differ(others) {
+  const own = read();
+  const counts = (name) => (name === "file" ? own.surface === "file" : form.elements[name] && !form.elements[name].closest("[hidden]"));
+  return Object.keys(defaults).some((name) => counts(name) && own[name].trim() !== others[name]);
+}
+
+export const subjectOf = ({ surface, file_name: name, example }) => ({ file: name || "map", example: example.replaceAll("_", " ") }[surface] || surface);
+
+// What a run has solved, in a line.
+export function describe(values) {
+  const of = (name, unit = `${name}_unit`) => `${values[name]} ${values[unit].replace(/^u/, "µ")}`;
+  const material = (prefix) => {
+    const hard = values[`${prefix}hardness`] ? `hardness ${of(`${prefix}hardness`)}` : "elastic";
+    return `E ${of(`${prefix}young`)}, ν ${values[`${prefix}poisson`]}, ${hard}`;
+  };
+  const parts = [subjectOf(values)];
+  if (["file", "example"].includes(values.surface) && values.form !== "none") parts.push(`less ${FORMS[values.form]}`);
+  if (values.ball && values.surface !== "sphere") parts.push(`ball of ${of("ball")}`);
+  parts.push(values.load === "approach" ? `approach ${of("loads", "load_unit")}` : of("loads", "load_unit"), material(""));
+  if (values.counterbody === "deformable") parts.push(`counterbody ${material("counterbody_")}`);
+  return [...parts, values.boundary].join(", ");
 }

@@ -131,6 +131,8 @@ export class Viewer {
     this.x = Math.min(0, Math.max(this.x, width * (1 - this.scale)));
     this.y = Math.min(0, Math.max(this.y, height * (1 - this.scale)));
     this.image.style.transform = `translate(${this.x}px, ${this.y}px) scale(${this.scale})`;
+    // A finger moves what is zoomed in, and otherwise scrolls the page.
+    this.frame.classList.toggle("zoomed", this.scale > 1);
     this.image.style.imageRendering = this.scale > 3 ? "pixelated" : "auto";
     this.scaleText.textContent = `${this.scale.toFixed(1)} times; the wheel zooms after a click`;
   }

@@ -1,0 +1,57 @@
+"""What the page shows of a surface before the solve, beside its picture."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from roughcontact._solution.rules import PLAUSIBILITY_RULES
+from roughcontact._surfaces import HeightMap
+from roughcontact.app.scene import Scene
+from roughcontact.errors import InputError
+from roughcontact.units import si
+
+
+def describe(scene: Scene) -> dict[str, object]:
+    """Return the numbers, the history and the warnings of a surface."""
+    heights = scene.rough.heights(scene.grid)
+    missing = scene.rough.non_measured_on(scene.grid)
+    measured = heights if missing is None else heights[~missing]
+    (nx, ny), (lx, ly), (dx, dy) = scene.grid.shape, scene.grid.size, scene.grid.spacing
+    warnings = [*scene.rough.warnings, *_warn_of_tilt(scene)] if isinstance(scene.rough, HeightMap) else []
+    return {
+        "rows": [
+            ["Cells", f"{nx} x {ny}"],
+            ["Size", f"{si(lx, 'm')} x {si(ly, 'm')}"],
+            ["Size of a cell", f"{si(dx, 'm')} x {si(dy, 'm')}"],
+            ["Sq (rms height)", si(float(np.std(measured)), "m")],
+            ["Sz (peak to valley)", si(float(np.ptp(measured)), "m")],
+            ["Non-measured points", _count_non_measured(scene)],
+        ],
+        "history": list(scene.rough.provenance),
+        "warnings": [f"{text[0].upper()}{text[1:]}." for text in warnings],
+    }
+
+
+def _count_non_measured(scene: Scene) -> str:
+    missing = scene.rough.non_measured_on(scene.grid)
+    if missing is not None:
+        return f"{int(missing.sum())} of {missing.size}"
+    return f"{scene.filled} of {scene.grid.cells}, filled" if scene.filled else "none"
+
+
+def _warn_of_tilt(scene: Scene) -> list[str]:
+    """Return the warning of a solution, in words of the page; below a ball a tilt only moves the contact."""
+    if scene.surface is not scene.rough or not isinstance(scene.rough, HeightMap):
+        return []
+    try:
+        separated = scene.rough.separate("plane")
+    except InputError:
+        return []
+    measured = ... if scene.rough.non_measured is None else ~scene.rough.non_measured
+    tilt, all_of_it = (float(np.var(values[measured])) for values in (separated.form.values, scene.rough.values))
+    if not tilt > PLAUSIBILITY_RULES["tilt"].admissible * all_of_it:
+        return []
+    return [
+        f"{100.0 * tilt / all_of_it:.0f} % of the variance of the heights is a tilt: unless it is meant, choose 'plane "
+        "(tilt)' under 'Form that is removed'"
+    ]
