@@ -14,6 +14,7 @@ from roughcontact._problem import RIGID_FLAT, Body, ContactProblem
 from roughcontact._problem.plan import require_memory_of_solve
 from roughcontact._surfaces import FlatSurface, HeightMap, SelfAffineSurface, SphereSurface, Surface, WavySurface
 from roughcontact.app.settings import Settings, load_values, plain, quantity, whole
+from roughcontact.app.words import end_sentence, in_words_of_page
 from roughcontact.checks import Pair
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.files import RawMap, read_surface
@@ -171,16 +172,22 @@ def _example(settings: Settings) -> HeightMap:
 def _make_synthetic(settings: Settings) -> Surface:
     if settings["surface"] == "wavy":
         return WavySurface(
-            quantity(settings, "amplitude", "The amplitude", "length"),
+            quantity(settings, "amplitude", "The amplitude", "length", zero=True),
             quantity(settings, "wavelength", "The wavelength", "length"),
         )
     if settings["surface"] == "sphere":
         return SphereSurface(quantity(settings, "radius", "The radius of the sphere", "length"))
+    shortest, longest = (
+        quantity(settings, name, f"The {name} wavelength", "length", "wave_unit") for name in ("shortest", "longest")
+    )
+    if shortest > longest:
+        waves = f"{si(shortest, 'm')}, must not be above the longest one, {si(longest, 'm')}"
+        raise InputError(f"The shortest wavelength, {waves}: exchange them.")
     return SelfAffineSurface(
         hurst=plain(settings, "hurst", "The Hurst exponent"),
         rms_height=quantity(settings, "rms_height", "The rms height", "length"),
-        shortest=quantity(settings, "shortest", "The shortest wavelength", "length", "wave_unit"),
-        longest=quantity(settings, "longest", "The longest wavelength", "length", "wave_unit"),
+        shortest=shortest,
+        longest=longest,
         seed=whole(settings, "seed", "The seed"),
     )
 
@@ -210,5 +217,5 @@ def describe(scene: Scene) -> dict[str, object]:
             ["Non-measured points", "none" if missing is None else f"{int(missing.sum())} of {missing.size}"],
         ],
         "history": list(scene.rough.provenance),
-        "warnings": [f"{text[0].upper()}{text[1:]}." for text in warnings],
+        "warnings": [end_sentence(in_words_of_page(text)) for text in warnings],
     }

@@ -91,7 +91,7 @@ function renderAnswer(state) {
   const statuses = [...new Set((failed.length ? failed : state.answers).map((answer) => answer.status))];
   byId("verdict").textContent = `${statuses.join("; ")}. The value after ± is one standard deviation.`;
   byId("verdict").className = failed.length ? "alert" : "";
-  showList(byId("warnings"), [...new Set(state.answers.flatMap((answer) => answer.warnings))]);
+  showList(byId("warnings"), state.warnings);
   byId("answer-table").replaceChildren(...(many ? curveRows(state) : singleRows(first)));
   byId("h-answer").focus({ preventScroll: true });
   byId("run").scrollIntoView({ block: "start" });
