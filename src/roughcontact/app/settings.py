@@ -156,7 +156,9 @@ def _quantity(text: str, label: str, kind: str, unit: str, zero: bool) -> float:
     low, high = _RANGES[kind]
     if value and not low <= value <= high:
         base = next(iter(UNITS[kind]))
-        raise InputError(f"{label} must be between {low:g} {base} and {high:g} {base}, but got {given}: check its unit.")
+        raise InputError(
+            f"{label} must be between {low:g} {base} and {high:g} {base}, but got {given}: check its unit."
+        )
     return value
 
 

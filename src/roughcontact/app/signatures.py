@@ -35,9 +35,13 @@ def require_beginning(file: Path, name: str) -> None:
     advice = "Export the heights again, as .x3p, .sur or a .csv table of numbers."
     for beginning, kind in _PICTURES.items():
         if head.startswith(beginning):
-            raise InputError(f"The file {name} is a picture ({kind}), not a height map: its colours are no heights. {advice}")
+            raise InputError(
+                f"The file {name} is a picture ({kind}), not a height map: its colours are no heights. {advice}"
+            )
     if not head.strip(b"\0"):
         raise InputError(f"The file {name} begins with {len(head)} bytes of zero, so it is damaged. {advice}")
     ending = Path(name).suffix.lower()
     if not head.startswith(_BEGINNINGS.get(ending, b"")):
-        raise InputError(f"The file {name} does not begin as {ending} files do: it is damaged, or has another format. {advice}")
+        raise InputError(
+            f"The file {name} does not begin as {ending} files do: it is damaged, or has another format. {advice}"
+        )

@@ -1,4 +1,4 @@
-"""Sentences of the library in the words of the page: its controls instead of arguments, and units as people write them."""
+"""Sentences of the library in the words of the page: controls instead of arguments, and units with prefixes."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ _CONTROLS = {
     "unit= (on the command line --unit)": "Check the units that are chosen beside the numbers, and those of the file",
     "use a surface that repeats, or boundary='free'": "use a surface that repeats, or choose that nothing is beyond "
     "the border",
+    "give decimal=',' or decimal='.'": "write decimals with points, or separate the numbers by semicolons",
     ", or a ParaboloidSurface": " or a larger radius",
     "with non_measured='keep'": "with 'Non-measured points'",
     "leaves the range of float64 beside": "is out of all proportion to",
