@@ -147,7 +147,7 @@ function renderOutputs(state) {
   const links = [];
   const many = state.answers.length > 1;
   if (of("report")) {
-    links.push(fileLink(state, of("report"), many ? "Download the report of the largest load" : "Download the report", true));
+    links.push(fileLink(state, of("report"), "Download the report", true));
     links.push(element("a", "Open the report", {
       href: `runs/${state.id}/${of("report").file}`, target: "_blank", rel: "noopener", class: "button",
     }));
