@@ -14,7 +14,6 @@ from roughcontact._problem import RIGID_FLAT, Body, ContactProblem
 from roughcontact._problem.plan import require_memory_of_solve
 from roughcontact._surfaces import FlatSurface, HeightMap, SelfAffineSurface, SphereSurface, Surface, WavySurface
 from roughcontact.app.settings import Settings, load_values, plain, quantity, whole
-from roughcontact.app.words import end_sentence, in_words_of_page
 from roughcontact.checks import Pair
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.files import RawMap, read_surface
@@ -181,8 +180,8 @@ def _make_synthetic(settings: Settings) -> Surface:
         quantity(settings, name, f"The {name} wavelength", "length", "wave_unit") for name in ("shortest", "longest")
     )
     if shortest > longest:
-        waves = f"{si(shortest, 'm')}, must not be above the longest one, {si(longest, 'm')}"
-        raise InputError(f"The shortest wavelength, {waves}: exchange them.")
+        waves = (f"{settings[name]} {settings['wave_unit'].replace('u', 'µ')}" for name in ("shortest", "longest"))
+        raise InputError("The shortest wavelength, {}, must not be above the longest one, {}.".format(*waves))
     return SelfAffineSurface(
         hurst=plain(settings, "hurst", "The Hurst exponent"),
         rms_height=quantity(settings, "rms_height", "The rms height", "length"),
@@ -217,5 +216,5 @@ def describe(scene: Scene) -> dict[str, object]:
             ["Non-measured points", "none" if missing is None else f"{int(missing.sum())} of {missing.size}"],
         ],
         "history": list(scene.rough.provenance),
-        "warnings": [end_sentence(in_words_of_page(text)) for text in warnings],
+        "warnings": [f"{text[0].upper()}{text[1:]}." for text in warnings],
     }

@@ -12,7 +12,6 @@ const DELAY = 350;
 let facts = null;
 let run = "";
 let changes = 0;
-let files = 0;
 let timer = 0;
 let viewer;
 const runs = new Map();
@@ -94,11 +93,9 @@ function duration(seconds) {
 async function takeFile(file) {
   say("refusal", "");
   const wanted = settings.read();
-  const taken = ++files;
   say("file-shown", `Reading ${file.name} ...`);
   try {
     const found = await upload(file);
-    if (taken !== files) return;
     facts = found.facts;
     settings.setFile(found.digest, found.name);
     form.elements.surface.value = "file";
@@ -107,8 +104,6 @@ async function takeFile(file) {
     if (wanted.surface !== "file") settings.surfaceKindChanged();
     changed(0);
   } catch (error) {
-    // A newer file has ended the reading of this one.
-    if (taken !== files) return;
     say("file-shown", "");
     say("surface-problem", error.message);
     viewer.hide();
