@@ -789,11 +789,11 @@ def test_warnings_name_the_controls_of_the_page():
 def test_the_saturated_area_warns_on_the_page_and_in_its_table():
     body = rc.Body(rc.examples.ground_ring(), rc.ElasticPerfectlyPlastic(210e9, 0.3, 7e9))
     solution = rc.ContactProblem(body).solve(force=5.0)
-    doubts = [text for text in list_all_warnings(solution) if text.startswith("The saturated area is doubtful: ")]
-    assert doubts
+    found = [text for text in list_all_warnings(solution) if text.startswith("The saturated area is doubtful: ")]
+    assert found
     (answer,) = describe_solutions([solution])
     assert answer["warnings"] == [f"{text.rstrip('.')}." for text in list_all_warnings(solution)]
-    assert doubts[0] in make_table([answer])
+    assert found[0] in make_table([answer])
     force = {**answer["quantities"][3], "value": 5 - 1e-15}
     assert "\r\n5.0,0.0,converged" in make_table([{**answer, "quantities": [force]}])
 

@@ -227,7 +227,7 @@ def sweep():
 
 
 class TestSweep:
-    def test_all_loads_stand_in_a_table_and_in_curves_before_the_largest(self, sweep, tmp_path):
+    def test_all_loads_have_a_table_and_curves_before_the_largest(self, sweep, tmp_path):
         assert sweep.to_html(tmp_path / "sweep.html") is None
         tree = read((tmp_path / "sweep.html").read_text(encoding="utf-8"))
         table = next(tree.iter("table"))

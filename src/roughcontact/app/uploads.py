@@ -76,7 +76,7 @@ class Uploads:
         Raises
         ------
         InputError
-            If the source ends early, is too slow, or the file is too large or is no height map by its first bytes.
+            If the source ends early, is too slow, or the file is too large or has the first bytes of something else.
         """
         self.require_size(size)
         shown = shown_name(name)
