@@ -808,8 +808,9 @@ def test_a_column_of_a_sweep_has_one_unit():
 def test_a_warning_of_several_loads_is_said_once_with_them():
     edge, fine = "The maximum is doubtful: it lies at an edge.", "About 3.7 cells."
     found = gather_warnings([("5 N", [edge]), ("10 N", [edge, "About 3.9 cells."]), ("20 N", [edge, fine])])
-    assert found == [f"At all 3 loads: {edge}", f"At 10 N and 20 N (here with the numbers at 20 N): {fine}"]
+    assert found == [f"At 5 N, 10 N and 20 N: {edge}", f"At 10 N and 20 N (here with the numbers at 20 N): {fine}"]
     assert gather_warnings([("5 N", [edge])]) == [edge]
+    assert gather_warnings([(f"{load} N", [edge]) for load in range(4)]) == [f"At all 4 loads: {edge}"]
     assert gather_warnings([("5 N", []), ("10 N", [edge])]) == [f"At 10 N: {edge}"]
 
 

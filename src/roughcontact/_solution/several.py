@@ -13,6 +13,8 @@ from roughcontact.units import Estimate, si
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
 
+# Loads that are named where a warning concerns all of them.
+_NAMED = 3
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
@@ -65,8 +67,7 @@ def gather_warnings(warnings: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
 def _attribute(found: Sequence[tuple[str, str]], count: int) -> str:
     """Return a warning behind the loads that it concerns."""
     *before, (last, text) = found
-    loads = f"all {count} loads" if len(found) == count else ", ".join(load for load, _ in before)
-    if len(found) < count:
-        loads = f"{loads} and {last}" if before else last
+    named = f"{', '.join(load for load, _ in before)} and {last}" if before else last
+    loads = f"all {count} loads" if len(found) == count > _NAMED else named
     differ = any(other != text for _, other in before)
     return f"At {loads}{f' (here with the numbers at {last})' if differ else ''}: {text}"
