@@ -44,8 +44,9 @@ class Page:
         """Return the facts of a file; one that is still being read is given up for it."""
         with self._lock:
             if self._is_inspecting:
-                self._inspector.close()
-                self._inspector = Worker()
+                # The former reading finds that it is no longer the last one.
+                former, self._inspector = self._inspector, Worker()
+                former.close()
             inspector, self._is_inspecting = self._inspector, True
         advice = "check that it is a height map, or read it with roughcontact.read_surface in a script."
         try:
