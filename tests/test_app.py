@@ -23,8 +23,10 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact._solution.several import gather_warnings
+from roughcontact._solution.summary import list_all_warnings
 from roughcontact.app import AppServer, Session
-from roughcontact.app.answers import describe_solution
+from roughcontact.app.answers import describe_solutions, list_warnings, make_table
 from roughcontact.app.process import TaskEnded, Worker
 from roughcontact.app.progress import Progress
 from roughcontact.app.scene import make_loads, make_problem, make_scene
@@ -32,6 +34,7 @@ from roughcontact.app.server import _CONNECTIONS
 from roughcontact.app.settings import DEFAULTS, load_values, quantity, read_settings
 from roughcontact.app.uploads import shown_name
 from roughcontact.typing import Step
+from roughcontact.units.columns import write_column
 
 PATIENCE = 120.0
 SMALL = {"surface": "wavy", "cells": "48", "side": "50", "wavelength": "25", "boundary": "periodic"}
@@ -47,13 +50,13 @@ PICKLED = (
 
 class Client:
     def __init__(self, server):
-        self.port, self.token = server.server_port, server.session.token
+        self.port, self.token, self.page = server.server_port, server.session.token, ""
 
     def request(self, method, path, body=None, headers=(), token=None):
         """Return status, headers and body; a POST has the origin of the page, unless it is given."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=PATIENCE)
         sent = {"Origin": f"http://127.0.0.1:{self.port}"} if method == "POST" else {}
-        sent |= dict(headers)
+        sent |= {"X-Page": self.page, **dict(headers)}
         try:
             connection.request(
                 method, f"/{self.token if token is None else token}/{path}", body, {k: v for k, v in sent.items() if v}
@@ -350,7 +353,7 @@ def test_settings_that_are_not_json_are_refused_in_words(client, body):
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"young": "-1"}, "must be a finite number, above 0"),
+        ({"young": "-1"}, "must be above 0, but got -1 GPa"),
         ({"young": ""}, "is missing"),
         ({"young": "nan"}, "must be a number such as 2.5"),
         ({"young": "1e99"}, "between"),
@@ -483,6 +486,30 @@ def test_a_file_that_is_not_a_map_is_refused_in_words(client, name, content):
     assert not re.search(r"[0-9a-f]{16}", sentence)
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("map.png", b"\x89PNG\r\n\x1a\n" + b"\0" * 50, "map.png is a picture (PNG), not a height map"),
+        ("map.x3p", b"\x89PNG\r\n\x1a\n" + b"\0" * 50, "map.x3p is a picture (PNG), not a height map"),
+        ("photo.jpg", b"\xff\xd8\xff\xe0" + b"\0" * 50, "photo.jpg is a picture (JPEG)"),
+        ("zeros.x3p", b"\0" * 10000, "zeros.x3p begins with 4096 bytes of zero, so it is damaged"),
+        ("zeros.csv", b"\0" * 10000, "zeros.csv begins with 4096 bytes of zero, so it is damaged"),
+        ("words.x3p", b"1 2 3\n" * 9, "words.x3p does not begin as .x3p files do"),
+        ("a.SUR", b"nothing" * 9, "a.SUR does not begin as .sur files do"),
+    ],
+)  # fmt: skip
+def test_a_file_is_refused_by_its_first_bytes(client, name, content, said):
+    status, answer = client.upload(name, content)
+    assert status == 422
+    assert said in answer["error"]
+    assert "codec" not in answer["error"]
+
+
+def test_an_empty_file_is_called_empty(client):
+    status, answer = client.upload("a.csv", b"")
+    assert (status, answer["error"]) == (413, "The file is empty: choose another, or export it again.")
+
+
 def test_a_file_that_ends_early_is_refused(client):
     lines = head(client, "Content-Length: 50", path="api/upload?name=a.csv")
     with socket.create_connection(("127.0.0.1", client.port), timeout=30) as connection:
@@ -523,7 +550,7 @@ def test_a_file_may_be_a_part_of_the_memory(client, monkeypatch):
     monkeypatch.setattr("roughcontact.app.uploads.available_memory", lambda: 40)
     status, answer = client.upload("a.csv", b"1,2\n3,4\n5,6\n")
     assert status == 413
-    assert "1 byte to 10 bytes" in answer["error"]
+    assert "at most 10 bytes" in answer["error"]
 
 
 # A process of its own
@@ -531,13 +558,58 @@ def test_a_file_may_be_a_part_of_the_memory(client, monkeypatch):
 
 def test_a_reader_that_takes_too_long_is_ended():
     with serving(patience=0.001) as server:
-        assert "took more than 0.001 s" in Client(server).refusal("api/surface", {})
+        client = Client(server)
+        assert "Making the surface took more than 0.001 s" in client.refusal("api/surface", {})
+        assert "Planning the solve took more than 0.001 s" in client.refusal("api/plan", {})
+        status, answer = client.upload("ring.csv", b"1,2\n3,4\n")
+        assert status == 422
+        assert answer["error"].startswith("Reading the file ring.csv took more than 0.001 s and was ended: check")
+
+
+def stop(worker):
+    """Hold the process of a worker as a file that is slow to read does, and return it."""
+    worker.start()
+    os.kill(worker._process.pid, signal.SIGSTOP)
+    return worker._process
+
+
+def test_a_slow_file_holds_up_no_other_page_and_gives_way_to_the_next_of_its_own(client, server):
+    slow, answers = Client(server), []
+    slow.page = "slow"
+    page = server.session._page("slow")
+    process = stop(page._inspector)
+    reading = threading.Thread(target=lambda: answers.append(slow.upload("slow.csv", b"1 2\n3 5\n")))
+    reading.start()
+    end = time.monotonic() + PATIENCE
+    while not page._is_inspecting:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    status, found = client.upload("other.csv", b"1 2\n3 6\n")
+    assert status == 200, found
+    assert slow.post("api/plan", SMALL)["loads"]
+    assert reading.is_alive()
+    assert slow.upload("next.csv", b"1 2\n3 7\n")[0] == 200
+    reading.join(PATIENCE)
+    assert answers[0][0] == 422
+    assert "slow.csv was not read to its end: this page has sent another one." in answers[0][1]["error"]
+    assert not process.is_alive()
+    assert slow.upload("last.csv", b"1 2\n3 8\n")[0] == 200
+
+
+def test_the_processes_of_many_pages_are_bounded():
+    with serving() as server:
+        first = server.session._page("0")
+        for name in range(1, 5):
+            assert server.session._page(str(name)) is not first
+        assert server.session._page("0") is not first
+        with pytest.raises(TaskEnded, match="cancelled"):
+            first._maker.do({})
 
 
 @pytest.mark.slow
 def test_a_reader_that_crashes_takes_nothing_down(client, server):
     client.post("api/surface", SMALL)
-    worker = server.session._reader
+    worker = server.session._page("")._maker
     process = worker._process
     process.kill()
     process.join()
@@ -568,8 +640,9 @@ def test_a_worker_that_dies_at_its_task_says_so():
 def test_the_answers_are_those_of_the_library(solved, sweep):
     _, state = solved
     assert state["notes"] == []
-    for answer, solution in zip(state["answers"], sweep.solutions, strict=True):
-        expected = describe_solution(solution)
+    found = describe_solutions(sweep.solutions)
+    assert state["warnings"] == list_warnings(found)
+    for answer, expected, solution in zip(state["answers"], found, sweep.solutions, strict=True):
         assert answer["quantities"] == expected["quantities"]
         assert answer["warnings"] == expected["warnings"]
         assert answer["certified"]
@@ -582,11 +655,13 @@ def test_the_answers_are_those_of_the_library(solved, sweep):
 def test_the_table_is_the_answers_with_units(solved, sweep):
     client, state = solved
     rows = list(csv.DictReader(io.StringIO(client.get(f"runs/{state['id']}/answers.csv").decode("utf-8-sig"))))
-    assert [float(row["contact area, m2"]) for row in rows] == sweep.area.tolist()
-    assert [float(row["force, N"]) for row in rows] == sweep.force.tolist()
-    assert [float(row["uncertainty of maximum pressure, Pa"]) for row in rows] == [
-        one.peak_pressure().uncertainty for one in sweep.solutions
-    ]
+    columns = {
+        "contact area, m2": sweep.area,
+        "force, N": sweep.force,
+        "uncertainty of maximum pressure, Pa": [one.peak_pressure().uncertainty for one in sweep.solutions],
+    }
+    for name, expected in columns.items():
+        np.testing.assert_allclose([float(row[name]) for row in rows], expected, rtol=1e-8)
     assert rows[0]["status"].startswith("converged")
 
 
@@ -723,6 +798,66 @@ def test_the_first_settings_are_a_problem_that_can_be_solved():
     settings = read_settings(DEFAULTS)
     problem = make_problem(settings, make_scene(settings, None))
     assert [str(load) for load in make_loads(settings, problem)] == ["pressure 100 MPa"]
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"young": "-5"}, "Young's modulus of the body must be above 0, but got -5 GPa."),
+        ({"hardness": "-1"}, "The hardness of the body must be above 0, but got -1 GPa."),
+        ({**SMALL, "amplitude": "-2"}, "The amplitude must be at least 0, but got -2 µm."),
+        ({"loads": "1 0", "load": "force", "load_unit": "uN"}, "Each load must be above 0, but got 0 µN."),
+        (
+            {"loads": "1e30", "load": "force", "load_unit": "N"},
+            "The load must be between 1e-18 N and 1e+15 N, but got 1e30 N: check its unit.",
+        ),
+        ({"young": "1e300"}, "Young's modulus of the body must be between 1 nPa and 1e+18 Pa, but got 1e300 GPa: "),
+        ({"surface": "self-affine", "shortest": "100"}, "The shortest wavelength, 100 µm, must not be above the long"),
+        (
+            {"surface": "self-affine", "cells": "64", "shortest": "0.1"},
+            "The shortest wavelength must be at least two cells (3.125 µm) on this grid, but got 100 nm. Refine",
+        ),
+        ({"surface": "sphere", "radius": "0.01"}, "The sphere of radius 10 µm does not cover the domain of 100 µm x"),
+    ],
+)  # fmt: skip
+def test_refusals_have_the_numbers_and_units_of_the_page(client, given, sentence):
+    assert sentence in client.refusal("api/plan", given)
+
+
+def test_warnings_name_the_controls_of_the_page():
+    tilted = rc.HeightMap(np.linspace(0.0, 2e-6, 64)[:, None] + 1e-8 * np.random.default_rng(0).random((64, 64)), 1e-4)
+    solution = rc.ContactProblem(rc.Body(tilted, rc.Elastic(210e9, 0.3))).solve(force=0.1)
+    (warning,) = (text for text in solution.warnings if "tilt" in text)
+    assert "command line" in warning
+    (shown,) = (text for text in describe_solutions([solution])[0]["warnings"] if "tilt" in text)
+    assert shown.endswith("Subtract the plane: 'Form that is removed: plane'.")
+
+
+def test_the_saturated_area_warns_on_the_page_and_in_its_table():
+    body = rc.Body(rc.examples.ground_ring(), rc.ElasticPerfectlyPlastic(210e9, 0.3, 7e9))
+    solution = rc.ContactProblem(body).solve(force=5.0)
+    found = [text for text in list_all_warnings(solution) if text.startswith("The saturated area is doubtful: ")]
+    assert found
+    (answer,) = describe_solutions([solution])
+    assert answer["warnings"] == [f"{text.rstrip('.')}." for text in list_all_warnings(solution)]
+    assert found[0] in make_table([answer])
+    force = {**answer["quantities"][3], "value": 5 - 1e-15}
+    assert "\r\n5.0,0.0,converged" in make_table([{**answer, "quantities": [force]}])
+
+
+def test_a_column_of_a_sweep_has_one_unit():
+    column = [rc.Estimate(value, 8e-12, "m2") for value in (0.0, 5.314e-9, 1.001e-8)]
+    assert write_column(column) == ["0.0 ± 8.0 µm²", "5314.0 ± 8.0 µm² (0.15 %)", "10010.0 ± 8.0 µm² (0.08 %)"]
+    assert write_column([rc.Estimate(value, 0.0, "N") for value in (0.5, 5 - 1e-15, 10.0)]) == ["0.5 N", "5 N", "10 N"]
+
+
+def test_a_warning_of_several_loads_is_said_once_with_them():
+    edge, fine = "The maximum is doubtful: it lies at an edge.", "About 3.7 cells."
+    found = gather_warnings([("5 N", [edge]), ("10 N", [edge, "About 3.9 cells."]), ("20 N", [edge, fine])])
+    assert found == [f"At 5 N, 10 N and 20 N: {edge}", f"At 10 N and 20 N (here with the numbers at 20 N): {fine}"]
+    assert gather_warnings([("5 N", [edge])]) == [edge]
+    assert gather_warnings([(f"{load} N", [edge]) for load in range(4)]) == [f"At all 4 loads: {edge}"]
+    assert gather_warnings([("5 N", []), ("10 N", [edge])]) == [f"At 10 N: {edge}"]
 
 
 def test_progress_only_grows_and_counts_the_loads(monkeypatch):

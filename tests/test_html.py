@@ -8,6 +8,7 @@ import io
 import re
 import shutil
 import subprocess
+from datetime import date
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -18,6 +19,7 @@ import pytest
 import roughcontact as rc
 from roughcontact import archive
 from roughcontact._solution import origin as origins
+from roughcontact._solution.several import gather_warnings, list_quantities
 from roughcontact.html import citation, figures, rerun
 from roughcontact.html.elements import escape, quantity
 
@@ -117,7 +119,7 @@ class TestPage:
         assert len(re.findall(rb"/Type\s*/Page\b", (tmp_path / "report.pdf").read_bytes())) == 2
 
     def test_a_panel_that_fails_leaves_a_sentence(self, monkeypatch):
-        def refuse(solution, name):
+        def refuse(kind, subject, name):
             raise ZeroDivisionError("<b>by zero</b>")
 
         monkeypatch.setattr(figures, "draw_panel", refuse)
@@ -133,6 +135,25 @@ class TestContent:
         tree = read(path.read_text(encoding="utf-8"))
         assert not list(tree.iter("img"))
         assert "pip install 'roughcontact[plot]'" in text_of(tree)
+
+    def test_the_scene_has_the_file_the_date_and_materials_in_words(self):
+        height_map = make_map(("read from my ring: 2.x3p: 32 x 32 cells on 64 µm x 64 µm", "the best plane subtracted"))
+        tree = read(solve(height_map, rc.ElasticPerfectlyPlastic(200e9, 0.3, 2e9)).to_html())
+        scene = tree.find(".//p[@class='scene']").text
+        assert scene.startswith("my ring: 2.x3p on a rigid flat, 32 x 32 cells on 64 µm x 64 µm, boundary free, ")
+        assert scene.endswith(f"; written on {date.today().isoformat()}")
+        words = text_of(tree)
+        assert "elastic perfectly plastic: Young's modulus 200 GPa, Poisson's ratio 0.3, hardness 2 GPa" in words
+        assert "rc.Elastic" not in words
+        assert "'Fields (.npz)' on the page" in words
+        assert "self affine surface + sphere surface on flat surface" in text_of(
+            read(solve(ROUGH + rc.SphereSurface(3e-3), counterbody=rc.Body(rc.FlatSurface(), STEEL)).to_html())
+        )
+
+    def test_a_page_in_a_file_is_not_returned_too(self, tmp_path):
+        path = tmp_path / "report.html"
+        assert solve().to_html(path) is None
+        assert path.read_text(encoding="utf-8").startswith("<!doctype html>")
 
     def test_what_did_not_converge_is_said_first(self):
         solution = solve(solver=rc.ProjectedConjugateGradient(tolerance=1e-8, max_iterations=1))
@@ -197,6 +218,62 @@ class TestContent:
         loaded.save(tmp_path / "b.npz")
         again = rc.ContactSolution.load(tmp_path / "b.npz")
         assert origins.key_of_origin(again.origin) == origins.key_of_origin(solution.origin)
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    body = rc.Body(ROUGH, rc.ElasticPerfectlyPlastic(200e9, 0.3, 6e9))
+    return rc.ContactProblem(body, grid=rc.Grid((64, 64), 64e-6), boundary="periodic").sweep(pressure=[2e7, 2e8, 1e8])
+
+
+class TestSweep:
+    def test_all_loads_have_a_table_and_curves_before_the_largest(self, sweep, tmp_path):
+        assert sweep.to_html(tmp_path / "sweep.html") is None
+        tree = read((tmp_path / "sweep.html").read_text(encoding="utf-8"))
+        table = next(tree.iter("table"))
+        head, *rows = ([cell.text for cell in row] for row in table.iter("tr"))
+        assert head[:4] == ["load", "contact area", "% of nominal", "saturated area"]
+        assert "mean pressure" not in head
+        assert [row[0] for row in rows] == ["20 MPa", "200 MPa", "100 MPa"]
+        for row, solution in zip(rows, sweep, strict=True):
+            area = solution.area()
+            assert float(row[1].partition(" ")[0]) == pytest.approx(1e12 * area.value, abs=1e12 * area.uncertainty)
+            assert row[1].endswith("µm²")
+            assert "(" not in row[1]
+        words = text_of(tree)
+        assert "3 loads, pressure 20 MPa to 200 MPa" in words
+        places = [words.index(text) for text in ("Converged:", "% of nominal", "Curves", "The largest load, 200 MPa")]
+        assert places == sorted(places)
+        assert words.index("The largest load") < words.index("Figures") < words.index("problem.solve(pressure=200e6)")
+        assert len(list(tree.iter("img"))) == sum(
+            rc.panels[name].subject in ("solution", "sweep") for name in rc.panels
+        )
+
+    @pytest.mark.usefixtures("plain")
+    def test_warnings_and_failures_name_their_loads(self, sweep):
+        failed = attrs.evolve(sweep[1], status=rc.Status.STALLED)
+        broken = attrs.evolve(sweep, solutions=(sweep[0], failed, sweep[2]))
+        words = text_of(read(broken.to_html()))
+        assert "Not converged at 200 MPa: " in words
+        assert "Do not use these numbers" in words
+        texts = [
+            (load, list_quantities(one)[1]) for load, one in zip(("20 MPa", "200 MPa", "100 MPa"), broken, strict=True)
+        ]
+        warned = gather_warnings(texts)
+        assert warned
+        assert all(" ".join(text.split()) in words for text in warned)
+
+
+def test_the_legend_of_the_pressures_has_the_saturated_area_of_the_table(sweep):
+    solution = sweep[1]
+    (label,) = (
+        text.get_text()
+        for text in solution.plot("pressure-histogram").get_legend().get_texts()
+        if "saturated" in text.get_text()
+    )
+    shown = re.search(r"Saturated \(?([\d.]+)", text_of(read(solution.to_html())))[1]
+    assert label == f"saturated: {shown} % of nominal"
+    assert float(shown) != pytest.approx(100.0 * solution.saturated.mean(), rel=0.01)
 
 
 def run_script(solution):

@@ -11,7 +11,8 @@ import attrs
 import numpy as np
 
 from roughcontact._problem.sweep_table import make_table, to_dataset
-from roughcontact._solution import AreaEstimator, ContactSolution
+from roughcontact._solution import AreaEstimator, ContactSolution, writers
+from roughcontact._solution.writers import page_or_file
 from roughcontact.checks import Array, flag, item_of, number
 from roughcontact.errors import InputError
 from roughcontact.load import Load
@@ -135,6 +136,17 @@ class Sweep:
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; it may replace a file."""
         make_table(self).to_csv(path)
+
+    @overload
+    def to_html(self, path: None = None) -> str: ...
+
+    @overload
+    def to_html(self, path: str | os.PathLike[str]) -> None: ...
+
+    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
+        """Return a report of all loads, the largest in detail, or write it to a file; see `ContactSolution.to_html`."""
+        writer: Any = writers.create("html")
+        return page_or_file(lambda: writer.sweep_text(self), path)
 
     def to_xarray(self) -> Any:
         """Return the results and fields as an `xarray.Dataset` over the load, x and y, m (extra ``store``).

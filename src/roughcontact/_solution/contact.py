@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import attrs
 import numpy as np
@@ -31,9 +31,8 @@ from roughcontact._solution.saturation import estimate_saturated_area
 from roughcontact._solution.summary import abbreviate, summarize
 from roughcontact._solution.theory import TheoryBeside, compare_with_theory
 from roughcontact._solution.vti import to_pyvista, view_solution
-from roughcontact._solution.writers import write_solution, writers
+from roughcontact._solution.writers import page_or_file, write_solution, writers
 from roughcontact._surfaces import HeightMap
-from roughcontact.archive import replacing
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
 from roughcontact.panel import Panel
@@ -210,16 +209,16 @@ class ContactSolution(ContactFields):
         """
         write_solution(self, checks.path(path, "The file"))
 
-    def to_html(self, path: str | os.PathLike[str] | None = None) -> str:
-        """Return a report, one page of HTML that opens without a network; written to a file if a path is given."""
-        target = None if path is None else checks.path(path, "The report")
+    @overload
+    def to_html(self, path: None = None) -> str: ...
+
+    @overload
+    def to_html(self, path: str | os.PathLike[str]) -> None: ...
+
+    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
+        """Return a report, one page of HTML that opens without a network, or write it to a file if a path is given."""
         writer: Any = writers.create("html")
-        # Its figures take seconds: they are drawn once.
-        text: str = writer.text(self)
-        if target is not None:
-            with replacing(target) as partial:
-                partial.write_text(text, encoding="utf-8")
-        return text
+        return page_or_file(lambda: writer.text(self), path)
 
     def plot(self, panel: str | Panel | None = None, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the contact (extra ``plot``).

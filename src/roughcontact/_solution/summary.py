@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
 from roughcontact._materials import Material
@@ -39,18 +40,17 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
     return answers
 
 
-def list_all_warnings(solution: ContactSolution) -> list[str]:
-    """Return the warnings of a solution, and those of what `list_answers` estimates."""
+def list_all_warnings(solution: ContactSolution, others: Mapping[str, Estimate] = MappingProxyType({})) -> list[str]:
+    """Return the warnings of a solution, those of what `list_answers` estimates, and those of other estimates."""
     gathered = dict.fromkeys(_attempt(lambda: solution.warnings, ()))
-    estimates: dict[str, Callable[[], Area | Estimate]] = {
-        "contact area": solution.area,
-        "maximum pressure": solution.peak_pressure,
+    estimates: dict[str, Area | Estimate | None] = {
+        "contact area": _attempt(solution.area, None),
+        "maximum pressure": _attempt(solution.peak_pressure, None),
     }
     if solution.capped:
-        estimates["saturated area"] = solution.saturated_area
+        estimates["saturated area"] = _attempt(solution.saturated_area, None)
     seen: set[str] = set()
-    for name, estimate in estimates.items():
-        found = _attempt(estimate, None)
+    for name, found in (estimates | dict(others)).items():
         # The others have the warnings of the area too.
         texts = () if found is None else tuple(text for text in found.warnings if text not in seen)
         seen.update(texts)

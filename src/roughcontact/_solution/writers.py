@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import abc
+import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Any, final
 
 import attrs
 
+from roughcontact import checks
 from roughcontact._solution import storage
+from roughcontact.archive import replacing
 from roughcontact.errors import InputError
 from roughcontact.registry import Registry
 
@@ -59,3 +63,14 @@ def write_solution(solution: ContactSolution, path: Path) -> None:
             return
         known |= writer.suffixes
     raise InputError.about("The name of a solution's file", path.name, f"one ending in {', '.join(sorted(known))}")
+
+
+def page_or_file(make: Callable[[], Any], path: str | os.PathLike[str] | None) -> str | None:
+    """Return the text of a page, or write it to a file and return None."""
+    target = None if path is None else checks.path(path, "The report")
+    text: str = make()
+    if target is None:
+        return text
+    with replacing(target) as partial:
+        partial.write_text(text, encoding="utf-8")
+    return None

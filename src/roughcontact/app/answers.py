@@ -4,40 +4,39 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from typing import Any
 
 from roughcontact._solution import ContactSolution
-from roughcontact.units import Estimate, prefixed, with_spread
+from roughcontact._solution.several import gather_warnings, list_quantities, name_load
+from roughcontact.app.words import end_sentence, in_words_of_page
+from roughcontact.units import Estimate
+from roughcontact.units.columns import write_column
+
+# Digits of a number in a table: more than any uncertainty leaves.
+_DIGITS = 9
 
 
-def describe_solution(solution: ContactSolution) -> dict[str, Any]:
-    """Return the answer at one load: how the solve ended, quantities by name in SI units, and all warnings."""
-    area, peak = solution.area(), solution.peak_pressure()
-    gap, patches = solution.estimate("mean-gap"), solution.estimate("patches")
-    found = {
-        "contact area": Estimate(area.value, area.uncertainty, "m2"),
-        "contact area fraction": Estimate(area.fraction, area.uncertainty / solution.grid.area, ""),
-        "maximum pressure": peak,
-        "force": Estimate(solution.force, 0.0, "N"),
-        "mean pressure": Estimate(solution.mean_pressure, 0.0, "Pa"),
-        "approach": Estimate(solution.approach, 0.0, "m"),
-        "mean gap": gap,
-        "contact patches": patches,
-    }
-    if solution.capped:
-        saturated = solution.saturated_area()
-        found["saturated area"] = Estimate(saturated.value, saturated.uncertainty, "m2")
-    texts = [*solution.warnings, *area.warnings, *(text for one in (peak, gap, patches) for text in one.warnings)]
-    return {
-        "status": str(solution.status),
-        "certified": solution.status.success,
-        "seconds": solution.seconds,
-        "quantities": [
-            {"name": name, "value": one.value, "uncertainty": one.uncertainty, "unit": one.unit, "text": _format(one)}
-            for name, one in found.items()
-        ],
-        "warnings": [f"{text[0].upper()}{text[1:].rstrip('.')}." for text in dict.fromkeys(texts)],
-    }
+def describe_solutions(solutions: Sequence[ContactSolution]) -> list[dict[str, Any]]:
+    """Return the answer at each load: how the solve ended, quantities by name in SI units, and all warnings."""
+    found = [list_quantities(solution) for solution in solutions]
+    columns = {name: iter(write_column([quantities[name] for quantities, _ in found])) for name in found[0][0]}
+    return [
+        {
+            "load": name_load(solution),
+            "status": str(solution.status),
+            "certified": solution.status.success,
+            "seconds": solution.seconds,
+            "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
+            "warnings": [end_sentence(in_words_of_page(text)) for text in warnings],
+        }
+        for solution, (quantities, warnings) in zip(solutions, found, strict=True)
+    ]
+
+
+def list_warnings(answers: list[dict[str, Any]]) -> list[str]:
+    """Return the warnings of all answers, each once, with the loads that it concerns."""
+    return gather_warnings([(answer["load"], answer["warnings"]) for answer in answers])
 
 
 def make_table(answers: list[dict[str, Any]]) -> str:
@@ -50,17 +49,15 @@ def make_table(answers: list[dict[str, Any]]) -> str:
     for answer in answers:
         known = {one["name"]: one for one in answer["quantities"]}
         cells = [known.get(name, {"value": "", "uncertainty": ""}) for name, _ in names]
-        numbers = [value for cell in cells for value in (cell["value"], cell["uncertainty"])]
+        numbers = [_round(value) for cell in cells for value in (cell["value"], cell["uncertainty"])]
         writer.writerow([*numbers, answer["status"], " ".join(answer["warnings"])])
     return file.getvalue()
 
 
-def _format(one: Estimate) -> str:
-    """Return a number with its uncertainty and unit, as people write them."""
-    base, power = ("m", 2) if one.unit == "m2" else (one.unit, 1)
-    factor, unit = prefixed(abs(one.value), base, power) if base else (1.0, "")
-    if not one.uncertainty:
-        return f"{one.value * factor:.6g} {unit}".strip()
-    relative = f" ({100 * one.uncertainty / one.value:.2g} %)" if one.unit == "m2" and one.value else ""
-    number = with_spread(one.value * factor, one.uncertainty * factor).strip("()").replace("+-", "±")
-    return f"{number} {unit}{relative}".strip()
+def _round(value: float | str) -> float | str:
+    """Return a number without the digits that rounding errors have made, such as those of 4.999999999999999 N."""
+    return value if isinstance(value, str) else float(f"{value:.{_DIGITS}g}")
+
+
+def _describe(name: str, one: Estimate, text: str) -> dict[str, Any]:
+    return {"name": name, "value": one.value, "uncertainty": one.uncertainty, "unit": one.unit, "text": text}

@@ -36,7 +36,7 @@ class Job:
         self.future: Future[None] | None = None
         self._lock = threading.Lock()
         self._state: dict[str, Any] = {"phase": "waiting", "fraction": 0.0, "text": "", "error": ""}
-        self._state |= {"answers": [], "outputs": [], "notes": []}
+        self._state |= {"answers": [], "warnings": [], "outputs": [], "notes": []}
         self._begun = self._ended = 0.0
 
     @property

@@ -54,7 +54,7 @@ class Outputs:
             drawn += [(self.sweep, name) for name in _panels_of("sweep")]
         first, *others = drawn + [(largest, name) for name in _panels_of("solution")]
         yield partial(self._draw, *first)
-        yield partial(self._write_report, largest)
+        yield self._write_report
         for subject, name in others:
             yield partial(self._draw, subject, name)
 
@@ -69,8 +69,9 @@ class Outputs:
         self.sweep.solutions[index].save(self.folder / name)
         return {"role": "solution", "file": name, "load": index}
 
-    def _write_report(self, solution: ContactSolution) -> dict[str, Any]:
-        solution.to_html(self.folder / "report.html")
+    def _write_report(self) -> dict[str, Any]:
+        whole = self.sweep if len(self.sweep) > 1 else self.sweep.solutions[0]
+        whole.to_html(self.folder / "report.html")
         return {"role": "report", "file": "report.html"}
 
     def _draw(self, subject: Sweep | ContactSolution, name: str) -> dict[str, Any]:

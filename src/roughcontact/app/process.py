@@ -40,7 +40,11 @@ class Worker:
             self._started()
 
     def do(
-        self, task: dict[str, Any], limit: float | None = None, on_event: Callable[[dict[str, Any]], None] | None = None
+        self,
+        task: dict[str, Any],
+        limit: float | None = None,
+        on_event: Callable[[dict[str, Any]], None] | None = None,
+        late: str = "",
     ) -> dict[str, Any]:
         """Return the result of a task.
 
@@ -52,6 +56,8 @@ class Worker:
             Seconds after which the process is ended; None: as long as it takes.
         on_event
             Called with each message on the way.
+        late
+            The sentence for the user if it takes longer.
 
         Raises
         ------
@@ -65,7 +71,7 @@ class Worker:
             while True:
                 if end is not None and not pipe.poll(max(0.0, end - time.monotonic())):
                     self.end()
-                    raise TaskEnded(f"This took more than {limit:g} s and was ended.")
+                    raise TaskEnded(late)
                 message = json.loads(pipe.recv_bytes(_LONGEST))
                 if "result" in message:
                     result: dict[str, Any] = message["result"]

@@ -178,16 +178,22 @@ def _example(settings: Settings) -> HeightMap:
 def _make_synthetic(settings: Settings) -> Surface:
     if settings["surface"] == "wavy":
         return WavySurface(
-            quantity(settings, "amplitude", "The amplitude", "length"),
+            quantity(settings, "amplitude", "The amplitude", "length", zero=True),
             quantity(settings, "wavelength", "The wavelength", "length"),
         )
     if settings["surface"] == "sphere":
         return SphereSurface(quantity(settings, "radius", "The radius of the sphere", "length"))
+    shortest, longest = (
+        quantity(settings, name, f"The {name} wavelength", "length", "wave_unit") for name in ("shortest", "longest")
+    )
+    if shortest > longest:
+        waves = (f"{settings[name]} {settings['wave_unit'].replace('u', 'µ')}" for name in ("shortest", "longest"))
+        raise InputError("The shortest wavelength, {}, must not be above the longest one, {}.".format(*waves))
     return SelfAffineSurface(
         hurst=plain(settings, "hurst", "The Hurst exponent"),
         rms_height=quantity(settings, "rms_height", "The rms height", "length"),
-        shortest=quantity(settings, "shortest", "The shortest wavelength", "length", "wave_unit"),
-        longest=quantity(settings, "longest", "The longest wavelength", "length", "wave_unit"),
+        shortest=shortest,
+        longest=longest,
         seed=whole(settings, "seed", "The seed"),
     )
 

@@ -23,6 +23,8 @@ from roughcontact.errors.door import translated
 HOST = "127.0.0.1"
 # Bytes of settings; seconds without a byte; connections at a time.
 _LONGEST_BODY, _SILENCE, _CONNECTIONS = 1 << 16, 30.0, 64
+# Characters of the name of a page.
+_LONGEST_NAME = 40
 # Bytes of a refused request that are read before the answer, so that the client sees it.
 _DRAINED = 1 << 20
 _TYPES = {
@@ -170,7 +172,7 @@ class _Handler(BaseHTTPRequestHandler):
             name = path or "index.html"
             self._send(200, _TYPES[name.rpartition(".")[2]], self.server.pages[name])
         elif path == "api/start":
-            self._send_json(session.describe())
+            self._send_json(session.describe(self._page))
         elif path == "api/runs":
             self._send_json({"runs": session.jobs.list_names()})
         elif folder == "pictures" and (picture := session.picture(rest)) is not None:
@@ -205,9 +207,9 @@ class _Handler(BaseHTTPRequestHandler):
             return
         actions = {"api/surface": session.show_surface, "api/plan": session.plan, "api/runs": session.start}
         if path in actions:
-            self._send_json(actions[path](self._read_json()))
+            self._send_json(actions[path](self._read_json(), self._page))
         elif path == "api/file":
-            self._send_json(session.find_upload(str(self._read_json())))
+            self._send_json(session.find_upload(str(self._read_json()), self._page))
         elif parts[:2] == ["api", "cancel"] and (job := session.jobs.find("/".join(parts[2:]))):
             self._read_json()
             session.jobs.cancel(job)
@@ -222,7 +224,12 @@ class _Handler(BaseHTTPRequestHandler):
             self.server.session.uploads.require_size(size)
         except RoughContactError as error:
             raise Refusal(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE, str(error)) from None
-        self._send_json(self.server.session.upload(self.rfile, size, names[0] if names else ""))
+        self._send_json(self.server.session.upload(self.rfile, size, names[0] if names else "", self._page))
+
+    @property
+    def _page(self) -> str:
+        """The name that a page has given itself; empty if it has none."""
+        return self.headers.get("X-Page", "")[:_LONGEST_NAME]
 
     def _length(self) -> int:
         lengths = self.headers.get_all("Content-Length", [])

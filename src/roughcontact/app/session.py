@@ -1,4 +1,4 @@
-"""What one start of the page holds: its token, the uploads, the process that reads maps, and the runs."""
+"""What one start of the app holds: its token, the uploads, the processes of its pages, and the runs."""
 
 from __future__ import annotations
 
@@ -11,19 +11,21 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.app.jobs import Jobs
-from roughcontact.app.process import Worker
+from roughcontact.app.page import Page
 from roughcontact.app.scene import EXAMPLES
 from roughcontact.app.settings import DEFAULTS, Settings, read_settings
 from roughcontact.app.uploads import StoredFile, Uploads, known_endings
 
 # Seconds that reading a map, or planning a solve, may take.
 _PATIENCE = 120.0
+# Pages whose processes are kept; that of the page that was used longest ago is started again when it is needed.
+_PAGES = 4
 # Pictures of surfaces that are kept: one for each change of the form of the page.
 _PICTURES = 24
 
 
 class Session:
-    """All that the requests of a page come to; its folder is private and ends with it."""
+    """All that the requests of pages, each by a name of its own, come to; its folder is private and ends with it."""
 
     def __init__(self, *, slots: int | None = None, patience: float = _PATIENCE):
         self.token = secrets.token_urlsafe(24)
@@ -35,50 +37,63 @@ class Session:
             part.mkdir(mode=0o700)
         self.uploads, self.jobs = Uploads(parts["uploads"]), Jobs(parts["runs"], slots)
         self._surfaces, self._patience = parts["surfaces"], patience
-        # One change of the form after the other: the process keeps the last surface.
-        self._reader, self._reading = Worker(), threading.Lock()
+        self._pages: OrderedDict[str, Page] = OrderedDict()
+        self._opening = threading.Lock()
         self._pictures: OrderedDict[str, bytes] = OrderedDict()
 
-    def describe(self) -> dict[str, Any]:
-        """Return what the page must know at its start, and start what it will soon need."""
-        threading.Thread(target=self._prepare, daemon=True).start()
+    def describe(self, page: str) -> dict[str, Any]:
+        """Return what a page must know at its start, and start what it will soon need."""
+        threading.Thread(target=self._prepare, args=(page,), daemon=True).start()
         return {"defaults": DEFAULTS, "examples": list(EXAMPLES), "endings": known_endings()}
 
-    def upload(self, source: BufferedIOBase, size: int, name: str) -> dict[str, Any]:
-        """Return digest, name and facts of a file that the page sends."""
-        return self._inspect(self.uploads.receive(source, size, name))
+    def upload(self, source: BufferedIOBase, size: int, name: str, page: str) -> dict[str, Any]:
+        """Return digest, name and facts of a file that a page sends."""
+        return self._inspect(self.uploads.receive(source, size, name), page)
 
-    def find_upload(self, digest: str) -> dict[str, Any]:
+    def find_upload(self, digest: str, page: str) -> dict[str, Any]:
         """Return whether a file is still here, with its name and facts."""
         file = self.uploads.find(digest)
-        return {"here": False} if file is None else {"here": True, **self._inspect(file)}
+        return {"here": False} if file is None else {"here": True, **self._inspect(file, page)}
 
-    def _inspect(self, file: StoredFile) -> dict[str, Any]:
-        facts = self._read("inspect", read_settings({"file": file.digest}))
-        return {"digest": file.digest, "name": file.name, "facts": facts}
+    def _inspect(self, file: StoredFile, page: str) -> dict[str, Any]:
+        reader = self._page(page)
+        task = self._task("inspect", read_settings({"file": file.digest}), reader.folder)
+        return {"digest": file.digest, "name": file.name, "facts": reader.inspect(task, file.name)}
 
-    def show_surface(self, data: object) -> dict[str, Any]:
+    def show_surface(self, data: object, page: str) -> dict[str, Any]:
         """Return numbers, warnings and the name of the picture of the surface that the settings describe."""
-        with self._reading:
-            shown = self._do("surface", read_settings(data))
+        maker, settings = self._page(page), read_settings(data)
+        with maker.making:
+            shown = maker.make(self._task("surface", settings, maker.folder), "Making the surface")
             if "picture" in shown:
-                shown["picture"] = self._keep(self._surfaces / "surface.png")
+                shown["picture"] = self._keep(maker.folder / shown["picture"])
         return shown
 
-    def plan(self, data: object) -> dict[str, Any]:
+    def plan(self, data: object, page: str) -> dict[str, Any]:
         """Return what a run will do and cost."""
-        return self._read("plan", read_settings(data))
+        maker = self._page(page)
+        return maker.make(self._task("plan", read_settings(data), maker.folder), "Planning the solve")
 
-    def start(self, data: object) -> dict[str, Any]:
+    def start(self, data: object, page: str) -> dict[str, Any]:
         """Start a run, and return what is known of it."""
         settings = read_settings(data)
         # What cannot run is refused now, and not when its turn has come.
-        self._read("plan", settings)
+        self.plan(data, page)
         return self.jobs.describe(self.jobs.add(settings, lambda folder: self._task("solve", settings, folder)))
 
-    def _prepare(self) -> None:
-        self._reader.start()
+    def _prepare(self, page: str) -> None:
+        self._page(page).start()
         self.jobs.prepare()
+
+    def _page(self, name: str) -> Page:
+        """Return the processes of a page."""
+        with self._opening:
+            if name not in self._pages:
+                self._pages[name] = Page(self._surfaces / secrets.token_hex(8), self._patience)
+            self._pages.move_to_end(name)
+            while len(self._pages) > _PAGES:
+                self._pages.popitem(last=False)[1].close()
+            return self._pages[name]
 
     def picture(self, name: str) -> bytes | None:
         """Return a picture of a surface, if it is still kept."""
@@ -87,7 +102,8 @@ class Session:
     def close(self) -> None:
         """End all processes and remove all files."""
         self.jobs.close()
-        self._reader.close()
+        for page in self._pages.values():
+            page.close()
         self._temporary.cleanup()
 
     def _keep(self, path: Path) -> str:
@@ -96,13 +112,6 @@ class Session:
         while len(self._pictures) > _PICTURES:
             self._pictures.popitem(last=False)
         return name
-
-    def _read(self, kind: str, settings: Settings) -> dict[str, Any]:
-        with self._reading:
-            return self._do(kind, settings)
-
-    def _do(self, kind: str, settings: Settings) -> dict[str, Any]:
-        return self._reader.do(self._task(kind, settings, self._surfaces), self._patience)
 
     def _task(self, kind: str, settings: Settings, folder: Path) -> dict[str, Any]:
         file = self.uploads.find(settings["file"]) if settings["surface"] == "file" or kind == "inspect" else None

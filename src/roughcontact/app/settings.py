@@ -19,6 +19,14 @@ UNITS: dict[str, dict[str, int]] = {
     "force": {"N": 0, "mN": -3, "uN": -6, "kN": 3},
     "approach": {"m": 0, "mm": -3, "um": -6, "nm": -9},
 }
+# The smallest and largest of each kind, in its SI unit: from below an atom to beyond all bodies and what they carry.
+_RANGES = {
+    "length": (1e-15, 1e3),
+    "modulus": (1e-9, 1e18),
+    "pressure": (1e-9, 1e18),
+    "force": (1e-18, 1e15),
+    "approach": (1e-15, 1e3),
+}
 # What the form holds at first; each setting has its text here and no other is taken.
 DEFAULTS: dict[str, str] = {
     "surface": "example",
@@ -75,9 +83,9 @@ _CHOICES = {
     "boundary": ("free", "periodic", "wrapped"),
     "scheme": ("light", "dark"),
 }
-# Characters of one setting; and the digits of a number, its exponent included, that float64 can tell apart.
+# Characters of one setting; and the digits of a number and of its exponent, more than float64 can tell apart.
 _LONGEST = 300
-_NUMBER = re.compile(r"[-+]?(?:[0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})(?:[eE][-+]?[0-9]{1,2})?")
+_NUMBER = re.compile(r"[-+]?(?:[0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})(?:[eE][-+]?[0-9]{1,4})?")
 _WHOLE = re.compile(r"[0-9]{1,9}")
 # Loads of one run: a curve has no more points that can be told apart.
 _MOST_LOADS = 40
@@ -102,12 +110,14 @@ def read_settings(data: object) -> Settings:
 
 def plain(settings: Settings, name: str, label: str) -> float:
     """Return a setting without a unit as a number."""
-    return _number(settings[name], label, 0)
+    return float(_decimal(settings[name], label))
 
 
-def quantity(settings: Settings, name: str, label: str, kind: str, unit: str | None = None) -> float:
+def quantity(
+    settings: Settings, name: str, label: str, kind: str, unit: str | None = None, *, zero: bool = False
+) -> float:
     """Return a setting in SI units; its unit is another setting, ``NAME_unit`` by default."""
-    return _number(settings[name], label, _power(settings, unit or f"{name}_unit", kind))
+    return _quantity(settings[name], label, kind, _unit(settings, unit or f"{name}_unit", kind), zero)
 
 
 def whole(settings: Settings, name: str, label: str) -> int:
@@ -120,28 +130,42 @@ def whole(settings: Settings, name: str, label: str) -> int:
 def load_values(settings: Settings) -> list[float]:
     """Return the loads in SI units."""
     kind = settings["load"]
-    power = _power(settings, "load_unit", kind)
+    unit = _unit(settings, "load_unit", kind)
     texts = re.split(r"[;\s]+", settings["loads"].strip("; \t"))
     if len(texts) > _MOST_LOADS:
         raise InputError.about("The number of loads", len(texts), f"at most {_MOST_LOADS}")
-    values = [_number(text, "The load" if len(texts) == 1 else "Each load", power) for text in texts]
+    label = "The load" if len(texts) == 1 else "Each load"
+    values = [_quantity(text, label, kind, unit, False) for text in texts]
     if len(set(values)) < len(values):
         raise InputError("A load is given twice: give each load once.")
     return values
 
 
-def _power(settings: Settings, name: str, kind: str) -> int:
-    units = UNITS[kind]
-    if settings[name] not in units:
-        raise InputError.about(f"The unit of the {kind}", settings[name], f"one of {', '.join(units)}")
-    return units[settings[name]]
+def _unit(settings: Settings, name: str, kind: str) -> str:
+    if settings[name] not in UNITS[kind]:
+        raise InputError.about(f"The unit of the {kind}", settings[name], f"one of {', '.join(UNITS[kind])}")
+    return settings[name]
 
 
-def _number(text: str, label: str, power: int) -> float:
+def _quantity(text: str, label: str, kind: str, unit: str, zero: bool) -> float:
+    # In decimals, so that 12.5 um is the number 12.5e-6 of a script to the last bit.
+    value = float(_decimal(text, label).scaleb(UNITS[kind][unit]))
+    given = f"{text} {unit.replace('u', 'µ')}"
+    if value < 0.0 or (value == 0.0 and not zero):
+        raise InputError(f"{label} must be {'at least' if zero else 'above'} 0, but got {given}.")
+    low, high = _RANGES[kind]
+    if value and not low <= value <= high:
+        base = next(iter(UNITS[kind]))
+        raise InputError(
+            f"{label} must be between {low:g} {base} and {high:g} {base}, but got {given}: check its unit."
+        )
+    return value
+
+
+def _decimal(text: str, label: str) -> Decimal:
     if not text:
         raise InputError(f"{label} is missing: fill it in.")
     if not _NUMBER.fullmatch(text):
         decimal = " Write decimals with a point, and several loads with blanks between them." if "," in text else ""
         raise InputError(f"{label} must be a number such as 2.5, but got {short(text)}.{decimal}")
-    # In decimals, so that 12.5 um is the number 12.5e-6 of a script to the last bit.
-    return float(Decimal(text).scaleb(power))
+    return Decimal(text)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import attrs
 
+from roughcontact.app.signatures import require_beginning
 from roughcontact.checks.memory import available_memory
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.files import readers
@@ -61,9 +62,11 @@ class Uploads:
 
     def require_size(self, size: int) -> None:
         """Raise `InputError` if a file of so many bytes is too large."""
-        if not 0 < size <= self.limit:
+        if not size:
+            raise InputError("The file is empty: choose another, or export it again.")
+        if size > self.limit:
             raise InputError(
-                f"A file may have 1 byte to {binary(self.limit)} here, but this one has {binary(size)}: "
+                f"A file may have at most {binary(self.limit)} here, but this one has {binary(size)}: "
                 "read larger maps with roughcontact.read_surface in a script."
             )
 
@@ -73,13 +76,14 @@ class Uploads:
         Raises
         ------
         InputError
-            If the source ends early, is too slow, or the file is too large.
+            If the source ends early, is too slow, or the file is too large or has the first bytes of something else.
         """
         self.require_size(size)
         shown = shown_name(name)
         partial = self._folder / f"{secrets.token_hex(8)}.partial"
         try:
             digest = _copy(source, size, partial)
+            require_beginning(partial, shown)
             path = self._folder / f"{digest[:16]}{_known_ending(shown)}"
             with self._lock:
                 partial.replace(path)

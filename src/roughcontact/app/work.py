@@ -13,15 +13,16 @@ from roughcontact._problem import ContactProblem
 from roughcontact._problem.sweep import Sweep, run_sweep
 from roughcontact._solution import ContactSolution
 from roughcontact._solvers.base import DEFAULT_TOLERANCE
-from roughcontact.app.answers import describe_solution
+from roughcontact.app.answers import describe_solutions, list_warnings
 from roughcontact.app.forecast import forecast_seconds
 from roughcontact.app.outputs import Outputs, draw
 from roughcontact.app.preview import describe
 from roughcontact.app.progress import Progress
 from roughcontact.app.scene import Scene, Upload, inspect_file, make_loads, make_problem, make_scene
 from roughcontact.app.settings import Settings, read_settings
+from roughcontact.app.words import in_words_of_page
 from roughcontact.checks import Array
-from roughcontact.errors import RoughContactError
+from roughcontact.errors import InputError, RoughContactError
 from roughcontact.load import Load
 from roughcontact.units import binary
 
@@ -51,7 +52,10 @@ def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
         "plan": lambda: _plan(settings, upload, task["calibration"]),
         "solve": lambda: _solve(settings, upload, Path(task["folder"]), send),
     }
-    return kinds[task["kind"]]()
+    try:
+        return kinds[task["kind"]]()
+    except InputError as error:
+        raise InputError(in_words_of_page(str(error))) from error
 
 
 @functools.lru_cache(maxsize=1)
@@ -88,7 +92,7 @@ def _plan(settings: Settings, upload: Upload | None, calibration: float) -> dict
         "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
         "basis": _BASIS if calibration == 1.0 else _CORRECTED,
         "text": problem.explain(),
-        "warnings": list(plan.warnings),
+        "warnings": [in_words_of_page(text) for text in plan.warnings],
     }
 
 
@@ -101,8 +105,9 @@ def _solve(settings: Settings, upload: Upload | None, folder: Path, send: Send) 
     sweep = _run(problem, loads, send)
     ratio = (time.perf_counter() - started) / forecast
     send({"phase": "evaluating", "fraction": 1.0, "text": "The contact is solved; areas and uncertainties follow."})
-    answers = [describe_solution(solution) for solution in sweep.solutions]
-    send({"phase": "drawing", "text": "Pictures and report follow.", "answers": answers, "ratio": ratio})
+    answers = describe_solutions(sweep.solutions)
+    found = {"answers": answers, "warnings": list_warnings(answers)}
+    send({"phase": "drawing", "text": "Pictures and report follow.", "ratio": ratio, **found})
     return {"notes": _write_all(Outputs(sweep, answers, folder, settings["scheme"] == "dark"), send)}
 
 

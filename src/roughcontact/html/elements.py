@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 
 # Units raised to a power, behind their number, and the sign of an uncertainty, as the project prints them in ASCII.
@@ -48,6 +48,19 @@ def table(rows: Mapping[str, str], caption: str, cell: Mapping[str, str] = Mappi
         for name, content in rows.items()
     )
     return element("table", element("caption", escape(caption)) + element("tbody", body), **given)
+
+
+def grid(head: Sequence[str], rows: Iterable[Sequence[str]], caption: str) -> str:
+    """Return a table of texts under their names; the first of each row names it."""
+    names = "".join(element("th", escape(name), scope="col") for name in head)
+    body = "\n".join(
+        element(
+            "tr", element("th", quantity(first), scope="row") + "".join(element("td", quantity(one)) for one in cells)
+        )
+        for first, *cells in rows
+    )
+    shown = element("thead", element("tr", names)) + element("tbody", body)
+    return element("div", element("table", element("caption", escape(caption)) + shown), class_="grid")
 
 
 def items(texts: Iterable[str], **attributes: str) -> str:

@@ -1,4 +1,4 @@
-"""The panels of a solution as pictures inside a page."""
+"""The panels of a solution or a sweep as pictures inside a page."""
 
 from __future__ import annotations
 
@@ -11,12 +11,16 @@ from typing import Any
 
 import attrs
 
+from roughcontact._problem.sweep import Sweep
 from roughcontact._solution import ContactSolution
 from roughcontact.panel import panels
 from roughcontact.panel.figures import make_figure
 
 # Panels that ship, in the order of the page; those of plug-ins come last.
-_FIRST = ("heights", "pressure", "gap", "patches", "profile", "pressure-histogram", "patch-sizes")
+_FIRST = {
+    "solution": ("heights", "pressure", "gap", "patches", "profile", "pressure-histogram", "patch-sizes"),
+    "sweep": ("area-load", "load-approach", "stiffness-load"),
+}
 # Dots to an inch: sharp on paper where three pictures stand side by side.
 _DPI = 130
 
@@ -48,29 +52,29 @@ def can_draw() -> bool:
     return importlib.util.find_spec("matplotlib") is not None
 
 
-def draw_panels(solution: ContactSolution) -> Iterator[Picture]:
-    """Yield each registered panel of solutions; what refuses, or fails, says why."""
-    names = (name for name in panels if _is_of_solutions(name))
-    for name in sorted(names, key=lambda name: (_FIRST.index(name) if name in _FIRST else len(_FIRST), name)):
+def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture]:
+    """Yield each registered panel of a kind of subject; what refuses, or fails, says why."""
+    names, first = (name for name in panels if _draws(name, kind)), _FIRST[kind]
+    for name in sorted(names, key=lambda name: (first.index(name) if name in first else len(first), name)):
         caption = (inspect.getdoc(panels[name]) or name).partition("\n\n")[0].replace("\n", " ")
         try:
-            yield Picture(name, caption, draw_panel(solution, name))
+            yield Picture(name, caption, draw_panel(kind, subject, name))
         # Panels are plug-ins: a report is not lost because of one picture.
         except Exception as error:
             yield Picture(name, caption, refusal=" ".join(str(error).split()) or type(error).__name__)
 
 
-def draw_panel(solution: ContactSolution, name: str) -> str:
+def draw_panel(kind: str, subject: ContactSolution | Sweep, name: str) -> str:
     """Return a panel as a PNG file in a data: address, dark on light as on paper."""
     content = io.BytesIO()
-    figure: Any = make_figure("solution", solution, name)
+    figure: Any = make_figure(kind, subject, name)
     figure.savefig(content, format="png", dpi=_DPI)
     return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"
 
 
-def _is_of_solutions(name: str) -> bool:
+def _draws(name: str, kind: str) -> bool:
     try:
-        return panels[name].subject == "solution"
+        return panels[name].subject == kind
     # A plug-in that cannot be imported.
     except Exception:
         return False

@@ -12,6 +12,7 @@ from roughcontact._surfaces.continuation import find_maps
 from roughcontact.archive import digest_of
 from roughcontact.errors import RoughContactError
 from roughcontact.html.elements import escape, quantity
+from roughcontact.html.names import describe_material
 from roughcontact.html.rerun import describe_part, hash_pressure
 from roughcontact.load import Load
 from roughcontact.units import si
@@ -36,7 +37,7 @@ def list_inputs(solution: ContactSolution, problem: ContactProblem | None) -> di
     rows = {}
     if problem is not None:
         for name, body in (("Body", problem.body), ("Counterbody", problem.counterbody)):
-            rows[name] = f"{_describe_surface(body.surface)}<br>{_code(describe_part(body.material))}"
+            rows[name] = f"{_describe_surface(body.surface)}<br>{describe_material(body.material)}"
         rows["Method"] = _code(f"{problem.plan.kernel}, {problem.plan.convolver}, {problem.plan.solver}")
     cell = " x ".join(si(step, "m") for step in solution.grid.spacing)
     rows["Grid"] = escape(f"{solution.grid}, cells of {cell}, boundary {solution.boundary}")

@@ -17,7 +17,7 @@ from roughcontact._surfaces import SurfaceSum
 from roughcontact.description import public_class
 
 _FROM_FILE = """\
-# solution.save("solution.npz") has written the heights and all else that was solved.
+# The file that solution.save("solution.npz") writes, or 'Fields (.npz)' on the page, holds the heights and all else.
 saved = rc.ContactSolution.load("solution.npz")
 problem = rc.ContactProblem(**saved.origin.problem)"""
 

@@ -26,6 +26,8 @@ th, td { text-align: left; vertical-align: top; padding: .2rem .6rem .2rem 0; bo
 th { font-weight: 600; width: 11rem; }
 .answer { font-size: 1.15rem; }
 .answer tr:first-child td { font-size: 1.5rem; line-height: 1.25; }
+.grid { overflow-x: auto; overflow-wrap: normal; font-size: .9rem; }
+.grid th { width: auto; } .grid th, .grid td { white-space: nowrap; } .grid thead th { white-space: normal; }
 .note { color: var(--soft); font-size: .9rem; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr)); gap: 1rem; }
 figure { margin: 0; }
@@ -34,7 +36,9 @@ figcaption { color: var(--soft); font-size: .85rem; }
 code, pre { font-family: ui-monospace, "DejaVu Sans Mono", monospace; font-size: .85rem; }
 pre { white-space: pre-wrap; background: var(--box); border: 1px solid var(--line); padding: .6rem; margin: .3rem 0; }
 @media (max-width: 32rem) { th, td { display: block; width: auto; border: 0; padding: .1rem 0; }
-  tr { display: block; border-bottom: 1px solid var(--line); padding: .25rem 0; } tbody, table { display: block; } }
+  tr { display: block; border-bottom: 1px solid var(--line); padding: .25rem 0; } tbody, table { display: block; }
+  .grid table { display: table; } .grid tbody { display: table-row-group; } .grid tr { display: table-row; }
+  .grid th, .grid td { display: table-cell; padding: .2rem .6rem .2rem 0; border-bottom: 1px solid var(--line); } }
 @page { size: A4; margin: 11mm; }
 @media print {
   :root { color-scheme: light; }
@@ -42,6 +46,7 @@ pre { white-space: pre-wrap; background: var(--box); border: 1px solid var(--lin
   h1 { font-size: 13pt; } h2 { font-size: 9.5pt; margin: 5pt 0 1.5pt; break-after: avoid; }
   table.answer { font-size: 9pt; } .answer tr:first-child td { font-size: 12pt; }
   th, td { padding: 1pt 5pt 1pt 0; } th { width: 30mm; }
+  .grid { overflow: visible; font-size: 7pt; } .grid th { width: auto; }
   code, pre { font-size: 6.6pt; } pre { padding: 3pt; line-height: 1.2; } figcaption, .note { font-size: 6.8pt; }
   .figures { grid-template-columns: repeat(auto-fit, minmax(46mm, 1fr)); gap: 2mm; } figure { break-inside: avoid; }
   tr, .verdict, .warnings { break-inside: avoid; }

@@ -13,7 +13,7 @@ from roughcontact.panel import Panel
 from roughcontact.panel.curves import add_key, scale_axes
 from roughcontact.panel.theme import theme_of
 from roughcontact.plotting.fields import areas_of_patches, pressure_scale
-from roughcontact.units import prefixed
+from roughcontact.units import prefixed, with_spread
 
 # Bins of a histogram for n numbers: about the cubic root of n, within these bounds.
 _FEWEST, _MOST = 8, 60
@@ -29,9 +29,9 @@ class PressureHistogramPanel(Panel):
     r"""The distribution of the contact pressure over the nominal area, and the law of the edge.
 
     The area of the histogram is the fraction of the cells that are in contact below the pressure limit; saturated
-    cells are a line of their own, named with their fraction. At the distance d from an edge :math:`p = K\sqrt{d}`, so
-    that the distribution begins in proportion to p: the dashed line, with K along the traced edge. The edge cuts cells,
-    which then carry less, so that a coarse grid has too many of low pressure.
+    cells are a line of their own, named with the fraction of `ContactSolution.saturated_area`. At the distance d from
+    an edge :math:`p = K\sqrt{d}`, so that the distribution begins in proportion to p: the dashed line, with K along the
+    traced edge. The edge cuts cells, which then carry less, so that a coarse grid has too many of low pressure.
     """
 
     def draw(self, subject: Any, axes: Any) -> None:
@@ -56,8 +56,9 @@ class PressureHistogramPanel(Panel):
                 (0.0, end), (0.0, slope * end), "--", color=theme.lines[1], linewidth=2.0, label="law of the edge, ∝ p"
             )
         if saturated.any():
-            fraction = 100.0 * np.count_nonzero(saturated) / subject.grid.cells
-            label = f"saturated: {fraction:.3g} % of nominal"
+            area = subject.saturated_area()
+            percent = with_spread(100.0 * area.fraction, 100.0 * area.uncertainty / subject.grid.area)
+            label = f"saturated: {percent.strip('(').partition(' ')[0]} % of nominal"
             axes.plot((highest, highest), (0.0, top), color=theme.limit, linewidth=4.0, label=label)
         scale_axes(axes, x=f"pressure, {unit}", y=f"fraction of nominal area per {unit}")
         axes.set(xlim=(0.0, 1.03 * highest), ylim=(0.0, top))

@@ -1,5 +1,8 @@
 // Requests to the server: all paths are relative, below the token of the link.
 
+// Names this tab, whose readings do not wait for those of others.
+const page = (sessionStorage.page ||= crypto.randomUUID());
+
 async function answerOf(response) {
   const data = await response.json();
   if (!response.ok) throw new Error(data.error || "The server refused this.");
@@ -9,7 +12,7 @@ async function answerOf(response) {
 async function request(path, options) {
   let response;
   try {
-    response = await fetch(path, options);
+    response = await fetch(path, { ...options, headers: { ...options.headers, "X-Page": page } });
   } catch {
     throw new Error("The server does not answer: is 'roughcontact app' still running?");
   }

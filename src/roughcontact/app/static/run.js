@@ -79,7 +79,7 @@ function renderAnswer(state) {
   const statuses = [...new Set((failed.length ? failed : state.answers).map((answer) => answer.status))];
   byId("verdict").textContent = `${statuses.join("; ")}. The value after ± is one standard deviation.`;
   byId("verdict").className = failed.length ? "alert" : "";
-  showList(byId("warnings"), [...new Set(state.answers.flatMap((answer) => answer.warnings))]);
+  showList(byId("warnings"), state.warnings);
   byId("answer-table").replaceChildren(...(many ? curveRows(state) : singleRows(first)));
   byId("h-answer").focus({ preventScroll: true });
   byId("run").scrollIntoView({ block: "start" });
@@ -135,7 +135,7 @@ function renderOutputs(state) {
   const links = [];
   const many = state.answers.length > 1;
   if (of("report")) {
-    links.push(fileLink(state, of("report"), many ? "Download the report of the largest load" : "Download the report", true));
+    links.push(fileLink(state, of("report"), "Download the report", true));
     links.push(element("a", "Open the report", {
       href: `runs/${state.id}/${of("report").file}`, target: "_blank", rel: "noopener", class: "button",
     }));

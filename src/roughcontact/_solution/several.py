@@ -1,0 +1,73 @@
+"""Solutions at several loads beside each other: their loads, quantities and warnings."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from roughcontact._solution.summary import list_all_warnings
+from roughcontact.load import Load
+from roughcontact.units import Estimate, si
+
+if TYPE_CHECKING:
+    from roughcontact._solution.contact import ContactSolution
+
+# Loads that are named where a warning concerns all of them.
+_NAMED = 3
+_NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+
+
+def name_load(solution: ContactSolution) -> str:
+    """Return the load that was asked for, such as ``10 N``, or the mean pressure where a solution does not say it."""
+    if solution.origin is None:
+        return si(solution.mean_pressure, "Pa")
+    ((kind, value),) = solution.origin.load.items()
+    return str(Load(kind, value)).removeprefix(f"{kind} ")
+
+
+def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], list[str]]:
+    """Return the quantities of a solution by name, in SI units, and its warnings with theirs."""
+    area = solution.area()
+    inner = {"mean gap": solution.estimate("mean-gap"), "contact patches": solution.estimate("patches")}
+    found = {
+        "contact area": Estimate(area.value, area.uncertainty, "m2"),
+        "contact area fraction": Estimate(area.fraction, area.uncertainty / solution.grid.area, ""),
+        "maximum pressure": solution.peak_pressure(),
+        "force": Estimate(solution.force, 0.0, "N"),
+        "mean pressure": Estimate(solution.mean_pressure, 0.0, "Pa"),
+        "approach": Estimate(solution.approach, 0.0, "m"),
+        **inner,
+    }
+    if solution.capped:
+        saturated = solution.saturated_area()
+        found["saturated area"] = Estimate(saturated.value, saturated.uncertainty, "m2")
+    named = {"mean gap": inner["mean gap"], "number of contact patches": inner["contact patches"]}
+    return found, list_all_warnings(solution, named)
+
+
+def gather_warnings(warnings: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
+    """Return the warnings at several loads, each once with the loads that it concerns.
+
+    Parameters
+    ----------
+    warnings
+        Names of loads, and the warnings at each. Those that differ in their numbers alone are one, with the numbers
+        of the last.
+    """
+    if len(warnings) == 1:
+        return list(warnings[0][1])
+    gathered: dict[str, list[tuple[str, str]]] = {}
+    for load, texts in warnings:
+        for text in texts:
+            gathered.setdefault(_NUMBER.sub("0", text), []).append((load, text))
+    return [_attribute(found, len(warnings)) for found in gathered.values()]
+
+
+def _attribute(found: Sequence[tuple[str, str]], count: int) -> str:
+    """Return a warning behind the loads that it concerns."""
+    *before, (last, text) = found
+    named = f"{', '.join(load for load, _ in before)} and {last}" if before else last
+    loads = f"all {count} loads" if len(found) == count > _NAMED else named
+    differ = any(other != text for _, other in before)
+    return f"At {loads}{f' (here with the numbers at {last})' if differ else ''}: {text}"
