@@ -150,6 +150,13 @@ class TestOutputs:
         for name in ("one.html", "report.html"):
             assert Path(name).read_text(encoding="utf-8").lower().startswith("<!doctype html>")
 
+    def test_several_loads_have_one_report(self, run):
+        _, out, _ = run("solve", "rough.npz", "--loads", "20mN", "50mN", *STEEL, "--report", "report.html")
+        assert out.rstrip().endswith("Written: report.html")
+        page = Path("report.html").read_text(encoding="utf-8")
+        assert "2 loads, force 20 mN to 50 mN" in page
+        assert "The largest load, 50 mN" in page
+
     def test_netcdf_is_read_by_xarray(self, run):
         xarray = pytest.importorskip("xarray")
         run("solve", "rough.npz", "--force", "20mN", *STEEL, "-o", "one.nc")

@@ -68,11 +68,14 @@ def plan_picture(text: str, others: Sequence[str] = ()) -> Path:
 
 
 def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.ContactSolution]) -> str:
-    """Write a solution, or those of a sweep with their numbers, and a picture of the subject; say what was written."""
+    """Write a solution, or those of a sweep with their numbers, a picture and a report; say what was written."""
     written = []
     for path in files:
-        if path.suffix in PICTURES:
-            save_figure(subject.plot(), path)
+        if path.suffix in PICTURES or path.suffix == ".html":
+            if path.suffix == ".html":
+                subject.to_html(path)
+            else:
+                save_figure(subject.plot(), path)
             written.append(path)
             continue
         for target, solution in zip(_numbered(path, len(solutions)), solutions, strict=True):

@@ -26,7 +26,7 @@ th, td { text-align: left; vertical-align: top; padding: .2rem .6rem .2rem 0; bo
 th { font-weight: 600; width: 11rem; }
 .answer { font-size: 1.15rem; }
 .answer tr:first-child td { font-size: 1.5rem; line-height: 1.25; }
-.grid { overflow-x: auto; overflow-wrap: normal; font-size: .9rem; }
+.grid { overflow-x: auto; overflow-wrap: normal; font-size: .8rem; }
 .grid th { width: auto; } .grid th, .grid td { white-space: nowrap; } .grid thead th { white-space: normal; }
 .note { color: var(--soft); font-size: .9rem; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr)); gap: 1rem; }
