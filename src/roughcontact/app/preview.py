@@ -7,6 +7,7 @@ import numpy as np
 from roughcontact._solution.rules import PLAUSIBILITY_RULES
 from roughcontact._surfaces import HeightMap
 from roughcontact.app.scene import Scene
+from roughcontact.app.words import end_sentence, in_words_of_page
 from roughcontact.errors import InputError
 from roughcontact.units import si
 
@@ -28,7 +29,7 @@ def describe(scene: Scene) -> dict[str, object]:
             ["Non-measured points", _count_non_measured(scene)],
         ],
         "history": list(scene.rough.provenance),
-        "warnings": [f"{text[0].upper()}{text[1:]}." for text in warnings],
+        "warnings": [end_sentence(in_words_of_page(text)) for text in warnings],
     }
 
 
