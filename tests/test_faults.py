@@ -556,6 +556,7 @@ ELSEWHERE = {
     ("uploads.py", "_copy"): "an unfinished file, renamed when it is complete",
     ("output.py", "write_results"): "draws in memory first",
     ("inputs.py", "_damaged"): "writes to a temporary folder",
+    ("__main__.py", "_prepare_streams"): "throws away what a closed stream would print",
 }
 
 

@@ -241,7 +241,8 @@ class TestBeside:
             departure = float(theory.contact.mean_gap) - solution.gap.mean()
             assert abs(departure) < (0.25 if load < 0.1 else 0.05) * solution.initial_gap.std()
             assert f"({theory.area_ratio:.2f} of the solved)" in str(solution)
-            assert solution.warnings == ()
+            # Only that the domain is 1 m long.
+            assert [text for text in solution.warnings if "1 m long" not in text] == []
 
     @pytest.mark.parametrize(
         "make",

@@ -55,7 +55,7 @@ def draw(solution: rc.ContactSolution, largest: int) -> Figure:
     ):
         axes.set_title(title, pad=18)
     counted = 100 * (np.array(published.SAM_AREA[100]) / published.TRUE_AREA[100] - 1)
-    areas.plot(published.GRIDS, counted, "o-", label="counted cells (the paper)")
+    areas.plot(published.GRIDS, counted, "o-", label="counted cells")
     grids = [n for n in published.GRIDS if n <= largest]
     # The converged area is known to 0.001 %.
     areas.plot(grids, [max(blended(n), 1e-3) for n in grids], "D-", label="blend, the default")
