@@ -13,8 +13,8 @@ from roughcontact.panel.theme import plain_logarithms, theme_of
 
 # Lowest end of a band over the value, on logarithmic axes.
 _LOWEST = 0.05
-# Characters of a legend that an inch holds, and those that a mark takes.
-_PER_INCH, _MARK = 15.0, 5
+# Characters of a legend that an inch holds, and those that a mark and the blank behind a column take.
+_PER_INCH, _MARK = 22.0, 10
 
 
 @guarded
@@ -73,16 +73,24 @@ def say(axes: Any, text: str) -> None:
 def add_key(axes: Any, handles: Sequence[Any] | None = None) -> None:
     """Add a legend of what is drawn, or of `handles`, above axes, so that it hides nothing."""
     shown = axes.get_legend_handles_labels()[0] if handles is None else list(handles)
-    lengths = [len(one.get_label()) + _MARK for one in shown]
     room = _PER_INCH * axes.get_window_extent().width / axes.get_figure(root=True).dpi
     axes.legend(
         handles=shown,
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=max(len(lengths), 1) if sum(lengths) <= room else (2 if max(lengths) <= 0.5 * room else 1),
+        ncols=_count_columns([len(one.get_label()) for one in shown], room),
         handlelength=1.2,
         columnspacing=1.2,
         borderaxespad=0.2,
         frameon=False,
         labelcolor=theme_of(axes).ink,
     )
+
+
+def _count_columns(lengths: Sequence[int], room: float) -> int:
+    """Return the number of columns of a legend, filled one after the other, that so many characters have room for."""
+    for count in range(len(lengths), 1, -1):
+        columns = np.array_split(np.array(lengths), count)
+        if sum(int(column.max()) + _MARK for column in columns) <= room:
+            return count
+    return 1
