@@ -489,13 +489,13 @@ def test_a_file_that_is_not_a_map_is_refused_in_words(client, name, content):
 @pytest.mark.parametrize(
     ("name", "content", "said"),
     [
-        ("map.png", b"\x89PNG\r\n\x1a\n" + b"\0" * 50, "map.png is a picture (PNG), not a height map"),
-        ("map.x3p", b"\x89PNG\r\n\x1a\n" + b"\0" * 50, "map.x3p is a picture (PNG), not a height map"),
-        ("photo.jpg", b"\xff\xd8\xff\xe0" + b"\0" * 50, "photo.jpg is a picture (JPEG)"),
-        ("zeros.x3p", b"\0" * 10000, "zeros.x3p begins with 4096 bytes of zero, so it is damaged"),
-        ("zeros.csv", b"\0" * 10000, "zeros.csv begins with 4096 bytes of zero, so it is damaged"),
-        ("words.x3p", b"1 2 3\n" * 9, "words.x3p does not begin as .x3p files do"),
-        ("a.SUR", b"nothing" * 9, "a.SUR does not begin as .sur files do"),
+        ("map.png", b"\x89PNG\r\n\x1a\n" + b"\0" * 50, "map.png cannot be used: it is a PNG picture"),
+        ("map.x3p", b"\x89PNG\r\n\x1a\n" + b"\0" * 50, "map.x3p cannot be used: it is a PNG picture"),
+        ("photo.jpg", b"\xff\xd8\xff\xe0" + b"\0" * 50, "photo.jpg cannot be used: it is a JPEG picture"),
+        ("zeros.x3p", b"\0" * 10000, "zeros.x3p cannot be used: it begins with 4096 bytes of zero"),
+        ("zeros.csv", b"\0" * 10000, "zeros.csv cannot be used: it begins with 4096 bytes of zero"),
+        ("words.x3p", b"1 2 3\n" * 9, "words.x3p cannot be used: it does not begin as .x3p files do"),
+        ("a.SUR", b"nothing" * 9, "a.SUR cannot be used: it does not begin as .sur files do"),
     ],
 )  # fmt: skip
 def test_a_file_is_refused_by_its_first_bytes(client, name, content, said):

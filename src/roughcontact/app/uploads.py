@@ -13,7 +13,6 @@ from pathlib import Path
 
 import attrs
 
-from roughcontact.app.signatures import require_beginning
 from roughcontact.checks.memory import available_memory
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.files import readers
@@ -83,7 +82,6 @@ class Uploads:
         partial = self._folder / f"{secrets.token_hex(8)}.partial"
         try:
             digest = _copy(source, size, partial)
-            require_beginning(partial, shown)
             path = self._folder / f"{digest[:16]}{_known_ending(shown)}"
             with self._lock:
                 partial.replace(path)

@@ -21,8 +21,18 @@ _KINDS = {
     b"<?xml": ("an XML document", _PAGE),
     b"<vtkfile": ("image data of VTK", _PAGE),
 }
-# Bytes of a file that are looked at: an XML document names its kind in its second line.
-_LOOKED_AT = 200
+# What the files of an ending begin with; others have no beginning of their own.
+_BEGINNINGS = {
+    ".al3d": (b"aliconaimaging\0",),
+    ".gwy": (b"gwyp",),
+    ".opdx": (b"vca data",),
+    ".plux": (b"pk\3\4",),
+    ".sur": (b"digital surf", b"dscompressed"),
+    ".x3p": (b"pk\3\4",),
+}
+# Bytes of a file that are looked at: an XML document names its kind in its second line, and no format begins with so
+# many zeros.
+_LOOKED_AT = 4096
 
 
 def find_foreign(file: Path) -> str:
@@ -45,4 +55,9 @@ def find_foreign(file: Path) -> str:
     for mark, (kind, advice) in _KINDS.items():
         if start.startswith(mark.lower()):
             return f"it is {kind}, not a height map: {advice}"
+    if start and not start.strip(b"\0"):
+        return f"it begins with {len(start)} bytes of zero, so that it is damaged: export the heights again"
+    ending = file.suffix.lower()
+    if not start.startswith(_BEGINNINGS.get(ending, b"")):
+        return f"it does not begin as {ending} files do, so that it is damaged or has another format"
     return ""

@@ -14,6 +14,7 @@ from roughcontact.checks import choice, integer
 from roughcontact.checks.memory import require_memory
 from roughcontact.errors import InputError, MissingPackage
 from roughcontact.files.base import RawMap, SurfaceReader
+from roughcontact.files.foreign import find_foreign
 from roughcontact.files.gwyddion import read_header
 from roughcontact.files.layout import SEPARATORS, WORDS
 from roughcontact.files.margins import require_heights
@@ -156,6 +157,9 @@ class InstrumentReader(SurfaceReader):
 
     def read(self, path: Path) -> RawMap:
         """Return the map; raise `MissingPackage` if SurfaceTopography is not installed."""
+        # SurfaceTopography would search all of a file that is none of its formats, for minutes if it is large.
+        if foreign := find_foreign(path):
+            raise InputError(foreign)
         try:
             # Its imports warn of optional parallel packages.
             with warnings.catch_warnings(action="ignore"):
