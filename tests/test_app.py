@@ -845,6 +845,27 @@ def test_the_saturated_area_warns_on_the_page_and_in_its_table():
     assert "\r\n5.0,0.0,converged" in make_table([{**answer, "quantities": [force]}])
 
 
+@pytest.mark.parametrize(
+    ("material", "force", "warned"),
+    [
+        (rc.Elastic(210e9, 0.3), 20.0, True),
+        (rc.Elastic(210e9, 0.3), 0.01, False),
+        (rc.ElasticPerfectlyPlastic(210e9, 0.3, 7e9), 20.0, False),
+        (rc.Elastic(3e9, 0.4), 1.0, False),
+    ],
+)
+def test_more_pressure_than_metals_bear_asks_for_the_hardness(material, force, warned):
+    ball = rc.Body(rc.SphereSurface(1e-4), material)
+    solution = rc.ContactProblem(ball, grid=rc.Grid((48, 48), 1e-4)).solve(force=force)
+    (answer,) = describe_solutions([solution])
+    said = [
+        text
+        for text in answer["warnings"]
+        if text.endswith("than metals bear: unless it is meant, fill in 'Hardness'.")
+    ]
+    assert len(said) == warned
+
+
 def test_a_column_of_a_sweep_has_one_unit():
     column = [rc.Estimate(value, 8e-12, "m2") for value in (0.0, 5.314e-9, 1.001e-8)]
     assert write_column(column) == ["0.0 ± 8.0 µm²", "5314.0 ± 8.0 µm² (0.15 %)", "10010.0 ± 8.0 µm² (0.08 %)"]

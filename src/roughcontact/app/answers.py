@@ -7,12 +7,16 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
+from roughcontact._materials import Elastic
 from roughcontact._solution import ContactSolution
 from roughcontact._solution.several import gather_warnings, list_quantities, name_load
 from roughcontact.app.words import end_sentence, in_words_of_page
-from roughcontact.units import Estimate
+from roughcontact.units import Estimate, si
 from roughcontact.units.columns import write_column
 
+# Young's modulus from which on a solid is no polymer, Pa, and pressure over it that no metal bears: the hardness of the
+# hardest steels is 0.04 of it.
+_STIFF, _HARDEST = 10e9, 0.05
 # Digits of a number in a table: more than any uncertainty leaves.
 _DIGITS = 9
 
@@ -28,10 +32,21 @@ def describe_solutions(solutions: Sequence[ContactSolution]) -> list[dict[str, A
             "certified": solution.status.success,
             "seconds": solution.seconds,
             "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
-            "warnings": [end_sentence(in_words_of_page(text)) for text in warnings],
+            "warnings": [end_sentence(in_words_of_page(text)) for text in (*_warn_of_hardness(solution), *warnings)],
         }
         for solution, (quantities, warnings) in zip(solutions, found, strict=True)
     ]
+
+
+def _warn_of_hardness(solution: ContactSolution) -> list[str]:
+    """Return that stiff bodies without a hardness bear more than metals do; a script may mean to have no limit."""
+    materials = () if solution.origin is None else solution.origin.materials.values()
+    softest = min((one.young for one in materials if isinstance(one, Elastic)), default=0.0)
+    highest = float(solution.pressure.max())
+    if solution.capped or softest < _STIFF or highest <= _HARDEST * softest:
+        return []
+    pressure = si(highest, "Pa", 2)
+    return [f"The maximum pressure, {pressure}, is more than metals bear: unless it is meant, fill in 'Hardness'"]
 
 
 def list_warnings(answers: list[dict[str, Any]]) -> list[str]:
