@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 # Loads that are named where a warning concerns all of them.
 _NAMED = 3
-_NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+# A number, and the prefix of its unit.
+_NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
 
 
 def name_load(solution: ContactSolution) -> str:
@@ -46,6 +47,11 @@ def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], lis
     return found, list_all_warnings(solution, named)
 
 
+def kind_of(warning: str) -> str:
+    """Return a warning without its numbers: those that differ in these alone are of one kind."""
+    return _NUMBER.sub("#", warning)
+
+
 def gather_warnings(warnings: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     """Return the warnings at several loads, each once with the loads that it concerns.
 
@@ -60,7 +66,7 @@ def gather_warnings(warnings: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     gathered: dict[str, list[tuple[str, str]]] = {}
     for load, texts in warnings:
         for text in texts:
-            gathered.setdefault(_NUMBER.sub("0", text), []).append((load, text))
+            gathered.setdefault(kind_of(text), []).append((load, text))
     return [_attribute(found, len(warnings)) for found in gathered.values()]
 
 

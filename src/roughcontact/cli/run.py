@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import multiprocessing
 import os
-import re
 import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
+from roughcontact._solution.several import kind_of
 from roughcontact.cli import DOUBTFUL, Command
 from roughcontact.cli.options import whole_number
 from roughcontact.cli.progress import show_progress
@@ -19,9 +19,6 @@ from roughcontact.errors import InputError
 from roughcontact.studies import Record, StudyResult
 from roughcontact.units import counted
 from roughcontact.units.text import fit
-
-# A number, and the prefix of its unit.
-_NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
 
 
 class Run(Command):
@@ -73,7 +70,7 @@ def list_warnings(result: StudyResult) -> list[str]:
     """Return each warning once, with the number of solves that have it; those that differ in numbers alone are one."""
     found: dict[str, list[str]] = {}
     for record in result:
-        kinds = {_NUMBER.sub("#", text): text for text in record.warnings}
+        kinds = {kind_of(text): text for text in record.warnings}
         for kind, text in kinds.items():
             found.setdefault(kind, []).append(text)
     lines = []
