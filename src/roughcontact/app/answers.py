@@ -14,7 +14,7 @@ from roughcontact.app.words import end_sentence, in_words_of_page
 from roughcontact.units import Estimate, si
 from roughcontact.units.columns import write_column
 
-# Young's modulus from which on a solid is no polymer, Pa, and pressure over it that no metal bears: the hardness of the
+# Young's modulus above that of polymers, Pa, and pressure over it that metals do not bear: the hardness of the
 # hardest steels is 0.04 of it.
 _STIFF, _HARDEST = 10e9, 0.05
 # Digits of a number in a table: more than any uncertainty leaves.
