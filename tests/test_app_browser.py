@@ -318,7 +318,7 @@ def test_a_run_is_cancelled(page):
         page.set(name, text)
     page.until_planned()
     page.find("solve").click()
-    page.until(lambda: "Solving" in page.text("phase") and "load 1 of 10" in page.text("phase"))
+    page.until(lambda: "Solving" in page.text("phase") and " of 10, " in page.text("phase"))
     page.find("cancel").click()
     page.until(lambda: page.text("run-problem") == "The run was cancelled.")
     assert not page.find("progress").is_displayed()
