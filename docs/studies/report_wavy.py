@@ -123,7 +123,7 @@ def draw(report: ErrorReport, methods: Sequence[Method], path: Path) -> None:
             )
     defaults = [method for method in methods if method.name.startswith("blend")]
     places = [method.cpu for method in defaults], [100 * max(abs(method.error), BOUND) for method in defaults]
-    axes.plot(*places, "ko", markersize=16, markerfacecolor="none")
+    axes.plot(*places, "ko", markersize=9, markerfacecolor="none")
     axes.annotate("the default", (places[0][0], places[1][0]), xytext=(-20, -28), textcoords="offset points")
     axes.set_ylim(bottom=20 * BOUND)
     axes.set_title(
