@@ -10,6 +10,8 @@ from pathlib import Path
 import hypothesis
 import pytest
 
+from roughcontact.__main__ import main
+
 hypothesis.settings.register_profile("default", max_examples=60, deadline=None, derandomize=True)
 hypothesis.settings.load_profile("default")
 
@@ -21,6 +23,21 @@ def measured_maps():
     if not folder or not Path(folder).is_dir():
         pytest.skip("no measured maps: set ROUGHCONTACT_MAPS to their folder")
     return Path(folder)
+
+
+@pytest.fixture
+def run(capsys):
+    """A call of the command line, which returns its exit status, output and errors."""
+
+    def call(*arguments):
+        capsys.readouterr()
+        try:
+            status = main([str(one) for one in arguments])
+        except SystemExit as ended:
+            status = ended.code
+        return status, *capsys.readouterr()
+
+    return call
 
 
 class DaskCluster:

@@ -18,7 +18,6 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.__main__ import main
 from roughcontact.cli import commands
 from roughcontact.units.text import fit, split_columns
 
@@ -36,19 +35,6 @@ def folder(tmp_path, monkeypatch):
     np.savez("periodic.npz", heights=heights, size=GRID.size, periodic=True)
     np.savez("ball.npz", heights=rc.SphereSurface(1e-3).heights(GRID), size=GRID.size)
     return tmp_path
-
-
-@pytest.fixture
-def run(capsys):
-    def call(*arguments):
-        capsys.readouterr()
-        try:
-            status = main([str(one) for one in arguments])
-        except SystemExit as ended:
-            status = ended.code
-        return status, *capsys.readouterr()
-
-    return call
 
 
 def solve(name="rough.npz", boundary="free", **load):

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.__main__ import main
 from roughcontact.cli.wording import name_options
 
 GRID = rc.Grid((48, 48), 48e-6)
@@ -30,15 +29,12 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def run(capsys):
+def run(run):
+    """The same, each text on one line."""
+
     def call(*arguments):
-        capsys.readouterr()
-        try:
-            status = main([str(one) for one in arguments])
-        except SystemExit as ended:
-            status = ended.code
-        out, err = capsys.readouterr()
-        return status, " ".join(out.split()), " ".join(err.split())
+        status, *texts = run(*arguments)
+        return status, *(" ".join(text.split()) for text in texts)
 
     return call
 

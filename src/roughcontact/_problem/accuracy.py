@@ -18,7 +18,7 @@ from roughcontact._solution.accuracy import Accuracy, Trial
 from roughcontact._solvers import Step
 from roughcontact._surfaces.resampling import bilinear
 from roughcontact.checks import Array, number
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, NotEnoughMemory
 from roughcontact.grid import Boundary, Grid
 from roughcontact.load import Load
 
@@ -223,11 +223,9 @@ def _refine(problem: ContactProblem, trials: list[Trial], target: Target) -> Con
 
 def _explain(error: InputError, shape: tuple[int, int]) -> str:
     """Return why a grid, which nobody has asked for, is not solved: without the advice to choose another."""
-    reason, _, advice = str(error).rstrip(".").partition(": choose ")
-    if not advice:
-        return reason
-    available = reason.rpartition(", but ")[2]
+    if not isinstance(error, NotEnoughMemory):
+        return str(error).rstrip(".")
     return (
-        f"it seems to need {shape[0]} x {shape[1]} cells, for which there is too little memory ({available}): allow a "
-        "larger error"
+        f"it seems to need {shape[0]} x {shape[1]} cells, for which there is too little memory ({error.available}): "
+        "allow a larger error"
     )

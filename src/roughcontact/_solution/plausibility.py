@@ -182,10 +182,8 @@ def _find_tilt(solution: ContactSolution, edge: Finding) -> Finding:
 def _find_single_cells(solution: ContactSolution) -> Finding:
     """Return the fraction of the load on single cells, and where all of it may be in another unit, that."""
     name, forces = "cells per contact", solution.patches.forces
-    single, ratio = (
-        float(forces[solution.patches.cells == 1].sum() / forces.sum()),
-        solution.mean_pressure / solution.modulus,
-    )
+    single = float(forces[solution.patches.cells == 1].sum() / forces.sum())
+    ratio = solution.mean_pressure / solution.modulus
     text = f"{_percent(single)} of the load is on contacts of a single cell"
     if ratio < _LIGHTEST and single > PLAUSIBILITY_RULES[name].admissible:
         light = f"the mean pressure is {si(solution.mean_pressure, 'Pa')}, {ratio:.2g} of E*"

@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from roughcontact._solution.results import Area
 from roughcontact._solution.summary import list_all_warnings
 from roughcontact.load import Load
 from roughcontact.units import Estimate, si
@@ -30,21 +31,26 @@ def name_load(solution: ContactSolution) -> str:
 def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], list[str]]:
     """Return the quantities of a solution by name, in SI units, and its warnings with theirs."""
     area = solution.area()
-    inner = {"mean gap": solution.estimate("mean-gap"), "contact patches": solution.estimate("patches")}
+    peak, gap, patches = solution.peak_pressure(), solution.estimate("mean-gap"), solution.estimate("patches")
     found = {
         "contact area": Estimate(area.value, area.uncertainty, "m2"),
         "contact area fraction": Estimate(area.fraction, area.uncertainty / solution.grid.area, ""),
-        "maximum pressure": solution.peak_pressure(),
+        "maximum pressure": peak,
         "force": Estimate(solution.force, 0.0, "N"),
         "mean pressure": Estimate(solution.mean_pressure, 0.0, "Pa"),
         "approach": Estimate(solution.approach, 0.0, "m"),
-        **inner,
+        "mean gap": gap,
+        "contact patches": patches,
+    }
+    known: dict[str, Area | Estimate] = {
+        "maximum pressure": peak,
+        "mean gap": gap,
+        "number of contact patches": patches,
     }
     if solution.capped:
-        saturated = solution.saturated_area()
+        known["saturated area"] = saturated = solution.saturated_area()
         found["saturated area"] = Estimate(saturated.value, saturated.uncertainty, "m2")
-    named = {"mean gap": inner["mean gap"], "number of contact patches": inner["contact patches"]}
-    return found, list_all_warnings(solution, named)
+    return found, list_all_warnings(solution, known)
 
 
 def kind_of(warning: str) -> str:

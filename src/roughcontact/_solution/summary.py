@@ -40,17 +40,25 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
     return answers
 
 
-def list_all_warnings(solution: ContactSolution, others: Mapping[str, Estimate] = MappingProxyType({})) -> list[str]:
-    """Return the warnings of a solution, those of what `list_answers` estimates, and those of other estimates."""
+def list_all_warnings(
+    solution: ContactSolution, known: Mapping[str, Area | Estimate] = MappingProxyType({})
+) -> list[str]:
+    """Return the warnings of a solution, those of what `list_answers` estimates, and those of estimates by name.
+
+    What is `known` is not estimated again.
+    """
     gathered = dict.fromkeys(_attempt(lambda: solution.warnings, ()))
-    estimates: dict[str, Area | Estimate | None] = {
-        "contact area": _attempt(solution.area, None),
-        "maximum pressure": _attempt(solution.peak_pressure, None),
+    asked: dict[str, Callable[[], Area | Estimate]] = {
+        "contact area": solution.area,
+        "maximum pressure": solution.peak_pressure,
     }
     if solution.capped:
-        estimates["saturated area"] = _attempt(solution.saturated_area, None)
+        asked["saturated area"] = solution.saturated_area
+    estimates: dict[str, Area | Estimate | None] = {
+        name: known[name] if name in known else _attempt(estimate, None) for name, estimate in asked.items()
+    }
     seen: set[str] = set()
-    for name, found in (estimates | dict(others)).items():
+    for name, found in (estimates | dict(known)).items():
         # The others have the warnings of the area too.
         texts = () if found is None else tuple(text for text in found.warnings if text not in seen)
         seen.update(texts)

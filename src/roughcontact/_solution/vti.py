@@ -94,8 +94,9 @@ def to_pyvista(solution: ContactSolution) -> Any:
 
 def view_solution(solution: ContactSolution, exaggeration: object, dark: object) -> Any:
     """Return a view of the combined heights coloured by the pressure; see `ContactSolution.plot_3d`."""
-    factor, unit = prefixed(float(solution.pressure.max()), "Pa")
-    limit = factor * float(solution.pressure.max()) or 1.0
+    highest = float(solution.pressure.max())
+    factor, unit = prefixed(highest, "Pa")
+    limit = factor * highest or 1.0
     pressure = np.where(solution.contact, factor * solution.pressure, np.nan)
     above = "saturated" if solution.saturated.any() else None
     # Colours end where the pressure does; saturated cells are above them.

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from roughcontact.checks import number
 from roughcontact.checks.groups import control_groups
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, NotEnoughMemory
 from roughcontact.units import binary
 
 # Bytes that are taken without asking: asking costs up to a millisecond, and importing a library takes as much.
@@ -53,7 +53,7 @@ def require_memory(needed: float, what: str, advice: str | Callable[[int], str],
 
     Raises
     ------
-    InputError
+    NotEnoughMemory
         If there is less.
     """
     available = limit if limit is not None or needed <= _UNASKED else available_memory()
@@ -61,7 +61,9 @@ def require_memory(needed: float, what: str, advice: str | Callable[[int], str],
         process = f"this process may take only {binary(available)} more"
         there = process if limit is None else f"memory_limit= allows only {binary(limit)}"
         told = advice if isinstance(advice, str) else advice(available)
-        raise InputError(f"{what} needs {binary(needed)} of memory, but {there}: {told}.")
+        error = NotEnoughMemory(f"{what} needs {binary(needed)} of memory, but {there}: {told}.")
+        error.available = there
+        raise error
 
 
 def available_memory(root: Path = Path("/")) -> int | None:

@@ -46,6 +46,12 @@ class InputError(RoughContactError, ValueError):
         return cls(f"There is no {kind} named {short(name)}.{guess} Known: {', '.join(names) or 'none'}.")
 
 
+class NotEnoughMemory(InputError):
+    """What was asked needs more memory than there is; `available` says in words how much that is."""
+
+    available = ""
+
+
 class NoSuchItem(InputError, IndexError):
     """There is no item at this position of a sequence."""
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from roughcontact._areas import LevelSet
 from roughcontact._solution import ContactSolution
-from roughcontact.checks import Array
 from roughcontact.grid import Boundary
 from roughcontact.panel.maps import length_scale
 
@@ -27,8 +25,8 @@ def draw_edges(axes: Any, solution: ContactSolution, color: str) -> None:
     from matplotlib.collections import LineCollection
 
     size, (factor, _) = np.array(solution.grid.size), length_scale(solution.grid)
-    contours, lines = LevelSet().contours(solution), []
-    for line in contours:
+    lines = []
+    for line in LevelSet().contours(solution):
         if solution.boundary is Boundary.FREE:
             lines.append(line)
             continue
@@ -37,7 +35,7 @@ def draw_edges(axes: Any, solution: ContactSolution, color: str) -> None:
         shifts = [(i, j) for i in range(first[0], last[0] + 1) for j in range(first[1], last[1] + 1)]
         lines.extend(line + np.array(shift) * size for shift in shifts)
     across = 72.0 * axes.get_window_extent().width / axes.get_figure(root=True).dpi
-    finest = min(1.0, _measure_patches(solution, contours) / _NARROW) * _WIDTH
+    finest = min(1.0, _measure_patches(solution) / _NARROW) * _WIDTH
     width = min(max(finest * across / solution.grid.shape[0], _THINNEST), _THICKEST)
     axes.add_collection(
         LineCollection([factor * line for line in lines], colors=color, linewidths=width, joinstyle="round"),
@@ -45,8 +43,7 @@ def draw_edges(axes: Any, solution: ContactSolution, color: str) -> None:
     )
 
 
-def _measure_patches(solution: ContactSolution, contours: Sequence[Array]) -> float:
+def _measure_patches(solution: ContactSolution) -> float:
     """Return the mean width of the contact patches, cells: that of strips of the same area and edge."""
-    spacing = np.array(solution.grid.spacing)
-    edge = sum(float(np.hypot(*(np.diff(line, axis=0) / spacing).T).sum()) for line in contours)
-    return 2.0 * solution.area().value / (solution.grid.cell_area * edge) if edge > 0.0 else np.inf
+    area = solution.area()
+    return 2.0 * area.value / (area.perimeter * solution.grid.cell_area**0.5) if area.perimeter > 0.0 else np.inf

@@ -253,11 +253,12 @@ def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
 
 def _judge(solution: ContactSolution) -> dict[str, Any]:
     """Return the maximum pressure and the warnings, as fields of a record; without what fails."""
-    found: dict[str, Any] = {"warnings": list_all_warnings(solution)}
+    found: dict[str, Any] = {}
+    known = {}
     # Estimators and parts of the problem are plug-ins.
     with contextlib.suppress(Exception):
         found["doubtful"] = bool(solution.warnings)
     with contextlib.suppress(Exception):
-        peak = solution.peak_pressure()
+        known["maximum pressure"] = peak = solution.peak_pressure()
         found |= {"peak_pressure": peak.value, "peak_pressure_uncertainty": peak.uncertainty}
-    return found
+    return {**found, "warnings": list_all_warnings(solution, known)}
