@@ -203,10 +203,10 @@ def test_a_printed_map_says_what_it_is_and_where_it_comes_from():
     )
     lines = str(surface).splitlines()
     measured = surface.values[~mask]
-    assert lines[0].startswith("grid          48 x 40 cells") or "48 x 40" in lines[0]
-    assert f"rms height Sq {1e9 * measured.std():.4g} nm" in lines[1]
-    assert lines[2] == "history       read from a.csv"
-    assert "plane" in lines[3]
-    assert lines[4] == "non-measured  2 points of 1920"
+    assert lines[0] == "grid          48 x 40 cells on 48 µm x 40 µm, cells of 1 µm x 1 µm"
+    assert lines[2] == f"Sq            {1e9 * measured.std():.4g} nm about the mean"
+    assert lines[3] == "history       read from a.csv"
+    assert "plane" in lines[4]
+    assert lines[5] == "non-measured  2 of 1920 points (0.1 %)"
     assert all(len(line) <= 80 for line in lines)
     assert "periodic" in str(rc.HeightMap(heights, size=(48e-6, 40e-6), periodic=True))

@@ -12,15 +12,24 @@ if TYPE_CHECKING:
 
 
 def summarize(height_map: HeightMap) -> str:
-    """Return cells, size, heights, history and warnings of a map, line by line."""
-    heights, missing = height_map.values, height_map.non_measured
+    """Return what `list_facts` says of a map, and its warnings."""
+    return fit("\n".join([*list_facts(height_map), *(f"warning       {text}" for text in height_map.warnings)]))
+
+
+def list_facts(height_map: HeightMap) -> list[str]:
+    """Return cells, size, heights, history and non-measured points of a map, line by line."""
+    grid, heights, missing = height_map.grid, height_map.values, height_map.non_measured
     measured = heights if missing is None else heights[~missing]
-    low, high, rms = (si(float(value), "m") for value in (measured.min(), measured.max(), measured.std()))
+    low, high, rms, dx, dy = (
+        si(float(value), "m") for value in (measured.min(), measured.max(), measured.std(), *grid.spacing)
+    )
     lines = [
-        f"grid          {height_map.grid}{', periodic' if height_map.periodic else ''}",
-        f"heights       {low} to {high}, rms height Sq {rms}",
+        f"grid          {grid}{', periodic' if height_map.periodic else ''}, cells of {dx} x {dy}",
+        f"heights       {low} to {high}",
+        f"Sq            {rms} about the mean",
         *(f"history       {text}" for text in height_map.history),
     ]
     if missing is not None:
-        lines.append(f"non-measured  {counted(int(missing.sum()), 'point')} of {missing.size}")
-    return fit("\n".join([*lines, *(f"warning       {text}" for text in height_map.warnings)]))
+        count = int(missing.sum())
+        lines.append(f"non-measured  {count} of {counted(missing.size, 'point')} ({100 * count / missing.size:.2g} %)")
+    return lines

@@ -6,10 +6,10 @@ import numpy as np
 
 import roughcontact as rc
 from roughcontact._solution.plausibility import find_scene
+from roughcontact._surfaces.summary import list_facts
 from roughcontact.checks import Array
 from roughcontact.cli.wording import name_options
 from roughcontact.reference import roughness
-from roughcontact.units import si
 from roughcontact.units.text import fit
 
 # Fraction of the variance of the heights that is form, above which the spectrum is that of the form.
@@ -20,19 +20,10 @@ _DEGREE, _FEWEST = 2, 8
 
 def describe_map(surface: rc.HeightMap) -> str:
     """Return size, cells and roughness of a height map, and its warnings, in lines of at most 80 columns."""
-    heights, grid = _measured(surface), surface.grid
-    lines = [
-        f"grid          {grid}, cells of {si(grid.spacing[0], 'm')} x {si(grid.spacing[1], 'm')}",
-        f"heights       {si(float(heights.min()), 'm')} to {si(float(heights.max()), 'm')}",
-        *(f"history       {text}" for text in surface.history),
-    ]
-    if surface.non_measured is not None:
-        count = int(surface.non_measured.sum())
-        lines.append(f"non-measured  {count} of {grid.cells} points ({100 * count / grid.cells:.2g} %)")
-    lines.append(f"Sq            {si(float(heights.std()), 'm')} about the mean")
+    lines = list_facts(surface)
     if not surface.periodic:
         lines.append("spectrum      of the heights times a Hann window:")
-    lines.append(str(roughness(surface.values, grid, periodic=surface.periodic)))
+    lines.append(str(roughness(surface.values, surface.grid, periodic=surface.periodic)))
     return "\n".join([fit("\n".join(lines)), *list_warnings(surface)])
 
 
