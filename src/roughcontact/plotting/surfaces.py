@@ -21,6 +21,8 @@ from roughcontact.units import prefixed, si
 _DECAY = 0.2
 # Number of levels of a bearing curve.
 _LEVELS = 201
+# Rounding of distances, cells.
+_ROUNDING = 1e-9
 
 
 def _scale(sampled: SampledSurface) -> tuple[float, str]:
@@ -140,8 +142,9 @@ def average_radially(values: Array, spacing: tuple[float, float]) -> tuple[Array
     nx, ny = values.shape
     x, y = np.arange(nx) * spacing[0], np.arange(ny) * spacing[1]
     step = max(spacing)
-    ring = np.rint(np.hypot(x[:, np.newaxis], y) / step).astype(np.intp)
-    last = int(max(min(x[-1], y[-1]), step) / step)
+    # Distances of a whole number of cells and a half lie in the outer ring, however they are rounded.
+    ring = np.floor(np.hypot(x[:, np.newaxis], y) / step + (0.5 + _ROUNDING)).astype(np.intp)
+    last = int(max(min(x[-1], y[-1]), step) / step + _ROUNDING)
     # The values are those of a quarter: on the axes each stands for two points, inside for four.
     weight = np.where(np.arange(nx) > 0, 2.0, 1.0)[:, np.newaxis] * np.where(np.arange(ny) > 0, 2.0, 1.0)
     inside = ring <= last
