@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import attrs
 import numpy as np
@@ -89,6 +90,16 @@ def test_a_film_between_its_bounds(film):
     assert found.film[0] == pytest.approx(film / area, rel=2e-3)
 
 
+def test_full_contact_says_that_nothing_resists():
+    body, grid = rc.Body(rc.WavySurface(1e-7, 1e-5), rc.Elastic(1e9, 0.3)), rc.Grid((16, 12), 1e-5)
+    full = rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=1e9)
+    found = full.conductance(50.0)
+    assert found.value == math.inf
+    assert any("touch everywhere" in warning for warning in found.warnings)
+    assert str(found).startswith("infinite conductance; doubtful: ")
+    assert not full.conductance(50.0, film_resistance=1e-9).warnings
+
+
 def test_a_film_in_full_contact_is_all_there_is():
     body, grid = rc.Body(rc.WavySurface(1e-7, 1e-5), rc.Elastic(1e9, 0.3)), rc.Grid((16, 12), 1e-5)
     solution = rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=1e9)
@@ -123,7 +134,10 @@ def test_units_and_moduli_cancel():
 
 def test_text_ends_and_refusals():
     solution = ball(6, 0)
-    assert "W/K (S if" in str(solution.conductance(50.0))
+    assert re.search(r"through 1 patch$", str(solution.conductance(50.0)))
+    unit = solution.conductance(1.0).value
+    for value, prefix in ((4e-3, "m"), (4.0, ""), (4e3, "k")):
+        assert str(solution.conductance(value / unit)).startswith(f"4 {prefix}W/K ({prefix}S if")
     empty = attrs.evolve(solution, pressure=0.0 * solution.pressure).conductance(50.0, 1e-6)
     assert empty.value == empty.uncertainty == empty.interaction == 0.0
     assert empty.patches.size == empty.constriction.size == 0

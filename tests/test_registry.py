@@ -188,6 +188,15 @@ class TestTable:
         registry.register("first")(Mine)
         assert registry.name_of(Mine) == "first"
 
+    def test_a_class_that_needs_arguments_is_made_as_the_sentence_says(self):
+        with pytest.raises(rc.InputError) as failed:
+            rc.responses.create("first-yield")
+        assert "roughcontact.responses.create('first-yield', yield_stress=...)" in str(failed.value)
+        assert "._" not in str(failed.value)
+        assert rc.responses.create("first-yield", yield_stress=1e9).yield_stress == 1e9
+        with pytest.raises(rc.InputError, match="unexpected keyword argument 'drop'.*viscosity=..., pressure_drop=..."):
+            rc.responses.create("leakage", viscosity=1e-3, drop=1e5)
+
     def test_a_class_is_not_an_instance(self):
         with pytest.raises(rc.InputError, match="Pass an instance, not the class"):
             rc.kernels.resolve(rc.Love)

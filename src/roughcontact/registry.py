@@ -6,6 +6,7 @@ distribution, as what ships is by those of this package.
 
 from __future__ import annotations
 
+import inspect
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -124,10 +125,11 @@ class Registry(Generic[T]):
         except InputError:
             raise
         except Exception as error:
-            how = "from these arguments" if arguments or fields else "without arguments"
-            raise InputError(
-                f"The {self.kind} {name!r} cannot be made {how} ({error}): pass an instance of {path_of(cls)}."
-            ) from error
+            given, needed = arguments or fields, ", ".join(f"{field}=..." for field in _list_required(cls))
+            how = "from these arguments" if given else "without arguments"
+            reason = f" ({error})" if given or not needed else ""
+            advice = f": {self.group}.create({name!r}, {needed}) makes one" if needed else ""
+            raise InputError(f"The {self.kind} {name!r} cannot be made {how}{reason}{advice}.") from error
 
     def resolve(self, choice: object) -> T:
         """Return `choice` if it is an instance of the base, or make one from the registered name."""
@@ -182,6 +184,16 @@ class Registry(Generic[T]):
 def registries() -> Mapping[str, Registry[Any]]:
     """Return the registries whose classes files may name, by their kind."""
     return MappingProxyType(_BY_KIND)
+
+
+def _list_required(cls: type) -> list[str]:
+    """Return the parameters that an instance cannot be made without."""
+    try:
+        parameters = inspect.signature(cls).parameters.items()
+    except (TypeError, ValueError):
+        return []
+    several = inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD
+    return [name for name, one in parameters if one.default is one.empty and one.kind not in several]
 
 
 def path_of(cls: type) -> str:

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._responses.edge_correction import correct_edges
-from roughcontact._responses.stiffness import list_warnings, require_mean_gap, sum_of
+from roughcontact._responses.stiffness import describe_full_contact, list_warnings, require_mean_gap, sum_of
 from roughcontact._responses.tangent import LinearSolution, Tangent
 from roughcontact._solution import Area, ContactSolution, Response, responses
 from roughcontact.checks import Array, Pair, number, pair, read_only
@@ -70,11 +70,18 @@ class Conductance:
         return 1.0 / self.value - 1.0 / float(np.sum(1.0 / (self.constriction + self.film)))
 
     def __str__(self) -> str:
-        relative = f"{100 * self.uncertainty / self.value:.2g} %" if 0.0 < self.value < math.inf else "0 %"
         doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
+        if math.isinf(self.value):
+            return f"infinite conductance{doubtful}"
+        relative = f"{100 * self.uncertainty / self.value:.2g} %" if self.value > 0.0 else "0 %"
+        heat, heat_per_area = si(self.value, "W/K", 5), si(self.per_area, "W/(m2 K)", 5)
+        # The same number, with the same prefix, is an electrical conductance.
+        current = heat.partition(" ")[2].replace("W/K", "S")
+        current_per_area = heat_per_area.partition(" ")[2].replace("W/(m2 K)", "S/m2")
         return (
-            f"{si(self.value, 'W/K', 5)} (S if the conductivities are in S/m) +- {relative}, "
-            f"{si(self.per_area, 'W/(m2 K)', 5)} (S/m2) of nominal area, through {self.patches.size} patches{doubtful}"
+            f"{heat} ({current} if the conductivities are in S/m) +- {relative}, "
+            f"{heat_per_area} ({current_per_area}) of nominal area, "
+            f"through {self.patches.size} patch{'' if self.patches.size == 1 else 'es'}{doubtful}"
         )
 
 
@@ -130,6 +137,7 @@ class ContactConductance(Response[Conductance]):
         tangent = Tangent(solution, saturated=True, compliance=compliance if known.size else 0.0)
         if tangent.is_rigid:
             currents, std = np.full(known.size, math.inf), 0.0
+            warnings = (*warnings, describe_full_contact("conductance"))
         elif not known.size:
             currents, std = np.zeros(0), 0.0
         else:

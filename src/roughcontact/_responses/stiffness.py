@@ -67,8 +67,10 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
     area = solution.area()
     warnings = list_warnings(solution, area.warnings)
     tangent, unit = Tangent(solution), np.ones(solution.grid.shape)
-    if tangent.is_rigid or not tangent.cells.any():
-        return NormalAnswer(0.0 * unit, math.inf if tangent.is_rigid else 0.0, 0.0, warnings)
+    if tangent.is_rigid:
+        return NormalAnswer(0.0 * unit, math.inf, 0.0, (*warnings, describe_full_contact(what)))
+    if not tangent.cells.any():
+        return NormalAnswer(0.0 * unit, 0.0, 0.0, warnings)
     answer = tangent.solve(unit, _TOLERANCE)
     correction = correct_edges(solution, answer.values, tangent.cells, area)
     value = sum_of(answer.values, answer.residual) * solution.grid.cell_area + float(correction.patches.sum())
@@ -87,6 +89,11 @@ def require_mean_gap(solution: ContactSolution, what: str) -> None:
             f"On a wrapped boundary uniform pressure moves the surfaces by an arbitrary amount, so that the {what} "
             "means nothing: choose boundary='periodic' or 'free'."
         )
+
+
+def describe_full_contact(what: str) -> str:
+    """Return why what is asked, in words, is infinite in full contact on a periodic boundary."""
+    return f"the surfaces touch everywhere, so that the interface yields nothing and its {what} is infinite"
 
 
 def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple[str, ...]:

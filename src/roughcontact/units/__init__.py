@@ -114,6 +114,8 @@ class Estimate:
         doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
         if not self.unit:
             return f"{self.value:.6g} +- {self.uncertainty:.2g}{doubtful}"
+        if math.isinf(self.value):
+            return f"{si(self.value, self.unit)}{doubtful}"
         relative = (
             f"{100 * self.uncertainty / abs(self.value):.2g} %" if self.value else si(self.uncertainty, self.unit)
         )

@@ -56,7 +56,9 @@ def coarsen(waves: Waves, length: int, step: int, axis: int) -> Waves:
     """
     if step == 1:
         return waves
-    half = length // step // 2
+    count = length // step
+    # Without the wave of half the sampling wave number, which only an even number of blocks has.
+    half = (count + 1) // 2
     number = np.arange(half)
     # The block's middle lies half a block behind its first cell's centre; a block stands for a cell (`cell_stress`).
     angle = np.pi * number / length
@@ -64,13 +66,13 @@ def coarsen(waves: Waves, length: int, step: int, axis: int) -> Waves:
         ratio = np.where(number > 0, np.sin(angle) / np.sin(step * angle), 1.0 / step)
     factor = (ratio * np.exp(1j * (step - 1) * angle)).astype(waves.dtype)
     shape: list[Any] = list(waves.shape)
-    shape[axis] = half + 1 if axis == 1 else 2 * half
+    shape[axis] = count // 2 + 1 if axis == 1 else count
     kept = np.zeros(shape, dtype=waves.dtype)
     if axis == 1:
         np.multiply(waves[:, :half], factor, out=kept[:, :half])
     else:
         np.multiply(waves[:half], factor[:, np.newaxis], out=kept[:half])
-        np.multiply(waves[1 - half :], factor[:0:-1, np.newaxis].conj(), out=kept[half + 1 :])
+        np.multiply(waves[1 - half :], factor[:0:-1, np.newaxis].conj(), out=kept[count - half + 1 :])
     return kept
 
 
