@@ -493,16 +493,6 @@ class TestFigures:
         assert isinstance(make_figure("solution", hertz), Figure)
         assert pyplot.get_fignums() == before
 
-    def test_notebooks_show_a_figure_once(self, hertz, monkeypatch):
-        figure = hertz.plot()
-        with pytest.raises(NotImplementedError):
-            figure._ipython_display_()
-        monkeypatch.setattr(matplotlib, "get_backend", lambda: "module://matplotlib_inline.backend_inline")
-        assert figure._ipython_display_() is None
-        pyplot.close(figure)
-        with pytest.raises(NotImplementedError):
-            figure._ipython_display_()
-
     @pytest.mark.parametrize("theme", [rc.panel.LIGHT, rc.panel.DARK])
     def test_colours_differ_in_lightness(self, theme):
         def lightness(color):

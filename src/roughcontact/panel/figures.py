@@ -12,7 +12,7 @@ from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.panel.base import Panel, panels
 from roughcontact.panel.layout import Layout, arrange, title_of
-from roughcontact.panel.theme import require_matplotlib, style, theme_of
+from roughcontact.panel.theme import apply_theme, require_matplotlib, style, theme_of
 
 # The panels of a figure where none is named.
 _STANDARD = {
@@ -81,7 +81,7 @@ def make_figure(kind: str, subject: Any, panel: str | Panel | None = None, dark:
     require_matplotlib()
     from roughcontact.panel.sheet import Sheet
 
-    with style(dark):
+    with apply_theme(dark):
         figure = Sheet()
         if panel is None:
             return _fill(figure, kind, subject)

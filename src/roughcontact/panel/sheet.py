@@ -20,8 +20,9 @@ class Sheet(Figure):
         super().savefig(fname, **options)
 
     def _ipython_display_(self) -> None:
-        # Notebooks with figures in line show all that pyplot holds behind the cell: once is enough.
+        # With figures in line, a notebook shows what a cell returns and then all that pyplot holds: once is enough.
         from matplotlib import pyplot
 
-        if not ("inline" in matplotlib.get_backend() and pyplot.fignum_exists(self.number)):
-            raise NotImplementedError
+        if "inline" in matplotlib.get_backend():
+            pyplot.close(self)
+        raise NotImplementedError  # the notebook shows it like any other figure

@@ -138,6 +138,15 @@ def style(dark: bool = False) -> Any:
     ...     figure, axes = plt.subplots()
     """
     require_matplotlib()
+    from matplotlib import pyplot
+
+    # Loads the backend: that of notebooks sets parameters of its own, which the end of the context would take back.
+    pyplot.draw_if_interactive()
+    return apply_theme(dark)
+
+
+def apply_theme(dark: bool = False) -> Any:
+    """Return the context of `style` for figures that pyplot does not hold."""
     from matplotlib import style as styles
 
     return styles.context(["default", parameters(flag(dark, "dark="))])

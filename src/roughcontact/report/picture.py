@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from roughcontact.archive import replacing
 from roughcontact.errors import InputError, MissingPackage
-from roughcontact.panel import style
+from roughcontact.panel.theme import apply_theme
 from roughcontact.report.row import ReportRow, find_varying_parts, group_by_setup
 
 try:
@@ -44,7 +44,7 @@ def draw_report(report: ErrorReport, path: Path) -> None:
     names, ending = report.reference.quantities, path.suffix.lstrip(".")
     # In memory: when a disk is full, some formats fail in other ways than by an error of the system.
     content = io.BytesIO()
-    with style():
+    with apply_theme():
         figure = Figure(figsize=(5.6 * len(names), 5.6), layout="constrained")
         known = figure.canvas.get_supported_filetypes()
         if ending not in known:

@@ -1,0 +1,67 @@
+"""An executed notebook shows each figure once."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator
+
+import nbclient
+import nbformat
+import pytest
+
+SETUP = """
+import roughcontact as rc
+
+grid = rc.Grid((24, 16), (3e-6, 2e-6))
+surface = rc.WavySurface(1e-7, 1e-6)
+problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(200e9, 0.3)), grid=grid, boundary="periodic")
+solution = problem.solve(pressure=1e9)
+sweep = problem.sweep(pressure=[1e8, 1e9])
+"""
+# Cells, and the number of pictures that each one shows; those behind ``%matplotlib inline``.
+CELLS = {
+    "solution.plot()": 1,
+    "fig = solution.plot()": 1,
+    "fig": 1,
+    "surface.plot(grid)": 1,
+    "sweep.plot()": 1,
+    "solution.plot('pressure')": 1,
+    "sweep.plot();": 1,
+    "first = sweep.plot()\nsweep.plot()": 2,
+    "display(solution.plot('gap').figure)": 1,
+    "rc.panel.make_figure('sweep', sweep);": 0,
+    "solution.iterations": 0,
+}
+INLINE = {"solution.plot()": 1, "fig = sweep.plot()": 1, "fig": 1, "first = sweep.plot()\nsweep.plot()": 2}
+
+
+@pytest.fixture(scope="module")
+def executed(tmp_path_factory):
+    """The cells of one notebook."""
+    cells = [SETUP, *CELLS, "%matplotlib inline", *INLINE]
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("IPYTHONDIR", "JUPYTER_RUNTIME_DIR"):
+            patch.setenv(name, str(tmp_path_factory.mktemp(name)))
+        # The kernel chooses the backend.
+        patch.delenv("MPLBACKEND", raising=False)
+        nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
+    return notebook.cells
+
+
+def pictures(cell) -> Iterator[bytes]:
+    for output in cell.outputs:
+        for kind, content in output.get("data", {}).items():
+            if kind == "image/png":
+                yield base64.b64decode(content)
+
+
+def test_each_figure_is_shown_once(executed):
+    shown = [(cell.source, len(list(pictures(cell)))) for cell in executed]
+    assert shown == [(SETUP, 0), *CELLS.items(), ("%matplotlib inline", 0), *INLINE.items()]
+
+
+def test_pictures_of_different_figures_differ(executed):
+    images = [picture for cell in executed for picture in pictures(cell)]
+    assert len(set(images)) >= 5
+    assert all(image.startswith(b"\x89PNG") and len(image) > 2000 for image in images)
