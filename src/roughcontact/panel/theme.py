@@ -141,7 +141,7 @@ def style(dark: bool = False) -> Any:
     from matplotlib import pyplot
 
     # Loads the backend: that of notebooks sets parameters of its own, which the end of the context would take back.
-    pyplot.draw_if_interactive()
+    pyplot.draw_if_interactive()  # type: ignore[no-untyped-call]
     return apply_theme(dark)
 
 
