@@ -78,6 +78,16 @@ def hertz_ellipse(radii, force, modulus):
     return long, long * math.sqrt(1 - m)
 
 
+def mean_along_x(radii):
+    """Return the mean of cos^2 of the angle between the waves of an ellipse and x; Mindlin (1949)."""
+    if radii[0] == radii[1]:
+        return 0.5
+    long, short = hertz_ellipse(radii, 1.0, 1.0)
+    m = 1 - (short / long) ** 2
+    along_short = (ellipk(m) - ellipe(m)) / (m * ellipk(m))
+    return along_short if radii[0] < radii[1] else 1 - along_short
+
+
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
 @pytest.mark.parametrize("radii", [(1.0, 4.0), (2.5, 1.0)])
 def test_ellipses(radii, poisson):
@@ -88,11 +98,8 @@ def test_ellipses(radii, poisson):
     normal = math.pi * solution.modulus * long / ellipk(m)
     found = solution.stiffness()
     assert found.value == pytest.approx(normal, rel=4e-3)
-    # Mindlin (1949): of waves at an angle to the force, with the mean of cos^2 along the short axis.
-    along_short = (ellipk(m) - (ellipk(m) - ellipe(m)) / m) / ellipk(m)
-    along_short = 1 - along_short
-    means = (along_short, 1 - along_short) if radii[0] < radii[1] else (1 - along_short, along_short)
-    for axis, mean in enumerate(means):
+    along_x = mean_along_x([1000.0 * part for part in radii])
+    for axis, mean in enumerate((along_x, 1 - along_x)):
         tangential = solution.response(TangentialStiffness(axis))
         expected = normal * (1 - poisson) / (1 - poisson * mean)
         assert tangential.value == pytest.approx(expected, rel=6e-3)
@@ -111,6 +118,20 @@ def test_mindlin_for_round_contacts_of_two_materials():
     radius = solution.stiffness().value / (2 * solution.modulus)
     compliance = (2 - nu1) / g1 + (2 - nu2) / g2
     assert solution.response("tangential-stiffness").value == pytest.approx(8 * radius / compliance, rel=1e-3)
+
+
+@pytest.mark.parametrize("shape", [(40, 40), (32, 256), (257, 31), (24, 200)])
+@pytest.mark.parametrize("radii", [(1e3, 1e3), (200.0, 3000.0)])
+def test_tangential_stiffness_does_not_depend_on_the_domain(shape, radii):
+    steel = rc.Elastic(2 * 0.91, 0.3)
+    grid = rc.Grid(shape, (float(shape[0]), float(shape[1])))
+    body = rc.Body(rc.ParaboloidSurface(radii, (0.2, 0.3)), steel)
+    solution = rc.ContactProblem(body, rc.Body(rc.FlatSurface(), steel), grid=grid).solve(force=0.4)
+    tangential = [solution.response(TangentialStiffness(axis)).value for axis in (0, 1)]
+    ratios = np.divide(solution.stiffness().value, tangential)
+    # Both compliances sum up to that of two round contacts, whatever the shape: (2 - nu) / (1 - nu).
+    assert ratios.sum() == pytest.approx(1.7 / 0.7, rel=1e-6)
+    assert ratios[0] == pytest.approx((1 - 0.3 * mean_along_x(radii)) / 0.7, rel=3e-3)
 
 
 @pytest.mark.parametrize("side", [8, 16, 40])

@@ -165,7 +165,8 @@ def test_the_mean_pressure_of_a_periodic_body_is_confined():
 
 @pytest.mark.parametrize("planes", [FreePlanes, PeriodicPlanes])
 @pytest.mark.parametrize(
-    ("shape", "z"), [((128, 64), 8.0), ((64, 160), 17.0), ((96, 33), 40.0), ((64, 64), 700.0), ((50, 66), 9.0), ((100, 76), 18.0)]
+    ("shape", "z"),
+    [((128, 64), 8.0), ((64, 160), 17.0), ((96, 33), 40.0), ((64, 64), 700.0), ((50, 66), 9.0), ((100, 76), 18.0)],
 )
 def test_fewer_points_at_depth_lose_nothing(planes, shape, z):
     rng = np.random.default_rng(int(z))

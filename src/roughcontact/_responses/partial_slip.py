@@ -10,8 +10,9 @@ import numpy as np
 from roughcontact._areas.quantities import find_shift
 from roughcontact._problem import problem_of
 from roughcontact._problem.sweep import predict_pressure
-from roughcontact._responses.coupling import compare_compliances, judge_coupling
+from roughcontact._responses.coupling import judge_coupling
 from roughcontact._responses.fretting_loop import FrettingLoop
+from roughcontact._responses.tangential_compliance import find_tangential_compliance, tangential_axis
 from roughcontact._solution import ContactSolution, Estimate
 from roughcontact._solution.responses import Response, responses
 from roughcontact.checks import Array, Mask, integer, number, read_only
@@ -25,6 +26,9 @@ from roughcontact.units import si
 _CANCELLED = 0.2
 # Distance by which a straight edge, as at a free border that cuts the contact, lies inside that of its cells, cells.
 _BORDER = 0.17
+# Relative standard deviation, over Poisson's ratio, near sliding, where the traction across the force takes a part of
+# the friction: set beside the tractions that obey friction in every cell (benchmarks/response_classes.py).
+_LATERAL = 0.02
 # Relative standard deviation above which the energy is called unresolved.
 _UNRESOLVED = 0.5
 
@@ -45,6 +49,8 @@ class PartialSlip:
     ----------
     tangential_force, friction
         Tangential force Q, N, and coefficient of friction, no unit.
+    axis
+        Direction of the force: 0 along x, 1 along y.
     contact
         The normal contact under the whole normal force P.
     stick_contact
@@ -61,13 +67,15 @@ class PartialSlip:
     energy
         Energy dissipated in a cycle between Q and -Q, J.
     compliance_ratio
-        Tangential over normal compliance of the bodies, (2 - nu) / (2 - 2 nu) for like materials; no unit.
+        Tangential over normal compliance along the axis, (2 - nu) / (2 - 2 nu) for like materials and round contacts;
+        no unit.
     warnings
         Why the values must not be trusted, in sentences; empty without a reason.
     """
 
     tangential_force: float
     friction: float
+    axis: int
     contact: ContactSolution
     stick_contact: ContactSolution
     compliance_ratio: float
@@ -76,6 +84,7 @@ class PartialSlip:
     displacement: Estimate
     energy: Estimate
     warnings: tuple[str, ...] = ()
+    _unsure: float = attrs.field(default=0.0, repr=False)
 
     @property
     def traction(self) -> Array:
@@ -105,7 +114,7 @@ class PartialSlip:
             is_last = k == points
             found = self.stick_contact if is_last else _solve_stick(near, self.contact, forces[k] / self.friction)
             near = [*near[-1:], found]
-            one = _displace(self.contact, found, self.friction * self.compliance_ratio)
+            one = _widen(_displace(self.contact, found, self.friction * self.compliance_ratio), self._unsure)
             moved[k], std[k] = one.value, one.uncertainty
         return FrettingLoop(forces, moved, std)
 
@@ -114,7 +123,9 @@ class PartialSlip:
         both = self.stick_area, self.slip_area
         areas = (f"{si(area.value, 'm2', 5)} +- {si(area.uncertainty, 'm2', 2)}" for area in both)
         rows = {
-            "tangential force": f"{si(self.tangential_force, 'N')}, {100 * sliding:.3g} % of that of sliding",
+            "tangential force": (
+                f"{si(self.tangential_force, 'N')} along {'xy'[self.axis]}, {100 * sliding:.3g} % of that of sliding"
+            ),
             "displacement": self.displacement,
             **dict(zip(("area that sticks", "area that slips"), areas, strict=True)),
             "energy in a cycle": self.energy,
@@ -132,9 +143,12 @@ class CiavarellaJaeger(Response[PartialSlip]):
 
     .. math:: q = \mu\,[p(P) - p(P^*)], \quad \mu (P - P^*) = Q, \quad
               \delta_x = \mu c\,[\delta(P) - \delta(P^*)], \quad
-              c = E^*\left[\frac{2-\nu_1}{4G_1} + \frac{2-\nu_2}{4G_2}\right],
+              c = \frac{\sum_i c_i\, (1 - \nu_i \langle\cos^2\theta\rangle) / (1 - \nu_i)}{\sum_i c_i}, \quad
+              c_i = \frac{1 - \nu_i^2}{E_i},
 
-    and the contact under P* sticks. A cycle between Q and -Q follows by superposition (Masing), and dissipates
+    and the contact under P* sticks. The angle of a wave of q to the force is :math:`\theta`, and the mean of its cosine
+    squared, 1/2 for round contacts, is weighted by the elastic energy of the waves. A cycle between Q and -Q follows by
+    superposition (Masing), and dissipates
 
     .. math:: W = 4 c \mu^2 \left\{2\,[U(P) - U(P^*)] - (P - P^*)\,[\delta(P) + \delta(P^*)]\right\}, \quad
               U = P\delta - \frac{1}{2}\int p\,u\,\mathrm{d}A .
@@ -145,11 +159,13 @@ class CiavarellaJaeger(Response[PartialSlip]):
         Tangential force Q, N, from zero to less than friction times the normal force.
     friction
         Coefficient of friction.
+    axis
+        Direction of the force: 0 along x, 1 along y.
 
     Notes
     -----
     Exact for plane contacts of like materials, and for all contacts if Poisson's ratio is zero; else the direction of
-    slip differs from that of the traction by a few per cent.
+    slip differs from that of the traction by a few per cent, which the uncertainty contains.
 
     References
     ----------
@@ -159,6 +175,7 @@ class CiavarellaJaeger(Response[PartialSlip]):
 
     tangential_force: float = attrs.field(converter=_force)
     friction: float = attrs.field(converter=_friction)
+    axis: int = attrs.field(default=0, converter=tangential_axis)
 
     def respond(self, solution: ContactSolution) -> PartialSlip:
         """Return the contact under the tangential force; see `Response.respond`."""
@@ -173,10 +190,14 @@ class CiavarellaJaeger(Response[PartialSlip]):
                 f"The bodies slide: the tangential force of {si(self.tangential_force, 'N')} is not below friction "
                 f"times the normal force, {si(self.friction * solution.force, 'N')}."
             )
-        ratio = compare_compliances(materials, solution.modulus)
         stuck = _solve_stick([solution], solution, lost)
+        # Without a tangential force nothing moves, whatever the traction.
+        traction = solution.pressure if stuck is solution else solution.pressure - stuck.pressure
+        compliance = find_tangential_compliance(solution, traction, stuck.contact, self.axis)
+        ratio, sliding = compliance.ratio, lost / solution.force
+        unsure = math.hypot(compliance.excess, _LATERAL * compliance.anisotropy * sliding**2)
         stick_area, slip_area = _compare_areas(solution, stuck)
-        energy = _dissipate(solution, stuck, 4.0 * self.friction**2 * ratio)
+        energy = _widen(_dissipate(solution, stuck, 4.0 * self.friction**2 * ratio), unsure)
         if energy.uncertainty > _UNRESOLVED * energy.value and energy.uncertainty > 0.0:
             warnings += ("the slip zone is too narrow for this grid to resolve the dissipated energy",)
         warnings += stick_area.warnings
@@ -184,14 +205,16 @@ class CiavarellaJaeger(Response[PartialSlip]):
         return PartialSlip(
             tangential_force=self.tangential_force,
             friction=self.friction,
+            axis=self.axis,
             contact=solution,
             stick_contact=stuck,
             compliance_ratio=ratio,
             stick_area=stick_area,
             slip_area=slip_area,
-            displacement=_displace(solution, stuck, self.friction * ratio),
+            displacement=_widen(_displace(solution, stuck, self.friction * ratio), unsure),
             energy=energy,
             warnings=tuple(dict.fromkeys(warnings)),
+            unsure=unsure,
         )
 
 
@@ -238,6 +261,11 @@ def _displace(contact: ContactSolution, stuck: ContactSolution, factor: float) -
     value = factor * max(contact.approach - stuck.approach, 0.0)
     std = math.hypot(factor * _approach_std(contact, stuck), _BORDER * _cut_fraction(contact) * value)
     return Estimate(value, std, "m")
+
+
+def _widen(estimate: Estimate, relative: float) -> Estimate:
+    """Return an estimate with a further, relative standard deviation."""
+    return attrs.evolve(estimate, uncertainty=math.hypot(estimate.uncertainty, relative * estimate.value))
 
 
 def _cut_fraction(contact: ContactSolution) -> float:

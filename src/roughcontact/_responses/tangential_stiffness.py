@@ -5,25 +5,16 @@ from __future__ import annotations
 import math
 
 import attrs
-import numpy as np
 
 from roughcontact._problem import problem_of
-from roughcontact._responses.coupling import compare_compliances, judge_coupling
+from roughcontact._responses.coupling import judge_coupling
 from roughcontact._responses.stiffness import find_normal_answer
+from roughcontact._responses.tangential_compliance import find_tangential_compliance, tangential_axis
 from roughcontact._solution import ContactSolution, Estimate, Response, responses
-from roughcontact.checks import Array, integer
 from roughcontact.errors import InputError
-from roughcontact.grid import Boundary
 
-# Standard deviation of the ratio to the normal stiffness over its anisotropic part: only ellipses are exact.
-_SHAPE = 0.2
-
-
-def _axis(value: int) -> int:
-    axis = integer(value, "The axis of the tangential force", at_least=0)
-    if axis > 1:
-        raise InputError.about("The axis of the tangential force", value, "0 (x) or 1 (y)")
-    return axis
+# Part of the stiffness from which a warning says so.
+_TOLD = 0.005
 
 
 @responses.register("tangential-stiffness")
@@ -38,7 +29,9 @@ class TangentialStiffness(Response[Estimate]):
 
     where :math:`\theta` is the angle of a wave of q to the axis and the mean is weighted by the elastic energy of the
     waves. Round and isotropic contacts have 1/2, which gives Mindlin's :math:`2(1-\nu)/(2-\nu)` for bodies alike.
-    Coupling of normal and tangential displacements is neglected, and bodies that differ are refused.
+    Coupling of normal and tangential displacements is neglected, and bodies that differ are refused. For other contacts
+    than ellipses the value is a lower bound unless Poisson's ratio is zero: of any traction the true one stores the
+    smallest energy. The uncertainty contains what it lacks, and a warning names it from half a per cent on.
 
     Parameters
     ----------
@@ -52,7 +45,7 @@ class TangentialStiffness(Response[Estimate]):
     https://doi.org/10.1088/0953-8984/23/8/085001
     """
 
-    axis: int = attrs.field(default=0, converter=_axis)
+    axis: int = attrs.field(default=0, converter=tangential_axis)
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
@@ -72,29 +65,12 @@ class TangentialStiffness(Response[Estimate]):
         warnings = (*normal.warnings, *coupling)
         if not 0.0 < normal.value < math.inf:
             return Estimate(normal.value, 0.0, "N/m", warnings)
-        weight = _average_cosine(solution, normal.field, self.axis)
-        ratio, round_ratio = (1.0 / compare_compliances(plan.materials, plan.modulus, part) for part in (weight, 0.5))
-        std = math.hypot(ratio * normal.uncertainty, _SHAPE * (ratio - round_ratio) * normal.value)
+        compliance = find_tangential_compliance(solution, normal.field, normal.field > 0.0, self.axis)
+        ratio, too_small = 1.0 / compliance.ratio, compliance.excess
+        if too_small > _TOLD:
+            warnings += (
+                f"the traction is taken to be in proportion to the normal answer, which makes the tangential stiffness "
+                f"too small by about {100 * too_small:.1g} %",
+            )
+        std = ratio * math.hypot(normal.uncertainty, too_small * normal.value)
         return Estimate(ratio * normal.value, std, "N/m", warnings)
-
-
-def _average_cosine(solution: ContactSolution, answer: Array, axis: int) -> float:
-    """Return the mean of cos^2 of the angle between waves and an axis, weighted by their elastic energy."""
-    shape, spacing = solution.grid.shape, solution.grid.spacing
-    padded = shape if solution.boundary is Boundary.PERIODIC else (2 * shape[0], 2 * shape[1])
-    power = np.abs(np.fft.rfft2(answer, padded)) ** 2
-    # Half of the waves along y are stored; the others equal them, but for the first and, if even, the last.
-    power[:, 1 : (padded[1] + 1) // 2] *= 2.0
-    qx, qy = np.fft.fftfreq(padded[0], spacing[0])[:, np.newaxis], np.fft.rfftfreq(padded[1], spacing[1])[np.newaxis]
-    square = qx**2 + qy**2
-    square[0, 0] = 1.0
-    energy, along = power / np.sqrt(square), (qx if axis == 0 else qy) ** 2 / square
-    energy[0, 0] = 0.0
-    if solution.boundary is not Boundary.PERIODIC:
-        # The mean of 1/q over the waves around zero, and the part of each axis in it.
-        steps = (float(qx[1, 0]), float(qy[0, 1])) if axis == 0 else (float(qy[0, 1]), float(qx[1, 0]))
-        parts = [0.5 * b * math.asinh(a / b) for a, b in (steps, steps[::-1])]
-        energy[0, 0] = 4.0 * power[0, 0] * sum(parts) / (steps[0] * steps[1])
-        along[0, 0] = parts[0] / sum(parts)
-    total = float(energy.sum())
-    return float((along * energy).sum()) / total if total > 0.0 else 0.5

@@ -140,12 +140,12 @@ class ContactSolution(ContactFields):
         """Return the derivatives of a number of the contact; see `roughcontact._responses.Gradient`."""
         return self.response(responses.create("gradient", of, with_respect_to=with_respect_to))
 
-    def partial_slip(self, *, tangential_force: float, friction: float) -> PartialSlip:
+    def partial_slip(self, *, tangential_force: float, friction: float, axis: int = 0) -> PartialSlip:
         """Return the contact under a tangential force, N, below that of sliding.
 
         See `roughcontact._responses.CiavarellaJaeger`.
         """
-        asked = responses.create("partial-slip", tangential_force=tangential_force, friction=friction)
+        asked = responses.create("partial-slip", tangential_force=tangential_force, friction=friction, axis=axis)
         found: PartialSlip = self.response(asked)
         return found
 
