@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -96,7 +97,7 @@ def test_slender_ellipses_move_less_along_their_length(cells, sides):
     assert across.compliance_ratio / along.compliance_ratio == pytest.approx(ratio, rel=1.2e-2)
     assert ratio < 0.95
     assert across.displacement.value < along.displacement.value
-    assert "along y" in str(along)
+    assert re.search(r"direction +y", str(along))
 
 
 def test_displacement_of_a_wave_in_plane_strain():

@@ -67,8 +67,7 @@ class PartialSlip:
     energy
         Energy dissipated in a cycle between Q and -Q, J.
     compliance_ratio
-        Tangential over normal compliance along the axis, (2 - nu) / (2 - 2 nu) for like materials and round contacts;
-        no unit.
+        Tangential over normal compliance along the axis: (2 - nu) / (2 - 2 nu) of like materials if round; no unit.
     warnings
         Why the values must not be trusted, in sentences; empty without a reason.
     """
@@ -111,8 +110,8 @@ class PartialSlip:
         moved, std = np.zeros(points + 1), np.zeros(points + 1)
         near = [self.contact]
         for k in range(1, points + 1):
-            is_last = k == points
-            found = self.stick_contact if is_last else _solve_stick(near, self.contact, forces[k] / self.friction)
+            last = k == points
+            found = self.stick_contact if last else _solve_stick(near, self.contact, forces[k] / self.friction)
             near = [*near[-1:], found]
             one = _widen(_displace(self.contact, found, self.friction * self.compliance_ratio), self._unsure)
             moved[k], std[k] = one.value, one.uncertainty
@@ -123,9 +122,8 @@ class PartialSlip:
         both = self.stick_area, self.slip_area
         areas = (f"{si(area.value, 'm2', 5)} +- {si(area.uncertainty, 'm2', 2)}" for area in both)
         rows = {
-            "tangential force": (
-                f"{si(self.tangential_force, 'N')} along {'xy'[self.axis]}, {100 * sliding:.3g} % of that of sliding"
-            ),
+            "tangential force": f"{si(self.tangential_force, 'N')}, {100 * sliding:.3g} % of that of sliding",
+            "direction": "xy"[self.axis],
             "displacement": self.displacement,
             **dict(zip(("area that sticks", "area that slips"), areas, strict=True)),
             "energy in a cycle": self.energy,
