@@ -8,8 +8,10 @@ import time
 from pathlib import Path
 
 import hypothesis
+import numpy as np
 import pytest
 
+import roughcontact as rc
 from roughcontact.__main__ import main
 
 hypothesis.settings.register_profile("default", max_examples=60, deadline=None, derandomize=True)
@@ -23,6 +25,30 @@ def measured_maps():
     if not folder or not Path(folder).is_dir():
         pytest.skip("no measured maps: set ROUGHCONTACT_MAPS to their folder")
     return Path(folder)
+
+
+@pytest.fixture(scope="session")
+def exported_map(tmp_path_factory):
+    """A map of 400 x 300 points, and the files of it that a program wrote: a row for each x, and one for each y.
+
+    Four lines of header, semicolons, decimal commas, heights in µm; 3 % of the points are empty, single or in blobs.
+    """
+    grid, draws = rc.Grid((400, 300), (200e-6, 150e-6)), np.random.default_rng(5)
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_height=0.5e-6, shortest=6e-6, longest=60e-6, seed=3)
+    micrometres = np.round(1e6 * surface.heights(grid), 4)
+    lost = draws.random(grid.shape) < 0.02
+    for x, y in draws.random((6, 2)) * grid.shape:
+        lost |= np.hypot(*np.ogrid[-x : 400 - x, -y : 300 - y]) < 8.0
+    header = ["Instrument;Profilometer 5", "Date;23.11.2026 10:15", "Field;200,0 um x 150,0 um", "Heights in um"]
+    folder = tmp_path_factory.mktemp("exported")
+    for name, values, empty in (("x", micrometres, lost), ("y", micrometres.T, lost.T)):
+        rows = [
+            ";".join("" if none else f"{value:.4f}".replace(".", ",") for value, none in zip(*row, strict=True))
+            for row in zip(values, empty, strict=True)
+        ]
+        (folder / f"{name}.csv").write_text("\n".join([*header, *rows]) + "\n", encoding="utf-8")
+    heights = np.where(lost, 0.0, 1e-6 * micrometres)
+    return rc.HeightMap(heights, grid.size, non_measured=lost), folder / "x.csv", folder / "y.csv"
 
 
 @pytest.fixture

@@ -400,7 +400,7 @@ def test_a_map_is_shown_and_solved_as_the_library_does(client, tmp_path):
     status, found = client.upload("C:\\maps\\my map.csv", path.read_bytes())
     assert status == 200
     assert found["name"] == "my map.csv"
-    assert found["facts"] == {"shape": [40, 36], "size": None, "metric": False, "non_measured": 0}
+    assert found["facts"] == {"shape": [40, 36], "size": None, "metric": False, "needs_rows": True, "non_measured": 0}
     settings = {"surface": "file", "file": found["digest"], "file_name": found["name"], "form": "plane", "loads": "0.1"}
     settings |= {"load": "force", "load_unit": "N", "young": "70", "poisson": "0.33", "hardness": "2"}
     settings |= {"counterbody": "deformable", "counterbody_young": "3", "ball": "5"}
@@ -428,13 +428,46 @@ def test_a_map_is_shown_and_solved_as_the_library_does(client, tmp_path):
     assert values["saturated area"][0] == solution.saturated_area().value
 
 
+def test_a_file_with_a_row_for_each_y_is_turned(client, exported_map):
+    _, by_x, by_y = exported_map
+    settings = {"surface": "file", "non_measured": "keep", "size_x": "200", "size_y": "150", "height_unit": "um"}
+    found = {path.stem: client.upload(path.name, path.read_bytes())[1] for path in (by_x, by_y)}
+    assert found["x"]["facts"]["needs_rows"]
+    first = client.post("api/surface", {**settings, "file": found["x"]["digest"]})
+    refusal = client.refusal("api/surface", {**settings, "file": found["y"]["digest"]})
+    assert "a row for each y square ones of 500 nm. Choose which it is beside 'Rows of the file'." in refusal
+    settings |= {"file": found["y"]["digest"], "rows": "y"}
+    turned = client.post("api/surface", settings)
+    assert turned["rows"] == first["rows"]
+    assert dict(turned["rows"])["Cells"] == "400 x 300"
+
+
+@pytest.mark.slow
+def test_a_file_with_a_row_for_each_y_is_solved(client, exported_map):
+    surface, _, by_y = exported_map
+    digest = client.upload(by_y.name, by_y.read_bytes())[1]["digest"]
+    settings = {"surface": "file", "non_measured": "keep", "size_x": "200", "size_y": "150", "height_unit": "um"}
+    settings |= {"loads": "200", "file": digest, "rows": "y"}
+    state = client.wait(client.post("api/runs", settings)["id"])
+    assert state["phase"] == "done", state
+    area = next(one for one in state["answers"][0]["quantities"] if one["name"] == "contact area")
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(210e9, 0.3)))
+    assert area["value"] == pytest.approx(problem.solve(pressure=2e8).area().value, rel=1e-9)
+
+
 def test_non_measured_points_are_asked_about(client):
     rough = 1e-6 * np.random.default_rng(1).random((20, 20))
     rough[3, 4:6] = np.nan
     file = io.BytesIO()
     np.savez(file, heights=rough, size=(20e-6, 20e-6))
     _, found = client.upload("map.npz", file.getvalue())
-    assert found["facts"] == {"shape": [20, 20], "size": [20e-6, 20e-6], "metric": True, "non_measured": 2}
+    assert found["facts"] == {
+        "shape": [20, 20],
+        "size": [20e-6, 20e-6],
+        "metric": True,
+        "needs_rows": False,
+        "non_measured": 2,
+    }
     settings = {"surface": "file", "file": found["digest"]}
     assert "2 points were not measured: choose whether" in client.refusal("api/surface", settings)
     kept = client.post("api/surface", {**settings, "non_measured": "keep"})

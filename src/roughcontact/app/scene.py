@@ -106,6 +106,7 @@ def _facts(raw: RawMap) -> dict[str, object]:
         "shape": list(raw.heights.shape),
         "size": None if raw.size is None else list(raw.size),
         "metric": raw.metric,
+        "needs_rows": raw.needs_rows,
         "non_measured": int(np.count_nonzero(~np.isfinite(values))),
     }
 
@@ -141,6 +142,7 @@ def _read(settings: Settings, upload: Upload | None) -> tuple[HeightMap, int]:
             size=None if facts["size"] is not None else _size(settings),
             unit=None if facts["metric"] else float(f"1{_exponent(settings['height_unit'])}"),
             non_measured=settings["non_measured"],
+            **({"rows": settings["rows"]} if facts["needs_rows"] else {}),
         )
     except InputError as error:
         raise _renamed(error, upload) from error

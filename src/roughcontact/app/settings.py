@@ -37,6 +37,7 @@ DEFAULTS: dict[str, str] = {
     "size_y": "",
     "size_unit": "um",
     "height_unit": "",
+    "rows": "auto",
     "non_measured": "refuse",
     "form": "none",
     "hurst": "0.8",
@@ -76,6 +77,7 @@ DEFAULTS: dict[str, str] = {
 }
 _CHOICES = {
     "surface": ("example", "file", "self-affine", "wavy", "sphere"),
+    "rows": ("auto", "x", "y"),
     "non_measured": ("refuse", "fill", "keep"),
     "form": ("none", "plane", "quadratic", "sphere"),
     "counterbody": ("rigid", "deformable"),

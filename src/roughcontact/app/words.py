@@ -15,6 +15,7 @@ _CONTROLS = {
     "the border",
     "give decimal=',' or decimal='.'": "write decimals with points, or separate the numbers by semicolons",
     ", or a ParaboloidSurface": " or a larger radius",
+    "Say which it is: rows='y', or rows='x'": "Choose which it is beside 'Rows of the file'",
     "with non_measured='keep'": "with 'Non-measured points'",
     "leaves the range of float64 beside": "is out of all proportion to",
 }

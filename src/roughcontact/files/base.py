@@ -6,8 +6,9 @@ import abc
 from pathlib import Path
 
 import attrs
+import numpy as np
 
-from roughcontact.checks import Array, Pair
+from roughcontact.checks import Array, Pair, choice
 from roughcontact.registry import Registry
 from roughcontact.units import outlined
 
@@ -30,6 +31,8 @@ class RawMap:
         What the file says of its size, in words, where it does not state it; part of the sentence that asks for it.
     needs_unit
         Whether the heights are in an unknown unit, which must be given, as in images.
+    needs_rows
+        Whether the file does not say whether its rows are those of x or those of y; they were taken for those of x.
     """
 
     heights: Array = attrs.field(repr=outlined)
@@ -38,6 +41,17 @@ class RawMap:
     metric: bool = False
     hint: str = ""
     needs_unit: bool = False
+    needs_rows: bool = False
+
+
+def check_rows(value: str) -> str:
+    """Return which axis the rows of a file are those of, ``"x"``, ``"y"`` or ``"auto"``, or raise `InputError`."""
+    return choice(value, "The axis of the rows in a file", ("auto", "x", "y"))
+
+
+def put_x_first(heights: Array, rows: str) -> Array:
+    """Return heights as they stand in a file, with rows of x or of y, indexed [x, y]."""
+    return np.ascontiguousarray(heights.T) if rows == "y" else heights
 
 
 class SurfaceReader(abc.ABC):

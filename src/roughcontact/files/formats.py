@@ -13,7 +13,7 @@ from roughcontact.archive import read_npy, read_npz
 from roughcontact.checks import choice, integer
 from roughcontact.checks.memory import require_memory
 from roughcontact.errors import InputError, MissingPackage
-from roughcontact.files.base import RawMap, SurfaceReader
+from roughcontact.files.base import RawMap, SurfaceReader, check_rows, put_x_first
 from roughcontact.files.foreign import find_foreign
 from roughcontact.files.gwyddion import read_header
 from roughcontact.files.layout import SEPARATORS, WORDS
@@ -62,7 +62,15 @@ class NpzReader(SurfaceReader):
 
 @attrs.frozen
 class NpyReader(SurfaceReader):
-    """``numpy.save(path, heights)``."""
+    """``numpy.save(path, heights)``.
+
+    Parameters
+    ----------
+    rows
+        ``"x"`` or ``"y"``: which axis the first index is that of, the smallest first; by default x.
+    """
+
+    rows: str = attrs.field(default="auto", converter=check_rows)
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -73,7 +81,8 @@ class NpyReader(SurfaceReader):
         """Return the map."""
         _require_memory(path, 2.0)
         with path.open("rb") as file:
-            return RawMap(read_npy(file, path.stat().st_size))
+            heights = read_npy(file, path.stat().st_size)
+        return RawMap(put_x_first(heights, self.rows), needs_rows=self.rows == "auto")
 
 
 def _separator(value: str) -> str:
@@ -105,11 +114,15 @@ class TextReader(SurfaceReader):
         Decimal mark, ``"."`` or ``","``; by default it is found.
     skip_rows
         Lines at the beginning of the file that are not heights, where these are not skipped of themselves.
+    rows
+        ``"x"`` or ``"y"``: which axis a table has a row for each point of, the smallest first; by default x. An image
+        with a header, and points x y z, state their axes.
     """
 
     separator: str = attrs.field(default="auto", converter=_separator)
     decimal: str = attrs.field(default="auto", converter=_decimal)
     skip_rows: int = attrs.field(default=0, converter=_skip_rows)
+    rows: str = attrs.field(default="auto", converter=check_rows)
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -132,9 +145,13 @@ class TextReader(SurfaceReader):
         require_heights(heights)
         if stated.unit is not None:
             heights = heights * stated.unit
-        # From here on an image has x first, and y upwards.
-        heights = heights if stated.size is None else np.ascontiguousarray(heights[::-1].T)
-        return RawMap(heights, stated.size, metric=stated.unit is not None)
+        metric = stated.unit is not None
+        if stated.size is None:
+            return RawMap(put_x_first(heights, self.rows), metric=metric, needs_rows=self.rows == "auto")
+        if self.rows == "x":
+            raise InputError("its header states width and height of an image, whose rows are those of y: omit rows=")
+        # An image has y downwards.
+        return RawMap(put_x_first(heights[::-1], "y"), stated.size, metric=metric)
 
 
 def _require_memory(path: Path, multiple: float) -> None:

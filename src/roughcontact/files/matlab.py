@@ -19,7 +19,7 @@ import numpy as np
 from roughcontact.checks import Pair, RealArray
 from roughcontact.checks.memory import require_memory
 from roughcontact.errors import InputError, MissingPackage
-from roughcontact.files.base import RawMap, SurfaceReader
+from roughcontact.files.base import RawMap, SurfaceReader, check_rows, put_x_first
 
 # Bytes to which compressed arrays may expand, beside a multiple of the file: heights deflate by 1 to 2, zeros by 1000.
 _EXPANDED, _EXPANSION = 2**21, 20
@@ -186,9 +186,13 @@ class MatReader(SurfaceReader):
     ----------
     variable
         Name of the array; by default `heights`, or the only array of numbers with two dimensions.
+    rows
+        ``"x"`` or ``"y"``: which axis the first index is that of, the smallest first; by default x. MATLAB's `meshgrid`
+        makes rows of y.
     """
 
     variable: str | None = attrs.field(default=None, converter=_variable)
+    rows: str = attrs.field(default="auto", converter=check_rows)
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -207,6 +211,6 @@ class MatReader(SurfaceReader):
                 "its array of heights is not known: give variable= with its name; its real arrays of two dimensions "
                 f"are: {found:.200}"
             )
-        heights = np.array(maps[name], dtype=np.float64, order="C")
+        heights = put_x_first(np.array(maps[name], dtype=np.float64, order="C"), self.rows)
         size, words = _find_size(arrays, (heights.shape[0], heights.shape[1]))
-        return RawMap(heights, size, hint=words)
+        return RawMap(heights, size, hint=words, needs_rows=self.rows == "auto")

@@ -15,7 +15,7 @@ import numpy as np
 from roughcontact import checks
 from roughcontact._surfaces import HeightMap
 from roughcontact._surfaces.filling import TREATMENTS, complete
-from roughcontact.checks import choice, number, pair
+from roughcontact.checks import Array, choice, number, pair
 from roughcontact.errors import InputError, RoughContactError, shorten
 from roughcontact.errors.door import guarded
 from roughcontact.files.base import RawMap, SurfaceReader, readers
@@ -27,6 +27,8 @@ _FALLBACK = "instrument"
 _REASON = 200
 # A given size agrees with that of the file to this fraction: six digits, as people type them.
 _SAME_SIZE = 1e-6
+# Cells are square to this fraction: sizes are given with three digits.
+_SQUARE = 5e-3
 
 
 @guarded
@@ -59,12 +61,14 @@ def read_surface(
         Registered name or instance; ``"auto"`` chooses by the ending of the file name.
     **options
         Fields of the reader. Of text files ``separator=``, ``decimal=`` and ``skip_rows=``: what separates the numbers,
-        their decimal mark, and how many lines at the beginning are not heights, where these are not found rightly.
+        their decimal mark, and how many lines at the beginning are not heights, where these are not found rightly. Of
+        text, npy and mat files ``rows=``: whether they have a row for each ``"x"``, as is assumed, or for each ``"y"``.
 
     Raises
     ------
     InputError
-        If there is no such file, it cannot be read, non-measured points are refused, or the size is unknown.
+        If there is no such file, it cannot be read, non-measured points are refused, the size is unknown, or the cells
+        would be square if the rows were those of y, and ``rows=`` is not given.
     MissingPackage
         If the package that reads such files is not installed.
     """
@@ -85,6 +89,8 @@ def read_surface(
                 f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
                 f"which is not the size given: leave size= out."
             )
+    if raw.needs_rows:
+        _require_rows(raw.heights, given, file)
     heights, mask, done = complete(
         raw.heights, f"the file {file.name}", non_measured, " (on the command line --non-measured)"
     )
@@ -153,6 +159,21 @@ def _reader_for(file: Path) -> str:
             if name != _FALLBACK and suffix in readers.create(name).suffixes:
                 return name
     return _FALLBACK
+
+
+def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> None:
+    """Ask which axis the rows are those of where only the other one makes the cells square."""
+    sides = pair(size, "The size of the height map", "m", above=0.0)
+    if heights.ndim != 2 or not heights.size or np.size(size) == 1:
+        return
+    nx, ny = heights.shape
+    here, turned = (sides[0] / nx, sides[1] / ny), (sides[0] / ny, sides[1] / nx)
+    if abs(here[0] / here[1] - 1.0) > _SQUARE and abs(turned[0] / turned[1] - 1.0) <= _SQUARE:
+        raise InputError(
+            f"The file {file.name} has {nx} rows of {ny} numbers: on {si(sides[0], 'm')} x {si(sides[1], 'm')}, a row "
+            f"for each x makes cells of {si(here[0], 'm')} x {si(here[1], 'm')}, a row for each y square ones of "
+            f"{si(turned[0], 'm')}. Say which it is: rows='y', or rows='x'."
+        )
 
 
 def _unit(raw: RawMap, given: float | None, file: Path) -> float:

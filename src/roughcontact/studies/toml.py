@@ -36,7 +36,7 @@ _TABLES = ("problems", "study")
 _SHOWN, _TEXT = 10, 500
 # A key of more than 64 parts, of words and of texts.
 _LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){64}""")
-_READING = ("size", "non_measured", "unit", "reader", "separator", "decimal", "skip_rows", "variable", "page")
+_READING = ("size", "non_measured", "unit", "reader", "separator", "decimal", "skip_rows", "rows", "variable", "page")
 _OF_FILE = ("path", *_READING, "detrend", "resample")
 
 

@@ -113,7 +113,7 @@ async function takeFile(file) {
 function acceptFile(found) {
   const other = wanted && wanted.digest !== found.digest;
   // What a link says of its file holds for the file that is chosen for it.
-  if (!wanted && settings.read().file !== found.digest) settings.reset("non_measured");
+  if (!wanted && settings.read().file !== found.digest) ["non_measured", "rows"].forEach(settings.reset);
   facts = found.facts;
   settings.setFile(found.digest, found.name);
   showFile(found, other ? ` It is not the file of the link, ${wanted.name}, whose digest begins ${wanted.digest.slice(0, 12)}.` : "");

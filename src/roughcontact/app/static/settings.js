@@ -117,6 +117,7 @@ export function showFields(facts) {
   const needs = {
     size: facts && facts.size === null,
     metric: facts && !facts.metric,
+    rows: facts && facts.needs_rows,
     non_measured: facts && facts.non_measured > 0,
   };
   for (const part of form.querySelectorAll("[data-when]")) {
@@ -125,12 +126,14 @@ export function showFields(facts) {
     part.hidden = !wanted || (part.dataset.need !== undefined && !needs[part.dataset.need]);
   }
   showPresets();
-  if (needs.size) document.getElementById("size-help").textContent = whichIsX(facts.shape);
+  if (needs.size) document.getElementById("size-help").textContent = whichIsX(facts);
 }
 
-function whichIsX([nx, ny]) {
-  if (/\.(csv|tsv|txt|dat|asc)$/i.test(hidden.file_name)) return `x: ${nx} lines of the file; y: ${ny} values in each.`;
-  return `x: ${nx} points, along the first index; y: ${ny} points, along the second.`;
+function whichIsX({ shape: [first, second], needs_rows: open }) {
+  const isText = /\.(csv|tsv|txt|dat|asc)$/i.test(hidden.file_name);
+  const rows = isText ? `${first} lines of the file` : `${first} points, along the first index`;
+  const columns = isText ? `${second} values in each` : `${second} points, along the second`;
+  return open && form.elements.rows.value === "y" ? `x: ${columns}; y: ${rows}.` : `x: ${rows}; y: ${columns}.`;
 }
 
 // Only what differs from the first values, so that links stay short.
