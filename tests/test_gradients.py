@@ -168,6 +168,46 @@ def test_area_of_separate_summits():
         assert press_ball(6, place).gradient("area", "load") == pytest.approx(math.pi * 1e-2, rel=0.03)
 
 
+def test_area_of_a_ball_under_a_given_load():
+    # Hertz: A = pi (3 F R / 4 E*)^(2/3).
+    solution = press_ball(8, force=press_ball(8).force)
+    area = solution.area().value
+    assert solution.gradient("area", "modulus") == pytest.approx(-2 * area / (3 * MODULUS), rel=1e-6)
+    assert solution.gradient("area", "load") == pytest.approx(2 * area / (3 * solution.force), rel=1e-6)
+    assert abs(press_ball(8).gradient("area", "modulus")) < 0.02 * area / MODULUS
+    with pytest.warns(UserWarning, match="even its sign may be wrong"):
+        by_heights = solution.gradient("area")
+    grid = solution.grid
+    radius = np.hypot(grid.x - 0.2e-6, grid.y + 0.3e-6)
+    # A tip r^2 / 2R + c r^4 carries F = 4 E* a^3 / 3R + 64 E* c a^5 / 15 (Sneddon).
+    assert np.sum(by_heights * radius**2) == pytest.approx(4 * area * 1e-2 / 3, rel=2e-3)
+    assert np.sum(by_heights * radius**4) == pytest.approx(32 / 15 * area**2 * 1e-2 / math.pi, rel=0.02)
+    assert abs(np.sum(by_heights * grid.x)) < 1e-9 * area
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_area_depends_on_load_over_modulus(boundary):
+    heights = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.05, shortest=12e-6, longest=48e-6, seed=3).heights(
+        rc.Grid((48, 45), (48e-6, 90e-6))
+    )
+
+    def solve(heights, size):
+        body = rc.Body(rc.HeightMap(heights, size=size, periodic=boundary == "periodic"), BALL)
+        return rc.ContactProblem(body, boundary=boundary, threads=1).solve(pressure=2e-3 * MODULUS)
+
+    solution = solve(heights, (48e-6, 90e-6))
+    assert solution.patches.count > 3
+    by_modulus, by_load = (solution.gradient("area", name) for name in ("modulus", "load"))
+    assert by_modulus * MODULUS == pytest.approx(-by_load * solution.mean_pressure, rel=1e-5)
+    with pytest.warns(UserWarning, match="sign"):
+        one, turned = (found.gradient("area") for found in (solution, solve(heights[::-1].T, (90e-6, 48e-6))))
+    np.testing.assert_allclose(turned, one[::-1].T, atol=2e-3 * np.abs(one).max())
+    if boundary == "periodic":
+        with pytest.warns(UserWarning, match="sign"):
+            moved = solve(np.roll(heights, (20, 31), (0, 1)), (48e-6, 90e-6)).gradient("area")
+        np.testing.assert_allclose(moved, np.roll(one, (20, 31), (0, 1)), atol=2e-3 * np.abs(one).max())
+
+
 def test_area_under_a_given_load_says_what_it_is_worth():
     scene = Scene.draw(4)
     solution = scene.solve(pressure=scene.pressure)

@@ -76,10 +76,10 @@ class Gradient(Response[Array]):
     Notes
     -----
     Exact while the cells in contact remain the same, but for ``"area"``. That takes each patch to be Hertzian, of an
-    area that grows as its force to the power 2/3: right to 1 % for separate summits, and 10 to 20 %, a quarter at most,
-    too small where patches merge. Under a given load the area hardly changes with the heights, and even the sign may be
-    wrong: descend on the ``"participation"``, :math:`\frac{9}{8} (\int p)^2 / \int p^2`, the area of Hertzian spots of
-    one size.
+    area that grows as its force over modulus and curvature, to the power 2/3: right to 1 % for separate summits, and 10
+    to 20 %, a quarter at most, too small where patches merge. With respect to heights under a given load it is a
+    small difference of large parts there, and even the sign may be wrong: descend on the ``"participation"``,
+    :math:`\frac{9}{8} (\int p)^2 / \int p^2`, the area of Hertzian spots of one size.
     """
 
     of: str | PressureDerivative = attrs.field(converter=_number)
@@ -95,7 +95,7 @@ class Gradient(Response[Array]):
             adjoint = _Adjoint.at_approach(tangent, sensitivity)
         else:
             adjoint = _Adjoint.under_load(tangent, sensitivity)
-            if self.of == "area":
+            if self.of == "area" and self.with_respect_to == "heights":
                 warnings.warn(_HARDLY_CHANGES, stacklevel=2)
         if self.with_respect_to == "load":
             units = {"pressure": float(solution.pressure.size), "force": 1.0 / solution.grid.cell_area, "approach": 1.0}
