@@ -103,8 +103,9 @@ def test_a_study_file_names_the_rows(exported_map, expected):
     """
     study = by_y.parent / "study.toml"
     study.write_text(text, encoding="utf-8")
-    problem = read_study(study).problems["steel"]
-    assert problem.grid == expected.grid
+    surface = read_study(study).problems["steel"].body.surface
+    assert surface.grid == expected.grid
+    np.testing.assert_array_equal(surface.non_measured, exported_map[0].non_measured)
 
 
 def test_images_and_lists_state_their_axes(tmp_path):
