@@ -90,6 +90,24 @@ def test_a_film_between_its_bounds(film):
     assert found.film[0] == pytest.approx(film / area, rel=2e-3)
 
 
+@pytest.mark.parametrize("film", [0.03, 0.3, 3.0, 300.0])
+def test_a_film_does_not_depend_on_the_grid(film):
+    # The resistance of the film over the radius of the spot, for a conductivity of one.
+    def conduct(cells, seed):
+        return ball(cells, seed).conductance(1.0, film * cells)
+
+    fine = conduct(24, 0).value / 24
+    found = [conduct(5, seed) for seed in range(1, 5)]
+    errors, stds = (np.array(part) for part in zip(*((one.value / 5, one.uncertainty / 5) for one in found)))
+    errors = errors / fine - 1.0
+    assert np.abs(errors).max() < 6e-3
+    assert (np.abs(errors) < 2.5 * stds / fine).all()
+    if film > 10.0:
+        # Nothing but the area counts.
+        areas = np.array([ball(5, seed).area().uncertainty / ball(5, seed).area().value for seed in range(1, 5)])
+        assert (stds / fine < 1.5 * areas).all()
+
+
 def test_full_contact_says_that_nothing_resists():
     body, grid = rc.Body(rc.WavySurface(1e-7, 1e-5), rc.Elastic(1e9, 0.3)), rc.Grid((16, 12), 1e-5)
     full = rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=1e9)

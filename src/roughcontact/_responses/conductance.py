@@ -142,7 +142,7 @@ class ContactConductance(Response[Conductance]):
             currents, std = np.zeros(0), 0.0
         else:
             answer = tangent.solve(np.ones(solution.grid.shape), _TOLERANCE)
-            currents, std = _find_currents(solution, answer, tangent, area)
+            currents, std = _find_currents(solution, answer, tangent, area, compliance)
             currents, std = analogy * currents, analogy * std
         value = float(np.sum(currents))
         return Conductance(value, std, value / solution.grid.area, currents, constriction, film, warnings)
@@ -155,10 +155,10 @@ def _find_areas(solution: ContactSolution, area: Area) -> Array:
 
 
 def _find_currents(
-    solution: ContactSolution, answer: LinearSolution, tangent: Tangent, area: Area
+    solution: ContactSolution, answer: LinearSolution, tangent: Tangent, area: Area, film: float
 ) -> tuple[Array, float]:
     """Return the stiffness of each patch and the standard deviation of their sum, N/m."""
-    correction = correct_edges(solution, answer.values, tangent.cells, area)
+    correction = correct_edges(solution, answer.values, tangent.cells, area, film)
     parts = solution.patches.sum(answer.values) * solution.grid.cell_area
     total = sum_of(answer.values, answer.residual) * solution.grid.cell_area
     return parts * (total / float(parts.sum())) + correction.patches, correction.uncertainty

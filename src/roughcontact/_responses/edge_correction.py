@@ -29,6 +29,8 @@ _ROW, _KINK, _END = 0.1736, 0.154, 0.0866
 _ASPECT = 0.7
 # C^2 over h q^2 / (2 pi), q^2 averaged over the sides: of a wide contact, and the radius in cells that lowers it.
 _SINGULAR, _NARROW = 1.346, 0.147
+# Inverse of the compliance of a film, over that of a cell, h/E*, at which half of that area is left; set on balls.
+_EVEN = 3.0
 # Resolution ratio at which half of the correction is left: beyond, the area between the cells is not known either.
 _UNRESOLVED = 0.8
 # Part of it from which nobody asks whether the edges are sharp.
@@ -48,7 +50,9 @@ class EdgeCorrection:
     uncertainty: float
 
 
-def correct_edges(solution: ContactSolution, answer: Array, cells: Mask, area: Area) -> EdgeCorrection:
+def correct_edges(
+    solution: ContactSolution, answer: Array, cells: Mask, area: Area, film: float = 0.0
+) -> EdgeCorrection:
     """Return what the stiffness of each patch lacks.
 
     Parameters
@@ -61,11 +65,15 @@ def correct_edges(solution: ContactSolution, answer: Array, cells: Mask, area: A
         The cells on which it was solved, shape (nx, ny).
     area
         The area of the contact, with that of each patch.
+    film
+        Compliance of a film on the cells, m/Pa, so that all of them together yield as one on the area of the contact.
     """
     count, cell = solution.patches.count, solution.grid.cell_area
     labels = solution.patches.labels.ravel()
     cells_of = np.bincount(labels[np.flatnonzero(cells)], minlength=count + 1)[1:].astype(np.float64)
     lost, sides, squares = _measure_rows(solution, answer, cells)
+    # A film that yields more than a cell makes the pressure even at the edge: cells act as what they are.
+    lost /= 1.0 + _EVEN * film * solution.modulus / math.sqrt(cell)
     acting = np.maximum(cells_of - lost, 0.3 * cells_of) * cell
     known = _find_areas(solution, cells_of, acting, area)
     width = np.where(sides > 0.0, 2.0 * acting / np.maximum(0.25 * np.pi * sides, 1e-300), np.inf) / math.sqrt(cell)
@@ -78,12 +86,21 @@ def correct_edges(solution: ContactSolution, answer: Array, cells: Mask, area: A
     correction = 2.0 * trust * slope * acting * (np.sqrt(growth) - 1.0)
     stiffness = _sum_patches(labels, answer, count) * cell
     total, nominal = float(stiffness.sum()), float(acting.sum())
-    growing = float(np.sum(slope * acting))
+    growing, in_film = float(np.sum(slope * acting)), np.zeros(count)
+    if film > 0.0:
+        in_film = film * _sum_patches(labels, answer**2, count) * cell
+        at_edge = film * squares * math.sqrt(cell) / np.maximum(sides, 1e-300)
+        counted = cells_of * cell
+        grown = float(known.sum()) / float(counted.sum()) - 1.0
+        correction += trust * (at_edge * (known - counted) - in_film * grown)
+        growing += float(in_film.sum())
+    # What the film does not take the edges take.
+    open_part = max(1.0 - float(in_film.sum()) / total, 0.0) if total > 0.0 else 0.0
     by_area = growing / nominal * area.uncertainty if nominal > 0.0 else 0.0
-    by_cells = _CELLS * math.sqrt(float(np.sum((stiffness / np.maximum(width, 0.5) ** 1.5) ** 2)))
+    by_cells = open_part * _CELLS * math.sqrt(float(np.sum((stiffness / np.maximum(width, 0.5) ** 1.5) ** 2)))
     unsure = _UNSURE * abs(float(correction.sum()))
     # Near full contact the stiffness grows much faster than the area.
-    common = _COMMON * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
+    common = open_part * _COMMON * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
     return EdgeCorrection(correction, math.hypot(by_area, by_cells, unsure, common))
 
 
