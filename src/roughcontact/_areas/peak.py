@@ -60,6 +60,7 @@ class PeakPressure(QuantityEstimator):
         top = int(np.argmax(value))
         peak = float(value[top])
         sharp = patches.cells[top] >= _SHARP_PATCH and not inner[top]
+        sharp = sharp or bool(_find_cut(solution, highest[top]))
         uncertainty = float(std[top]) if not sharp else peak
         peak = min(peak, float(limit.max()))
         return Estimate(peak, uncertainty, "Pa", _list_warnings(solution, area, _SHARP if sharp else None))
@@ -78,7 +79,7 @@ def _find_highest(solution: ContactSolution) -> IntArray:
 
 
 def _fit_quadratics(solution: ContactSolution, highest: IntArray) -> tuple[Array, Array, Mask]:
-    """Return the maximum of a quadratic through p^2, its relative error, and whether all neighbours are in contact."""
+    """Return the maximum of a quadratic through p^2, its relative error, and whether it has contact on all sides."""
     near = _gather(solution.pressure**2, solution.boundary, highest, 1)
     here = near[1, 1]
     fx, fy = 0.5 * (near[2, 1] - near[0, 1]), 0.5 * (near[1, 2] - near[1, 0])
@@ -98,11 +99,19 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray) -> tuple[Array
     # Along a strip all cells err alike.
     error = np.where(determinant < _SLENDEREST**2 * (fxx + fyy) ** 2, calibration.PEAK_ALIKE * error, error)
     inner = np.minimum.reduce([near[0, 1], near[2, 1], near[1, 0], near[1, 2]]) > 0.0
+    inner &= ~_find_cut(solution, highest)
     # A parabola through an open cell is too low, but not across a strip, along which the pressure is even.
     edge = calibration.PEAK_EDGE * np.sqrt(np.abs(fxx * fyy)) / here
     edge += calibration.PEAK_STRIP * np.maximum(-fxx, -fyy) / here
     error = np.where(inner, error, np.maximum(error, edge))
     return np.sqrt(np.maximum(top - excess, 0.0)), error, inner
+
+
+def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:
+    """Return which cells lie at a free border, which cuts the contact there."""
+    (nx, ny), (i, j) = solution.grid.shape, np.divmod(cells, solution.grid.shape[1])
+    outermost = (i == 0) | (i == nx - 1) | (j == 0) | (j == ny - 1)
+    return np.asarray(outermost & (solution.boundary is Boundary.FREE))
 
 
 def _find_summits(solution: ContactSolution, area: Area, highest: IntArray) -> tuple[Array, Array]:

@@ -12,6 +12,7 @@ from roughcontact._areas.calibration import EULER
 from roughcontact._areas.cells import extend, find_straight_rows, measure_sides
 from roughcontact._areas.curvature import average_curvature, curvature_resolution
 from roughcontact._areas.edges import trace_edges
+from roughcontact._areas.ellipse import find_axes_ratio
 from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, quantities
 from roughcontact.checks import Array
 from roughcontact.grid import Boundary
@@ -123,16 +124,17 @@ class MeanGap(QuantityEstimator):
     def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the mean gap; see `QuantityEstimator.estimate`."""
         shift, std = find_shift(solution)
-        gap = float(np.mean(solution.gap))
+        # Where cells are saturated the bodies flow instead of overlapping.
+        gap = float(np.mean(np.where(solution.saturated, 0.0, solution.gap)))
         outside = 1.0 if solution.boundary is not Boundary.FREE else 1.0 - area.fraction
         return Estimate(max(gap - shift * outside, 0.0), std * outside, "m", area.warnings)
 
 
 def _elliptic_quotient(mean: Array, difference: Array) -> Array:
-    """Return L^2 / (4 pi A) of Hertz's ellipse of these curvatures: axes in their ratio to the power 2/3; Ramanujan."""
+    """Return L^2 / (4 pi A) of Hertz's ellipse of these curvatures; the length of an ellipse is Ramanujan's."""
     known = mean > difference
     ratio = np.where(known, (mean - difference) / np.where(known, mean + difference, 1.0), 1.0)
-    axes = np.maximum(ratio, _SLENDEREST) ** (2.0 / 3.0)
+    axes = 1.0 / find_axes_ratio(np.maximum(ratio, _SLENDEREST))
     half = 3.0 * (1.0 + axes) - np.sqrt((3.0 + axes) * (1.0 + 3.0 * axes))
     return np.asarray(half**2 / (4.0 * axes))
 

@@ -82,8 +82,8 @@ class Spline:
             return cls(np.pad(_solve_periodic(values), ends, mode="wrap"), spacing, True, (0, 0))
         from scipy import ndimage
 
-        reach = _count_beyond(values.shape[0]), _count_beyond(values.shape[1])
-        continued = _continue(_continue(values, reach[0]).T, reach[1]).T
+        continued = _continue(_continue(values).T).T
+        reach = (continued.shape[0] - values.shape[0]) // 2, (continued.shape[1] - values.shape[1]) // 2
         coefficients = ndimage.spline_filter(continued, _DEGREE, np.float64, "mirror")
         return cls(np.pad(coefficients, ends, mode="reflect"), spacing, False, reach)
 
@@ -144,16 +144,16 @@ def _solve_periodic(values: Array) -> Array:
     return np.asarray(fft.irfft2(spectrum, values.shape))
 
 
-def _count_beyond(cells: int) -> int:
-    """Return by how many cells values on so many are continued."""
-    return min(_BEYOND, (cells - 1) // 2)
-
-
-def _continue(values: Array, reach: int) -> Array:
+def _continue(values: Array) -> Array:
     """Return values continued beyond both ends of the first axis with their slope and curvature."""
-    if reach == 0:
+    widest = (len(values) - 1) // 2
+    if widest == 0:
         return values
-    k = np.arange(1, reach + 1)
-    before = 3.0 * values[0] - 3.0 * values[k] + values[2 * k]
-    after = 3.0 * values[-1] - 3.0 * values[-1 - k] + values[-1 - 2 * k]
+    k = np.arange(1, _BEYOND + 1)
+    # A parabola through three points as far apart as the place that it gives, on small domains as they have.
+    step = np.minimum(k, widest)
+    ahead = (k / step)[:, np.newaxis]
+    first, second, third = 0.5 * (ahead + 1.0) * (ahead + 2.0), -ahead * (ahead + 2.0), 0.5 * ahead * (ahead + 1.0)
+    before = first * values[0] + second * values[step] + third * values[2 * step]
+    after = first * values[-1] + second * values[-1 - step] + third * values[-1 - 2 * step]
     return np.concatenate((before[::-1], values, after))

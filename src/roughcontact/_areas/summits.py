@@ -66,6 +66,13 @@ class Summits:
         """Major semi-axis, m."""
         return np.asarray(np.sqrt(self.area * self.axes_ratio / np.pi))
 
+    @property
+    def extents(self) -> tuple[Array, Array]:
+        """Distances from the centre to which the ellipses extend along x and y, m."""
+        major, minor = self.semi_axis, self.semi_axis / self.axes_ratio
+        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        return np.hypot(major * cos, minor * sin), np.hypot(major * sin, minor * cos)
+
     def place(self, u: Array, v: Array) -> tuple[Array, Array]:
         """Return points (u, v) of the unit circle, shape (n,), on the ellipses: from their centres, m."""
         major = self.semi_axis[:, np.newaxis]
@@ -178,8 +185,9 @@ def _near_border(solution: ContactSolution, found: Summits) -> Mask:
     """Mark the ellipses that a free border cuts, or nearly so."""
     near = np.zeros(found.known.shape, dtype=bool)
     if solution.boundary is Boundary.FREE:
-        for at, n, step in zip((found.row, found.column), solution.grid.shape, solution.grid.spacing, strict=True):
-            reach = found.semi_axis / step + _MARGIN
+        rows = zip((found.row, found.column), found.extents, solution.grid.shape, solution.grid.spacing, strict=True)
+        for at, extent, n, step in rows:
+            reach = extent / step + _MARGIN
             near |= (at < reach) | (at > n - 1 - reach)
     return near
 
