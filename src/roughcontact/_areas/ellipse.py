@@ -11,7 +11,7 @@ from scipy import special
 from roughcontact.checks import Array
 
 # Ratio of the axes up to which contacts are tabulated, and the number of ratios.
-_LONGEST, _ENTRIES = 12.0, 400
+_LONGEST, _ENTRIES = 30.0, 600
 # Angles of the points, which are symmetric as the grid is.
 _ANGLES = 8
 

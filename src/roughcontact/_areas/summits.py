@@ -20,8 +20,10 @@ SLENDEREST = 0.05
 _ROUNDS, _FAR = 3, 1
 # Rounds of the fixed point for the modulus at the size of a contact: each halves the logarithmic error at least.
 _MODULUS_ROUNDS = 20
-# Cells between an ellipse and a free border, which the spline needs.
-_MARGIN = 2.0
+# Smallest ratio where the curvature varies less than the smaller one, as on rollers.
+_SLENDEREST_EVEN = 0.01
+# Cells between an ellipse and the outermost centres at a free border.
+_MARGIN = 0.0
 # Cells between a patch and a non-measured point, which the spline needs.
 _REACH = 3
 
@@ -109,7 +111,8 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     squares = (parts - mean[..., np.newaxis]) ** 2 @ weights
     variance = squares[0] + 2.0 * squares[1] + squares[2]
     found = attrs.evolve(found, spread=np.sqrt(variance) / found.curvature)
-    return attrs.evolve(found, known=found.known & ~_near_border(solution, found) & ~_near_non_measured(solution))
+    known = found.known & ~_is_uneven_strip(found, curvature)
+    return attrs.evolve(found, known=known & ~_near_border(solution, found) & ~_near_non_measured(solution))
 
 
 def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
@@ -139,7 +142,7 @@ def unwrap(steps: Array | IntArray, cells: int, boundary: Boundary) -> Array:
 def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) -> Summits:
     xx, xy, yy = curvature
     middle, difference = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
-    known = found.known & (middle > 0.0) & (middle - difference > SLENDEREST * (middle + difference))
+    known = found.known & (middle > 0.0) & (middle - difference > _SLENDEREST_EVEN * (middle + difference))
     middle, difference = np.where(known, middle, 1.0), np.where(known, difference, 0.0)
     ratio = (middle - difference) / (middle + difference)
     area, change = solve_for_area(solution, solution.patches.forces, middle, ratio)
@@ -152,6 +155,14 @@ def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) ->
         curvature=middle,
         change=change,
     )
+
+
+def _is_uneven_strip(found: Summits, curvature: Array) -> Mask:
+    """Mark long contacts whose curvature varies by more than the smaller principal one: they are not elliptic."""
+    xx, xy, yy = curvature
+    middle, difference = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
+    slender = middle - difference < SLENDEREST * (middle + difference)
+    return np.asarray(slender & (found.spread * middle > middle - difference))
 
 
 def _move(found: Summits, slope: Array, curvature: Array, spacing: tuple[float, float]) -> Summits:
