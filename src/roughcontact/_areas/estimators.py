@@ -159,7 +159,10 @@ class Hertz(AreaEstimator):
         valid = np.isfinite(summits.error)
         values = np.where(valid, summits.area, edges.area)
         stds = np.minimum(summits.error, 1.0) * summits.area
-        stds = np.where(valid, np.hypot(stds, summits.tip * summits.area), np.maximum(edges.std, 0.5 * edges.area))
+        # Nothing of an edge is traced around cells that touch at their corners alone.
+        counted = np.concatenate(([0], solution.patches.cells)) * solution.grid.cell_area
+        unknown = np.maximum(edges.std, np.where(edges.area > 0.0, 0.5 * edges.area, counted))
+        stds = np.where(valid, np.hypot(stds, summits.tip * summits.area), unknown)
         common = summits.common_std(np.where(valid, values, 0.0))
         return total_area(solution, values, stds, common, edges, "hertz")
 

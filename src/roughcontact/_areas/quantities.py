@@ -52,7 +52,8 @@ class EdgeLength(QuantityEstimator):
         count = solution.patches.count
         if count == 0 or solution.contact.all():
             return Estimate(0.0, 0.0, "m", area.warnings)
-        if area.patches is None:
+        # Nothing of an edge is traced around cells that touch at their corners alone.
+        if area.patches is None or area.value == 0.0:
             length = measure_sides(solution) * math.pi / 4.0
             return Estimate(length, calibration.COUNTED_LENGTH * length, "m", area.warnings)
         edges, cell = trace_edges(solution), solution.grid.cell_area
@@ -163,7 +164,11 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     ratio = min(curvature_resolution(solution), 1.0)
     saturated = float(np.sum(solution.pressure, where=solution.saturated) / np.sum(solution.pressure))
     own = (calibration.GAP_ERROR + few * (1.0 + ratio)) / math.sqrt(number) + calibration.SATURATED_GAP * saturated
-    return shift * bend, math.hypot(calibration.COMMON_GAP, own, calibration.UNRESOLVED_GAP * ratio) * bend
+    std = math.hypot(calibration.COMMON_GAP, own, calibration.UNRESOLVED_GAP * ratio)
+    # Near full contact only the open parts wander; a free border is no such part.
+    open_part = 1.0 if solution.boundary is Boundary.FREE else 1.0 - float(np.mean(solution.contact))
+    fading = min(1.0, calibration.FADING_GAP * open_part)
+    return fading * shift * bend, max(fading, calibration.LEAST_GAP) * std * bend
 
 
 def find_rise(gap: Array, boundary: Boundary) -> tuple[float, float]:
