@@ -165,10 +165,10 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     saturated = float(np.sum(solution.pressure, where=solution.saturated) / np.sum(solution.pressure))
     own = (calibration.GAP_ERROR + few * (1.0 + ratio)) / math.sqrt(number) + calibration.SATURATED_GAP * saturated
     std = math.hypot(calibration.COMMON_GAP, own, calibration.UNRESOLVED_GAP * ratio)
-    # Near full contact only the open parts wander; a free border is no such part.
+    # The shift fades with the open part of a periodic domain.
     open_part = 1.0 if solution.boundary is Boundary.FREE else 1.0 - float(np.mean(solution.contact))
     fading = min(1.0, calibration.FADING_GAP * open_part)
-    return fading * shift * bend, max(fading, calibration.LEAST_GAP) * std * bend
+    return fading * shift * bend, max(fading, calibration.SMALLEST_FADING) * std * bend
 
 
 def find_rise(gap: Array, boundary: Boundary) -> tuple[float, float]:

@@ -43,8 +43,8 @@ SHIFTED_CELLS = 10.0
 COMMON_GAP, GAP_ERROR, SMALL_PATCH_GAP, UNRESOLVED_GAP = 0.002, 0.012, 0.15, 0.008
 # The same times the fraction of the load on saturated cells, no unit.
 SATURATED_GAP = 0.06
-# That excess near full contact: the factor of the open part of the domain up to one, and the least factor of its
+# That excess near full contact: the factor of the open part of the domain up to one, and the smallest factor of its
 # standard deviation, no unit. Set on a wave and a rough surface at 35 to 97 % contact.
-FADING_GAP, LEAST_GAP = 2.2, 0.3
+FADING_GAP, SMALLEST_FADING = 2.2, 0.3
 # Standard deviation of the height of a summit over the difference of that by second and by fourth order, no unit.
 RISE_ERROR = 0.7
