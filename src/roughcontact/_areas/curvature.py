@@ -67,11 +67,6 @@ def rim_ratio(solution: ContactSolution) -> float:
     return _measure_heights(solution)[1]
 
 
-def copy_ratios(target: ContactSolution, origin: ContactSolution) -> None:
-    """Take the heights of one solution for as well resolved as those of another, whose domain they are."""
-    _MEASURED[target] = _measure_heights(origin)
-
-
 def _measure_heights(solution: ContactSolution) -> tuple[float, float]:
     """Return resolution and rim ratio."""
     if solution not in _MEASURED:

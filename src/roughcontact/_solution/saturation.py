@@ -24,8 +24,6 @@ _RUN_IN = "cells at the pressure limit hardly overlap, as on run-in surfaces: th
 
 def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEstimator) -> Area:
     """Return the saturated area; see `ContactSolution.saturated_area`."""
-    from roughcontact._areas.curvature import copy_ratios
-
     name = str(estimator) if isinstance(estimator, str) else type(estimator).__name__
     areas.resolve(estimator)
     if not solution.saturated.any():
@@ -41,8 +39,6 @@ def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEsti
         # The part that is not saturated continues beyond the border, which is not an edge of it.
         boundary=Boundary.PERIODIC if solution.boundary is Boundary.FREE else solution.boundary,
     )
-    # A difference across the border of a free domain tells nothing of the heights.
-    copy_ratios(complement, solution)
     rest = complement.area(estimator)
     # A larger saturated area would carry more than the load.
     admissible = float(np.sum(solution.pressure / solution.pressure_limit)) * solution.grid.cell_area
