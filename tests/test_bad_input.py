@@ -20,9 +20,9 @@ def problem(**options):
     return rc.ContactProblem(BODY, **{"grid": GRID, **options})
 
 
-def with_missing():
+def with_infinite():
     heights = np.zeros((4, 4))
-    heights[1, 1] = NAN
+    heights[1, 1] = np.inf
     return heights
 
 
@@ -67,8 +67,9 @@ TABLE = {
     "Poisson's ratio of -1": (lambda: rc.Elastic(1e9, -1.0), "above -1"),
     "hardness zero": (lambda: rc.ElasticPerfectlyPlastic(1e9, 0.3, 0.0), "The hardness"),
     "hardness infinite": (lambda: rc.ElasticPerfectlyPlastic(1e9, 0.3, INF), "finite number"),
-    "map with missing points": (lambda: rc.HeightMap(with_missing(), size=1.0), "1 of 16 points"),
-    "map masked": (lambda: rc.HeightMap(np.ma.masked_invalid(with_missing()), size=1.0), "1 of 16 points"),
+    "map with infinite points": (lambda: rc.HeightMap(with_infinite(), size=1.0), "1 of 16 points"),
+    "map of missing points": (lambda: rc.HeightMap(np.full((4, 4), np.nan), size=1.0), "No point of the height map"),
+    "map masked": (lambda: rc.HeightMap(np.ma.masked_all((4, 4)), size=1.0), "No point of the height map was measured"),
     "map empty": (lambda: rc.HeightMap(np.zeros((0, 4)), size=1.0), "at least two cells"),
     "map of one cell": (lambda: rc.HeightMap([[1.0]], size=1.0), "at least two cells"),
     "map of one dimension": (lambda: rc.HeightMap([1.0, 2.0], size=1.0), "two-dimensional"),

@@ -247,6 +247,50 @@ class TestBeyondResolution:
             rc.beyond_resolution(rc.ContactProblem(rc.Body(flat, STEEL)), pressure=1e7)
 
 
+class TestNonMeasuredInMemory:
+    SHAPE, SIZE = (30, 17), (60e-6, 17e-6)
+
+    @pytest.fixture
+    def heights(self):
+        return rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, shortest=6e-6, longest=17e-6, seed=2).heights(
+            rc.Grid(self.SHAPE, self.SIZE)
+        )
+
+    @pytest.fixture
+    def lost(self):
+        lost = np.random.default_rng(4).random(self.SHAPE) < 0.1
+        lost[:3, 5:9] = lost[12:18, 8:12] = True
+        return lost
+
+    def test_heights_that_are_nan_or_masked_are_those_of_a_file(self, heights, lost, tmp_path):
+        holed = np.where(lost, np.nan, heights)
+        np.savez(tmp_path / "map.npz", heights=holed, size=self.SIZE)
+        read = rc.read_surface(tmp_path / "map.npz", non_measured="keep")
+        masked = np.ma.masked_array(heights, lost)
+        for surface in (rc.HeightMap(holed, self.SIZE), rc.HeightMap(masked, self.SIZE)):
+            np.testing.assert_array_equal(surface.values, read.values)
+            np.testing.assert_array_equal(surface.non_measured, lost)
+            assert not surface.values.flags.writeable
+            assert not surface.non_measured.flags.writeable
+        np.testing.assert_array_equal(np.isnan(holed), lost)
+
+    def test_they_join_the_mask_that_is_given(self, heights, lost):
+        half = lost & (np.arange(17) < 9)
+        surface = rc.HeightMap(np.where(half, np.nan, heights), self.SIZE, non_measured=lost)
+        np.testing.assert_array_equal(surface.non_measured, lost)
+        np.testing.assert_array_equal(surface.values[~half], heights[~half])
+
+    def test_they_never_touch(self, heights, lost):
+        steel = rc.Elastic(210e9, 0.3)
+        surface = rc.HeightMap(np.where(lost, np.nan, heights), self.SIZE)
+        solution = rc.ContactProblem(rc.Body(surface, steel)).solve(pressure=3e8)
+        assert solution.contact.any()
+        assert not solution.pressure[lost].any()
+        expected = rc.HeightMap(surface.values, self.SIZE, non_measured=lost)
+        found = rc.ContactProblem(rc.Body(expected, steel)).solve(pressure=3e8)
+        np.testing.assert_array_equal(solution.pressure, found.pressure)
+
+
 def test_the_page_gives_the_rates_of_its_ranges():
     rows = read_table("| map | surfaces |")
     assert [row[0] for row in rows] == ["heights at points", "means over cells"]

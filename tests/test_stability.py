@@ -274,7 +274,7 @@ class TestGallery:
         assert found.verdict is ATTENTION
         rows = {row.case: row for row in found.rows}
         assert len(rows) == len(make_cases()) >= 40
-        assert rows["one NaN"].status.startswith("refused: The height map must be finite everywhere")
+        assert rows["one infinite height"].status.startswith("refused: The height map must be finite everywhere")
         assert rows["E = 210 Pa, meant as GPa"].verdict is ATTENTION
         assert sum(row.verdict is ATTENTION for row in found.rows) == 2
         assert found.to_markdown().count("\n| ") == len(rows)

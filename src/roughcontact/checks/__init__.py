@@ -210,8 +210,10 @@ def _is_mapped(values: object) -> bool:
     return mapped and isinstance(values, mmap.mmap)
 
 
-def heights_array(values: npt.ArrayLike) -> Array:
+def heights_array(values: npt.ArrayLike, *, nan: bool = False) -> Array:
     """Return a private, read-only copy of a height map after checking it; of a map of a file on disk no copy is made.
+
+    With `nan`, points that were not measured may be NaN, or masked; infinite ones may not.
 
     Raises
     ------
@@ -232,6 +234,11 @@ def heights_array(values: npt.ArrayLike) -> Array:
         raise InputError.about(what, array.shape, "a two-dimensional array [x, y] of at least two cells")
     array = np.ascontiguousarray(array, dtype=np.float64)
     low, high = float(array.min()), float(array.max())
+    if nan and math.isnan(low):
+        measured = array[~np.isnan(array)]
+        if not measured.size:
+            raise InputError("No point of the height map was measured: at least one is needed.")
+        low, high = float(measured.min()), float(measured.max())
     if not (math.isfinite(low) and math.isfinite(high)):
         missing = array.size - int(np.count_nonzero(np.isfinite(array)))
         raise InputError(

@@ -221,9 +221,9 @@ def _loads() -> tuple[Case, ...]:
 
 def _refused() -> tuple[Case, ...]:
     lost = _rough()
-    lost[3, 5] = np.nan
+    lost[3, 5] = np.inf
     return (
-        _case("one NaN", lost, pressure=_HARDNESS),
+        _case("one infinite height", lost, pressure=_HARDNESS),
         _case("two flats", np.zeros((_CELLS, _CELLS)), pressure=0.0),
         _case("heights of 1e300 m", 1e300 * _rough(), pressure=_HARDNESS),
         _case("E = 210 Pa, meant as GPa", 1e-9 * _rough(), 0.1, young=210.0, pressure=1e9),
