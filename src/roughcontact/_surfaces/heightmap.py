@@ -19,7 +19,7 @@ from roughcontact._surfaces.resampling import resample, shift_by_half_cell
 from roughcontact._surfaces.statistics import repeats
 from roughcontact._surfaces.summary import summarize
 from roughcontact._surfaces.topography import make_topography, read_map
-from roughcontact.checks import Array, Mask, Pair, choice, frozen_array, heights_array, instance_of, integer, pair
+from roughcontact.checks import Array, Mask, Pair, choice, frozen_array, instance_of, integer, measured_heights, pair
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 from roughcontact.units import si
@@ -28,10 +28,6 @@ from roughcontact.units import si
 _MAX_DEGREE = 30
 # Degree of the polynomial of each form that has a name of its own.
 _DEGREES = {"mean": 0, "plane": 1}
-
-
-def _heights(values: npt.ArrayLike) -> Array:
-    return heights_array(values, nan=True)
 
 
 def _size(value: float | Sequence[float], height_map: Any) -> Pair:
@@ -73,17 +69,16 @@ class HeightMap(Surface):
     Parameters
     ----------
     heights
-        Heights, shape (nx, ny), indexed [x, y], m, positive outward; NaN, or masked in a masked array, where a point
-        was not measured. A copy is kept, but of float64 heights that are mapped from a file for reading,
-        ``np.load(path, mmap_mode="r")``: the file must not change then.
+        Heights, shape (nx, ny), indexed [x, y], m, positive outward; NaN, or masked, where not measured. A copy is kept,
+        but of float64 heights that are mapped from a file for reading, ``np.load(path, mmap_mode="r")``: the file must
+        not change then.
     size
         Sides of the measured domain (x, y), m; one number if the map has as many points along x as along y.
     periodic
         Whether the map repeats beyond its border.
     non_measured
-        Points that were not measured, shape (nx, ny), true there, beside those without a height: they never touch.
-        Their heights are used only for interpolation at nearby points; those without one get that of the harmonic
-        surface through their neighbours.
+        Points that were not measured, shape (nx, ny), true there, beside those without a height: they never touch, and
+        their heights, or those of a harmonic surface through their neighbours, only serve to interpolate nearby points.
     history
         How the heights were processed so far, in words; ``explain()`` of a problem prints it.
 
@@ -94,7 +89,7 @@ class HeightMap(Surface):
         or the mask of non-measured points has another shape.
     """
 
-    _heights: Array = attrs.field(converter=_heights, alias="heights")
+    _heights: Array = attrs.field(converter=measured_heights, alias="heights")
     # mypy does not know converters that take self.
     size: Pair = attrs.field(converter=attrs.Converter(_size, takes_self=True))  # type: ignore[misc]
     periodic: bool = attrs.field(
@@ -110,14 +105,9 @@ class HeightMap(Surface):
                 f"{self._heights.shape}."
             )
         if math.isnan(float(self._heights.min())):
-            self._keep_non_measured()
-
-    def _keep_non_measured(self) -> None:
-        """Turn heights that are NaN into non-measured points."""
-        lost = np.isnan(self._heights)
-        mask = lost if self.non_measured is None else lost | self.non_measured
-        object.__setattr__(self, "_heights", frozen_array(fill(self._heights)))
-        object.__setattr__(self, "non_measured", _non_measured(mask))
+            lost = np.isnan(self._heights) | (False if self.non_measured is None else self.non_measured)
+            object.__setattr__(self, "non_measured", _non_measured(lost))
+            object.__setattr__(self, "_heights", frozen_array(fill(self._heights)))
 
     @property
     def grid(self) -> Grid:

@@ -210,10 +210,13 @@ def _is_mapped(values: object) -> bool:
     return mapped and isinstance(values, mmap.mmap)
 
 
+def measured_heights(values: npt.ArrayLike) -> Array:
+    """Return `heights_array` of heights that are NaN, or masked, where they were not measured, but not everywhere."""
+    return heights_array(values, nan=True)
+
+
 def heights_array(values: npt.ArrayLike, *, nan: bool = False) -> Array:
     """Return a private, read-only copy of a height map after checking it; of a map of a file on disk no copy is made.
-
-    With `nan`, points that were not measured may be NaN, or masked; infinite ones may not.
 
     Raises
     ------
