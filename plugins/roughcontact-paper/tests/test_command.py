@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import csv
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -32,9 +33,36 @@ def test_it_writes_tables_and_figures(tmp_path, capsys, monkeypatch, case_of):
             assert (tmp_path / "out" / name).read_bytes()[:4] == PNG
     with (tmp_path / "out" / "table2.csv").open(newline="") as file:
         rows = list(csv.reader(file))
-    assert rows[0][:5] == ["load MPa", "N", "analytic %", "SAM %", "error %"]
+    assert rows[0][:5] == ["load MPa", "N", "analytic %", "SAM %", "SAM error %"]
     assert rows[0][-2:] == ["iter.", "CPU s"]
     assert rows[1][:5] == ["50", "64", "0.713", "2.734", "283.7"]
+    for name in ("table1", "table2", "table3"):
+        require_whole(tmp_path / "out" / f"{name}.csv", text)
+
+
+def require_whole(path, text):
+    """Require that no two columns of a table have one name, and that it stands in 80 columns with all its numbers."""
+    with path.open(newline="") as file:
+        columns, *rows = csv.reader(file)
+    assert len(set(columns)) == len(columns)
+    lines = text.splitlines()
+    assert max(map(len, lines)) <= 80
+    printed = [line.split() for line in lines]
+    for row in rows:
+        assert " ".join(row).split() in printed
+
+
+@pytest.mark.parametrize("width", ["40", "80", "200"])
+def test_tables_lose_no_column_on_a_terminal_of_any_width(tmp_path, capsys, monkeypatch, case_of, width):
+    monkeypatch.setattr(sections, "solve_wave", case_of)
+    monkeypatch.setenv("COLUMNS", width)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert main(["paper", "-o", str(tmp_path)]) == 0
+    text = re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out)
+    printed = [line.split() for line in text.splitlines()]
+    for number in (1, 2, 3):
+        with (tmp_path / f"table{number}.csv").open(newline="") as file:
+            assert all(row in printed for row in list(csv.reader(file))[1:])
 
 
 @pytest.mark.slow
@@ -59,6 +87,8 @@ def test_pairs_writes_tables_figures_and_maps(tmp_path, capsys, monkeypatch):
         assert (out / name).read_bytes()[:4] == PNG
     with (out / "table5.csv").open(newline="") as file:
         rows = list(csv.reader(file))
+    for name in ("table5", "pairs"):
+        require_whole(out / f"{name}.csv", first)
     assert [row[:2] for row in rows[1:3]] == [["before 2.5", "540/510"], ["before 5", "1126/1063"]]
     # Running in is not repeated, and the results are the same.
     assert main(["paper", "--pairs", "-o", str(out)]) == 0

@@ -69,8 +69,8 @@ class HeightMap(Surface):
     Parameters
     ----------
     heights
-        Heights, shape (nx, ny), indexed [x, y], m, positive outward, NaN or masked where not measured; a copy is kept, but
-        of float64 heights mapped from a file for reading, ``np.load(path, mmap_mode="r")``, which must not change then.
+        Heights, shape (nx, ny), indexed [x, y], m, positive outward, NaN or masked where not measured; a copy is kept,
+        but of float64 ones mapped from a file for reading, ``np.load(path, mmap_mode="r")``, which must not change.
     size
         Sides of the measured domain (x, y), m; one number if the map has as many points along x as along y.
     periodic

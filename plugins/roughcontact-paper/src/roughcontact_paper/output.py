@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 from rich import box
 from rich.console import Console
+from rich.padding import Padding
 from rich.progress import Progress
 from rich.table import Table as RichTable
 from roughcontact.typing import replacing
@@ -50,23 +51,26 @@ class Table:
 
 def show_table(table: Table, console: Console) -> None:
     """Print a table."""
-    view = RichTable(title=table.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    view = RichTable(
+        title=table.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, show_edge=False, padding=0
+    )
     widths = [
         max(*(len(row[k]) for row in table.rows), *(len(word) for word in column.split()))
         for k, column in enumerate(table.columns)
     ]
     for column, width in zip(table.columns, widths, strict=True):
-        view.add_column(column, justify="right", min_width=width)
+        view.add_column(column, justify="right", width=width)
     # A narrow terminal wraps lines rather than losing digits.
-    console.width = max(console.width, 2 + sum(width + 3 for width in widths))
+    console.width = max(console.width, sum(widths) + len(widths) - 1)
     several = len({row[0] for row in table.rows}) < len(table.rows)
     for row, following in zip_longest(table.rows, table.rows[1:]):
         # A line between loads that have several rows.
         view.add_row(*row, end_section=several and following is not None and following[0] != row[0])
     console.print()
     console.print(view)
+    console.print()
     for note in table.notes:
-        console.print(f"   {note}", highlight=False)
+        console.print(Padding(note, (0, 0, 0, 3)), highlight=False)
 
 
 def write_results(tables: Iterable[Table], figures: Mapping[str, Figure], folder: Path) -> list[str]:

@@ -180,7 +180,7 @@ def _extrapolation_table(cases: Sequence[PairCase]) -> Table:
                 )
             )
             warnings.append(extrapolated.warnings)
-    columns = ("pair, N", "printed", "count", "err.%", "eq.28", "err.%", "diff.%", "sub-grid")
+    columns = ("pair, N", "printed", "count", "count err.%", "eq.28", "eq.28 err.%", "diff.%", "sub-grid")
     title = f"Table 5: areas on {finest} x {finest} cells, extrapolated and sub-grid, um2"
     notes = [
         "printed: count/eq. 28 on the paper's maps, which are not published. err.: error against the sub-grid area. "
