@@ -17,6 +17,7 @@ import roughcontact as rc
 from roughcontact import extrapolation, reference
 from roughcontact import typing as types_of_rc
 from roughcontact.errors import door
+from roughcontact.registry import Registry
 
 GRID = rc.Grid((8, 8), 1e-3)
 WAVE = rc.WavySurface(1e-6, 1e-3)
@@ -28,6 +29,9 @@ for module in (reference, extrapolation):
     PUBLIC |= {f"{module.__name__}.{name}": value for name, value in own.items() if name[0] != "_"}
 # Aliases of array types are not ours.
 PUBLIC = {name: value for name, value in PUBLIC.items() if getattr(value, "__module__", "").startswith("roughcontact")}
+
+
+REGISTRIES = [value for value in PUBLIC.values() if isinstance(value, Registry)]
 
 
 def problem(**options):
@@ -238,3 +242,29 @@ def test_guarded_classes_and_functions_stay_what_they_were():
     assert Shifted(1e-6, 1e-3).heights(GRID).shape == (8, 8)
     assert not hasattr(problem(), "no_such_attribute")
     assert typing.get_type_hints(rc.Grid.matches)["other"] is rc.Grid
+
+
+@pytest.mark.parametrize("ask", [lambda one, path: one.gradient("area"), lambda one, path: one.save(path)])
+def test_a_warning_points_to_the_line_of_the_caller(ask, tmp_path):
+    contact = rc.ContactProblem(rc.Body(Shifted(1e-6, 1e-3), STEEL), grid=GRID, boundary="periodic")
+    solution = contact.solve(pressure=1e6)
+    with pytest.warns(UserWarning, match="even its sign|must be registered") as caught:
+        ask(solution, tmp_path / "x.npz")
+    assert {one.filename for one in caught} == {__file__}
+
+
+@pytest.mark.parametrize("registry", REGISTRIES, ids=lambda one: one.kind)
+def test_what_a_registry_loads_stands_behind_the_door(registry):
+    for name in registry:
+        cls = registry[name]
+        if cls.__module__.partition(".")[0] == "roughcontact":
+            for method, function in functions_of(cls):
+                assert is_guarded(function), f"{name}.{method} is not guarded"
+
+
+def test_a_wrong_call_of_a_reader_or_a_writer_is_answered_by_a_sentence():
+    for registry, method in ((rc.readers, "read"), (rc.writers, "write")):
+        for name in registry:
+            if registry[name].__module__.startswith("roughcontact."):
+                with pytest.raises(rc.RoughContactError):
+                    getattr(registry.create(name), method)()

@@ -115,10 +115,10 @@ class TestLaw:
             ({"problem": 5}, "a ContactProblem"),
             ({"problem": problem(boundary="free")}, "needs boundary='periodic'"),
             ({"problem": problem(boundary="wrapped")}, "needs boundary='periodic'"),
-            ({"pressures": []}, "empty"),
-            ({"pressures": [1e8, 1e8]}, "given twice"),
-            ({"pressures": [1e8, -1.0]}, "above 0"),
-            ({"pressures": 1e8}, "a list"),
+            ({"pressure": []}, "empty"),
+            ({"pressure": [1e8, 1e8]}, "given twice"),
+            ({"pressure": [1e8, -1.0]}, "above 0"),
+            ({"pressure": 1e8}, "a list"),
             ({"responses": "stiffness"}, "a list of registered names"),
             ({"responses": 5}, "a list of registered names"),
             ({"responses": ["stiff"]}, "There is no response named 'stiff'"),
@@ -129,7 +129,7 @@ class TestLaw:
     )
     def test_bad_input_gets_a_sentence(self, change, words):
         with pytest.raises(rc.InputError, match=words):
-            rc.interface_law(**({"problem": problem(), "pressures": [1e8], "responses": ()} | change))
+            rc.interface_law(**({"problem": problem(), "pressure": [1e8], "responses": ()} | change))
 
     def test_a_column_that_is_not_there(self, law):
         with pytest.raises(rc.InputError, match="There is no column of the law named 'leakage'"):

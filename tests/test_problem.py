@@ -267,3 +267,28 @@ def test_a_convolver_must_return_a_prepared_convolution():
 
     with pytest.raises(rc.InputError, match="must return a PreparedConvolution"):
         rc.ContactProblem(rc.Body(rough(), STEEL), convolver=Wrong()).solve(pressure=1e8)
+
+
+def test_another_tolerance_samples_no_surface_anew():
+    sampled = []
+
+    class Counted(rc.WavySurface):
+        def heights(self, grid):
+            sampled.append(grid)
+            return super().heights(grid)
+
+    body, grid = rc.Body(Counted(1e-6, 1e-3), rc.Elastic(200e9, 0.3)), rc.Grid((15, 21), 1e-3)
+    found = rc.ContactProblem(body, grid=grid).solve(force=10.0, tolerance=1e-8)
+    assert len(sampled) == 1
+    solver = rc.ProjectedConjugateGradient(tolerance=1e-8)
+    expected = rc.ContactProblem(body, grid=grid, solver=solver).solve(force=10.0)
+    assert (found.pressure == expected.pressure).all()
+    assert found.origin.problem["solver"] == solver
+
+
+def test_the_plan_of_a_periodic_problem_speaks_of_no_border():
+    body, grid = rc.Body(rc.WavySurface(1e-6, 1e-3), rc.Elastic(200e9, 0.3)), rc.Grid((8, 8), 1e-3)
+    free, periodic = (rc.ContactProblem(body, grid=grid, boundary=one).explain() for one in ("free", "periodic"))
+    assert "the borders of the domain" in free
+    assert "borders" not in periodic
+    assert "free" not in periodic

@@ -242,7 +242,7 @@ class TestProblem:
             for cells, given in ((32, "auto"), (1024, "auto"), (2048, "auto"), (32, 2), (32, 7))
         ]
         assert [" ".join(line.split()) for line in lines] == [
-            "threads 1: a second gains from 1048576 cells on",
+            "threads 1: two pay from 1024 x 1024 cells",
             "threads 2: one for each 524288 cells",
             "threads 3: this process may use no more",
             "threads 2: as given",

@@ -91,7 +91,7 @@ def draw(folder: Path = FIGURES) -> None:
         axes.set_facecolor(LIGHT.unknown)
         axes.plot(*(1e6 * one for one in flow.throat.place), "o", ms=14, mfc="none", mec="white", mew=2.5)
         axes.set(xlabel="x, µm", ylabel="y, µm")
-    left.set_title(f"contact (grey) {100 * solution.area().fraction:.0f} %, critical throat (white)")
+    left.set_title(f"contact (grey) {100 * solution.area().fraction:.0f} %, critical throat (circle)")
     right.set_title(f"{1e18 * flow.value:.0f} µm³/s from left to right")
     folder.mkdir(parents=True, exist_ok=True)
     figure.savefig(folder / "leakage.png", dpi=110)

@@ -7,7 +7,6 @@ distribution, as what ships is by those of this package.
 from __future__ import annotations
 
 import inspect
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from importlib.metadata import EntryPoint, entry_points
@@ -15,6 +14,7 @@ from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded, warn
 
 T = TypeVar("T")
 C = TypeVar("C", bound=type)
@@ -157,7 +157,7 @@ class Registry(Generic[T]):
         shipped = [entry for entry in claims if entry.dist is not None and entry.dist.name == "roughcontact"]
         if shipped and len(claims) > 1:
             ignored = " and ".join(entry.value for entry in claims if entry not in shipped)
-            warnings.warn(f"The {self.kind} {name!r} ships with roughcontact: {ignored} is ignored.", stacklevel=3)
+            warn(f"The {self.kind} {name!r} ships with roughcontact: {ignored} is ignored.")
             claims = shipped
         if len(claims) > 1:
             values = " and ".join(entry.value for entry in claims)
@@ -173,7 +173,8 @@ class Registry(Generic[T]):
 
     def _require_class(self, cls: object, where: str) -> type[T]:
         if isinstance(cls, type) and issubclass(cls, self.base):
-            return cls
+            # What is loaded at its first use has missed the door that the package set up when it was imported.
+            return guarded(cls)
         what, allowed = (
             f"What is registered as {self._a_kind}{where}",
             f"a class derived from {self.base.__name__}",

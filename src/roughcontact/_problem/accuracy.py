@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -134,8 +135,14 @@ def solve_within(
 
 
 def with_tolerance(problem: ContactProblem, tolerance: float) -> ContactProblem:
-    """Return the same problem with another tolerance of its solver."""
-    return attrs.evolve(problem, solver=problem.plan.solver.with_tolerance(tolerance))
+    """Return the same problem with another tolerance of its solver; heights and kernel are not sampled anew."""
+    solver = problem.plan.solver.with_tolerance(tolerance)
+    plan = attrs.evolve(problem.plan, solver=solver)
+    changed = copy.copy(problem)
+    known = {"solver": solver, "plan": plan, "convolution": problem.convolution, "_gap": problem._gap}
+    for name, value in known.items():
+        object.__setattr__(changed, name, value)
+    return changed
 
 
 def _choose_tolerance(problem: ContactProblem, target: Target) -> ContactProblem:

@@ -239,7 +239,11 @@ def make_plan(
         initial_gap=gap.values,
         peak_to_valley=peak_to_valley,
         pressure_limit=limit,
-        omitted=(*_list_omitted((body, counterbody), boundary, capped=capped), *solver.omitted),
+        omitted=(
+            *_list_omitted((body, counterbody), boundary, capped=capped),
+            *solver.omitted,
+            *_list_borders(solver, boundary),
+        ),
         non_measured=gap.non_measured,
         histories=(body.provenance, counterbody.provenance),
         threads=threads,
@@ -265,6 +269,12 @@ def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool
         if isinstance(body.surface, FlatSurface):
             texts.append("heights of one body: it is flat")
     return texts
+
+
+def _list_borders(solver: Solver, boundary: Boundary) -> list[str]:
+    if boundary is not Boundary.FREE or not isinstance(solver, ProjectedConjugateGradient):
+        return []
+    return ["the borders of the domain where they cannot touch: the solver works on the part between them"]
 
 
 def _format_range(limit: Array) -> str:

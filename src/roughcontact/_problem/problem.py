@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from functools import cached_property
 from typing import Any
 
@@ -223,9 +223,9 @@ class ContactProblem:
     def sweep(
         self,
         *,
-        pressure: Sequence[float] | None = None,
-        force: Sequence[float] | None = None,
-        approach: Sequence[float] | None = None,
+        pressure: Iterable[float] | None = None,
+        force: Iterable[float] | None = None,
+        approach: Iterable[float] | None = None,
     ) -> Sweep:
         """Solve for several loads, from the largest down, each starting from the ones before.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from typing import TypeAlias
 
@@ -15,7 +14,7 @@ from roughcontact._solution import ContactSolution
 from roughcontact._solution.responses import Response, responses
 from roughcontact.checks import Array, callback, choice, numbers, read_only
 from roughcontact.errors import InputError
-from roughcontact.errors.door import outside
+from roughcontact.errors.door import outside, warn
 
 PressureDerivative: TypeAlias = Callable[[Array], Array]
 
@@ -96,7 +95,7 @@ class Gradient(Response[Array]):
         else:
             adjoint = _Adjoint.under_load(tangent, sensitivity)
             if self.of == "area" and self.with_respect_to == "heights":
-                warnings.warn(_HARDLY_CHANGES, stacklevel=2)
+                warn(_HARDLY_CHANGES)
         if self.with_respect_to == "load":
             units = {"pressure": float(solution.pressure.size), "force": 1.0 / solution.grid.cell_area, "approach": 1.0}
             return read_only(np.asarray(adjoint.load * units[kind]))

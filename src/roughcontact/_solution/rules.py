@@ -71,9 +71,9 @@ PLAUSIBILITY_RULES = {
     "peak pressure": Rule(
         0.1,
         0.3,
-        "strains are about p / E*; linear elasticity holds up to a tenth",
-        "Linear elasticity holds up to about a tenth: give a hardness (ElasticPerfectlyPlastic, on the command line "
-        "--hardness), or a lower load.",
+        "strains are about a third of p / E* (Tabor); linear elasticity holds up to strains of a tenth",
+        "Linear elasticity holds up to strains of about a tenth, p / E* of 0.3: give a hardness "
+        "(ElasticPerfectlyPlastic, on the command line --hardness), or a lower load.",
     ),
     "approach": Rule(
         0.1,

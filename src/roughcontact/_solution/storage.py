@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -27,6 +26,7 @@ from roughcontact.description import (
     rebuild,
 )
 from roughcontact.errors import InputError
+from roughcontact.errors.door import warn
 from roughcontact.grid import Boundary, Grid
 from roughcontact.tables import make_dataset
 
@@ -65,7 +65,7 @@ def write(path: Path, solution: ContactSolution, *, flush: bool = True) -> None:
         raise InputError.about("The name of a solution's file", path.name, "one ending in .npz or .nc")
     arrays, header = _disassemble(solution)
     if missing := missing_classes(header["problem"]):
-        warnings.warn(f"{path.name} keeps the fields of the solution. {missing}", stacklevel=3)
+        warn(f"{path.name} keeps the fields of the solution. {missing}")
     if path.suffix == ".nc":
         write_netcdf(path, _dataset(solution, pack(arrays, header)))
     else:

@@ -25,6 +25,8 @@ T = TypeVar("T")
 # Cells that make a further thread worth its hand-over: with two threads a solve on 512 x 512 cells takes 1.2 times
 # the wall time of one, on 1024 x 1024 no more and on 2048 x 2048 less (docs/studies/scale.py).
 _CELLS = 2**19
+# Side of the square grid from which on two threads are used.
+_TWO = math.isqrt(2 * _CELLS)
 # Values of an array that a pass treats at a time: a few such tiles fit into the cache.
 _TILE = 2**16
 
@@ -55,7 +57,7 @@ def choose_threads(given: int | str, cells: int) -> tuple[int, str]:
     useful = max(1, cells // _CELLS)
     asked = None if isinstance(given, str) else given
     if asked is None and useful == 1:
-        return 1, f"a second gains from {2 * _CELLS} cells on"
+        return 1, f"two pay from {_TWO} x {_TWO} cells"
     if asked is None and (_SHARED.get() or _is_pooled()):
         return 1, "others of a pool work beside this process"
     if asked is None and _has_limited_address_space():

@@ -68,7 +68,7 @@ def stability(
     """Return how far a solution depends on rounding, grid and tolerance, and whether the model holds.
 
     Four more solves: in float64 throughout, on half as many cells a side, on a grid shifted by half a
-    cell, and to a hundredth of the tolerance.
+    cell, and to a thousandth of the tolerance.
 
     Parameters
     ----------

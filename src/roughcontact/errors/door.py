@@ -12,6 +12,7 @@ import sys
 import threading
 import types
 import typing
+import warnings
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
@@ -108,6 +109,21 @@ def translated(error: Exception, call: str) -> Exception:
         return UnexpectedError(f"{call} failed in {part}: {reason}.")
     advice = "If its arguments are as documented, please report this as a fault of roughcontact."
     return UnexpectedError(f"{call} failed: {reason}. {advice}")
+
+
+def warn(text: str) -> None:
+    """Give a warning that points to the line from which this package was called."""
+    frame: types.FrameType | None = sys._getframe(1)
+    level = 2
+    while frame is not None and _is_inside(frame):
+        frame = frame.f_back
+        level += 1
+    warnings.warn(text, stacklevel=level)
+
+
+def _is_inside(frame: types.FrameType) -> bool:
+    """Return whether a frame is of this package, or of what stands between two of its calls."""
+    return frame.f_globals.get("__name__", "").partition(".")[0] in ("roughcontact", "functools", "attr")
 
 
 def _message(error: Exception) -> str:

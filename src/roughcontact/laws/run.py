@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,7 @@ Rows = dict[str, list[Estimate]]
 @guarded
 def interface_law(
     problem: ContactProblem,
-    pressures: Sequence[float],
+    pressure: Iterable[float],
     responses: Sequence[str | Response[Any]] | Mapping[str, str | Response[Any]] = ("stiffness",),
 ) -> InterfaceLaw:
     """Return area, mean gap and responses of a periodic interface over the load, each with its uncertainty.
@@ -44,7 +44,7 @@ def interface_law(
     problem
         The contact, on a periodic boundary: only there are mean gap, stiffness and conductance properties of the
         interface, per nominal area. A measured map repeats if it is mirrored at its borders.
-    pressures
+    pressure
         Nominal mean pressures, Pa; best a geometric row with ratios of at most 1.6.
     responses
         Registered names or instances of responses, or a mapping from names of columns to these. Stiffness and
@@ -66,7 +66,7 @@ def interface_law(
             "cut-out are those of the cut. A map that does not repeat can be mirrored at its borders."
         )
     asked = _name_columns(responses)
-    loads = Load.sequence(pressure=pressures)
+    loads = Load.sequence(pressure=pressure)
     values = sorted(load.value for load in loads)
     if len(set(values)) < len(values):
         raise InputError("A pressure is given twice: give each load of a law once.")

@@ -76,7 +76,7 @@ class ProjectedConjugateGradient(Solver):
 
     omitted: ClassVar[tuple[str, ...]] = (
         "float64 inside the iterations: float32 is enough, and every result is verified in float64",
-        "cells that cannot touch: vectors leave them out, and a free domain is reduced to the others",
+        "cells that cannot touch: the vectors of the solver leave them out",
     )
 
     tolerance: float = attrs.field(converter=positive_tolerance, default=DEFAULT_TOLERANCE)
