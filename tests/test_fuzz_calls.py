@@ -500,6 +500,7 @@ FOUND = [
     ("power_law", {"cells": "map"}),
     ("richardson", {"order": "1e-30"}),
     ("richardson", {"order": "2**31"}),
+    ("ContactSolution.partial_slip", {"tangential_force": "1e-30"}),
 ]
 
 
