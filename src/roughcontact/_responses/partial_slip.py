@@ -190,8 +190,9 @@ class CiavarellaJaeger(Response[PartialSlip]):
             )
         stuck = _solve_stick([solution], solution, lost)
         # Without a tangential force, or with one that rounding hides, nothing moves, whatever the traction.
-        difference = solution.pressure - stuck.pressure
-        traction = difference if difference.any() else solution.pressure
+        traction = (
+            solution.pressure - stuck.pressure if (solution.pressure != stuck.pressure).any() else solution.pressure
+        )
         compliance = find_tangential_compliance(solution, traction, stuck.contact, self.axis)
         ratio, sliding = compliance.ratio, lost / solution.force
         unsure = math.hypot(compliance.excess, _LATERAL * compliance.anisotropy * sliding**2)
