@@ -189,10 +189,8 @@ class CiavarellaJaeger(Response[PartialSlip]):
                 f"times the normal force, {si(self.friction * solution.force, 'N')}."
             )
         stuck = _solve_stick([solution], solution, lost)
-        # Without a tangential force, or with one that rounding hides, nothing moves, whatever the traction.
-        traction = (
-            solution.pressure - stuck.pressure if (solution.pressure != stuck.pressure).any() else solution.pressure
-        )
+        # Without a tangential force nothing moves, whatever the traction.
+        traction = solution.pressure if stuck is solution else solution.pressure - stuck.pressure
         compliance = find_tangential_compliance(solution, traction, stuck.contact, self.axis)
         ratio, sliding = compliance.ratio, lost / solution.force
         unsure = math.hypot(compliance.excess, _LATERAL * compliance.anisotropy * sliding**2)

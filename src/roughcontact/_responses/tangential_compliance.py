@@ -68,6 +68,8 @@ def find_tangential_compliance(
     plan = problem_of(solution).plan
     bound, free = (compare_compliances(plan.materials, plan.modulus, cosine) for cosine in (1.0, 0.0))
     anisotropy = 1.0 - bound / free
+    # A force that rounding hides leaves no traction.
+    traction = traction if traction.any() else solution.pressure
     displacements = _find_displacements(solution, traction / float(np.abs(traction).max()))
     energies = np.einsum("ij,kij->k", traction, displacements)
     total = float(energies.sum())
