@@ -98,7 +98,9 @@ def test_a_film_does_not_depend_on_the_grid(film):
 
     fine = conduct(24, 0).value / 24
     found = [conduct(5, seed) for seed in range(1, 5)]
-    errors, stds = (np.array(part) for part in zip(*((one.value / 5, one.uncertainty / 5) for one in found)))
+    errors, stds = (
+        np.array(part) for part in zip(*((one.value / 5, one.uncertainty / 5) for one in found), strict=True)
+    )
     errors = errors / fine - 1.0
     assert np.abs(errors).max() < 6e-3
     assert (np.abs(errors) < 2.5 * stds / fine).all()
