@@ -15,6 +15,8 @@ import roughcontact as rc
 from roughcontact.__main__ import main
 
 hypothesis.settings.register_profile("default", max_examples=60, deadline=None, derandomize=True)
+# For `pytest --hypothesis-profile=random`: other draws in each run.
+hypothesis.settings.register_profile("random", max_examples=60, deadline=None, print_blob=True)
 hypothesis.settings.load_profile("default")
 
 

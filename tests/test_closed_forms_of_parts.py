@@ -1,8 +1,10 @@
-"""Small functions of areas, solvers and sweeps beside closed forms, on oblong cells and more cells than one tile."""
+"""Small functions of areas, solvers, sweeps and files beside closed forms, on oblong cells and on several tiles."""
 
 from __future__ import annotations
 
 import math
+import os
+import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,6 +19,9 @@ from roughcontact._problem.sweep import Sweep, predict_pressure
 from roughcontact._responses.edge_correction import _find_rows, _shift
 from roughcontact._solvers.conjugate.descent import Descent
 from roughcontact._solvers.projection import ApproachControl, LoadControl, ReleasedCells, project_to_weighted_load
+from roughcontact.archive import remove_stale
+from roughcontact.files.margins import require_heights
+from roughcontact.files.points import put_on_grid
 from roughcontact.load import Load
 
 CORNERS = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
@@ -269,3 +274,74 @@ def test_a_saturated_cell_stays_so_while_it_will_overlap():
     found = predict_pressure([before, last], load)
     assert found[0, 0] == limit
     assert found[0, 1] == pytest.approx(0.97 * limit, rel=1e-6)
+
+
+def test_only_old_unfinished_files_of_other_machines_go(tmp_path):
+    """A link is nobody's unfinished file, however old what it names is."""
+    old, new, link = (f".map.npz.{machine}-1.0123456789ab.partial" for machine in ("00000001", "00000002", "00000003"))
+    for name in (old, new, "kept"):
+        (tmp_path / name).write_text("")
+    (tmp_path / link).symlink_to(tmp_path / "kept")
+    week = 7 * 24 * 3600
+    for name, age in ((old, week + 60), (new, week - 60), ("kept", 2 * week)):
+        os.utime(tmp_path / name, (time.time() - age,) * 2)
+    remove_stale(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([new, link, "kept"])
+
+
+def points_of(shape, step, chosen=slice(None)):
+    i, j = (one.ravel() for one in np.indices(shape))
+    return np.stack((i * step[0], j * step[1], 10.0 * i + j), axis=1)[chosen]
+
+
+def test_points_are_placed_from_half_of_a_grid_on():
+    shape, step = (6, 8), (1.0, 3.0)
+    rng = np.random.default_rng(2)
+    i, j = np.indices(shape)
+    # Even ones of a chessboard are exactly half, and show each row and column.
+    half = np.flatnonzero((i + j).ravel() % 2 == 0)
+    found = put_on_grid(rng.permutation(points_of(shape, step, half))).heights
+    np.testing.assert_array_equal(found, np.where((i + j) % 2 == 0, 10.0 * i + j, np.nan))
+    with pytest.raises(rc.InputError, match="do not lie on a regular grid"):
+        put_on_grid(points_of(shape, step, half[1:]))
+    twice = points_of(shape, step)
+    twice[5] = twice[6]
+    with pytest.raises(rc.InputError, match="do not lie on a regular grid"):
+        put_on_grid(twice)
+
+
+@pytest.mark.parametrize(("side", "unit"), [(0.01, "metre"), (0.0125, "micrometre")])
+def test_the_unit_of_points_is_guessed_from_their_longer_side(side, unit):
+    """Eight points at 0.0125 are 0.1 long: no longer taken for metres."""
+    hint = put_on_grid(points_of((8, 4), (side, 0.5 * side))).hint
+    length, factor = 8 * side, 1.0 if unit == "metre" else 1e-6
+    assert f"that is the {unit}, size=({factor * length:.6g}, {factor * length / 4:.6g})" in hint
+
+
+@pytest.mark.parametrize(("off", "accepted"), [(0.04, True), (0.06, False)])
+def test_places_may_be_rounded_by_a_twentieth_of_a_step(off, accepted):
+    points = points_of((5, 4), (1.0, 2.0))
+    points[points[:, 0] == 2.0, 0] += off
+    if accepted:
+        np.testing.assert_array_equal(put_on_grid(points).heights, points[:, 2].reshape(5, 4))
+        return
+    with pytest.raises(rc.InputError, match="do not lie on a regular grid"):
+        put_on_grid(points)
+
+
+def test_margins_are_told_from_eight_numbers_on():
+    rng = np.random.default_rng(4)
+    for count in (7, 8):
+        by_row = np.vstack((np.arange(count) * 0.5, rng.normal(size=(9, count))))
+        for table, words in ((by_row, "its first row rise in equal steps"), (by_row.T, "its first column rise")):
+            if count == 7:
+                require_heights(table)
+                continue
+            with pytest.raises(rc.InputError, match=words):
+                require_heights(table)
+    both = np.zeros((10, 10))
+    both[1:, 1:] = rng.normal(size=(9, 9))
+    both[0, 1:] = both[1:, 0] = np.arange(9)
+    with pytest.raises(rc.InputError, match="its first row and its first column count"):
+        require_heights(both)
+    require_heights(np.add.outer(np.arange(9.0), np.arange(9.0)))
