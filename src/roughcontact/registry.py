@@ -34,6 +34,8 @@ class Registry(Generic[T]):
         Entry-point group that installed distributions use.
     in_files
         Whether files may name its classes.
+    translates_errors
+        Whether errors of its classes become those of `roughcontact.errors`; the command line does that by itself.
 
     Examples
     --------
@@ -48,10 +50,13 @@ class Registry(Generic[T]):
     roughcontact.errors.InputError: There is no area estimator named 'blnd'. Did you mean 'blend'? Known: ...
     """
 
-    def __init__(self, base: type[T], kind: str, group: str, *, in_files: bool = True) -> None:
+    def __init__(
+        self, base: type[T], kind: str, group: str, *, in_files: bool = True, translates_errors: bool = True
+    ) -> None:
         self.base = base
         self.kind = kind
         self.group = group
+        self.translates_errors = translates_errors
         self._classes: dict[str, type[T]] = {}
         self._installed: dict[str, list[EntryPoint]] | None = None
         if in_files:
@@ -174,7 +179,7 @@ class Registry(Generic[T]):
     def _require_class(self, cls: object, where: str) -> type[T]:
         if isinstance(cls, type) and issubclass(cls, self.base):
             # What is loaded at its first use has missed the door that the package set up when it was imported.
-            return guarded(cls)
+            return guarded(cls) if self.translates_errors else cls
         what, allowed = (
             f"What is registered as {self._a_kind}{where}",
             f"a class derived from {self.base.__name__}",

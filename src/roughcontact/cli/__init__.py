@@ -38,4 +38,4 @@ class Command(ABC):
         """
 
 
-commands = Registry(Command, "command", "roughcontact.commands", in_files=False)
+commands = Registry(Command, "command", "roughcontact.commands", in_files=False, translates_errors=False)
