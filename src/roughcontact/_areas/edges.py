@@ -187,10 +187,11 @@ def _correct(solution: ContactSolution, edge: Contour, stride: int) -> Array:
 
 
 def _border_std(solution: ContactSolution) -> float:
-    """Return the standard deviation where a free border cuts the contact, in cells."""
+    """Return the standard deviation where a free border cuts the contact, in cells: saturated pressure is bounded."""
     contact = solution.contact
     if solution.boundary is not Boundary.FREE or contact.all():
         return 0.0
+    contact = contact & ~solution.saturated
     edges = (contact[0], contact[-1], contact[:, 0], contact[:, -1])
     return calibration.BORDER * float(sum(np.count_nonzero(edge) for edge in edges))
 

@@ -8,7 +8,6 @@ import attrs
 import numpy as np
 
 from roughcontact._solution.results import Area, AreaEstimator, areas
-from roughcontact.grid import Boundary
 
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
@@ -36,8 +35,6 @@ def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEsti
         displacement=-solution.displacement,
         initial_gap=-solution.initial_gap,
         approach=-solution.approach,
-        # The part that is not saturated continues beyond the border, which is not an edge of it.
-        boundary=Boundary.PERIODIC if solution.boundary is Boundary.FREE else solution.boundary,
     )
     rest = complement.area(estimator)
     # A larger saturated area would carry more than the load.
