@@ -13,6 +13,7 @@ from roughcontact._areas.cells import extend, find_straight_rows, measure_sides
 from roughcontact._areas.curvature import average_curvature, curvature_resolution
 from roughcontact._areas.edges import trace_edges
 from roughcontact._areas.ellipse import find_axes_ratio
+from roughcontact._areas.summits import is_elliptic
 from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, quantities
 from roughcontact.checks import Array
 from roughcontact.grid import Boundary
@@ -21,8 +22,6 @@ from roughcontact.grid import Boundary
 _CUT_OFF = 0.5 + EULER
 # Cells of a patch from which its traced length needs no correction.
 _LARGE = 100
-# Smallest ratio of the curvatures of a single summit: longer contacts are strips.
-_SLENDEREST = 0.05
 # Patches of fewer cells may be parts of others, or others may be missing beside them.
 _SMALL = (4, 9)
 # Sum of squares over sum of the lengths of the rows of sides below which a long edge is a diagonal of the grid, sides.
@@ -59,7 +58,7 @@ class EdgeLength(QuantityEstimator):
         edges, cell = trace_edges(solution), solution.grid.cell_area
         mean, difference, spread = (part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact)))
         # Single summits have the ellipse of their curvature, others the shape of their traced edge.
-        even = (1.0 - _SLENDEREST) * mean > (1.0 + _SLENDEREST) * difference
+        even = is_elliptic(mean, difference, spread)
         single = np.where(even, 1.0 / (1.0 + (spread / calibration.UNEVEN) ** 4), 0.0)
         # Large patches may have holes or span the domain, so that no smooth convex edge bounds their quotient.
         large = solution.patches.cells >= _LARGE
@@ -135,7 +134,7 @@ def _elliptic_quotient(mean: Array, difference: Array) -> Array:
     """Return L^2 / (4 pi A) of Hertz's ellipse of these curvatures; the length of an ellipse is Ramanujan's."""
     known = mean > difference
     ratio = np.where(known, (mean - difference) / np.where(known, mean + difference, 1.0), 1.0)
-    axes = 1.0 / find_axes_ratio(np.maximum(ratio, _SLENDEREST))
+    axes = 1.0 / find_axes_ratio(ratio)
     half = 3.0 * (1.0 + axes) - np.sqrt((3.0 + axes) * (1.0 + 3.0 * axes))
     return np.asarray(half**2 / (4.0 * axes))
 

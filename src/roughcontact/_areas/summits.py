@@ -111,7 +111,8 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     squares = (parts - mean[..., np.newaxis]) ** 2 @ weights
     variance = squares[0] + 2.0 * squares[1] + squares[2]
     found = attrs.evolve(found, spread=np.sqrt(variance) / found.curvature)
-    known = found.known & ~_is_uneven_strip(found, curvature)
+    xx, xy, yy = curvature
+    known = found.known & is_elliptic(found.curvature, np.hypot(0.5 * (xx - yy), xy), found.spread)
     return attrs.evolve(found, known=known & ~_near_border(solution, found) & ~_near_non_measured(solution))
 
 
@@ -157,12 +158,14 @@ def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) ->
     )
 
 
-def _is_uneven_strip(found: Summits, curvature: Array) -> Mask:
-    """Mark long contacts whose curvature varies by more than the smaller principal one: they are not elliptic."""
-    xx, xy, yy = curvature
-    middle, difference = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
-    slender = middle - difference < SLENDEREST * (middle + difference)
-    return np.asarray(slender & (found.spread * middle > middle - difference))
+def is_elliptic(mean: Array, difference: Array, spread: Array) -> Mask:
+    """Return which summits have elliptic contacts, by half the sum and difference of their principal curvatures.
+
+    The curvature of the longer ones may vary by the smaller principal one at most; `spread` is relative to the mean.
+    """
+    smaller, larger = mean - difference, mean + difference
+    even = (smaller > _SLENDEREST_EVEN * larger) & (spread * mean < smaller)
+    return np.asarray((mean > 0.0) & ((smaller > SLENDEREST * larger) | even))
 
 
 def _move(found: Summits, slope: Array, curvature: Array, spacing: tuple[float, float]) -> Summits:
