@@ -18,6 +18,9 @@ _CLOSE = 1e-4
 _NEAR = 0.95
 # Fraction of the saturated area that may be undecided without a warning.
 _UNDECIDED = 0.05
+# Standard deviation of the position of the edge of saturated cells beyond that of the edge of the rest, cells: the
+# elastic ring around them is narrow. Measured on 60 balls whose maximum pressure by Hertz is 1.15 to 2.5 times it.
+_EDGE = 0.055
 _RUN_IN = "cells at the pressure limit hardly overlap, as on run-in surfaces: their saturated part is not determined"
 
 
@@ -44,7 +47,8 @@ def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEsti
     warnings = rest.warnings
     if undecided > _UNDECIDED * value:
         warnings += (_RUN_IN,)
-    uncertainty = float(np.hypot(rest.uncertainty, undecided))
+    edge = _EDGE * rest.perimeter * float(np.sqrt(solution.grid.cell_area)) if np.isfinite(rest.perimeter) else 0.0
+    uncertainty = float(np.hypot(np.hypot(rest.uncertainty, undecided), edge))
     fraction = value / solution.grid.area
     return attrs.evolve(rest, value=value, fraction=fraction, uncertainty=uncertainty, warnings=warnings, patches=None)
 
