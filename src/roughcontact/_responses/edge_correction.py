@@ -73,7 +73,8 @@ def correct_edges(
     cells_of = np.bincount(labels[np.flatnonzero(cells)], minlength=count + 1)[1:].astype(np.float64)
     lost, sides, squares = _measure_rows(solution, answer, cells)
     # A film that yields more than a cell makes the pressure even at the edge: cells act as what they are.
-    lost /= 1.0 + _EVEN * film * solution.modulus / math.sqrt(cell)
+    faded = 1.0 - 1.0 / (1.0 + _EVEN * film * solution.modulus / math.sqrt(cell))
+    lost *= 1.0 - faded
     acting = np.maximum(cells_of - lost, 0.3 * cells_of) * cell
     known = _find_areas(solution, cells_of, acting, area)
     width = np.where(sides > 0.0, 2.0 * acting / np.maximum(0.25 * np.pi * sides, 1e-300), np.inf) / math.sqrt(cell)
@@ -86,19 +87,25 @@ def correct_edges(
     correction = 2.0 * trust * slope * acting * (np.sqrt(growth) - 1.0)
     stiffness = _sum_patches(labels, answer, count) * cell
     total, nominal = float(stiffness.sum()), float(acting.sum())
+    unsure = _UNSURE * abs(float(correction.sum()))
     growing, in_film = float(np.sum(slope * acting)), np.zeros(count)
     if film > 0.0:
         in_film = film * _sum_patches(labels, answer**2, count) * cell
         at_edge = film * squares * math.sqrt(cell) / np.maximum(sides, 1e-300)
         counted = cells_of * cell
         grown = float(known.sum()) / float(counted.sum()) - 1.0
-        correction += trust * (at_edge * (known - counted) - in_film * grown)
+        of_film = trust * (at_edge * (known - counted) - in_film * grown)
+        correction += of_film
+        # Both parts mostly cancel, and how fast the first fades depends on the shape.
+        unsure += _UNSURE * abs(float(of_film.sum())) + faded * float(np.sum(slope * lost)) * cell
         growing += float(in_film.sum())
     # What the film does not take the edges take.
     open_part = max(1.0 - float(in_film.sum()) / total, 0.0) if total > 0.0 else 0.0
     by_area = growing / nominal * area.uncertainty if nominal > 0.0 else 0.0
-    by_cells = open_part * _CELLS * math.sqrt(float(np.sum((stiffness / np.maximum(width, 0.5) ** 1.5) ** 2)))
-    unsure = _UNSURE * abs(float(correction.sum()))
+    # The longer sides of the cells place the edge.
+    oblong = max(solution.grid.spacing) / math.sqrt(cell)
+    by_patch = stiffness * (oblong / np.maximum(width, 0.5)) ** 1.5
+    by_cells = open_part * _CELLS * math.sqrt(float(np.sum(by_patch**2)))
     # Near full contact the stiffness grows much faster than the area.
     common = open_part * _COMMON * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
     return EdgeCorrection(correction, math.hypot(by_area, by_cells, unsure, common))

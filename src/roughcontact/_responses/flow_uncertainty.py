@@ -47,7 +47,9 @@ def estimate_uncertainty(
     """
     flow = float(lost.sum())
     rule = _compare_rules(network, faces, flow)
-    near = 1.0 / _find_distances(network, open_cells, aspect=aspect, periodic=periodic)
+    # The longer sides of the cells place the edge of the contact.
+    oblong = math.sqrt(max(aspect, 1.0 / aspect))
+    near = oblong / _find_distances(network, open_cells, aspect=aspect, periodic=periodic)
     squared, cubed = (float(np.sum(lost * near**power)) / flow for power in (2, 3))
     residual = 3.0 * gap_error * float(np.sum(lost / network.film)) / flow
     return math.hypot(_THROATS * math.sqrt(rule * squared), _RULE * rule, _EDGES * cubed, residual)
