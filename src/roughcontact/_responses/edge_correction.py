@@ -71,7 +71,7 @@ def correct_edges(
     count, cell = solution.patches.count, solution.grid.cell_area
     labels = solution.patches.labels.ravel()
     cells_of = np.bincount(labels[np.flatnonzero(cells)], minlength=count + 1)[1:].astype(np.float64)
-    lost, sides, squares = _measure_rows(solution, answer, cells)
+    lost, sides, squares, along = _measure_rows(solution, answer, cells)
     # A film that yields more than a cell makes the pressure even at the edge: cells act as what they are.
     faded = 1.0 - 1.0 / (1.0 + _EVEN * film * solution.modulus / math.sqrt(cell))
     lost *= 1.0 - faded
@@ -91,7 +91,7 @@ def correct_edges(
     growing, in_film = float(np.sum(slope * acting)), np.zeros(count)
     if film > 0.0:
         in_film = film * _sum_patches(labels, answer**2, count) * cell
-        at_edge = film * squares * math.sqrt(cell) / np.maximum(sides, 1e-300)
+        at_edge = film * along / np.maximum(sides, 1e-300)
         counted = cells_of * cell
         grown = float(known.sum()) / float(counted.sum()) - 1.0
         of_film = trust * (at_edge * (known - counted) - in_film * grown)
@@ -133,10 +133,10 @@ def _sum_patches(labels: IntArray, values: Array, count: int) -> Array:
     return np.asarray(np.bincount(labels, weights=values.ravel(), minlength=count + 1)[1:], dtype=np.float64)
 
 
-def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tuple[Array, Array, Array]:
-    """Return the area that each patch lacks, in cells; the length of its sides, m; and the sum of q^2 over them."""
+def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tuple[Array, Array, Array, Array]:
+    """Return what each patch lacks, in cells; the length of its sides, m; sum and integral of q^2 over them."""
     count, labels = solution.patches.count, solution.patches.labels
-    lost, sides, squares = np.zeros(count + 1), np.zeros(count + 1), np.zeros(count + 1)
+    lost, sides, squares, along = (np.zeros(count + 1) for _ in range(4))
     for axis in (0, 1):
         # Rows of sides that face x lie along y, and the other way round.
         mask, contact = (marked if axis == 0 else marked.T for marked in (cells, solution.contact))
@@ -152,8 +152,10 @@ def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tupl
             loss = _find_loss(lengths, mask.shape[1], across / side)
             lost += np.bincount(members[starts], weights=loss, minlength=count + 1)
             sides += side * np.bincount(members, minlength=count + 1)
-            squares += np.bincount(members, weights=field[i, j] ** 2, minlength=count + 1)
-    return lost[1:], sides[1:], squares[1:]
+            square = np.bincount(members, weights=field[i, j] ** 2, minlength=count + 1)
+            squares += square
+            along += side * square
+    return lost[1:], sides[1:], squares[1:], along[1:]
 
 
 def _shift(mask: Mask, step: int, boundary: Boundary) -> Mask:

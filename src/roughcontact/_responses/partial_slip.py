@@ -278,9 +278,9 @@ def _approach_std(contact: ContactSolution, stuck: ContactSolution) -> float:
     """Return the standard deviation of the difference of two approaches, m: close to each other they err alike."""
     if stuck is contact:
         return 0.0
-    sliding = (contact.force - stuck.force) / contact.force
-    alike = sliding / math.hypot(sliding, _CANCELLED)
+    alike = (sliding := 1.0 - stuck.force / contact.force) / math.hypot(sliding, _CANCELLED)
     solved = (one.residuals.error * one.residuals.scale for one in (contact, stuck))
+    alike *= max(contact.grid.spacing) / min(contact.grid.spacing)
     std = math.hypot(*(alike * find_shift(one)[1] for one in (contact, stuck)), *solved)
     # However few the cells, the difference lies between zero and some twice its value.
     return min(std, abs(contact.approach - stuck.approach))
