@@ -25,6 +25,7 @@ from pathlib import Path
 import contact_classes as contacts
 import numpy as np
 import rough_classes as rough
+import unkind_classes as unkind
 from contact_classes import Case
 
 import roughcontact as rc
@@ -65,11 +66,13 @@ LOST = {
     "lost-blurred": partial(rough.maps, kind="blurred", original=True),
     "lost-upsampled": partial(rough.maps, kind="upsampled", original=True),
 }
+# Long domains and cells, slender ellipses, tips, holes: closed forms, in two minutes; named "unkind" together.
+UNKIND = unkind.CLASSES
 Judged = tuple[rc.ContactSolution, float, float, Case]  # solution, true area and its standard deviation (m2), case
 
 
 def list_cases(name: str, split: str) -> list[Case]:
-    return list({**CLASSES, **LOST}[name](split))
+    return list({**CLASSES, **LOST, **UNKIND}[name](split))
 
 
 # --- true values ------------------------------------------------------------------------------------------------------
@@ -247,7 +250,8 @@ def report(
 
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--classes", default="all", help=f"names or beginnings of: {', '.join((*CLASSES, *LOST))}")
+    every = (*CLASSES, *LOST, *UNKIND)
+    parser.add_argument("--classes", default="all", help=f"all, unkind, or names or beginnings of: {', '.join(every)}")
     parser.add_argument("--split", default="tuned", choices=SPLITS)
     parser.add_argument("--estimator", default="blend")
     parser.add_argument("--cache", type=Path, help="folder of the solutions (or the variable AREA_CLASSES_CACHE)")
@@ -258,8 +262,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--references", action="store_true", help="compute the true values that are missing")
     options = parser.parse_args(arguments)
     wanted = tuple(options.classes.split(","))
-    every = (*CLASSES, *LOST)
-    names = list(CLASSES) if options.classes == "all" else [name for name in every if name.startswith(wanted)]
+    groups = {"all": list(CLASSES), "unkind": list(UNKIND)}
+    names = groups.get(options.classes) or [name for name in every if name.startswith(wanted)]
     if options.references:
         find_references(names)
         return

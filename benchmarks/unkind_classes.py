@@ -1,0 +1,188 @@
+"""Classes of contacts of unkind geometry with closed forms: long domains and cells, slender ellipses, tips, holes.
+
+As in `benchmarks/contact_classes.py`, each has a tuned, a held-out and a fresh split of other seeds. All boundaries are
+free but those of strips; numbers of cells are odd, composite and prime; the modulus is 1 Pa.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+from contact_classes import ELASTIC, Case, generator, group_of_radius, log_uniform
+from scipy.special import ellipe, gamma
+
+import roughcontact as rc
+from roughcontact.reference import Westergaard, hertz_elliptic
+
+COUNT = 30  # cases of each class
+SHORT_SIDES = (13, 15, 17, 21, 24, 25)  # cells: odd, composite, prime
+
+
+def summit(
+    shape: tuple[int, int],
+    cell: tuple[float, float],
+    center: tuple[float, float],
+    curvatures: tuple[float, float],
+    power: float = 2.0,
+    holes: tuple[float, int, int] | None = None,
+) -> rc.ContactProblem:
+    """Return the summit r^power / power, r^2 = curvatures (x^2, y^2), on cells of these sides.
+
+    Of the cells beyond the radius holes[0] + 1 the fraction 1 / holes[1] is not measured, by the seed holes[2].
+    """
+    grid = rc.Grid(shape, (shape[0] * cell[0], shape[1] * cell[1]))
+    x, y = grid.x - center[0], grid.y - center[1]
+    heights = -((curvatures[0] * x**2 + curvatures[1] * y**2) ** (power / 2)) / power
+    if holes is None:
+        return rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=grid.size), ELASTIC))
+    radius, every, seed = holes
+    mask = (np.random.default_rng(seed).random(shape) < 1.0 / every) & (np.hypot(x, y) > radius + 1.0)
+    return rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=grid.size, non_measured=mask), ELASTIC))
+
+
+def summit_case(
+    label: str,
+    semi_axes: tuple[float, float],
+    shape: tuple[int, int],
+    cell: tuple[float, float],
+    center: tuple[float, float],
+    curvatures: tuple[float, float],
+    force: float,
+) -> Case:
+    a, b = semi_axes
+    true = {"area": math.pi * a * b, "perimeter": 4 * a * float(ellipe(1 - (b / a) ** 2))}
+    width = b / math.sqrt(cell[0] * cell[1])
+    make = partial(summit, shape, cell, center, curvatures)
+    return Case(make, {"force": force}, label, group_of_radius(min(width, 98.0)), true)
+
+
+def long_domain(split: str) -> Iterator[Case]:
+    """Balls anywhere in domains 1 : 8 and 8 : 1, at least two cells of a border away."""
+    random = generator("long-domain", split)
+    for number in range(COUNT):
+        short = int(random.choice(SHORT_SIDES))
+        shape = (8 * short + 1, short) if number % 2 else (short, 8 * short + 1)
+        a = log_uniform(random, 0.7, 0.5 * short - 3.0)
+        free = [max(0.5 * n - a - 3.0, 0.0) for n in shape]
+        center = (random.uniform(-free[0], free[0]), random.uniform(-free[1], free[1]))
+        curvature = 1e-3 / a
+        yield summit_case(
+            f"{shape}, a = {a:.3g} cells, {number}", (a, a), shape, (1.0, 1.0), center, (curvature, curvature),
+            4 * a**3 * curvature / 3,
+        )  # fmt: skip
+
+
+def long_cells(split: str) -> Iterator[Case]:
+    """Balls on cells 1 : 3 and 3 : 1."""
+    random = generator("long-cells", split)
+    for number in range(COUNT):
+        long = 3.0 if number % 3 else 2.0
+        cell = (long, 1.0) if number % 2 else (1.0, long)
+        a = log_uniform(random, 1.5, 14.0)
+        shape = tuple(2 * math.ceil(1.5 * a / side + 4) + number % 2 for side in cell)
+        center = (random.uniform(-0.5, 0.5) * cell[0], random.uniform(-0.5, 0.5) * cell[1])
+        curvature = 1e-3 / a
+        yield summit_case(
+            f"cells {cell}, a = {a:.3g}, {number}", (a, a), shape, cell, center, (curvature, curvature),
+            4 * a**3 * curvature / 3,
+        )  # fmt: skip
+
+
+def slender(split: str) -> Iterator[Case]:
+    """Ellipses of radii 3 to 50 : 1 in domains of their shape."""
+    random = generator("slender", split)
+    for number in range(COUNT):
+        ratio, b = log_uniform(random, 3.0, 50.0), log_uniform(random, 0.7, 6.0)
+        radius = 1e3 * b
+        unit = hertz_elliptic(1.0, (ratio * radius, radius), 1.0)
+        force = (b / unit.semi_axes[1]) ** 3  # all lengths of the contact grow with the cube root of the load
+        a = unit.semi_axes[0] * b / unit.semi_axes[1]
+        shape = (2 * math.ceil(1.3 * a + 3) + number % 2, 2 * math.ceil(1.3 * b + 3) + number % 3 % 2)
+        center = (random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5))
+        curvatures = (1.0 / (ratio * radius), 1.0 / radius)
+        if turned := number % 4 > 1:
+            shape, curvatures = shape[::-1], curvatures[::-1]
+        yield summit_case(
+            f"radii {ratio:.3g} : 1, axes {a:.3g} {b:.3g} cells{', turned' * turned}, {number}",
+            (a, b), shape, (1.0, 1.0), center, curvatures, force,
+        )  # fmt: skip
+
+
+def tip(split: str, power: float) -> Iterator[Case]:
+    """Tips r^power of many sizes; see `contact_classes.cone` for the closed form."""
+    random = generator("tip", power, split)
+    kappa = math.sqrt(math.pi) * gamma(power / 2 + 1) / gamma((power + 1) / 2)
+    for number in range(COUNT):
+        a = log_uniform(random, 0.7, 16.0)
+        cells = 2 * math.ceil(1.6 * a + 5) + number % 2
+        center = (0.0, 0.0) if number % 4 == 0 else (random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5))
+        c = 1e-3 / a ** (power - 1)
+        scale = (power * c) ** (2 / power)
+        yield Case(
+            partial(summit, (cells, cells), (1.0, 1.0), center, (scale, scale), power),
+            {"force": 2 * power * kappa * c * a ** (power + 1) / (power + 1)},
+            f"r^{power:g}, a = {a:.3g} cells, {number}",
+            group_of_radius(a),
+            {"area": math.pi * a**2, "approach": kappa * c * a**power, "perimeter": 2 * math.pi * a},
+        )
+
+
+def holes_outside(split: str) -> Iterator[Case]:
+    """Balls with 1 to 10 % single non-measured points, all outside the contact."""
+    random = generator("holes-outside", split)
+    for number in range(COUNT):
+        a = log_uniform(random, 1.5, 16.0)
+        cells = 2 * math.ceil(1.6 * a + 6) + number % 2
+        center = (random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5))
+        every = (100, 33, 10)[number % 3]
+        curvature = 1e-3 / a
+        yield Case(
+            partial(
+                summit, (cells, cells), (1.0, 1.0), center, (curvature, curvature), holes=(a, every, 97 * number + 1)
+            ),
+            {"force": 4 * a**3 * curvature / 3},
+            f"a = {a:.3g} cells, one of {every}, {number}",
+            group_of_radius(a),
+            {"area": math.pi * a**2, "perimeter": 2 * math.pi * a},
+        )
+
+
+def long_strip(shape: tuple[int, int], size: tuple[float, float], along: tuple[int, int]) -> rc.ContactProblem:
+    grid = rc.Grid(shape, size)
+    phase = 2 * np.pi * (along[0] * grid.x / size[0] + along[1] * grid.y / size[1])
+    heights = 0.01 * np.cos(phase + 1.0)
+    return rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=size, periodic=True), ELASTIC), boundary="periodic")
+
+
+def strips(split: str) -> Iterator[Case]:
+    """Oblique waves 2:3, 1:3, 1:4 and straight ones, on square and on long cells, with odd numbers of cells."""
+    random = generator("strips-unkind", split)
+    for number in range(COUNT):
+        along = ((2, 3), (1, 3), (4, 1), (3, 1), (2, 0), (0, 3))[number % 6]
+        size = ((1.0, 1.0), (1.0, 3.0), (3.0, 1.0))[number // 6 % 3]
+        cells = int(random.integers(30, 60)) * 2 + 1
+        wavelength = 1.0 / math.hypot(along[0] / size[0], along[1] / size[1])
+        exact = Westergaard(0.01, wavelength, 1.0)
+        fraction = random.uniform(0.1, 0.8)
+        pressure = exact.full_contact_pressure * math.sin(0.5 * math.pi * fraction) ** 2
+        coarse = math.sqrt(size[0] * size[1]) / cells
+        yield Case(
+            partial(long_strip, (cells, cells), size, along),
+            {"pressure": pressure},
+            f"{along}, {size}, {100 * fraction:.3g} % of N = {cells}, {number}",
+            group_of_radius(0.5 * fraction * wavelength / coarse),
+            {"area": fraction * size[0] * size[1], "perimeter": 2 * size[0] * size[1] / wavelength},
+        )
+
+
+CLASSES = {
+    "long-domain": long_domain,
+    "long-cells": long_cells,
+    "slender": slender,
+    **{f"tip-{power:g}": partial(tip, power=power) for power in (1.0, 1.5, 2.0, 3.0, 4.0)},
+    "strips-unkind": strips,
+    "holes-outside": holes_outside,
+}
