@@ -116,3 +116,19 @@ def test_the_saturated_area_of_a_smooth_body_has_no_false_warning(cells):
     assert not found.warnings
     assert found.uncertainty < 0.01 * found.value
     assert found.value == pytest.approx(fine.value, rel=5e-3)
+
+
+@pytest.mark.parametrize("cells", [(1.0, 3.0), (3.0, 1.0)])
+def test_areas_of_rough_contacts_on_long_cells_hold_their_uncertainty(cells):
+    """Against grids of six times as many cells along each axis; about one in twenty may miss two deviations."""
+    misses = 0
+    for seed in range(8):
+        shape = (72, 24) if cells[0] < cells[1] else (24, 72)
+        surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.05, shortest=18.0, longest=72.0, seed=seed)
+        grid = rc.Grid(shape, (shape[0] * cells[0], shape[1] * cells[1]))
+        problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), grid=grid, boundary="periodic")
+        area = problem.solve(pressure=5e-3).area()
+        fine = rc.on_grid(problem, (6 * shape[0], 6 * shape[1])).solve(pressure=5e-3).area()
+        misses += abs(area.value - fine.value) > 2.0 * area.uncertainty
+        assert area.uncertainty < 0.1 * area.value
+    assert misses <= 1
