@@ -6,7 +6,10 @@ import itertools
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+import roughcontact as rc
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
 
@@ -23,3 +26,22 @@ def test_the_true_area_is_within_two_standard_deviations(name):
         area = case.problem().solve(**case.load).area()
         ratios.append(abs(area.value - case.true["area"]) / area.uncertainty)
     assert sum(ratio <= 2.0 for ratio in ratios) >= 14, max(ratios)
+
+
+def press_rough(shape, seed, load):
+    surface = rc.SelfAffineSurface(
+        hurst=(0.3, 0.8)[seed % 2], rms_slope=0.1, shortest=24.0 / 23.5, longest=4.0, seed=700 + seed
+    )
+    body = rc.Body(surface, rc.Elastic(1.0, 0.0))
+    return rc.ContactProblem(body, grid=rc.Grid(shape, 8.0), boundary="periodic").solve(pressure=load).area()
+
+
+def test_rough_contacts_on_cells_three_times_as_long_as_wide_are_within_two():
+    ratios = []
+    for seed, load in enumerate(np.geomspace(1e-3, 1.5e-2, 6)):
+        true = press_rough((192, 192), seed, load).value
+        for cells in (24, 32, 48):
+            for shape in ((cells, 3 * cells), (3 * cells, cells)):
+                area = press_rough(shape, seed, load)
+                ratios.append(abs(area.value - true) / area.uncertainty)
+    assert np.mean(np.array(ratios) <= 2.0) >= 0.93, max(ratios)

@@ -41,10 +41,12 @@ def total_area(
     total = float(values.sum())
     value = min(total, grid.area)
     values = values * (value / total if total > 0.0 else 1.0)
+    # Edges err by parts of the longer side of the cells, not of the mean side in which they are measured.
+    oblong = math.sqrt(max(grid.spacing) / min(grid.spacing))
     return Area(
         value,
         value / grid.area,
-        math.sqrt(float(np.sum(stds**2)) + common**2 + edges.border**2),
+        oblong * math.sqrt(float(np.sum(stds**2)) + common**2 + edges.border**2),
         name,
         perimeter=float(edges.length.sum()),
         patches=values[1:],
