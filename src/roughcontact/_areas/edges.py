@@ -120,8 +120,6 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     one, two = (trace_contour(solution, sharp, stride) for stride in (1, 2))
     fine, coarse = _correct(solution, one, 1), _correct(solution, two, 2)
     cell, cells = solution.grid.cell_area, solution.patches.cells
-    # Positions across the edge err with the longer side of a cell.
-    stretch = np.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
     # The edge of a patch varies at least as half the edge of a disc of as many cells.
     half_disc = np.sqrt(np.pi * cell * np.concatenate(([0], cells)))
     std = calibration.WANDER * np.sqrt(_SIDES * np.maximum(one.length, half_disc) / np.sqrt(cell)) * cell
@@ -138,25 +136,22 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         refined=(4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED * meeting,
         length=one.length,
         sharp=one.sharp,
-        std=stretch**1.5 * np.hypot(std * (small + _STAIRS * one.sharp), few),
+        std=np.hypot(std * (small + _STAIRS * one.sharp), few),
         alike=_count(one.alike),
         strip=strip,
         curvature_resolution=ratio,
-        excess=np.minimum(stretch * calibration.EXCESS * ratio * strip, _LARGEST_EXCESS * fine),
-        excess_refined=np.minimum(stretch * calibration.EXCESS_REFINED * ratio**2 * strip, _LARGEST_EXCESS * fine),
+        excess=np.minimum(calibration.EXCESS * ratio * strip, _LARGEST_EXCESS * fine),
+        excess_refined=np.minimum(calibration.EXCESS_REFINED * ratio**2 * strip, _LARGEST_EXCESS * fine),
         saturated=calibration.SATURATED * _saturated_weight(solution) * strip,
         unseen=np.where(narrow, calibration.UNSEEN * ratio**2 * fine, 0.0) + calibration.NON_MEASURED_STD * meeting,
         width=width,
         roundness=_measure_roundness(width, counted),
         border=_border_std(solution) * cell,
         topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _LARGE))) * cell,
-        shift=stretch
-        * (
-            calibration.SHIFT
-            + calibration.LAYERED_SHIFT * find_modulus_change(solution)
-            + _measure_rims(solution)
-            + calibration.SLENDER * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE)
-        ),
+        shift=calibration.SHIFT
+        + calibration.LAYERED_SHIFT * find_modulus_change(solution)
+        + _measure_rims(solution)
+        + calibration.SLENDER * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE),
     )
 
 
