@@ -45,3 +45,10 @@ def test_rough_contacts_on_cells_three_times_as_long_as_wide_are_within_two():
                 area = press_rough(shape, seed, load)
                 ratios.append(abs(area.value - true) / area.uncertainty)
     assert np.mean(np.array(ratios) <= 2.0) >= 0.93, max(ratios)
+
+
+@pytest.mark.parametrize("name", unkind_classes.CLASSES)
+def test_an_area_that_errs_by_more_than_a_tenth_warns(name):
+    for case in unkind_classes.CLASSES[name]("tuned"):
+        area = case.problem().solve(**case.load).area()
+        assert area.warnings or abs(area.value / case.true["area"] - 1.0) < 0.1, case.label

@@ -21,6 +21,8 @@ _SMOOTH = 0.4
 _CELLS = 5.5
 # Logarithm of the change of E* over two octaves of wavelength above which the edge is uncertain by 0.03 cells.
 _LAYERED = 0.3
+# Relative uncertainty above which two of it are more than 10 % of the area.
+_UNCERTAIN = 0.05
 
 
 def total_area(
@@ -43,14 +45,18 @@ def total_area(
     values = values * (value / total if total > 0.0 else 1.0)
     # Edges err by parts of the longer side of the cells, not of the mean side in which they are measured.
     oblong = math.sqrt(max(grid.spacing) / min(grid.spacing))
+    uncertainty = oblong * math.sqrt(float(np.sum(stds**2)) + common**2 + edges.border**2)
+    warnings = list_warnings(solution, edges.curvature_resolution)
+    if not warnings and uncertainty > _UNCERTAIN * value:
+        warnings = ("the grid hardly determines the area, whose uncertainty is above 5 %: refine the grid",)
     return Area(
         value,
         value / grid.area,
-        oblong * math.sqrt(float(np.sum(stds**2)) + common**2 + edges.border**2),
+        uncertainty,
         name,
         perimeter=float(edges.length.sum()),
         patches=values[1:],
-        warnings=list_warnings(solution, edges.curvature_resolution),
+        warnings=warnings,
     )
 
 
