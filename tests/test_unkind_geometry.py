@@ -132,3 +132,17 @@ def test_areas_of_rough_contacts_on_long_cells_hold_their_uncertainty(cells):
         misses += abs(area.value - fine.value) > 2.0 * area.uncertainty
         assert area.uncertainty < 0.1 * area.value
     assert misses <= 1
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (96, 32), (37, 71)])
+def test_points_missing_outside_a_contact_cut_by_a_free_border_hardly_change_its_area(shape):
+    for seed, fraction in ((0, 0.01), (1, 0.03), (2, 0.03)):
+        surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.05, shortest=6.0, longest=float(min(shape)), seed=seed)
+        heights = np.array(surface.heights(rc.Grid(shape, (float(shape[0]), float(shape[1])))))
+        measured = rc.HeightMap(heights, size=(float(shape[0]), float(shape[1])))
+        whole = rc.ContactProblem(rc.Body(measured, rc.Elastic(1.0, 0.0))).solve(pressure=2e-3)
+        missing = (np.random.default_rng(seed).random(shape) < fraction) & ~whole.contact
+        holed = rc.HeightMap(np.where(missing, np.nan, heights), size=measured.size)
+        area = rc.ContactProblem(rc.Body(holed, rc.Elastic(1.0, 0.0))).solve(pressure=2e-3).area()
+        assert area.value == pytest.approx(whole.area().value, rel=0.01)
+        assert area.uncertainty < 2.0 * whole.area().uncertainty

@@ -75,10 +75,10 @@ def _measure_heights(solution: ContactSolution) -> tuple[float, float]:
 
 
 def _find_ratios(solution: ContactSolution) -> tuple[float, float]:
-    contact = solution.contact
+    chosen = np.flatnonzero(solution.contact)
     if solution.non_measured is not None:
-        contact = contact & ~grow(solution.non_measured, 2, solution.boundary)
-    chosen = np.flatnonzero(contact)
+        beside = grow(solution.non_measured, 2, solution.boundary)
+        chosen = chosen[~beside[_find_centres(solution, chosen, 2)]]
     chosen = chosen[:: max(1, chosen.size // _SAMPLE)]
     if chosen.size == 0:
         return 0.0, 0.0
@@ -135,6 +135,18 @@ def _find_hessian(solution: ContactSolution, chosen: IntArray) -> tuple[Array, A
     return along_x / dx**2, along_y / dy**2, (rising - falling) / (4.0 * dx * dy)
 
 
+def _find_centres(solution: ContactSolution, chosen: IntArray, reach: int) -> tuple[IntArray, IntArray]:
+    """Return the rows and columns of the centres of stencils at cells: at a free border they are moved inside."""
+    i, j = split(chosen, solution.grid.shape[1])
+    if solution.boundary is not Boundary.FREE:
+        return i, j
+    row, column = (
+        np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k
+        for k, n in zip((i, j), solution.grid.shape, strict=True)
+    )
+    return row, column
+
+
 def _gather_lines(
     solution: ContactSolution, chosen: IntArray, reach: int, lines: int
 ) -> list[tuple[Array, list[Array]]]:
@@ -142,11 +154,7 @@ def _gather_lines(
 
     Only for the first so many of these lines.
     """
-    nx, ny = solution.grid.shape
-    i, j = split(chosen, ny)
-    if solution.boundary is Boundary.FREE:
-        # At a free border the stencil is moved inside.
-        i, j = (np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k for k, n in ((i, nx), (j, ny)))
+    i, j = _find_centres(solution, chosen, reach)
     near = Surroundings.of(i, j, solution.grid.shape, solution.boundary, reach)
     heights = solution.initial_gap.ravel()
     here, steps = heights.take(near.at(0, 0)), range(1, reach + 1)
