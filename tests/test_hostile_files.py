@@ -42,9 +42,13 @@ RUNNING = {
 }
 events: list[str] = []
 watching = False
+# What takes the place of a file at the moment in which it is opened, by its name.
+swapped: dict[str, str] = {}
 
 
 def note(event, arguments):
+    if event == "open" and swapped and (target := swapped.pop(str(arguments[0]), None)):
+        os.replace(target, arguments[0])
     if watching and (event in RUNNING or (event == "import" and arguments[0].startswith("trap"))):
         events.append(f"{event}{arguments}")
 
@@ -651,6 +655,18 @@ def test_a_list_of_records_is_a_file(tmp_path):
     (tmp_path / "device.json").symlink_to("/dev/zero")
     for name in ("pipe.json", "device.json"):
         assert read_index(tmp_path / name) == {}
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes and devices")
+@pytest.mark.parametrize("what", ["device", "pipe"])
+@pytest.mark.parametrize("name", ["solution.npz", "solution.nc"])
+def test_a_file_that_is_swapped_while_it_is_opened_is_refused(files, tmp_path, monkeypatch, name, what):
+    path, other = tmp_path / name, tmp_path / "other"
+    path.write_bytes((files / name).read_bytes())
+    other.symlink_to("/dev/zero") if what == "device" else os.mkfifo(other)
+    monkeypatch.setitem(swapped, str(path), str(other))
+    refuse(path, "There is no file", tmp_path, monkeypatch)
+    assert not swapped
 
 
 def test_maps_that_deflate_well_are_read(tmp_path):

@@ -54,7 +54,7 @@ def read_netcdf(path: Path) -> tuple[dict[str, RealArray], dict[str, Any]]:
         raise MissingPackage("netCDF needs the package h5py: pip install 'roughcontact[store]'.") from None
     packed = {}
     with opened(path) as stream, h5py.File(stream, "r") as file:
-        left = path.stat().st_size
+        left = os.fstat(stream.fileno()).st_size
         for name in file:
             link = file.get(name, getlink=True)
             item = file[name] if isinstance(link, h5py.HardLink) else None

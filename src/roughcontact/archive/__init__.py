@@ -14,6 +14,7 @@ import json
 import math
 import os
 import re
+import stat
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -30,6 +31,8 @@ RealArray: TypeAlias = npt.NDArray[Any]
 HEADER = "header"
 # Version of the file format; a change that older versions cannot read counts up.
 FORMAT = 1
+# How a file is opened; a pipe is not waited for.
+_READING = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 # Hexadecimal digits of a SHA-256 digest.
 _DIGITS = 64
 SEAL = f"roughcontact file, format {FORMAT}, sha256 ".encode() + _DIGITS * b"0"
@@ -90,11 +93,14 @@ def opened(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
     if not file.is_file():
         raise InputError(f"There is no file {str(file)!r}.")
     try:
-        stream = file.open("rb")
+        descriptor = os.open(file, _READING)
     except OSError as error:
         raise InputError(f"The file {file.name} cannot be read: {error.strerror}.") from error
     try:
-        with stream:
+        with os.fdopen(descriptor, "rb") as stream:
+            # A device or a pipe may have taken its place meanwhile.
+            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+                raise InputError(f"There is no file {str(file)!r}.")
             found = _sealed_format(stream)
             if found != FORMAT:
                 advice = f"this version of roughcontact reads format {FORMAT}: use the version that wrote it"
@@ -215,7 +221,7 @@ def _sealed_format(file: IO[bytes]) -> int:
     """Return the number of a file's format; ValueError if its content has another checksum than its seal."""
     size = file.seek(0, os.SEEK_END)
     file.seek(max(0, size - 2 * len(SEAL)))
-    found = _SEALED.search(file.read())
+    found = _SEALED.search(file.read(2 * len(SEAL)))
     if found is None:
         raise ValueError("it does not end with a checksum")
     if _checksum(file, size - _DIGITS) != found[0][-_DIGITS:]:

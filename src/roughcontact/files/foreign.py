@@ -41,7 +41,7 @@ def find_foreign(file: Path) -> str:
     with contextlib.suppress(OSError), file.open("rb") as stream:
         start = stream.read(_LOOKED_AT).lstrip(b"\xef\xbb\xbf \t\r\n").lower()
         stream.seek(max(0, stream.seek(0, os.SEEK_END) - 2 * len(SEAL)))
-        end = stream.read()
+        end = stream.read(2 * len(SEAL))
     if SEAL[:20] in end:
         return (
             f"it is a saved solution, not a height map: ContactSolution.load({file.name!r}) reads it, and the command "
