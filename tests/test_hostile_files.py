@@ -257,6 +257,52 @@ def test_an_array_is_not_copied_more_often_than_the_file_is_long(files, tmp_path
     refuse(tmp_path / "hostile.npz", "its problem names take 131072000 bytes", tmp_path, monkeypatch)
 
 
+def cut_off(surface, length):
+    return {**surface, "fields": {**surface["fields"], "rms_cutoff": length}}
+
+
+WAVES = part("surface", "self-affine", hurst=0.8, shortest=3e-5, longest=1e-4, rms_height=1e-8)
+# The place in the header, what is put there, and the sentence; 120 cells are computed in a millisecond.
+WORK = {
+    "waves": (SURFACE, cut_off(WAVES, 1e-9), "40000400001 waves on 120 cells"),
+    "parts": (SURFACE, part("surface", "sum", parts=[cut_off(WAVES, 1e-6)] * 200), "202 surfaces of its problem"),
+    "plain parts": (SURFACE, part("surface", "sum", parts=[part("surface", "flat")] * 9000), "9002 surfaces"),
+    "nested parts": (
+        SURFACE,
+        part("surface", "sum", parts=[part("surface", "sum", parts=[cut_off(WAVES, 1e-6)] * 20)] * 10),
+        "212 surfaces of its problem",
+    ),
+    "cells": (("problem", "fields", "grid"), part("part", "roughcontact:Grid", shape=[9000, 9000], size=1e-4), "9000"),
+}
+
+
+@pytest.mark.parametrize("name", WORK)
+def test_no_file_takes_more_work_than_its_cells_warrant(files, tmp_path, monkeypatch, name):
+    place, value, words = WORK[name]
+    arrays, header = read_archive(files / "solution.npz")
+    inner = header
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
+    header["key"] = ""
+    write_archive(tmp_path / "hostile.npz", arrays, header)
+    refuse(tmp_path / "hostile.npz", words, tmp_path, monkeypatch)
+
+
+@pytest.mark.parametrize("boundary", ["free", "wrapped"])
+def test_what_the_direct_sum_solved_is_verified_by_transforms(tmp_path, monkeypatch, boundary):
+    surface = rc.SelfAffineSurface(hurst=0.8, shortest=3e-5, longest=1e-4, rms_height=1e-8, rms_cutoff=4e-6)
+    problem = rc.ContactProblem(
+        rc.Body(surface, rc.Elastic(2e11, 0.3)), grid=rc.Grid((27, 16), 1e-4), boundary=boundary, convolver="direct"
+    )
+    solution = problem.solve(pressure=1e6)
+    solution.save(tmp_path / "solution.npz")
+    monkeypatch.setattr("roughcontact._convolvers.direct._DirectSum.apply", None)
+    loaded = rc.ContactSolution.load(tmp_path / "solution.npz")
+    np.testing.assert_array_equal(loaded.pressure, solution.pressure)
+    assert loaded.origin.problem["convolver"] == "direct"
+
+
 def npy(array):
     stream = io.BytesIO()
     np.save(stream, array, allow_pickle=True)

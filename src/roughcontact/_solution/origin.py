@@ -11,7 +11,7 @@ from typing import Any
 import attrs
 
 from roughcontact._materials import Material
-from roughcontact._surfaces import HeightMap
+from roughcontact._surfaces import HeightMap, SelfAffineSurface, Surface
 from roughcontact._surfaces.continuation import find_maps
 from roughcontact.checks import RealArray
 from roughcontact.description import (
@@ -24,8 +24,13 @@ from roughcontact.description import (
     rebuild_fields,
 )
 from roughcontact.errors import InputError
+from roughcontact.grid import Grid
 
 _PROBLEM = {"kind": "part", "name": "roughcontact:ContactProblem"}
+
+
+# Heights and waves that the surfaces of a problem from a file may have, beside a multiple of its cells.
+_NUMBERS, _NUMBERS_PER_CELL = 2**20, 32
 
 
 def _forget() -> None:
@@ -98,12 +103,38 @@ class Origin:
         except InputError:
             return {}
 
+    def bound(self, grid: Grid) -> Mapping[str, Any]:
+        """Return the arguments of the problem with which a solution on a grid is verified.
+
+        `InputError` if it has another grid, or its heights take far more work than those cells: then a file of some
+        kilobytes could take the memory and hours of whoever loads it.
+        """
+        problem = self.problem
+        bodies = [problem[name] for name in ("body", "counterbody") if name in problem]
+        known = (problem.get("grid"), *(body.own_grid for body in bodies))
+        own = next((found for found in known if found is not None), None)
+        if own is None or not grid.matches(own):
+            raise InputError(f"It is not a solution on the grid of its problem, {own}.")
+        surfaces = [surface for body in bodies for surface in _list_surfaces(body.surface)]
+        waves = sum(surface.count_waves(grid) for surface in surfaces if isinstance(surface, SelfAffineSurface))
+        if waves + len(surfaces) * grid.cells > _NUMBERS + _NUMBERS_PER_CELL * grid.cells:
+            raise InputError(
+                f"The {len(surfaces)} surfaces of its problem have {waves} waves on {grid.cells} cells, too many "
+                "for a file: ContactSolution.load(..., verify=False) takes its fields and residuals as they are."
+            )
+        return problem
+
     def describe(self, arrays: dict[str, RealArray]) -> Described:
         """Return the problem as plain data; see `roughcontact.description.describe`."""
         if self._problem is not None:
             return {**_PROBLEM, "fields": {name: describe(part, arrays) for name, part in self._problem.items()}}
         arrays.update(self._saved[1])
         return self._saved[0]
+
+
+def _list_surfaces(surface: Surface) -> list[Surface]:
+    """Return a surface and all that it is made of."""
+    return [surface, *(found for part in surface.parts for found in _list_surfaces(part))]
 
 
 def _restore(

@@ -107,7 +107,7 @@ def verify(path: Path, solution: ContactSolution) -> None:
         )
     with _usable(path, "its problem cannot be verified"):
         problem: Any = public_class("ContactProblem")
-        problem(**origin.problem).verify(solution)
+        problem(**origin.bound(solution.grid)).verify(solution)
 
 
 @contextlib.contextmanager

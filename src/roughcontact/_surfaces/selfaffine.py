@@ -132,6 +132,11 @@ class SelfAffineSurface(Surface):
         np.add.at(spectrum, np.ix_(kx % grid.shape[0], ky % grid.shape[1]), modes)
         return np.ascontiguousarray(scipy.fft.ifft2(spectrum, norm="forward").real)
 
+    def count_waves(self, grid: Grid) -> int:
+        """Return how many waves the heights on a grid are made of, those that only the rms value counts included."""
+        kx, ky = self._boxes(grid)[1]
+        return (2 * kx + 1) * (2 * ky + 1)
+
     def _boxes(self, grid: Grid) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """Return the largest wave numbers, in waves a side, of the waves that the rms value counts, and of all."""
         inner, shown = (
