@@ -104,7 +104,8 @@ def test_an_estimator_that_fails_is_named():
 
 
 def test_an_area_reads_well():
-    assert str(rc.Area(2e-9, 0.012, 1e-10, "count")) == "2000 µm2 (1.2 % of nominal) +- 5 % [count]"
+    assert str(rc.Area(2e-9, 0.012, 1e-10, "count")) == "(2000 +- 100) µm2, (1.200 +- 0.060) % of nominal [count]"
+    assert str(rc.Area(0.0, 0.0, 1e-12, "count")) == "(0.0 +- 1.0) µm2 [count]"
     assert str(rc.Area(2e-9, 0.012, 1e-10, "count", warnings=("it is late",))).endswith("[count]; doubtful: it is late")
 
 

@@ -15,7 +15,7 @@ from roughcontact.checks import Array, read_only
 from roughcontact.errors import InputError
 from roughcontact.registry import Registry
 from roughcontact.units import Estimate as Estimate
-from roughcontact.units import si
+from roughcontact.units import prefixed, with_spread
 
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
@@ -158,11 +158,15 @@ class Area:
     )
 
     def __str__(self) -> str:
-        relative = self.uncertainty / self.value if self.value > 0.0 else 0.0
-        spread = f"{100 * relative:.2g} %" if self.value > 0.0 else si(self.uncertainty, "m2", 2)
+        factor, unit = prefixed(max(self.value, self.uncertainty), "m", 2)
+        plain_unit = unit.replace("²", "2")
+        texts = [f"{with_spread(factor * self.value, factor * self.uncertainty)} {plain_unit}"]
+        if self.value > 0.0:
+            percent = 100.0 * self.fraction
+            # In points of percent like the fraction: a relative uncertainty in percent would be taken for points.
+            texts.append(f"{with_spread(percent, percent * self.uncertainty / self.value)} % of nominal")
         doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
-        value, percent = si(self.value, "m2", 5), 100 * self.fraction
-        return f"{value} ({percent:.4g} % of nominal) +- {spread} [{self.estimator}]{doubtful}"
+        return f"{', '.join(texts)} [{self.estimator}]{doubtful}"
 
 
 def judge_maps(area: Area, maps: Iterable[HeightMap], cell_area: float) -> Area:

@@ -57,10 +57,8 @@ def make_rows(sweep: Sweep) -> str:
     given = {_GIVEN[load.kind] for load in loads_of(sweep.solutions)}
     found = [_choose_columns(solution, given) for solution in sweep.solutions]
     texts = {name: write_column([columns[name] for columns in found]) for name in found[0]}
-    # The uncertainty of an area is in the column of its percentage too.
-    columns = {name: [text.partition(" (")[0] for text in column] for name, column in texts.items()}
-    rows = zip([name_load(solution) for solution in sweep.solutions], *columns.values(), strict=True)
-    return grid(["load", *columns], rows, "The answers, a row for each load")
+    rows = zip([name_load(solution) for solution in sweep.solutions], *texts.values(), strict=True)
+    return grid(["load", *texts], rows, "The answers, a row for each load")
 
 
 def _choose_columns(solution: ContactSolution, given: set[str]) -> dict[str, Estimate]:

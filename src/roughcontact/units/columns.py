@@ -20,6 +20,5 @@ def write_column(column: Sequence[Estimate]) -> list[str]:
 def _write(one: Estimate, factor: float, unit: str) -> str:
     if not one.uncertainty:
         return f"{one.value * factor:.6g} {unit}".strip()
-    relative = f" ({100 * one.uncertainty / one.value:.2g} %)" if one.unit == "m2" and one.value else ""
     number = with_spread(one.value * factor, one.uncertainty * factor).strip("()").replace("+-", "±")
-    return f"{number} {unit}{relative}".strip()
+    return f"{number} {unit}".strip()
