@@ -666,6 +666,23 @@ def test_a_worker_that_dies_at_its_task_says_so():
         worker.do({})
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells the limits of another process")
+def test_a_worker_may_take_no_more_memory_than_there_is():
+    import resource
+
+    worker = Worker()
+    try:
+        assert worker.do({"kind": "inspect", "upload": None, "settings": {}}) == {}
+        before, after = (
+            resource.getrlimit(resource.RLIMIT_AS),
+            resource.prlimit(worker._process.pid, resource.RLIMIT_AS),
+        )
+        assert 0 < after[0] < 2**62
+        assert after[1] == before[1]
+    finally:
+        worker.close()
+
+
 # Runs
 
 

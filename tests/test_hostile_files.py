@@ -685,6 +685,35 @@ STUDIES = {
 }
 
 
+def zip_of(method=zipfile.ZIP_DEFLATED, **members):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", method) as file:
+        for name, content in members.items():
+            file.writestr(name, content)
+    return stream.getvalue()
+
+
+NOISE = np.random.default_rng(0).bytes(2**18)
+ARCHIVES = {
+    "zeros": (zip_of(**{"main.xml": b"", "bindata/data.bin": bytes(5 * 10**7)}), "declares 50000000 bytes of data"),
+    "elements": (
+        zip_of(**{"main.xml": b"<a>1</a>" * 10**6, "data.bin": NOISE}),
+        "a description in it has 8000000 bytes",
+    ),
+    "a recipe": (zip_of(**{"Recipe.TXT": bytes(10**7), "data.bin": NOISE}), "a description in it has 10000000 bytes"),
+    "bzip2": (zip_of(zipfile.ZIP_BZIP2, **{"main.xml": b"<a/>"}), "compressed in a way that is not read"),
+}
+
+
+@pytest.mark.parametrize("suffix", [".x3p", ".plux", ".oir", ".unknown"])
+@pytest.mark.parametrize("name", ARCHIVES)
+def test_archives_of_instruments_are_bounded(tmp_path, monkeypatch, name, suffix):
+    content, words = ARCHIVES[name]
+    path = tmp_path / f"hostile{suffix}"
+    path.write_bytes(content)
+    refuse(path, words, tmp_path, monkeypatch, rc.read_surface)
+
+
 @pytest.mark.parametrize("name", STUDIES)
 def test_hostile_studies_are_refused(tmp_path, name):
     text, words = STUDIES[name]

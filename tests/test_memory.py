@@ -325,6 +325,29 @@ def test_a_small_file_does_not_expand_to_a_large_map(tmp_path):
         rc.read_surface(tmp_path / "map.npz")
 
 
+def test_a_process_may_be_held_to_the_memory_that_there_is(tmp_path):
+    """A gigabyte beyond what it has, and the address space that is only reserved."""
+    (tmp_path / "proc/self").mkdir(parents=True)
+    (tmp_path / "proc/meminfo").write_text("MemAvailable: 1048576 kB\n")
+    code = """if True:
+        import pathlib, shutil, sys
+        import numpy as np
+        from roughcontact.checks.memory import limit_address_space
+        root = pathlib.Path(sys.argv[1])
+        shutil.copy("/proc/self/statm", root / "proc/self/statm")
+        for available, largest in ((2**20, 2), (4 * 2**20, 5)):
+            (root / "proc/meminfo").write_text(f"MemAvailable: {available} kB\\n")
+            limit_address_space(root)
+            np.empty(largest * 2**27)
+            try:
+                np.empty((largest + 2) * 2**27)
+            except MemoryError:
+                print("refused")
+        """
+    ran = subprocess.run([sys.executable, "-c", code, str(tmp_path)], capture_output=True, text=True)
+    assert ran.stdout.split() == ["refused", "refused"], ran.stderr
+
+
 def rough_problem(cells, **parts):
     side = 1e-4
     surface = rc.SelfAffineSurface(

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
+from roughcontact.checks.memory import limit_address_space
 from roughcontact.errors.door import translated
 
 # Bytes of one message: answers and plans are thousands.
@@ -124,6 +125,8 @@ def _serve(pipe: Connection) -> None:
 
     while True:
         task = json.loads(tasks.get())
+        # A file may expand to more than its reader tells beforehand.
+        limit_address_space()
         try:
             message: dict[str, Any] = {"result": run(task, lambda event: _send(pipe, {"event": event}))}
         # Whatever a file or a plug-in does becomes a sentence.

@@ -148,27 +148,32 @@ def read_npz(file: IO[bytes], wanted: set[str] | None = None, *, deflated: bool 
     """Return all arrays of an npz file, or those wanted; ValueError if it declares what it cannot hold."""
     size = file.seek(0, os.SEEK_END)
     limit = _EXPANDED + _EXPANSION * size
-    # Of numpy's ways. The others expand without a limit, and their dictionaries take what a file declares.
-    ways = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED} if deflated else {zipfile.ZIP_STORED}
     arrays: dict[str, RealArray] = {}
     with zipfile.ZipFile(file) as archive:
         members = {member.filename.removesuffix(".npy"): member for member in archive.infolist()}
         if len(members) < len(archive.infolist()):
             raise ValueError("a name occurs twice in it")
-        declared = sum(member.file_size for member in members.values())
-        stored = sum(member.compress_size for member in members.values())
-        if stored > size or declared > limit:
-            raise ValueError(
-                f"it declares {declared} bytes of data, more than a file of {size} bytes may hold; if that is right, "
-                "write it again without compression (numpy.savez)"
-            )
-        if any(member.compress_type not in ways for member in members.values()):
-            raise ValueError("it is compressed in a way that is not read")
+        require_expansion(archive, size, "write it again without compression (numpy.savez)", deflated=deflated)
         for name in members if wanted is None else wanted & set(members):
             with archive.open(members[name]) as stream:
                 # Bytes become float64 when they are used.
                 arrays[name] = read_npy(stream, members[name].file_size, most=limit // 8)
     return arrays
+
+
+def require_expansion(archive: zipfile.ZipFile, size: int, advice: str, *, deflated: bool) -> None:
+    """Raise ValueError if an archive of `size` bytes expands to far more than that, or in a way without a bound."""
+    members = archive.infolist()
+    declared, stored = (sum(getattr(one, name) for one in members) for name in ("file_size", "compress_size"))
+    if stored > size or declared > _EXPANDED + _EXPANSION * size:
+        raise ValueError(
+            f"it declares {declared} bytes of data, more than a file of {size} bytes may hold; if that is right, "
+            f"{advice}"
+        )
+    # Of numpy's ways. The others expand without a limit, and their dictionaries take what a file declares.
+    ways = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED} if deflated else {zipfile.ZIP_STORED}
+    if any(member.compress_type not in ways for member in members):
+        raise ValueError("it is compressed in a way that is not read")
 
 
 def read_npy(file: IO[bytes], size: int, most: int | None = None) -> RealArray:

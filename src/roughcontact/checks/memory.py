@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import re
 from collections.abc import Callable, Iterator
@@ -15,6 +16,8 @@ from roughcontact.units import binary
 
 # Bytes that are taken without asking: asking costs up to a millisecond, and importing a library takes as much.
 _UNASKED = 2**24
+# Address space that threads and libraries reserve without taking memory.
+_UNTOUCHED = 2**31
 # A number of bytes in words, and the bytes of each unit.
 _SIZE = re.compile(r"\s*([0-9]{1,18}(?:\.[0-9]{0,18})?)\s*(bytes|B|[kMGT]B|[KMGT]iB)\s*")
 _UNITS = {"B": 1, "bytes": 1, **{f"{name}B": 1000**power for power, name in enumerate("kMGT", 1)}}
@@ -74,6 +77,32 @@ def available_memory(root: Path = Path("/")) -> int | None:
     """
     found = [*_of_machine(root), *_of_groups(root), *_of_process(root)]
     return max(0, min(found)) if found else None
+
+
+def limit_address_space(root: Path = Path("/")) -> None:
+    """Let this process take no more memory than there is now, where the system can: it fails before the machine does.
+
+    What asks for more then meets a MemoryError. It may be called again, when there is more or less.
+    """
+    with contextlib.suppress(ImportError, OSError, ValueError):
+        import resource
+
+        soft, hard = _own_limits()
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+        available = available_memory(root)
+        used = int((root / "proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+        if available is not None:
+            limits = (used + available + _UNTOUCHED, soft, hard)
+            limit = min(limit for limit in limits if limit != resource.RLIM_INFINITY)
+            resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
+
+
+@functools.cache
+def _own_limits() -> tuple[int, int]:
+    """Return the limits of the address space with which this process was started."""
+    import resource
+
+    return resource.getrlimit(resource.RLIMIT_AS)
 
 
 def _of_machine(root: Path) -> Iterator[int]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import warnings
+import zipfile
 from pathlib import Path
 
 import attrs
 import numpy as np
 
 from roughcontact._surfaces.topography import read_topography
-from roughcontact.archive import read_npy, read_npz
+from roughcontact.archive import read_npy, read_npz, require_expansion
 from roughcontact.checks import choice, integer
 from roughcontact.checks.memory import require_memory
 from roughcontact.errors import InputError, MissingPackage
@@ -23,6 +24,8 @@ from roughcontact.files.text import read_table
 
 # Endings of files that need no instrument's reader.
 _ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .mat"
+# Descriptions in the archives of instruments, and their bytes: elements of XML take twenty times as much memory.
+_TEXTS, _LONGEST_TEXT = (".xml", ".txt"), 2**22
 # Numbers in a row of a profile x z and of a list of points x y z; and rows from which on a table is one: 3 x 3 points.
 _COLUMNS_OF_PROFILES, _COLUMNS_OF_POINTS, _ROWS_OF_LISTS = 2, 3, 9
 
@@ -159,6 +162,18 @@ def _require_memory(path: Path, multiple: float) -> None:
     require_memory(multiple * path.stat().st_size, "it", "cut it, or write it with fewer points")
 
 
+def _require_bounded_archive(path: Path) -> None:
+    """Refuse an archive that expands to far more than it has bytes: its reader would take the memory unasked."""
+    with path.open("rb") as file:
+        if not zipfile.is_zipfile(file):
+            return
+        with zipfile.ZipFile(file) as archive:
+            require_expansion(archive, path.stat().st_size, "export it without compression", deflated=True)
+            texts = [member.file_size for member in archive.infolist() if member.filename.lower().endswith(_TEXTS)]
+    if max(texts, default=0) > _LONGEST_TEXT:
+        raise InputError(f"a description in it has {max(texts)} bytes, more than {_LONGEST_TEXT}: it is damaged")
+
+
 @attrs.frozen
 class InstrumentReader(SurfaceReader):
     """Some forty instruments' formats (Sensofar, Zygo, Wyko, X3P, SUR, ...), read by the package SurfaceTopography.
@@ -177,6 +192,7 @@ class InstrumentReader(SurfaceReader):
         # SurfaceTopography would search all of a file that is none of its formats, for minutes if it is large.
         if foreign := find_foreign(path):
             raise InputError(foreign)
+        _require_bounded_archive(path)
         try:
             # Its imports warn of optional parallel packages.
             with warnings.catch_warnings(action="ignore"):
