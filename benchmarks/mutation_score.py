@@ -218,12 +218,16 @@ def pytest_configure(config) -> None:
         config.pluginmanager.register(Recorder(Path(os.environ["MUTATION_RECORDS"])))
 
 
-def record(scratch: Path) -> None:
-    """Run the fast tests once, and note which test runs which line."""
+def record(scratch: Path, workers: int) -> None:
+    """Run the fast tests once, and note which test runs which line; a test that fails is noted as one that fails."""
     tree = copy_of_tree(scratch / "record")
-    command = [sys.executable, "-m", "pytest", "-q", "-n", "2", "-p", Path(__file__).stem, "-p", "no:cacheprovider"]
+    shutil.rmtree(scratch / "records", ignore_errors=True)
+    command = [sys.executable, "-m", "pytest", "-q", "-n", str(workers), "-p", Path(__file__).stem]
+    command += ["-p", "no:cacheprovider"]
     environment = {"MUTATION_RECORDS": str(scratch / "records"), "PYTHONPATH": f"{tree}/src:{tree}/benchmarks"}
-    subprocess.run(command, cwd=tree, env={**os.environ, **environment}, check=True)
+    ended = subprocess.run(command, cwd=tree, env={**os.environ, **environment}, check=False).returncode
+    if ended not in (0, 1):
+        raise SystemExit(f"pytest has ended with {ended}")
 
 
 def copy_of_tree(target: Path) -> Path:
@@ -363,7 +367,7 @@ def main() -> None:
     parser.add_argument("--only", default="", help="a part of the path of the files")
     given = parser.parse_args()
     if given.what == "record":
-        record(given.scratch)
+        record(given.scratch, given.workers)
     else:
         score(given.scratch, given.places, given.seed, given.workers, given.seconds, given.only)
 
