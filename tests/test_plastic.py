@@ -126,3 +126,32 @@ def test_a_load_of_a_sweep_that_cannot_be_carried_is_refused_before_anything_is_
     with pytest.raises(rc.InputError, match=r"at most 6 GPa, that is 60 N"):
         problem.sweep(force=[1.0, 2.0, 61.0])
     assert not solved
+
+
+class TestFirstLoadings:
+    """Several loads with a hardness are first loadings each, and everything that prints them says so."""
+
+    def problem(self, hardness):
+        material = rc.Elastic(210e9, 0.3) if hardness is None else rc.ElasticPerfectlyPlastic(210e9, 0.3, hardness)
+        surface = rc.SelfAffineSurface(hurst=0.8, rms_height=4e-7, shortest=1e-5, longest=1e-4, seed=1)
+        return rc.ContactProblem(rc.Body(surface, material), grid=rc.Grid((32, 48), 1e-4), boundary="periodic")
+
+    def test_a_smaller_load_does_not_know_the_larger_one(self):
+        problem = self.problem(2e9)
+        small, _ = problem.sweep(pressure=[5e7, 3e8])
+        alone = problem.solve(pressure=5e7).area()
+        assert small.area().value == pytest.approx(alone.value, rel=1e-3)
+        (after,) = rc.run_in(problem, pressure=3e8).problem.sweep(pressure=[5e7])
+        assert after.area().value > 1.5 * alone.value
+
+    @pytest.mark.parametrize(("hardness", "count"), [(2e9, 1), (None, 0)])
+    def test_it_is_said_where_there_is_a_hardness(self, hardness, count, tmp_path):
+        problem, loads = self.problem(hardness), [5e7, 7.5e7]
+        sweep = problem.sweep(pressure=loads)
+        study = rc.Study(problem, pressure=loads)
+        texts = [problem.explain(), sweep, sweep._repr_html_(), rc.interface_law(problem, loads), study.explain()]
+        for text in (*texts, study.run(tmp_path)):
+            assert str(text).count("is a first loading") == count
+        # The table, and the plan.
+        assert sweep.to_html().count("is a first loading") == 2 * count
+        assert "first loading" not in str(problem.sweep(pressure=[5e7]))

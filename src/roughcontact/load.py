@@ -12,6 +12,8 @@ from roughcontact.errors import InputError
 from roughcontact.units import si
 
 _KINDS = {"pressure": ("The mean pressure", "Pa"), "force": ("The force", "N"), "approach": ("The approach", "m")}
+# What is said of several loads where the pressure has a limit.
+FIRST_LOADING = "Each load is a first loading, of surfaces not flattened yet (see running in)."
 _CHOICE = "pressure= (Pa), force= (N) and approach= (m)"
 
 

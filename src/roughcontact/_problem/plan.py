@@ -20,6 +20,7 @@ from roughcontact.checks.memory import available_memory, require_memory
 from roughcontact.checks.threads import choose_threads
 from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
+from roughcontact.load import FIRST_LOADING
 from roughcontact.units import PlainText, binary, si
 
 # Peak memory of a solve in float64 arrays of the grid's size, at fractions of the cells in contact below the
@@ -142,6 +143,7 @@ class SolvePlan:
             ("precision", "fields and residuals in float64, whatever the solver uses inside"),
             ("threads", "{}: {}".format(*self.thread_choice)),
             ("memory", self._format_memory()),
+            *([("loads", FIRST_LOADING)] if np.isfinite(self.pressure_limit).any() else []),
             *(("omitted", text) for text in self.omitted),
             *(("warning", text) for text in self.warnings),
         ]

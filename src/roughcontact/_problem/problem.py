@@ -232,7 +232,8 @@ class ContactProblem:
         Parameters
         ----------
         pressure, force, approach
-            Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m.
+            Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. With a hardness each is a
+            first loading; loads after a larger one are those of ``run_in(problem, ...).problem.sweep(...)``.
 
         Returns
         -------
@@ -242,8 +243,7 @@ class ContactProblem:
         Raises
         ------
         InputError
-            If not exactly one list is given, it is empty, or a load cannot be carried; nothing is solved
-            then.
+            If not exactly one list is given, it is empty, or a load cannot be carried: then nothing is solved.
         NotConverged
             If a solution is not certified.
         """

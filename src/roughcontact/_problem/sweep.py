@@ -12,6 +12,7 @@ import numpy as np
 
 from roughcontact._problem.sweep_table import make_table, to_dataset
 from roughcontact._solution import AreaEstimator, ContactSolution, writers
+from roughcontact._solution.several import note_loads
 from roughcontact._solution.writers import page_or_file
 from roughcontact.checks import Array, flag, item_of, number
 from roughcontact.errors import InputError
@@ -161,7 +162,8 @@ class Sweep:
         return f"<Sweep {counted(len(self), 'load')}, mean pressure {low} to {high}, {self.solutions[0].grid}>"
 
     def _repr_html_(self) -> str:
-        return make_table(self).to_html(f"{counted(len(self), 'load')}, {self.solutions[0].grid}")
+        summary = f"{counted(len(self), 'load')}, {self.solutions[0].grid}"
+        return make_table(self).to_html(summary, *note_loads(self.solutions))
 
     def __str__(self) -> str:
         secants = self.secant_stiffness
@@ -176,7 +178,7 @@ class Sweep:
                 f"{si(pressure, 'Pa'):>14} {si(force, 'N'):>11} {si(approach, 'm'):>11} {percent:>18} "
                 f"{'-' if math.isnan(stiffness) else si(stiffness, 'N/m'):>13}"
             )
-        return "\n".join(lines)
+        return "\n".join([*lines, *note_loads(self.solutions)])
 
 
 def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tuple[Load, ...]) -> Sweep:

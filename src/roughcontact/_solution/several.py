@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from roughcontact._solution.results import Area
 from roughcontact._solution.summary import list_all_warnings
-from roughcontact.load import Load
+from roughcontact.load import FIRST_LOADING, Load
 from roughcontact.units import Estimate, si
 
 if TYPE_CHECKING:
@@ -26,6 +26,11 @@ def name_load(solution: ContactSolution) -> str:
         return si(solution.mean_pressure, "Pa")
     ((kind, value),) = solution.origin.load.items()
     return str(Load(kind, value)).removeprefix(f"{kind} ")
+
+
+def note_loads(solutions: Sequence[ContactSolution]) -> list[str]:
+    """Return what several loads do not have of each other, in sentences; nothing without a hardness."""
+    return [FIRST_LOADING] if len(solutions) > 1 and any(solution.capped for solution in solutions) else []
 
 
 def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], list[str]]:

@@ -80,7 +80,8 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     load.add_argument("--force", type=_NEWTON, metavar="F", help="normal force, such as 2.5N")
     load.add_argument("--approach", type=METRE, metavar="D", help="approach since first contact, such as 50nm")
     if not study:
-        load.add_argument("--loads", type=_load, nargs="+", metavar="L", help="several loads of one kind: 1N 2N 5N")
+        several = "several loads of one kind, each a first loading: 1N 2N 5N"
+        load.add_argument("--loads", type=_load, nargs="+", metavar="L", help=several)
     _add_materials(parser, study)
     method = parser.add_argument_group("method")
     method.add_argument(

@@ -13,7 +13,7 @@ from roughcontact._problem import ContactProblem
 from roughcontact._problem.sweep import Sweep
 from roughcontact._solution import DEFAULT_AREA, ContactSolution, SolutionWriter, areas
 from roughcontact._solution.origin import versions
-from roughcontact._solution.several import name_load
+from roughcontact._solution.several import name_load, note_loads
 from roughcontact._solution.summary import describe_maps, list_all_warnings, list_answers
 from roughcontact.archive import replacing
 from roughcontact.html.citation import list_references, write_bibtex
@@ -86,6 +86,7 @@ class HtmlWriter(SolutionWriter):
                 make_verdict(sweep.solutions),
                 make_rows(sweep),
                 _NOTE,
+                *map(note, note_loads(sweep.solutions)),
                 make_warnings(list_sweep_warnings(sweep)),
                 make_curves(sweep) if can_draw() else "",
                 section(f"The largest load, {name_load(largest)}", _make_answer(largest)),

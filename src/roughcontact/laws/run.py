@@ -15,7 +15,7 @@ from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.grid import Boundary
 from roughcontact.laws.law import InterfaceLaw, LawColumn, interpolation_warning
-from roughcontact.load import Load
+from roughcontact.load import FIRST_LOADING, Load
 from roughcontact.units import si
 
 # Units of what is in proportion to the nominal area, and of its ratio to it.
@@ -37,7 +37,8 @@ def interface_law(
 ) -> InterfaceLaw:
     """Return area, mean gap and responses of a periodic interface over the load, each with its uncertainty.
 
-    Solved from the largest load down; no solution is kept.
+    Solved from the largest load down; no solution is kept. With a hardness each load is a first loading: for the law
+    of surfaces that have been loaded before, give the problem that `run_in` returns.
 
     Parameters
     ----------
@@ -159,4 +160,5 @@ def _describe(problem: ContactProblem) -> tuple[str, ...]:
     return (
         "Law of a rough interface by roughcontact: all pressures are nominal, force over nominal area.",
         f"Contact modulus E* {plan.modulus:g} Pa, {capped}, periodic domain of {size} m with {cells} cells.",
+        *([FIRST_LOADING] if math.isfinite(limit) else []),
     )

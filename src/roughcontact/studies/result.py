@@ -12,6 +12,7 @@ import numpy as np
 
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import RealArray, item_of
+from roughcontact.load import FIRST_LOADING
 from roughcontact.studies.record import Record, read_solution
 from roughcontact.tables import Table, make_dataset
 from roughcontact.units import counted
@@ -158,7 +159,7 @@ class StudyResult:
         return Table(columns, units | {"load": self._load_unit})
 
     def __repr__(self) -> str:
-        return f"<StudyResult {self}>"
+        return f"<StudyResult {self._summary}>"
 
     def _repr_html_(self) -> str:
         table, axes = self._table, self._places
@@ -169,9 +170,17 @@ class StudyResult:
         }
         if any(record.parameters for record in self.records):
             shown.pop("problem", None)
-        return Table(shown, table.units).to_html(str(self))
+        return Table(shown, table.units).to_html(self._summary, *self._notes)
 
     def __str__(self) -> str:
+        return "\n".join([self._summary, *self._notes])
+
+    @property
+    def _notes(self) -> list[str]:
+        return [FIRST_LOADING] if any(record.saturated > 0.0 for record in self.records) else []
+
+    @property
+    def _summary(self) -> str:
         counts = {
             "a certified solution": sum(not record.success for record in self.records),
             "all areas": sum(record.success for record in self.failed),

@@ -87,7 +87,8 @@ class Study:
         name when its solves begin. What it cannot build is in the records, with the reason.
     pressure, force, approach
         Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. Each solve starts from
-        the solutions at the loads before.
+        the solutions at the loads before. With a hardness each load is a first loading; for loads after a larger one
+        give a problem that `run_in` returns.
     areas
         Names of area estimators.
     seeds
