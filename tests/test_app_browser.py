@@ -211,7 +211,11 @@ def test_solve_waits_for_the_file_and_needs_one_that_was_read(page, server, surf
     page.until(lambda: page.text("size-help") == "x: 40 values in each; y: 48 lines of the file.")
     page.set("rows", "auto")
     assert page.find("solve").is_enabled()
-    assert "was periodic; for this surface it is now free." in page.text("note")
+    # What has changed beside the user's doing is said until he changes it himself.
+    assert page.text("boundary-note") == "It was periodic; for this surface it is now free."
+    page.set("boundary", "periodic")
+    assert page.text("boundary-note") == ""
+    page.set("boundary", "free")
     assert not page.has_run_in_address()
     page.drop("1,2,3\n4,5\n", "bad.csv")
     page.until(lambda: "The file bad.csv cannot be used" in page.text("surface-problem"))

@@ -134,7 +134,7 @@ function solveFile() {
   const { surface } = form.elements;
   if (surface.value !== "file") {
     surface.value = "file";
-    say("note", settings.surfaceKindChanged());
+    say("boundary-note", settings.surfaceKindChanged());
   }
   changed(0);
 }
@@ -178,6 +178,7 @@ function noteRun(state) {
 
 async function restore(found) {
   settings.write(found.values);
+  say("boundary-note", "");
   facts = reading = wanted = null;
   unread = "";
   const { surface, file, file_name: name } = settings.read();
@@ -222,8 +223,11 @@ function listen() {
   });
   form.addEventListener("change", (event) => {
     if (event.target.tagName !== "SELECT") return;
-    if (event.target.name === "load") settings.loadKindChanged();
-    say("note", event.target.name === "surface" ? settings.surfaceKindChanged() : "");
+    const { name } = event.target;
+    if (name === "load") settings.loadKindChanged();
+    // What was changed for the user is said until he changes it, whatever else he sets meanwhile.
+    if (name === "surface" || name === "boundary") say("boundary-note", name === "surface" ? settings.surfaceKindChanged() : "");
+    say("note", "");
     changed();
   });
   byId("file-input").addEventListener("change", (event) => {

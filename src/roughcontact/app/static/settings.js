@@ -110,7 +110,7 @@ export function surfaceKindChanged() {
   const { surface, boundary } = form.elements;
   const before = boundary.value;
   boundary.value = ["self-affine", "wavy"].includes(surface.value) ? "periodic" : "free";
-  return before === boundary.value ? "" : `'Beyond the border of the domain' was ${before}; for this surface it is now ${boundary.value}.`;
+  return before === boundary.value ? "" : `It was ${before}; for this surface it is now ${boundary.value}.`;
 }
 
 export function showFields(facts) {
