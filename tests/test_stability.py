@@ -59,6 +59,19 @@ def test_a_report_is_a_table():
     assert max(map(len, lines)) <= 80
 
 
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_a_notebook_shows_the_worst_first(boundary):
+    """It omits the rows in the middle of a long table, where a steep map has its only bad one."""
+    report = rc.stability(rough(slope=0.4, boundary=boundary), pressure=5e8)
+    page = report._repr_html_()
+    assert " more</td>" in page
+    shown = [row.partition("</td>")[0] for row in page.split("<tr><td>")[1:]]
+    bad = [check.verdict for check in report.checks if check.verdict in (FAIL, ATTENTION)]
+    assert bad
+    assert shown[: len(bad)] == sorted(bad, reverse=True)
+    assert "<td>slope</td>" in page
+
+
 def test_noise_from_cell_to_cell_fails():
     heights = 1e-7 * np.random.default_rng(0).random((64, 64))
     problem = rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=64e-6), STEEL))
@@ -279,6 +292,8 @@ class TestGallery:
         assert sum(row.verdict is ATTENTION for row in found.rows) == 2
         assert found.to_markdown().count("\n| ") == len(rows)
         assert max(map(len, str(found).splitlines())) <= 80
+        shown = found._repr_html_().split("<tr><td>")
+        assert all(f"<td>{ATTENTION}</td>" in row for row in shown[1:3])
 
     def test_a_false_claim_fails(self, monkeypatch):
         real = rc.ContactProblem.solve

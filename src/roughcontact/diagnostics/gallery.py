@@ -86,7 +86,9 @@ class Gallery:
         return f"<Gallery {summarize([row.verdict for row in self.rows])}>"
 
     def _repr_html_(self) -> str:
-        columns = {one.name: [getattr(row, one.name) for row in self.rows] for one in attrs.fields(GalleryRow)}
+        # A notebook omits rows in the middle of a long table.
+        rows = sorted(self.rows, key=lambda row: list(Verdict).index(row.verdict), reverse=True)
+        columns = {one.name: [getattr(row, one.name) for row in rows] for one in attrs.fields(GalleryRow)}
         return Table(columns).to_html(summarize([row.verdict for row in self.rows]))
 
     def __str__(self) -> str:

@@ -35,23 +35,28 @@ class StabilityReport:
         names = [check.name for check in self.checks]
         return self.checks[names.index(choice(name, "The check", names))]
 
+    @property
+    def _worst_first(self) -> list[Check]:
+        """The checks as they are shown: a notebook omits rows in the middle of a long table."""
+        return sorted(self.checks, key=lambda check: list(Verdict).index(check.verdict), reverse=True)
+
     def __repr__(self) -> str:
         return f"<StabilityReport {summarize([check.verdict for check in self.checks])}>"
 
     def _repr_html_(self) -> str:
-        texts = [f"{check.finding}. {check.advice}" if check.advice else check.finding for check in self.checks]
+        checks = self._worst_first
+        texts = [f"{check.finding}. {check.advice}" if check.advice else check.finding for check in checks]
         columns: dict[str, list[Any]] = {
-            "verdict": [check.verdict for check in self.checks],
-            "check": [check.name for check in self.checks],
-            "value": [check.value for check in self.checks],
+            "verdict": [check.verdict for check in checks],
+            "check": [check.name for check in checks],
+            "value": [check.value for check in checks],
             "what was measured; what to do": texts,
         }
         return Table(columns).to_html(summarize([check.verdict for check in self.checks]))
 
     def __str__(self) -> str:
         lines, before = [summarize([check.verdict for check in self.checks]), ""], ""
-        # What is wrong comes first.
-        for check in sorted(self.checks, key=lambda check: -list(Verdict).index(check.verdict)):
+        for check in self._worst_first:
             lines.append(str(attrs.evolve(check, finding="as above") if check.finding == before else check))
             before = check.finding
         return "\n".join(lines)
