@@ -21,8 +21,11 @@ import pytest
 
 import roughcontact as rc
 import roughcontact.cli
+from damage import right_key
 from roughcontact import archive
+from roughcontact.__main__ import main
 from roughcontact.archive import SEAL, pack, read_archive, seal, write_archive
+from roughcontact.studies import record
 from roughcontact.studies.record import read_index
 from roughcontact.studies.toml import read_study
 
@@ -730,6 +733,44 @@ def test_a_list_of_records_is_a_file(tmp_path):
     (tmp_path / "device.json").symlink_to("/dev/zero")
     for name in ("pipe.json", "device.json"):
         assert read_index(tmp_path / name) == {}
+
+
+def test_a_list_of_records_is_used_after_its_checksum(tmp_path, monkeypatch):
+    built, path = [], tmp_path / "index.json"
+    monkeypatch.setattr(record, "rebuild", lambda described, _: built.append(described))
+    for lines in ("{}", "{}" * 40_000, ",\n".join(["{}"] * 10)):
+        path.write_text(record._sealed(lines).replace('sha256": "', 'sha256": "0', 1))
+        assert read_index(path) == {}
+        assert not built
+    path.write_text(record._sealed("{" + " " * 70_000 + "}"))
+    assert read_index(path) == {}
+    assert not built
+    path.write_text(record._sealed("{},\n{}"))
+    assert read_index(path) == {}
+    assert built == [{}]
+
+
+ESCAPE = "\x1b[31m\u202e\r"
+
+
+def test_no_file_reaches_the_terminal_with_its_escape_sequences(files, tmp_path, capsys):
+    arrays, header = read_archive(files / "solution.npz")
+    inner = header
+    for key in SURFACE:
+        inner = inner[key]
+    surface = inner["fields"]["parts"][0]
+    surface["fields"]["history"] = [f"read from {ESCAPE}map.npz"]
+    header["key"] = right_key(header)
+    path = tmp_path / "hostile.npz"
+    write_archive(path, arrays, header)
+    problem = use(path)
+    texts = [str(rc.ContactProblem(**problem).explain()), str(problem["body"].surface.parts[0])]
+    for arguments in (["info", str(path)], ["info", str(tmp_path / f"{ESCAPE}none.npz")], [f"{ESCAPE}"]):
+        main(arguments)
+        texts += capsys.readouterr()
+    for text in texts:
+        assert not set(ESCAPE) - set("[31m") & set(text), text
+    assert any("\\x1b[31m" in text for text in texts)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes and devices")

@@ -325,6 +325,33 @@ def test_a_small_file_does_not_expand_to_a_large_map(tmp_path):
         rc.read_surface(tmp_path / "map.npz")
 
 
+@pytest.mark.parametrize(
+    ("surface", "arrays"),
+    [
+        (rc.FlatSurface(), 1),
+        (rc.SphereSurface(1.0), 3),
+        (rc.ParaboloidSurface(1.0), 1),
+        (rc.WavySurface(1e-6, 1e-5), 1),
+        (rc.FlatSurface() + rc.SphereSurface(1.0), 3),
+    ],
+)
+def test_surfaces_ask_before_they_take_memory(monkeypatch, surface, arrays):
+    grid = rc.Grid((1600, 1500), 1e-4)
+    tracemalloc.start()
+    surface.heights(grid)
+    taken = tracemalloc.get_traced_memory()[1] / (8 * grid.cells)
+    tracemalloc.stop()
+    # A sum holds its total as well.
+    assert arrays <= taken < arrays + 1.1
+    monkeypatch.setattr("roughcontact.checks.memory.available_memory", lambda: 2**20)
+    tracemalloc.start()
+    with pytest.raises(rc.InputError, match=r"on 1600 x 1500 cells needs .* of memory, but .*: choose fewer cells"):
+        surface.heights(grid)
+    # A page that is only reserved counts here.
+    assert tracemalloc.get_traced_memory()[1] < 1.1 * 8 * grid.cells
+    tracemalloc.stop()
+
+
 def test_a_process_may_be_held_to_the_memory_that_there_is(tmp_path):
     """A gigabyte beyond what it has, and the address space that is only reserved."""
     (tmp_path / "proc/self").mkdir(parents=True)

@@ -60,6 +60,23 @@ def test_no_array_of_a_solution_can_be_written_to(tmp_path, way):
         np.testing.assert_array_equal(getattr(solution, name), getattr(original, name))
 
 
+@pytest.mark.parametrize("way", [lambda it: pickle.loads(pickle.dumps(it)), copy.copy, copy.deepcopy])
+def test_no_array_of_a_copied_problem_can_be_written_to(way):
+    heights = 1e-7 * np.random.default_rng(0).random((12, 10))
+    heights[3, 4] = np.nan
+    surface = rc.HeightMap(heights, (1.2e-4, 1e-4), history=("measured",))
+    body = rc.Body(surface, rc.ElasticPerfectlyPlastic(210e9, 0.3, HARDNESS))
+    solution = rc.ContactProblem(body).solve(force=0.5)
+    for again in (way(body), way(solution).origin.problem["body"]):
+        arrays = (again.surface.values, again.surface.non_measured, again.material.hardness)
+        for array, original in zip(arrays, (surface.values, surface.non_measured, HARDNESS), strict=True):
+            np.testing.assert_array_equal(array, original)
+            with pytest.raises(ValueError, match="read-only"):
+                array[...] = 0
+        assert again.surface.history == ("measured",)
+        assert again.surface.grid.matches(surface.grid)
+
+
 def test_arrays_given_to_a_solution_stay_their_owner_s():
     solution = solve()
     pressure = solution.pressure.copy()

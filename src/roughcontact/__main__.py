@@ -17,13 +17,13 @@ from roughcontact.cli import Command, commands
 from roughcontact.cli.wording import name_options
 from roughcontact.errors import InputError, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import translated
-from roughcontact.units.text import fit
+from roughcontact.units.text import fit, printable
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status: 1 for no certified answer, 2 for wrong input, 3 for warnings."""
     _prepare_streams()
-    warnings.formatwarning = lambda message, *_, **__: f"roughcontact: {message}\n"
+    warnings.formatwarning = lambda message, *_, **__: f"roughcontact: {printable(str(message))}\n"
     given = list(sys.argv[1:] if arguments is None else arguments)
     call = f"The command {shorten(given[0], 40)}" if given else "The command"
     try:
@@ -95,7 +95,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _fail(sentence: str, status: int) -> int:
-    print(f"roughcontact: {sentence}", file=sys.stderr)
+    print(f"roughcontact: {printable(sentence)}", file=sys.stderr)
     return status
 
 

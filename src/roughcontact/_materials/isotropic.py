@@ -9,6 +9,7 @@ import numpy as np
 
 from roughcontact._materials.base import Material
 from roughcontact.checks import LARGEST, SMALLEST, Array, frozen_array, number
+from roughcontact.checks.pickling import restore_state
 from roughcontact.errors import InputError
 
 
@@ -79,6 +80,8 @@ class ElasticPerfectlyPlastic(Material):
     young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
     poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
     hardness: float | Array = attrs.field(converter=_hardness, metadata={"unit": "Pa"})
+
+    __setstate__ = restore_state
 
     @property
     def compliance(self) -> float:

@@ -34,8 +34,8 @@ class Violation:
     penetration
         Maximum overlap outside the saturated cells, over `scale`.
     scale
-        The smaller of the rms initial gap and the range of the elastic displacement, so that neither a
-        tall surface nor a light load hides an error.
+        The smaller of the standard deviation of the initial gap and the range of the elastic displacement, so that
+        neither a tall surface nor a light load hides an error.
     floor
         The error that rounding in float64 may cause on these fields, over `scale`.
     """
@@ -64,7 +64,7 @@ class ContactConditions:
     approach
         The approach if it is given; None if the load is.
     rms
-        The rms initial gap, if it is not that of all cells.
+        The standard deviation of the initial gap, if it is not that of all cells.
     """
 
     def __init__(

@@ -79,7 +79,7 @@ class Residuals:
     load
         Relative error of the load.
     scale
-        Height, m: the smaller of the rms height and the range of the displacement.
+        Height, m: the smaller of the standard deviation of the initial gap and the range of the displacement.
     """
 
     complementarity: float = attrs.field(converter=float)

@@ -66,7 +66,7 @@ class Task:
         Maximum pressure, an array that broadcasts to (nx, ny): one value, or one per cell; `inf` where
         there is none. A number is converted.
     rms_gap
-        The rms initial gap of the measured points; None if that is of all cells.
+        The standard deviation of the initial gap at the measured points; None if that is of all cells.
     start
         Pressure to start from, shape (nx, ny), within the bounds; None if there is none.
     on_step

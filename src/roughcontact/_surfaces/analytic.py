@@ -9,6 +9,7 @@ import numpy as np
 
 from roughcontact._surfaces.base import Surface
 from roughcontact.checks import Array, Pair, number, pair
+from roughcontact.checks.memory import require_memory
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 from roughcontact.units import si
@@ -38,12 +39,19 @@ def _phase(value: float | Sequence[float]) -> Pair:
     return pair(value, "The phase of the wave", "rad")
 
 
+def _require_memory(grid: Grid, what: str, arrays: int) -> None:
+    """Refuse a grid on which the heights, with what they are computed from, do not fit into memory."""
+    nx, ny = grid.shape
+    require_memory(8.0 * arrays * grid.cells, f"{what} on {nx} x {ny} cells", "choose fewer cells")
+
+
 @attrs.frozen
 class FlatSurface(Surface):
     """A plane: zero everywhere."""
 
     def heights(self, grid: Grid) -> Array:
         """Return zeros, shape `grid.shape`, m."""
+        _require_memory(grid, "A plane", 1)
         return np.zeros(grid.shape)
 
 
@@ -69,6 +77,7 @@ class SphereSurface(Surface):
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, zero at the summit."""
+        _require_memory(grid, "A sphere", 3)
         x, y = (grid.x - self.center[0]) / self.radius, (grid.y - self.center[1]) / self.radius
         square = x**2 + y**2
         if square.max() > 1.0:
@@ -97,6 +106,7 @@ class ParaboloidSurface(Surface):
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, zero at the summit."""
+        _require_memory(grid, "A paraboloid", 1)
         x, y = grid.x - self.center[0], grid.y - self.center[1]
         return np.asarray(-(x * (x / (2 * self.radius[0])) + y * (y / (2 * self.radius[1]))), dtype=np.float64)
 
@@ -127,6 +137,7 @@ class WavySurface(Surface):
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m."""
+        _require_memory(grid, "A wave", 1)
         along_x = self.amplitude[0] * np.cos(2 * np.pi * (grid.x / self.wavelength[0]) + self.phase[0])
         along_y = self.amplitude[1] * np.cos(2 * np.pi * (grid.y / self.wavelength[1]) + self.phase[1])
         return np.asarray(along_x + along_y, dtype=np.float64)

@@ -17,9 +17,10 @@ from roughcontact._surfaces.filling import fill
 from roughcontact._surfaces.quality import find_period, list_map_warnings
 from roughcontact._surfaces.resampling import resample, shift_by_half_cell
 from roughcontact._surfaces.statistics import repeats
-from roughcontact._surfaces.summary import summarize
+from roughcontact._surfaces.summary import check_history, summarize
 from roughcontact._surfaces.topography import make_topography, read_map
 from roughcontact.checks import Array, Mask, Pair, choice, frozen_array, instance_of, integer, measured_heights, pair
+from roughcontact.checks.pickling import restore_state
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 from roughcontact.units import si
@@ -38,12 +39,6 @@ def _size(value: float | Sequence[float], height_map: Any) -> Pair:
             f"but got one: with square cells it is {si(sides[0], 'm')} x {si(sides[0] * ny / nx, 'm')} large."
         )
     return sides
-
-
-def _history(value: Sequence[str]) -> tuple[str, ...]:
-    if not isinstance(value, (tuple, list)) or not all(isinstance(text, str) for text in value):
-        raise InputError.about("The history of a height map", value, "a tuple of texts")
-    return tuple(value)
 
 
 def _non_measured(value: npt.ArrayLike | None) -> Mask | None:
@@ -95,7 +90,7 @@ class HeightMap(Surface):
         default=False, kw_only=True, validator=instance_of(bool, "Whether a map repeats", "True or False")
     )
     non_measured: Mask | None = attrs.field(default=None, kw_only=True, converter=_non_measured)
-    history: tuple[str, ...] = attrs.field(default=(), kw_only=True, converter=_history)
+    history: tuple[str, ...] = attrs.field(default=(), kw_only=True, converter=check_history)
 
     def __attrs_post_init__(self) -> None:
         if self.non_measured is not None and self.non_measured.shape != self._heights.shape:
@@ -107,6 +102,8 @@ class HeightMap(Surface):
             lost = np.isnan(self._heights) | (False if self.non_measured is None else self.non_measured)
             object.__setattr__(self, "non_measured", _non_measured(lost))
             object.__setattr__(self, "_heights", frozen_array(fill(self._heights)))
+
+    __setstate__ = restore_state
 
     @property
     def grid(self) -> Grid:

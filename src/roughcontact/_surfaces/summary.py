@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from roughcontact.errors import InputError
 from roughcontact.units import counted, si
-from roughcontact.units.text import fit
+from roughcontact.units.text import fit, printable
 
 if TYPE_CHECKING:
     from roughcontact._surfaces.heightmap import HeightMap
@@ -14,6 +16,13 @@ if TYPE_CHECKING:
 def summarize(height_map: HeightMap) -> str:
     """Return what `list_facts` says of a map, and its warnings."""
     return fit("\n".join([*list_facts(height_map), *(f"warning       {text}" for text in height_map.warnings)]))
+
+
+def check_history(value: Sequence[str]) -> tuple[str, ...]:
+    """Return how a map was processed, texts that may be printed whatever file they come from, or raise `InputError`."""
+    if not isinstance(value, (tuple, list)) or not all(isinstance(text, str) for text in value):
+        raise InputError.about("The history of a height map", value, "a tuple of texts")
+    return tuple(map(printable, value))
 
 
 def list_facts(height_map: HeightMap) -> list[str]:

@@ -14,23 +14,28 @@ import attrs
 
 from roughcontact._solution import DEFAULT_AREA, ContactSolution, Status
 from roughcontact._solution.storage import read
-from roughcontact.archive import read_json, replacing
+from roughcontact.archive import replacing
 from roughcontact.description import describe, rebuild
 from roughcontact.errors import InputError
+from roughcontact.units.text import printable
 
 _FORMAT = "roughcontact study, format 1"
 # What a record and the file of its solution both state, under the same name.
 _FIGURES = ("status", "force", "mean_pressure", "approach", "iterations", "convolutions", "seconds")
 # Columns of a table that are named as those of a sweep.
 _COLUMNS = {"saturated": "saturated_area"}
-# Bytes of the list of records, some 500 each and their warnings.
-_LONGEST_INDEX = 2**28
+# Characters of the list of records and of one, which takes some 500 and its warnings; and the end of the list.
+_LONGEST_INDEX, _LONGEST_RECORD, _END = 2**28, 2**16, "\n]}\n"
 
 
 def _key(value: str) -> str:
     if re.fullmatch("[0-9a-f]{32}", value) is None:
         raise InputError.about("The key of a record", value, "32 hexadecimal digits")
     return value
+
+
+def _warnings(value: Sequence[str]) -> tuple[str, ...]:
+    return tuple(map(printable, value))
 
 
 def _areas(value: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
@@ -77,8 +82,8 @@ class Record:
     control: str = attrs.field(converter=str)
     load: float = attrs.field(converter=float)
     key: str = attrs.field(converter=_key)
-    status: str = attrs.field(converter=str)
-    message: str = attrs.field(default="", converter=str)
+    status: str = attrs.field(converter=printable)
+    message: str = attrs.field(default="", converter=printable)
     force: float = attrs.field(default=math.nan, converter=float)
     mean_pressure: float = attrs.field(default=math.nan, converter=float)
     approach: float = attrs.field(default=math.nan, converter=float)
@@ -90,7 +95,7 @@ class Record:
     seconds: float = attrs.field(default=math.nan, converter=float)
     peak_pressure: float = attrs.field(default=math.nan, converter=float)
     peak_pressure_uncertainty: float = attrs.field(default=math.nan, converter=float)
-    warnings: tuple[str, ...] = attrs.field(default=(), converter=tuple)
+    warnings: tuple[str, ...] = attrs.field(default=(), converter=_warnings)
     doubtful: bool = attrs.field(default=False, converter=bool)
     parameters: Mapping[str, Any] = attrs.field(factory=dict, converter=dict)
 
@@ -148,17 +153,24 @@ def read_index(path: Path) -> dict[str, Record]:
         if path.is_symlink() or not path.is_file() or path.stat().st_size > _LONGEST_INDEX:
             return {}
         text = path.read_text(encoding="utf-8")
-        records = [Record(**rebuild(described, {})) for described in read_json(text)["records"]]
+        lines = text.partition("\n")[2].removesuffix(_END)
+        # Before anything of it is used.
+        if _sealed(lines) != text:
+            return {}
+        texts = lines.split(",\n") if lines else []
+        if max(map(len, texts), default=0) > _LONGEST_RECORD:
+            return {}
+        records = [Record(**rebuild(json.loads(one), {})) for one in texts]
     # It only saves time: whatever is wrong with it, it is made again.
     except Exception:
         return {}
-    return {record.key: record for record in records} if _index(records) == text else {}
+    return {record.key: record for record in records} if _index(records) == lines else {}
 
 
 def write_index(path: Path, records: Sequence[Record]) -> None:
     """Write the records with a checksum, completely or not at all."""
     with replacing(path) as partial:
-        partial.write_text(_index(records), encoding="utf-8")
+        partial.write_text(_sealed(_index(records)), encoding="utf-8")
 
 
 def _stated(record: Record) -> dict[str, Any]:
@@ -167,6 +179,10 @@ def _stated(record: Record) -> dict[str, Any]:
 
 
 def _index(records: Sequence[Record]) -> str:
-    lines = ",\n".join(json.dumps(describe(_stated(record), {})) for record in records)
+    return ",\n".join(json.dumps(describe(_stated(record), {})) for record in records)
+
+
+def _sealed(lines: str) -> str:
+    """Return the content of the list of records, with the checksum of its lines."""
     digest = hashlib.sha256(lines.encode()).hexdigest()
-    return f'{{"format": "{_FORMAT}", "sha256": "{digest}", "records": [\n{lines}\n]}}\n'
+    return f'{{"format": "{_FORMAT}", "sha256": "{digest}", "records": [\n{lines}{_END}'
