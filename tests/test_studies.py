@@ -9,6 +9,7 @@ import itertools
 import json
 import multiprocessing
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -255,8 +256,25 @@ class TestAxes:
         with pytest.raises(rc.InputError, match="whole number from 0 to 3"):
             result[4]
         assert "<th>hurst</th>" in result._repr_html_()
-        assert "4 solves (2 problems, 1 seed, 2 loads of force)" in over(seed=[0]).explain()
-        assert over(seed=[0]).explain().endswith("if all problems are like the first")
+
+    def test_the_plan_has_every_axis_and_the_time(self):
+        """The rows behind the plans of the problems, before anything is solved."""
+
+        def rows_of(study):
+            rows = str(study.explain()).split("\n\n")[-1].splitlines()
+            return {row[:10].strip(): row[11:] for row in rows}
+
+        built = rows_of(over(seed=range(9)))
+        assert built["hurst"] == "0.3, 0.8"
+        assert built["seed"] == "0, 1, 2, 3, 4, 5, 6, ..., 8"
+        assert built["force"] == "100 mN, 500 mN"
+        assert built["solves"] == "36: 2 of hurst x 9 of seed x 2 of force"
+        assert built[""] == "if all problems are like the first"
+        named = rows_of(study())
+        assert named["problem"] == "periodic, free"
+        assert named["solves"] == "12: 2 of problem x 2 of seed x 3 of force"
+        assert "" not in named
+        assert re.fullmatch(r"about [\d.e+]+ (s|minutes|hours) in one process on this machine, .*", named["time"])
 
     def test_the_list_of_records_keeps_the_parameters_and_reads_older_ones(self, tmp_path):
         result = over(seed=[0]).run(tmp_path)
@@ -692,7 +710,7 @@ class TestFiles:
 
     def test_the_command_runs_and_goes_on(self, study_file, capsys):
         assert main(["run", str(study_file), "--dry-run"]) == 0
-        assert "4 solves (2 problems, 1 seed, 2 loads of force)" in capsys.readouterr().out
+        assert "4: 2 of problem x 2 of force" in capsys.readouterr().out
         assert main(["run", str(study_file)]) == 0
         folder = study_file.with_suffix("")
         printed = capsys.readouterr().out.split()

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact._problem import ContactProblem
+from roughcontact._problem.forecast import forecast_seconds
 from roughcontact._problem.sweep import Sweep, run_sweep
 from roughcontact._solution import ContactSolution
 from roughcontact._solvers.base import DEFAULT_TOLERANCE
 from roughcontact.app.answers import describe_solutions, list_warnings
-from roughcontact.app.forecast import forecast_seconds
 from roughcontact.app.outputs import Outputs, draw
 from roughcontact.app.preview import describe
 from roughcontact.app.progress import Progress

@@ -22,14 +22,13 @@ from roughcontact.studies.axes import BuiltProblems
 from roughcontact.studies.chain import Chain, Unbuilt
 from roughcontact.studies.chains import Chains
 from roughcontact.studies.failures import name_full_disk
+from roughcontact.studies.plan import describe_study
 from roughcontact.studies.record import Record, read_index, write_index
 from roughcontact.studies.result import StudyResult
 from roughcontact.studies.tasks import run_chains
 from roughcontact.units import counted
 
 _ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds")
-# Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts; for `explain` only.
-_CONVOLUTIONS = 25
 # Units in which texts of a study file are read.
 _PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
 
@@ -175,22 +174,10 @@ class Study:
         return Chains(self.problems, self.seeds, self.loads, self.areas, folder, known)
 
     def explain(self) -> str:
-        """Return in words the plan of every problem, or of the first that is built, and the cost of the study."""
+        """Return in words the plan of every problem, or of the first that is built, the axes, and work and time."""
+        axes = self.axes or {"problem": tuple(self.problems), **({"seed": self.seeds} if self.seeds else {})}
         known = self._known_problems
-        plans = [f"{name}:\n{problem.explain()}" for name, problem in known]
-        loads, seeds, problems = self.loads, max(1, len(self.seeds)), len(self.problems)
-        count = problems * seeds * len(loads)
-        memory = max(problem.plan.memory for _, problem in known)
-        cells = sum(problem.plan.grid.cells for _, problem in known) * count // len(known)
-        what = f"{counted(problems, 'problem')}, {counted(seeds, 'seed')}, {counted(len(loads), 'load')}"
-        total = (
-            f"{counted(count, 'solve')} ({what} of {loads[0].kind}), "
-            f"{cells / 1e6:.3g} million cells in all, about {_CONVOLUTIONS} convolutions each, "
-            f"at most {memory / 2**20:.3g} MiB for one"
-        )
-        if len(known) < problems:
-            total = f"{total}, if all problems are like the first"
-        return "\n\n".join([*plans, total])
+        return describe_study(known, axes, self.loads, sampled=len(known) < len(self.problems))
 
     def run(
         self,
