@@ -304,6 +304,21 @@ class TestSurface:
         assert "root of m0              50 nm" in out
         assert "Sq            50 nm about the mean" in out
 
+    @pytest.mark.parametrize("size", [("64um",), ("16um", "128um")])
+    def test_a_periodic_surface_is_periodic_in_its_file(self, run, size):
+        """A cut-out of long waves looks tilted; this one repeats, so that a plane would be no tilt of it."""
+        options = "--hurst 0.8 --rms-height 20nm --shortest 8um --longest 128um --seed 2".split()
+        status, out, _ = run("surface", "self-affine", *options, "--shape", 32, 63, "--size", *size, "-o", "s.npz")
+        assert status == 0
+        assert rc.read_surface("s.npz").periodic
+        assert "tilt" not in out
+        status, out, _ = run("info", "s.npz")
+        assert status == 0
+        assert "periodic" in out
+        assert "tilt" not in out
+        solved = run("solve", "s.npz", "--boundary", "periodic", "--pressure", "5MPa", "--young", "210GPa")
+        assert solved[0] == 0
+
     def test_pairs_pictures_and_sides(self, run):
         options = [
             "--amplitude",

@@ -132,6 +132,11 @@ class SelfAffineSurface(Surface):
         np.add.at(spectrum, np.ix_(kx % grid.shape[0], ky % grid.shape[1]), modes)
         return np.ascontiguousarray(scipy.fft.ifft2(spectrum, norm="forward").real)
 
+    @property
+    def periodic(self) -> bool:
+        """True: all waves fit into the domain, whatever its size."""
+        return True
+
     def count_waves(self, grid: Grid) -> int:
         """Return how many waves the heights on a grid are made of, those that only the rms value counts included."""
         kx, ky = self._boxes(grid)[1]

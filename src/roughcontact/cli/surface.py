@@ -65,7 +65,7 @@ examples:
             grid = own.add_argument_group("grid")
             grid.add_argument("--shape", type=whole_number, nargs=2, required=True, metavar=("NX", "NY"), help="cells")
             grid.add_argument("--size", type=METRE, nargs="+", required=True, metavar="L", help="sides, one or x y")
-            grid.add_argument("--periodic", action="store_true", help="it repeats beyond its border: the file says so")
+            grid.add_argument("--periodic", action="store_true", help="it repeats, as self-affine does by itself")
             own.add_argument_group("output").add_argument(
                 "-o",
                 "--output",
@@ -85,7 +85,8 @@ examples:
             if name.startswith("field_") and value is not None
         }
         surface = rc.surfaces.create(options.kind, **{name: _single(value) for name, value in given.items()})
-        made = rc.HeightMap(surface.heights(grid), grid.size, periodic=options.periodic)
+        periodic = options.periodic or bool(getattr(surface, "periodic", False))
+        made = rc.HeightMap(surface.heights(grid), grid.size, periodic=periodic)
         print(describe_map(made))
         for path in files:
             if path.suffix == ".npz":
