@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import copy
+import datetime
 import functools
 import inspect
+import math
 import pickle
 import types
 import typing
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -268,3 +271,79 @@ def test_a_wrong_call_of_a_reader_or_a_writer_is_answered_by_a_sentence():
             if registry[name].__module__.startswith("roughcontact."):
                 with pytest.raises(rc.RoughContactError):
                     getattr(registry.create(name), method)()
+
+
+NONSENSE = {
+    "a date": datetime.date(2020, 1, 1),
+    "texts": np.full((2, 2), "5"),
+    "numbers": np.zeros((3, 3, 3)),
+    "a long text": "x" * 120_000,
+    "long words": "very long " * 12_000,
+    "none": None,
+    "an object": object(),
+    "a class": rc.Love,
+    "not a number": math.nan,
+}
+
+
+def refusal_of(call, *args, **kwargs):
+    """Return the sentence with which a call is refused; None if it is not."""
+    try:
+        call(*args, **kwargs)
+    except rc.RoughContactError as error:
+        return error
+    return None
+
+
+@pytest.mark.parametrize("registry", REGISTRIES, ids=lambda one: one.kind)
+def test_nonsense_for_a_registered_class_is_answered_by_a_sentence(registry):
+    """Each argument in turn; a class that takes it must refuse it before anything fails in it."""
+    for name in registry:
+        cls = registry[name]
+        if cls.__module__.partition(".")[0] != "roughcontact" or registry.kind == "command":
+            continue
+        for argument in inspect.signature(cls).parameters:
+            for value in NONSENSE.values():
+                for make in (registry.create, lambda _, cls=cls, **fields: cls(**fields)):
+                    error = refusal_of(make, name, **{argument: value})
+                    assert not isinstance(error, rc.UnexpectedError), error
+                    assert len(str(error)) < 900
+
+
+@pytest.mark.parametrize("value", ["x" * 120_000, "very long " * 12_000], ids=["a word", "words"])
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda value: rc.DCFFT().require(value, rc.Boundary.FREE),
+        lambda value: rc.read_surface(value),
+        lambda value: rc.writers.create("vti").write(problem().solve(pressure=1e6), Path(value)),
+        lambda value: rc.kernels[value],
+    ],
+)
+def test_a_sentence_quotes_no_more_than_it_needs(value, ask):
+    with pytest.raises(rc.RoughContactError) as caught:
+        ask(value)
+    assert len(str(caught.value)) <= 4000
+    assert value[:20] in str(caught.value)
+
+
+def test_nonsense_that_changes_nothing_is_refused_too():
+    heights = rc.HeightMap(1e-6 * np.eye(8), 1e-3, periodic=True)
+    for surface in (heights, WAVE, heights + WAVE):
+        with pytest.raises(rc.InputError, match=r"resampling method must be one of .* but got 'nope'"):
+            surface.resample_to(GRID, method="nope")
+    solution = problem().solve(pressure=1e6)
+    for value in ("5", ["5", "6"], -1.0, 0.0, [1e3, math.nan], datetime.date(2020, 1, 1), None):
+        with pytest.raises(rc.InputError, match="wave number must be a number or an array of numbers above 0"):
+            solution.effective_modulus(value)
+    law = rc.interface_law(problem(boundary="periodic"), [1e5, 2e5, 4e5])
+    for write in (law.to_abaqus, law.to_calculix):
+        for value in (datetime.date(2020, 1, 1), "conductence", "", ["conductance"]):
+            with pytest.raises(rc.InputError, match=r"conductance=|no column of the law named"):
+                write("law.inp", conductance=value)
+    assert not Path("law.inp").exists()
+
+
+def test_an_argument_of_a_wrong_type_is_named_though_its_type_is_imported_for_annotations_alone(tmp_path):
+    with pytest.raises(rc.InputError, match=r"path= of VtiWriter.write must be of type Path, but got 3"):
+        rc.writers.create("vti").write(problem().solve(pressure=1e6), 3)

@@ -13,6 +13,7 @@ from roughcontact._solution.origin import Origin
 from roughcontact._solution.patches import ContactPatches, find_patches
 from roughcontact._solution.results import GridLevel, Residuals, Status
 from roughcontact.checks import Array, Mask, numbers, read_only
+from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 
 
@@ -85,7 +86,10 @@ class ContactFields:
 
     def effective_modulus(self, wavenumber: float | Array) -> Array:
         """Return the effective contact modulus E*, Pa, of pressure waves with these wave numbers, rad/m."""
-        wavenumber = numbers(wavenumber, "The wave number", "a number or an array of numbers (rad/m)")
+        allowed = "a number or an array of numbers above 0 (rad/m)"
+        given, wavenumber = wavenumber, numbers(wavenumber, "The wave number", allowed)
+        if not (wavenumber > 0.0).all():
+            raise InputError.about("The wave number", given, allowed)
         if self.moduli is None:
             return np.full(wavenumber.shape, self.modulus)
         lengths, moduli = (np.log(values) for values in self.moduli)

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import attrs
 import numpy as np
 
-from roughcontact._surfaces.resampling import shift_by_half_cell
+from roughcontact._surfaces.resampling import check_method, shift_by_half_cell
 from roughcontact.checks import Array, Mask, flag
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
@@ -99,6 +99,7 @@ class Surface(abc.ABC):
         Height maps are interpolated by `method`, as in `HeightMap.resample`; by default periodic maps are taken as
         band-limited. `InputError` if the surface is not known between the points of its grid.
         """
+        check_method(method)
         parts = _checked_parts(self)
         resampled = [part.resample_to(grid, method) for part in parts]
         changed = any(one is not other for one, other in zip(parts, resampled, strict=True))

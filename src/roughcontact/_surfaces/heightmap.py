@@ -15,11 +15,11 @@ from roughcontact._surfaces import form as forms
 from roughcontact._surfaces.base import Surface
 from roughcontact._surfaces.filling import fill
 from roughcontact._surfaces.quality import find_period, list_map_warnings
-from roughcontact._surfaces.resampling import resample, shift_by_half_cell
+from roughcontact._surfaces.resampling import check_method, resample, shift_by_half_cell
 from roughcontact._surfaces.statistics import repeats
 from roughcontact._surfaces.summary import check_history, summarize
 from roughcontact._surfaces.topography import make_topography, read_map
-from roughcontact.checks import Array, Mask, Pair, choice, frozen_array, instance_of, integer, measured_heights, pair
+from roughcontact.checks import Array, Mask, Pair, frozen_array, instance_of, integer, measured_heights, pair
 from roughcontact.checks.pickling import restore_state
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
@@ -196,7 +196,7 @@ class HeightMap(Surface):
             ``"mean"`` and the new cell counts do not divide the old ones.
         """
         target = Grid(shape, self.size).shape
-        choice(method, "The resampling method", ("bilinear", "cubic", "fourier", "mean"))
+        check_method(method)
         if method == "fourier" and not self.periodic:
             raise InputError("Fourier resampling needs a periodic map: use 'bilinear', or periodic=True if it is one.")
         if method == "mean" and any(old % new for old, new in zip(self._heights.shape, target, strict=True)):
@@ -218,6 +218,7 @@ class HeightMap(Surface):
 
     def resample_to(self, grid: Grid, method: str | None = None) -> HeightMap:
         """Return the map on the cells of another grid over the same domain; see `Surface.resample_to`."""
+        check_method(method)
         if self.grid.matches(grid):
             return self
         if method is None and not self.periodic:

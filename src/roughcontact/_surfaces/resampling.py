@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact.checks import Array
+from roughcontact.checks import Array, choice
 from roughcontact.checks.memory import require_memory
 from roughcontact.grid import Grid
 
@@ -17,6 +17,12 @@ from roughcontact.grid import Grid
 _ARRAYS = {"bilinear": 2.0, "cubic": 3.6, "fourier": 5.0, "mean": 2.0}
 # Cells that are interpolated at once, so that only the result has its size.
 _BLOCK = 2**16
+
+
+def check_method(method: str | None) -> None:
+    """Raise `InputError` unless a method of resampling is known, or None, which leaves the choice."""
+    if method is not None:
+        choice(method, "The resampling method", tuple(_ARRAYS))
 
 
 def resample(values: Array, shape: tuple[int, int], method: str, *, periodic: bool) -> Array:

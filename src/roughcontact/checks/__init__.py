@@ -179,8 +179,8 @@ def callback(value: object, what: str, *given: str) -> Callable[..., Any] | None
 def numbers(values: object, what: str, allowed: str) -> Array:
     """Return `values` as an array of float64, or raise `InputError` if it is something else."""
     try:
-        # numpy would omit the imaginary part, with a warning.
-        if np.asarray(values).dtype.kind == "c":
+        # numpy would omit an imaginary part, with a warning, and read texts and times as numbers.
+        if np.asarray(values).dtype.kind not in "biufO":
             raise TypeError
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError, RecursionError):

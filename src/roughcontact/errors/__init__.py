@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 from typing import Any
 
@@ -10,10 +11,15 @@ import numpy as np
 
 # Characters of a value that a sentence repeats.
 _VALUE = 80
+# A word that is longer than any path that is read, and the characters of the longest sentence.
+_WORD, _PAGE = re.compile(r"\S{500,}"), 4000
 
 
 class RoughContactError(Exception):
     """The root of every error raised on purpose by this package."""
+
+    def __str__(self) -> str:
+        return _shorten_words(super().__str__())
 
 
 class InputError(RoughContactError, ValueError):
@@ -68,7 +74,7 @@ class NotWritten(FileError):
     """A file could not be written; what stood under its name is unchanged."""
 
     def __str__(self) -> str:
-        return f"The file {self.filename!r} cannot be written: {self.strerror}."
+        return _shorten_words(f"The file {self.filename!r} cannot be written: {self.strerror}.")
 
 
 class NotConverged(RoughContactError, RuntimeError):
@@ -85,7 +91,7 @@ class NotConverged(RoughContactError, RuntimeError):
         self.solution = solution
 
     def __str__(self) -> str:
-        return str(self.args[0])
+        return _shorten_words(str(self.args[0]))
 
 
 class StudyStopped(RoughContactError, RuntimeError):
@@ -114,6 +120,11 @@ def short(value: object) -> str:
         text = f"a {type(value).__name__}"
     is_own = type(value).__module__ != "builtins" and len(text) > _VALUE
     return f"a {type(value).__name__}" if is_own or "array(" in text else shorten(text, _VALUE)
+
+
+def _shorten_words(text: str) -> str:
+    """Return a sentence whose words are no longer than a path, and that is no longer than a page."""
+    return shorten(_WORD.sub(lambda found: shorten(found[0], _VALUE), text), _PAGE)
 
 
 def shorten(text: str, longest: int) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import collections.abc
 import enum
 import functools
@@ -212,16 +213,21 @@ def _explained(error: Exception, call: str, function: Any, args: Any, kwargs: An
         given = signature.bind(*args, **kwargs).arguments
     except TypeError as wrong:
         return _misplaced(call, signature, args) or InputError(f"{call}({', '.join(_names(signature))}): {wrong}.")
-    try:
-        hints = typing.get_type_hints(function, vars(sys.modules[function.__module__]))
-    # A name that is imported for annotations alone.
-    except NameError:
-        return changed
+    hints = typing.get_type_hints(function, {}, _Names(vars(sys.modules[function.__module__])))
     for name, value in given.items():
         if name in hints and not _is_a(value, hints[name]):
             kind = signature.parameters[name].annotation
             return InputError.about(f"{name}= of {call}", value, f"of type {getattr(kind, '__name__', kind)}")
     return changed
+
+
+class _Names(dict[str, Any]):
+    """The names of a module, and those that it imports for annotations alone: public ones, or else any type."""
+
+    def __missing__(self, name: str) -> Any:
+        package = sys.modules["roughcontact"]
+        found = (getattr(place, name, None) for place in (builtins, package, package.typing))
+        return next((one for one in found if one is not None), Any)
 
 
 def _names(signature: inspect.Signature) -> list[str]:
@@ -260,7 +266,8 @@ def _is_a(value: object, hint: Any) -> bool:
     if kind in (collections.abc.Sequence, collections.abc.Iterable, tuple) and of:
         is_list = hasattr(value, "__iter__") and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) > 0
         return is_list and (not isinstance(value, (list, tuple)) or all(_is_a(item, of[0]) for item in value))
-    return not isinstance(kind, type) or isinstance(value, kind)
+    # Any is a class from Python 3.11 on.
+    return kind is Any or not isinstance(kind, type) or isinstance(value, kind)
 
 
 def _foreign_part(error: Exception) -> str:

@@ -10,6 +10,7 @@ from roughcontact.laws.tables import (
     closure_rows,
     conductance_rows,
     describe,
+    find_conductance,
     keyword_name,
     list_uncertainties,
     unit_system,
@@ -30,7 +31,8 @@ def write_interaction(law: InterfaceLaw, name: str, conductance: str | None, ele
     https://abaqus-docs.mit.edu/2017/English/SIMACAEKEYRefMap/simakey-r-gapconductance.htm
     """
     lines = [*describe(law, _MARK), f"*SURFACE INTERACTION, NAME={keyword_name(name)}", *write_closure(law, units)]
-    if conductance is None or conductance not in law.columns:
+    conductance = find_conductance(law, conductance)
+    if conductance is None:
         return lines
     system = unit_system(units)
     electrical = flag(electrical, "electrical=") or law[conductance].unit == ELECTRICAL

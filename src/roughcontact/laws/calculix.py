@@ -10,6 +10,7 @@ from roughcontact.laws.tables import (
     THERMAL,
     conductance_rows,
     describe,
+    find_conductance,
     keyword_name,
     list_uncertainties,
     unit_system,
@@ -42,7 +43,8 @@ def write_interaction(law: InterfaceLaw, name: str, conductance: str | None, uni
         f"*SURFACE INTERACTION,NAME={keyword_name(name)}",
         *write_closure(law, units, separator=",", smallest=_SMALLEST),
     ]
-    if conductance is None or conductance not in law.columns:
+    conductance = find_conductance(law, conductance)
+    if conductance is None:
         return lines
     if law[conductance].unit != THERMAL:
         raise InputError(f"CalculiX takes thermal conductances, in {THERMAL}, but {conductance!r} is another column.")

@@ -139,7 +139,7 @@ class InterfaceLaw:
         name
             Name of the surface interaction.
         conductance
-            Column of the conductance; None, or one that the law does not have: none.
+            Column of the conductance; None: none, as where the law does not have the column ``"conductance"``.
         electrical
             Whether it is an electrical one, of conductivities in S/m.
         units

@@ -59,6 +59,15 @@ def describe(law: InterfaceLaw, mark: str) -> list[str]:
     return [f"{mark} {line}" for text in texts for line in textwrap.wrap(text, _WIDTH)]
 
 
+def find_conductance(law: InterfaceLaw, column: str | None) -> str | None:
+    """Return the column of the conductance; None without one, which is right for the default name alone."""
+    if column is None or (column == "conductance" and column not in law.columns):
+        return None
+    # `InputError` for a name that the law does not have.
+    _ = law[column]
+    return column
+
+
 def conductance_rows(law: InterfaceLaw, column: str) -> tuple[Array, Array, Array]:
     """Return pressures, conductances over nominal area and their uncertainties, SI, first of zero load."""
     found = law[column]

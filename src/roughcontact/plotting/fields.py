@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._solution import ContactSolution
-from roughcontact.checks import Array, flag
+from roughcontact.checks import Array, choice, flag
 from roughcontact.errors import InputError
 from roughcontact.panel import Panel
 from roughcontact.panel.curves import say
@@ -60,9 +60,7 @@ def _logarithmic(value: object) -> bool:
 
 
 def _known_heights(value: object) -> str:
-    if value not in _HEIGHTS:
-        raise InputError.about("The heights to draw", value, f"one of {', '.join(map(repr, _HEIGHTS))}")
-    return str(value)
+    return choice(value, "The heights to draw", _HEIGHTS)
 
 
 @final

@@ -22,7 +22,7 @@ _MARGIN = 0.08
 
 
 def _axis(value: object) -> int:
-    if value not in (0, 1) or isinstance(value, bool):
+    if not isinstance(value, (int, np.integer)) or isinstance(value, bool) or value not in (0, 1):
         raise InputError.about("The axis of a profile", value, "0 for a cut along x or 1 for one along y")
     return int(value)
 
