@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 
@@ -95,6 +96,36 @@ def test_a_map_known_between_its_points_is_refined_but_not_coarsened():
     problem = map_problem(periodic=True)
     assert problem.solve(pressure=1e-3, area_within=0.9).grid == problem.plan.grid
     assert problem.solve(pressure=1e-3, area_within=0.005).grid.cells > problem.plan.grid.cells
+
+
+@pytest.mark.parametrize(("shape", "size"), [((2, 40), (2e-6, 4e-5)), ((37, 3), (9e-5, 3e-6))])
+def test_the_cells_that_an_accuracy_may_take_are_bounded(monkeypatch, shape, size):
+    """By a multiple of those of the map, or a number for the smallest maps."""
+    heights = 1e-8 * np.random.default_rng(1).standard_normal(shape)
+    body = rc.Body(rc.HeightMap(heights, size, periodic=True), rc.Elastic(2e11, 0.3))
+    problem = rc.ContactProblem(body, boundary="periodic")
+    for unasked in (2**12, 2**14):
+        monkeypatch.setattr("roughcontact._problem.accuracy._UNASKED", unasked)
+        allowed = max(unasked, 64 * problem.plan.grid.cells)
+        with pytest.raises(
+            rc.NotConverged, match=f"more than the {allowed} to which this grid of {shape[0]} x"
+        ) as caught:
+            problem.solve(pressure=1e8, area_within=1e-4)
+        trials = caught.value.solution.accuracy.trials
+        assert allowed / 64 < math.prod(trials[-1].shape) <= allowed
+        assert caught.value.solution.grid.shape == trials[-1].shape
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("shape", [(2, 64), (64, 2), (1, 64), (2, 31)])
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_grids_of_two_cells_are_refined(shape, boundary):
+    body = rc.Body(rc.WavySurface(1e-8, (1e-5, 5e-6)), rc.Elastic(2e11, 0.3))
+    problem = rc.ContactProblem(body, grid=rc.Grid(shape, 1e-5), boundary=boundary)
+    solution = problem.solve(pressure=3e7, area_within=0.1)
+    fine = rc.on_grid(problem, (160, 160)).solve(pressure=3e7)
+    assert solution.area().value == pytest.approx(fine.area().value, rel=0.1)
+    assert min(solution.grid.shape) > 2
 
 
 def test_more_cells_than_memory_holds_are_refused(monkeypatch):

@@ -47,6 +47,8 @@ _ORDER, _ORDERS, _FACTORS = 3.0, (1.0, 4.0), (1.15, 4.0)
 _MARGIN = 1.05
 # Factor between the cells of two grids of which the first met the accuracy and disagreed with the one before.
 _AGAIN = 1.5
+# Cells to which a grid is refined without being asked, about ten seconds, and times the cells of the grid given.
+_UNASKED, _TIMES_GIVEN = 2**22, 64
 _NO_HEIGHTS = "the heights are known at the points of a map only, and a finer grid adds none: measure a finer map"
 
 
@@ -180,7 +182,9 @@ def _mean_square_curvature(gap: Array, grid: Grid) -> float:
     """Return the mean square second differences of the gap, 1/m2, where it is below its mean."""
     low, total = gap < gap.mean(), 0.0
     for values, there, step in zip((gap, gap.T), (low, low.T), grid.spacing, strict=True):
-        total += float(np.mean(np.diff(values, 2, axis=0)[there[1:-1]] ** 2)) / step**4
+        bends = np.diff(values, 2, axis=0)[there[1:-1]]
+        # Fewer than three cells show no curvature.
+        total += float(np.mean(bends**2)) / step**4 if bends.size else math.nan
     return total
 
 
@@ -216,6 +220,13 @@ def _refine(problem: ContactProblem, trials: list[Trial], target: Target) -> Con
     nx, ny = (
         _MULTIPLE * scipy.fft.next_fast_len(math.ceil(factor * n / _MULTIPLE), real=True) for n in trials[-1].shape
     )
+    allowed = max(_UNASKED, _TIMES_GIVEN * problem.plan.grid.cells)
+    if nx * ny > allowed:
+        raise InputError(
+            f"it seems to need {nx} x {ny} cells, more than the {allowed} to which this grid of "
+            f"{problem.plan.grid.shape[0]} x {problem.plan.grid.shape[1]} is refined: allow a larger error, or give a "
+            "finer grid"
+        )
     try:
         require_memory_of_solve(Grid((nx, ny), problem.plan.grid.size), problem.boundary, problem.memory_limit)
     except InputError as error:
