@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import http.client
 import io
@@ -16,6 +17,7 @@ import sys
 import threading
 import time
 import urllib.parse
+import urllib.request
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -27,10 +29,10 @@ from roughcontact._solution.several import gather_warnings
 from roughcontact._solution.summary import list_all_warnings
 from roughcontact.app import AppServer, Session
 from roughcontact.app.answers import describe_solutions, list_warnings, make_table
+from roughcontact.app.connections import LIMIT
 from roughcontact.app.process import TaskEnded, Worker
 from roughcontact.app.progress import Progress
 from roughcontact.app.scene import make_loads, make_problem, make_scene
-from roughcontact.app.server import _CONNECTIONS
 from roughcontact.app.settings import DEFAULTS, load_values, quantity, read_settings
 from roughcontact.app.uploads import shown_name
 from roughcontact.typing import Step
@@ -97,6 +99,13 @@ class Client:
             assert time.monotonic() < end, state
             time.sleep(0.05)
         return state
+
+
+def wait_until(condition):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)
 
 
 @contextmanager
@@ -323,23 +332,71 @@ def test_what_is_not_http_is_refused_and_the_server_lives(client, text):
 
 
 def test_a_slow_client_is_sent_away_and_holds_up_nobody(client, monkeypatch):
-    monkeypatch.setattr("roughcontact.app.server._Handler.timeout", 0.2)
+    monkeypatch.setattr("roughcontact.app.server._SILENCE", 0.2)
     answer = talk(client.port, head(client, "Content-Length: 20") + b"{")
     assert b" 408 " in answer.splitlines()[0]
 
 
-def test_a_connection_too_many_is_closed(client, server):
-    held = []
+def connect(client):
+    return socket.create_connection(("127.0.0.1", client.port), timeout=PATIENCE)
+
+
+def is_closed(connection):
     try:
-        # Those of tests before this one may take a moment to end.
-        while len(held) < _CONNECTIONS:
-            assert server._connections.acquire(timeout=PATIENCE)
-            held.append(1)
-        with pytest.raises((ConnectionError, http.client.HTTPException)):
-            client.request("GET", "")
-    finally:
-        for _ in held:
-            server._connections.release()
+        return connection.recv(1) == b""
+    except ConnectionError:
+        return True
+
+
+def send_until_closed(connection):
+    """Send a byte now and then; the patience of the test ends it too."""
+    end = time.monotonic() + PATIENCE
+    with contextlib.suppress(ConnectionError):
+        while time.monotonic() < end:
+            connection.sendall(b"x")
+            time.sleep(0.02)
+        pytest.fail("the connection is still open")
+
+
+@pytest.mark.parametrize("first", [b"", b"GET /", b"GET / HTTP/1.1\r\nX-Page: "])
+def test_connections_that_do_not_show_the_token_keep_nobody_out(client, server, first):
+    with contextlib.ExitStack() as stack:
+        silent = [stack.enter_context(connect(client)) for _ in range(3 * LIMIT)]
+        for connection in silent[-LIMIT:]:
+            connection.sendall(first)
+        # The oldest make room for it, although none of those that are left has had its time.
+        assert client.request("GET", "")[0] == 200
+        assert is_closed(silent[0])
+        assert len(server.connections._strangers) <= LIMIT
+        silent[-1].setblocking(False)
+        with pytest.raises(BlockingIOError):
+            silent[-1].recv(1)
+
+
+@pytest.mark.parametrize("text", ["GET /", "GET /TOKEN/ HTTP/1.1\r\nX-Page: ", "POST /wrong/ HTTP/1.1\r\n\r\n"])
+def test_a_byte_now_and_then_buys_no_time_without_the_token(client, monkeypatch, text):
+    monkeypatch.setattr("roughcontact.app.connections.PATIENCE", 0.3)
+    with connect(client) as connection:
+        connection.sendall(text.replace("TOKEN", client.token).encode())
+        send_until_closed(connection)
+
+
+def test_what_a_refused_client_goes_on_sending_is_not_read_for_ever(client, monkeypatch):
+    monkeypatch.setattr("roughcontact.app.server._DRAINING", 0.3)
+    with connect(client) as connection:
+        connection.sendall(head(client, "Content-Length: 100000"))
+        assert b" 413 " in connection.recv(4096)
+        send_until_closed(connection)
+
+
+def test_too_many_requests_at_once_are_refused_in_words(client, server, monkeypatch):
+    monkeypatch.setattr("roughcontact.app.connections.LIMIT", 1)
+    with connect(client) as busy:
+        busy.sendall(head(client, "Content-Length: 20"))
+        wait_until(lambda: server.connections._admitted)
+        status, _, body = client.request("GET", "")
+        assert (status, json.loads(body)["error"]) == (503, "There are too many requests at once: try it again.")
+    wait_until(lambda: not server.connections._admitted)
     assert client.request("GET", "")[0] == 200
 
 
@@ -565,7 +622,7 @@ def test_the_name_of_a_file_is_only_shown(client, server):
 def test_uploads_lie_in_a_private_folder_that_ends_with_the_session():
     with serving() as server:
         Client(server).upload("a.csv", b"1,2\n3,4\n")
-        folder = Path(server.session._temporary.name)
+        folder = server.session.folder
         assert stat.S_IMODE(folder.stat().st_mode) == 0o700
         assert len(list((folder / "uploads").iterdir())) == 1
     assert not folder.exists()
@@ -948,19 +1005,96 @@ def test_progress_only_grows_and_counts_the_loads(monkeypatch):
     assert sent[0]["text"].startswith("load 1 of 2, force 1 N: 32 x 32 cells")
 
 
-def test_the_command_serves_until_it_is_ended(tmp_path):
-    command = [sys.executable, "-m", "roughcontact", "app", "--no-browser"]
-    environment = {**os.environ, "TMPDIR": str(tmp_path)}
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
-        address = re.search(r"http://127\.0\.0\.1:(\d+)/\S+/", process.stdout.readline())
-        connection = http.client.HTTPConnection("127.0.0.1", int(address[1]), timeout=PATIENCE)
-        connection.request("GET", urllib.parse.urlsplit(address[0]).path)
-        assert connection.getresponse().status == 200
-        assert len(list(tmp_path.glob("roughcontact-app-*"))) == 1
-        process.send_signal(signal.SIGTERM)
+@contextmanager
+def command(folder, *options, **environment):
+    """The command ``roughcontact app`` with its files in a folder, and the address that it prints."""
+    arguments = [sys.executable, "-m", "roughcontact", "app", *options]
+    environment = {**os.environ, "TMPDIR": str(folder), **environment}
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        try:
+            yield process, re.search(r"http://127\.0\.0\.1:\d+/\S+/", process.stdout.readline())[0]
+        finally:
+            process.kill()
+
+
+def list_sessions(folder):
+    return set(folder.glob("roughcontact-app-*"))
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGQUIT"])
+def test_the_command_serves_until_it_is_ended(tmp_path, name):
+    with command(tmp_path, "--no-browser") as (process, address):
+        with urllib.request.urlopen(address, timeout=PATIENCE) as answer:
+            assert answer.status == 200
+        assert len(list_sessions(tmp_path)) == 1
+        process.send_signal(getattr(signal, name))
         assert "files are removed" in process.communicate(timeout=PATIENCE)[0]
-    assert process.returncode == 0
-    assert list(tmp_path.glob("roughcontact-app-*")) == []
+        assert process.returncode == 0
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such terminals")
+def test_the_files_go_with_the_terminal(tmp_path):
+    import pty
+
+    process, terminal = pty.fork()
+    if not process:
+        environment = {**os.environ, "TMPDIR": str(tmp_path)}
+        os.execve(sys.executable, [sys.executable, "-m", "roughcontact", "app", "--no-browser"], environment)
+    try:
+        assert b"The page is at" in os.read(terminal, 4096)
+        assert len(list_sessions(tmp_path)) == 1
+    finally:
+        os.close(terminal)
+    assert os.waitpid(process, 0)[1] == 0
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="locks of files are different there")
+def test_what_a_killed_command_left_goes_at_the_next_start_and_a_living_one_keeps_its_own(tmp_path):
+    with command(tmp_path, "--no-browser") as (killed, _), command(tmp_path, "--no-browser") as (_, address):
+        with urllib.request.urlopen(f"{address}api/start", timeout=PATIENCE):
+            assert len(list_sessions(tmp_path)) == 2
+        # Not of this command, of another machine, and a link: they stay.
+        foreign = [tmp_path / f"roughcontact-app-{name}" for name in ("other", "machine", "link")]
+        for folder in foreign[:2]:
+            folder.mkdir()
+        (foreign[1] / "lock").write_text("of another machine")
+        foreign[2].symlink_to(foreign[1])
+        killed.kill()
+        killed.wait(PATIENCE)
+        before = list_sessions(tmp_path)
+        assert len(before) == 5
+        with command(tmp_path, "--no-browser"):
+            now = list_sessions(tmp_path)
+            assert len(now - before) == 1
+            assert len(before - now) == 1
+            assert now.issuperset(foreign)
+        with urllib.request.urlopen(address, timeout=PATIENCE) as answer:
+            assert answer.status == 200
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there no user sees the commands of another")
+def test_the_command_line_of_the_browser_gives_no_access(tmp_path):
+    seen, browser = tmp_path / "seen", tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\nprintf "%s\\n" "$@" > {seen}.new && mv {seen}.new {seen}\n')
+    browser.chmod(0o755)
+    with command(tmp_path, BROWSER=str(browser)) as (process, address):
+        wait_until(seen.exists)
+        (shown,) = seen.read_text().splitlines()
+        assert address.split("/")[3] not in shown
+        page = Path(urllib.request.url2pathname(urllib.parse.urlsplit(shown).path))
+        # Nobody else may read the file; it leads to the address that is printed, which works any time.
+        assert stat.S_IMODE(page.stat().st_mode) == 0o600
+        assert f'content="0; url={address}"' in page.read_text()
+        if os.getuid() == 0:
+            for folder in (tmp_path, *tmp_path.parents[:2]):
+                folder.chmod(0o755)
+            nobody = subprocess.run(["cat", str(page)], user=65534, capture_output=True, check=False)
+            assert b"Permission denied" in nobody.stderr
+        process.terminate()
+        process.wait(PATIENCE)
+        assert not page.exists()
 
 
 def test_a_port_in_use_is_said_so(server, capsys):

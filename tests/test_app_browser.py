@@ -23,6 +23,7 @@ from selenium.webdriver.support.ui import Select, WebDriverWait
 
 import roughcontact as rc
 from roughcontact.app import AppServer, Session
+from roughcontact.cli.app import _shown
 
 if os.environ.get("ROUGHCONTACT_BROWSER") != "1":
     pytest.skip("set ROUGHCONTACT_BROWSER=1, and install chromium and chromium-driver", allow_module_level=True)
@@ -484,6 +485,16 @@ def test_an_old_link_is_refused_in_words(page):
     assert "open the address that it has printed" in text
     # The status of the refusal itself is logged.
     page.driver.get_log("browser")
+
+
+def test_the_file_that_the_browser_is_given_leads_to_the_page(page, tmp_path, monkeypatch):
+    monkeypatch.setattr("webbrowser.open", lambda _: True)
+    monkeypatch.setattr("roughcontact.cli.app._SNAPS", tmp_path / "none")
+    with _shown(page.address, tmp_path):
+        (leading,) = tmp_path.glob("roughcontact-*.html")
+        page.open(leading.as_uri())
+        assert page.driver.current_url.startswith(page.address)
+    assert not leading.exists()
 
 
 def test_the_driver_is_the_system_own():

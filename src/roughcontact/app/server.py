@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import hmac
 import html
 import http
 import json
 import re
 import socket
-import threading
+import time
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib import resources
 from typing import Any
 from urllib.parse import parse_qs
 
+from roughcontact.app import connections
 from roughcontact.app.process import TaskEnded
 from roughcontact.app.session import Session
 from roughcontact.errors import RoughContactError
@@ -21,12 +23,12 @@ from roughcontact.errors.door import translated
 
 # The loopback address: no other machine can reach it.
 HOST = "127.0.0.1"
-# Bytes of settings; seconds without a byte; connections at a time.
-_LONGEST_BODY, _SILENCE, _CONNECTIONS = 1 << 16, 30.0, 64
+# Bytes of settings; seconds without a byte.
+_LONGEST_BODY, _SILENCE = 1 << 16, 30.0
 # Characters of the name of a page.
 _LONGEST_NAME = 40
-# Bytes of a refused request that are read before the answer, so that the client sees it.
-_DRAINED = 1 << 20
+# Bytes, and seconds, of a refused request that are read after the answer, so that the client sees it.
+_DRAINED, _DRAINING = 1 << 20, 2.0
 _TYPES = {
     "css": "text/css; charset=utf-8",
     "csv": "text/csv; charset=utf-8",
@@ -73,13 +75,14 @@ class AppServer(ThreadingHTTPServer):
 
     daemon_threads = True
     allow_reuse_address = False
+    request_queue_size = 2 * connections.LIMIT
 
     def __init__(self, session: Session, port: int = 0):
         super().__init__((HOST, port), _Handler)
         self.session = session
         folder = resources.files("roughcontact.app") / "static"
         self.pages = {entry.name: entry.read_bytes() for entry in folder.iterdir() if entry.is_file()}
-        self._connections = threading.BoundedSemaphore(_CONNECTIONS)
+        self.connections = connections.Connections()
 
     @property
     def hosts(self) -> tuple[str, ...]:
@@ -92,18 +95,19 @@ class AppServer(ThreadingHTTPServer):
         return f"http://{HOST}:{self.server_port}/{self.session.token}/"
 
     def process_request(self, request: Any, client_address: Any) -> None:
-        """Serve a request in a thread of its own, if there are not too many."""
-        if self._connections.acquire(blocking=False):
-            super().process_request(request, client_address)
-        else:
-            self.shutdown_request(request)
+        """Serve a request in a thread of its own."""
+        self.connections.add(request)
+        super().process_request(request, client_address)
 
-    def process_request_thread(self, request: Any, client_address: Any) -> None:
-        """Serve it, and let another one in."""
-        try:
-            super().process_request_thread(request, client_address)
-        finally:
-            self._connections.release()
+    def service_actions(self) -> None:
+        """Close what has not shown the token in time; called twice a second."""
+        super().service_actions()
+        self.connections.close_late()
+
+    def shutdown_request(self, request: Any) -> None:
+        """Close a connection."""
+        self.connections.remove(request)
+        super().shutdown_request(request)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Say nothing of a client that went away."""
@@ -113,7 +117,7 @@ class _Handler(BaseHTTPRequestHandler):
     """One request; whatever it is, it ends in an answer or in a sentence."""
 
     server: AppServer
-    timeout = _SILENCE
+    timeout = connections.PATIENCE
     server_version, sys_version = "roughcontact", ""
 
     def do_GET(self) -> None:
@@ -158,6 +162,9 @@ class _Handler(BaseHTTPRequestHandler):
                 "This link is not of the run of 'roughcontact app' that serves here: open the address that it has "
                 "printed. There, 'Restore from a link' takes the settings of an old link.",
             )
+        if not self.server.connections.admit(self.connection):
+            raise Refusal(http.HTTPStatus.SERVICE_UNAVAILABLE, "There are too many requests at once: try it again.")
+        self.connection.settimeout(_SILENCE)
         if not slash:
             raise Refusal(http.HTTPStatus.FOUND, "The address of the page ends with a slash.", f"/{token}/")
         origin = f"http://{names[0].lower()}"
@@ -256,13 +263,11 @@ class _Handler(BaseHTTPRequestHandler):
             self._send(status, _JSON, json.dumps({"error": sentence}).encode(), extra)
         # A client that still sends gets the answer only if what it sends is read.
         self.connection.settimeout(1.0)
-        try:
+        with contextlib.suppress(OSError):
             self.connection.shutdown(socket.SHUT_WR)
-            left = _DRAINED
-            while left > 0 and (block := self.connection.recv(min(left, 1 << 16))):
+            left, end = _DRAINED, time.monotonic() + _DRAINING
+            while left > 0 and time.monotonic() < end and (block := self.connection.recv(min(left, 1 << 16))):
                 left -= len(block)
-        except OSError:
-            pass
 
     def _send_json(self, data: Any) -> None:
         self._send(200, _JSON, json.dumps(data, allow_nan=False).encode())

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import secrets
-import tempfile
 import threading
 from collections import OrderedDict
 from io import BufferedIOBase
 from pathlib import Path
 from typing import Any
 
+from roughcontact.app.folder import PrivateFolder
 from roughcontact.app.jobs import Jobs
 from roughcontact.app.page import Page
 from roughcontact.app.scene import EXAMPLES
@@ -29,10 +29,9 @@ class Session:
 
     def __init__(self, *, slots: int | None = None, patience: float = _PATIENCE):
         self.token = secrets.token_urlsafe(24)
-        # Made for this user alone (mode 700).
-        self._temporary = tempfile.TemporaryDirectory(prefix="roughcontact-app-", ignore_cleanup_errors=True)
-        folder = Path(self._temporary.name)
-        parts = {name: folder / name for name in ("uploads", "surfaces", "runs")}
+        self._private = PrivateFolder()
+        self.folder = self._private.path
+        parts = {name: self.folder / name for name in ("uploads", "surfaces", "runs")}
         for part in parts.values():
             part.mkdir(mode=0o700)
         self.uploads, self.jobs = Uploads(parts["uploads"]), Jobs(parts["runs"], slots)
@@ -104,7 +103,7 @@ class Session:
         self.jobs.close()
         for page in self._pages.values():
             page.close()
-        self._temporary.cleanup()
+        self._private.close()
 
     def _keep(self, path: Path) -> str:
         name = secrets.token_hex(8)
