@@ -30,6 +30,8 @@ SWAPPED |= {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", 
 SWAPPED |= {"is not": "is", "is": "is not", "not in": "in", "in": "not in"}
 SWAPPED |= {low + end: high + end for low, high in (("min", "max"), ("max", "min")) for end in ("", "imum")}
 SWAPPED |= {"argmin": "argmax", "argmax": "argmin", "fmin": "fmax", "fmax": "fmin"}
+# Arguments that change no result: of the transforms, of attrs and of a reader.
+_NO_RESULT = {"eq", "maxworkers", "overwrite_x", "repr", "workers"}
 # Tests of a place that run before the others are collected.
 _FIRST = 20
 OPERATOR = re.compile(r"\*\*|//|<=|>=|==|!=|[-+*/%<>]|\b(?:is not|not in|is|in|and|or)\b")
@@ -142,6 +144,8 @@ class Places(ast.NodeVisitor):
             )
 
     def visit_keyword(self, node: ast.keyword) -> None:
+        if node.arg in _NO_RESULT:
+            return
         if node.arg == "axis" and isinstance(node.value, ast.Constant | ast.UnaryOp):
             self.change(*self.span(node.value), "1" if self.text(node.value) == "0" else "0")
         else:

@@ -201,5 +201,6 @@ def _find_bracketed_root(cubic: Array, square: Array, linear: Array, highest: Ar
         slope = (3.0 * cubic * w + 2.0 * square) * w + linear
         with np.errstate(divide="ignore", invalid="ignore"):
             trial = w - excess / slope
-        w = np.where((trial > low) & (trial < high), trial, 0.5 * (low + high))
+        # A root that is found is an end of the bracket.
+        w = np.where((trial >= low) & (trial <= high), trial, 0.5 * (low + high))
     return w
