@@ -31,6 +31,17 @@ def crop(cells=96):
     return rc.HeightMap(ROUGH.heights(GRID)[:cells, :cells], size=cells * 1e-6)
 
 
+def add_waves(rng, count, shape):
+    """Return a sum of waves of 4 to 40 cells, each of them plane or of a chequered pattern."""
+    heights = np.zeros(shape)
+    x, y = np.ogrid[: shape[0], : shape[1]]
+    for _ in range(count):
+        (qx, qy), phases = 2.0 * np.pi / rng.uniform(4.0, 40.0, 2), rng.uniform(0.0, 2.0 * np.pi, 2)
+        along_x, along_y = qx * x + phases[0], qy * y + phases[1]
+        heights += np.cos(along_x + along_y) if rng.random() < 0.5 else np.cos(along_x) * np.cos(along_y)
+    return heights
+
+
 def read_table(head):
     page = (ROOT / "docs" / "maps.md").read_text(encoding="utf-8")
     rows = page[page.index(head) :].split("\n\n")[0].splitlines()[2:]
@@ -85,6 +96,53 @@ class TestWarnings:
         blurred = ndimage.gaussian_filter(crop().values, 1.0)
         assert rc.HeightMap(blurred, size=96e-6, periodic=True).warnings == ()
         assert rc.HeightMap(blurred[:20], size=(20e-6, 96e-6)).warnings == ()
+
+    @pytest.mark.parametrize("shape", [(96, 96), (40, 120)])
+    @pytest.mark.parametrize("fraction", [0.01, 0.05, 0.2])
+    def test_none_for_marked_points(self, shape, fraction):
+        """Whatever stands at them, and whether they are single or not: they are no heights, filled or noisy."""
+        rng = np.random.default_rng(4)
+        heights = crop().values[: shape[0]] if shape[0] == 96 else ROUGH.heights(GRID)[: shape[0], : shape[1]]
+        size = (heights.shape[0] * 1e-6, heights.shape[1] * 1e-6)
+        single, blobs = rng.random(heights.shape), ndimage.gaussian_filter(rng.standard_normal(heights.shape), 2.0)
+        for field in (single, blobs):
+            lost = field < np.quantile(field, fraction)
+            assert rc.HeightMap(np.where(lost, np.nan, heights), size=size).warnings == ()
+            assert rc.HeightMap(np.where(lost, 1e-3, heights), size=size, non_measured=lost).warnings == ()
+
+    @pytest.mark.parametrize("fraction", [0.01, 0.03])
+    def test_noise_is_told_from_holes(self, fraction):
+        """Waves of eight cells and more, which holes that are filled in look noisy on."""
+        smooth = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8e-6, longest=128e-6, rolloff=50e-6, seed=3)
+        heights = smooth.heights(GRID)[:110, :90]
+        rng = np.random.default_rng(1)
+        lost, noise = rng.random(heights.shape) < fraction, 0.02 * heights.std() * rng.standard_normal(heights.shape)
+        calm, noisy = (
+            rc.HeightMap(np.where(lost, np.nan, values), size=(110e-6, 90e-6)).warnings
+            for values in (heights, heights + noise)
+        )
+        assert not any("noise" in text for text in calm)
+        assert any("noise" in text for text in noisy)
+
+    def test_points_that_were_filled_on_reading_are_to_be_kept(self, tmp_path, run):
+        lost = np.random.default_rng(2).random((96, 96)) < 0.05
+        np.savez(tmp_path / "map.npz", heights=np.where(lost, np.nan, crop().values), size=(96e-6, 96e-6))
+        (text,) = rc.read_surface(tmp_path / "map.npz", non_measured="fill").warnings
+        assert "of the points of the map are filled from their neighbours, and may touch: keep them" in text
+        assert rc.read_surface(tmp_path / "map.npz", non_measured="keep").warnings == ()
+        _, out, _ = run("info", tmp_path / "map.npz", "--non-measured", "fill")
+        assert "keep them with --non-measured keep" in " ".join(out.split())
+        status, out, _ = run("info", tmp_path / "map.npz", "--non-measured", "keep")
+        assert status == 0
+        assert "warning" not in out
+
+    @pytest.mark.parametrize("cells", [(96, 96), (64, 160), (200, 128)])
+    def test_a_few_waves_are_not_interpolated(self, cells):
+        for seed in range(5):
+            heights = add_waves(np.random.default_rng(seed), 1 + seed, cells)
+            surface = rc.HeightMap(heights, size=(cells[0] * 1e-6, cells[1] * 1e-6))
+            assert surface.period == 0.0
+            assert not any("interpolated" in text for text in surface.warnings)
 
     def test_reach_the_area_through_sums_and_places_and_files(self, tmp_path):
         blurred = rc.HeightMap(ndimage.gaussian_filter(crop().values, 1.0), size=96e-6)

@@ -66,6 +66,7 @@ def honest(rng: np.random.Generator) -> Iterator[tuple[str, str, np.ndarray]]:
     yield "ball, rough", "", heights - rms * (x**2 + x.T**2) / 400.0
     yield "run in", "", np.where(heights > level, level + 0.1 * (heights - level), heights)
     yield "computed, 8 cells on the shortest wave", "", draw(rng, 8.0)
+    yield "rough, 5 % of the points non-measured", "", np.where(rng.random(heights.shape) < 0.05, np.nan, heights)
 
 
 def spoiled(rng: np.random.Generator) -> Iterator[tuple[str, str, np.ndarray]]:

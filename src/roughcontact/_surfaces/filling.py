@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ _PER_POINT = 500
 # Damping of Jacobi's iteration and of the smoothed aggregates: 2/3, because no eigenvalue of a row-scaled Laplacian
 # exceeds 2 (Vanek, Mandel, Brezina, Computing 56 (1996) 179, https://doi.org/10.1007/BF02238511).
 _DAMPING = 2.0 / 3.0
+# Added to the sums of squared second differences, in case that no known point is near.
+_RIDGE = 1e-12
 # Cells along the side of an aggregate.
 _SIDE = 3
 # Relative residual to which conjugate gradients go, and steps; 15 to 40 are needed.
@@ -90,6 +93,43 @@ def fill(heights: Array) -> Array:
     matrix, right = _laplace(heights - mean, unknown, count)
     found = mean + _solve(matrix.tocsr(), right, np.stack(np.nonzero(unknown)))
     result[unknown] = np.clip(found, known.min(), known.max())
+    return result
+
+
+def was_filled(history: Iterable[str]) -> bool:
+    """Return whether the history of a map says that non-measured points were filled."""
+    return any(_DONE["fill"] in text for text in history)
+
+
+def smooth_over(heights: Array, holes: Mask) -> Array:
+    """Return heights with the surface of minimum bending in holes, which has no kinks at their edges.
+
+    The sum of its squared second differences along both axes is a minimum; it may exceed its surroundings.
+
+    Parameters
+    ----------
+    heights, holes
+        Heights, and where they are replaced, shape (nx, ny).
+    """
+    from scipy.sparse import csr_array, eye_array, vstack
+    from scipy.sparse.linalg import spsolve
+
+    cells = np.arange(heights.size).reshape(heights.shape)
+    differences = []
+    for axis in (0, 1):
+        left, middle, right = (
+            np.take(cells, np.arange(k, heights.shape[axis] - 2 + k), axis).ravel() for k in range(3)
+        )
+        touching = holes.ravel()[left] | holes.ravel()[middle] | holes.ravel()[right]
+        columns = np.stack([left, middle, right])[:, touching].T
+        values, rows = np.tile([1.0, -2.0, 1.0], len(columns)), np.repeat(np.arange(len(columns)), 3)
+        differences.append(csr_array((values, (rows, columns.ravel())), shape=(len(columns), heights.size)))
+    bending = vstack(differences).tocsc()
+    known = np.where(holes, 0.0, heights)
+    inside = bending[:, holes.ravel()]
+    matrix = inside.T @ inside + _RIDGE * eye_array(inside.shape[1])
+    result = heights.copy()
+    result[holes] = spsolve(matrix.tocsc(), -(inside.T @ (bending @ known.ravel())))
     return result
 
 

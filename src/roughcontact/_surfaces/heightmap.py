@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from roughcontact._surfaces import form as forms
 from roughcontact._surfaces.base import Surface
-from roughcontact._surfaces.filling import fill
+from roughcontact._surfaces.filling import fill, was_filled
 from roughcontact._surfaces.quality import find_period, list_map_warnings
 from roughcontact._surfaces.resampling import check_method, resample, shift_by_half_cell
 from roughcontact._surfaces.statistics import repeats
@@ -120,12 +120,14 @@ class HeightMap(Surface):
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Signs of blur, interpolation, noise, steps or filled points in a map that is not periodic, in sentences."""
-        return () if self.periodic else list_map_warnings(self._heights, self.grid)
+        if self.periodic:
+            return ()
+        return list_map_warnings(self._heights, self.grid, self.non_measured, was_filled=was_filled(self.history))
 
     @cached_property
     def period(self) -> float:
         """Distance of the points that the map looks interpolated between, cells; zero if it does not."""
-        return find_period(self._heights)
+        return find_period(self._heights, self.non_measured)
 
     @property
     def values(self) -> Array:

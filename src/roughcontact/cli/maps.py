@@ -32,7 +32,7 @@ def list_warnings(surface: rc.HeightMap) -> list[str]:
     gap = surface.values.max() - surface.values
     units = find_scene(gap, surface.grid, rc.Boundary.FREE, ())[0].warning
     texts = (units, _judge_form(surface), *surface.warnings)
-    return [fit(f"warning       {name_options(text, ('unit',))}") for text in texts if text]
+    return [fit(f"warning       {name_options(text, ('unit', 'non_measured'))}") for text in texts if text]
 
 
 def _judge_form(surface: rc.HeightMap) -> str:
