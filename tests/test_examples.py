@@ -175,8 +175,13 @@ def test_theory_and_laws(monkeypatch, tmp_path):
 
 
 def test_overview(monkeypatch, tmp_path):
-    study("overview", monkeypatch).main(128, 128, tmp_path)
+    overview = study("overview", monkeypatch)
+    overview.main(128, 256, tmp_path)
     assert (tmp_path / "overview.png").stat().st_size > 10_000
+    # The errors are those of the contact that the other panels show.
+    counted = overview.draw(64, 128).axes[2].lines[0]
+    error = overview.press(64).area("cell-count").value / overview.press(128).area().value - 1.0
+    assert counted.get_xydata().tolist() == [[64.0, pytest.approx(100.0 * error)]]
 
 
 @pytest.mark.slow
