@@ -7,8 +7,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from roughcontact._areas.cells import Surroundings, grow, split
-from roughcontact._solution import ContactSolution
+from roughcontact._areas.cells import Surroundings, split
+from roughcontact._solution import ContactSolution, heal
 from roughcontact.checks import Array, IntArray, Mask
 from roughcontact.grid import Boundary
 
@@ -69,6 +69,7 @@ def rim_ratio(solution: ContactSolution) -> float:
 
 def _measure_heights(solution: ContactSolution) -> tuple[float, float]:
     """Return resolution and rim ratio."""
+    solution = heal(solution)
     if solution not in _MEASURED:
         _MEASURED[solution] = _find_ratios(solution)
     return _MEASURED[solution]
@@ -76,9 +77,6 @@ def _measure_heights(solution: ContactSolution) -> tuple[float, float]:
 
 def _find_ratios(solution: ContactSolution) -> tuple[float, float]:
     chosen = np.flatnonzero(solution.contact)
-    if solution.non_measured is not None:
-        beside = grow(solution.non_measured, 2, solution.boundary)
-        chosen = chosen[~beside[_find_centres(solution, chosen, 2)]]
     chosen = chosen[:: max(1, chosen.size // _SAMPLE)]
     if chosen.size == 0:
         return 0.0, 0.0

@@ -9,7 +9,7 @@ from roughcontact._areas.cells import find_sharp_edges
 from roughcontact._areas.contour import find_distances
 from roughcontact._areas.dual_cells import DualCells, find_dual_cells
 from roughcontact._areas.polygons import Corners, find_crossings, find_kinds, measure_polygons
-from roughcontact._solution import ContactSolution
+from roughcontact._solution import ContactSolution, heal
 from roughcontact.checks import Array, IntArray, Mask
 from roughcontact.grid import Boundary
 
@@ -28,6 +28,7 @@ def edge_law(solution: ContactSolution) -> float:
     At the distance d from the edge :math:`p = K\sqrt{d}`, so that the distribution begins with
     :math:`(2 p / A_0) \oint ds / K^2`, along the edge and over the nominal area.
     """
+    solution = heal(solution)
     dual, grid = find_dual_cells(solution, 1), solution.grid
     i, j = dual.find_edge(solution.contact)
     k = dual.corners(i, j)
@@ -88,6 +89,7 @@ def _chain(following: IntArray) -> list[tuple[IntArray, bool]]:
 
 def _trace(solution: ContactSolution) -> tuple[Array, IntArray, IntArray]:
     """Return the pieces of the edge, and the sides of dual cells where each begins and ends."""
+    solution = heal(solution)
     dual, grid = find_dual_cells(solution, 1), solution.grid
     i, j = dual.find_edge(solution.contact)
     k = dual.corners(i, j)

@@ -14,7 +14,7 @@ from roughcontact._areas.curvature import average_curvature, curvature_resolutio
 from roughcontact._areas.edges import trace_edges
 from roughcontact._areas.ellipse import find_axes_ratio
 from roughcontact._areas.summits import is_elliptic
-from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, quantities
+from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, average_gap, heal, quantities
 from roughcontact.checks import Array
 from roughcontact.grid import Boundary
 
@@ -124,10 +124,10 @@ class MeanGap(QuantityEstimator):
     def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the mean gap; see `QuantityEstimator.estimate`."""
         shift, std = find_shift(solution)
-        # Where cells are saturated the bodies flow instead of overlapping.
-        gap = float(np.mean(np.where(solution.saturated, 0.0, solution.gap)))
+        gap, holes_std = average_gap(solution)
         outside = 1.0 if solution.boundary is not Boundary.FREE else 1.0 - area.fraction
-        return Estimate(max(gap - shift * outside, 0.0), std * outside, "m", area.warnings)
+        uncertainty = math.hypot(std * outside, holes_std)
+        return Estimate(max(gap - shift * outside, 0.0), uncertainty, "m", area.warnings)
 
 
 def _elliptic_quotient(mean: Array, difference: Array) -> Array:
@@ -148,6 +148,7 @@ def _is_diagonal(solution: ContactSolution) -> bool:
 
 def find_shift(solution: ContactSolution) -> tuple[float, float]:
     """Return how much the approach is too small, and the standard deviation of that, m."""
+    solution = heal(solution)
     patches = solution.patches
     if patches.count == 0:
         return 0.0, 0.0

@@ -65,14 +65,8 @@ class Spline:
 
     @classmethod
     def through_gap(cls, solution: ContactSolution) -> Spline:
-        """Return the spline through the initial gap; a non-measured point has the gap of the nearest measured one."""
-        gap, non_measured = solution.initial_gap, solution.non_measured
-        if non_measured is not None:
-            from scipy import ndimage
-
-            nearest = ndimage.distance_transform_edt(non_measured, return_distances=False, return_indices=True)
-            gap = gap[tuple(nearest)]
-        return cls.through(gap, solution.grid.spacing, solution.boundary)
+        """Return the spline through the initial gap."""
+        return cls.through(solution.initial_gap, solution.grid.spacing, solution.boundary)
 
     @classmethod
     def through(cls, values: Array, spacing: Pair, boundary: Boundary) -> Spline:

@@ -14,6 +14,7 @@ from roughcontact import checks
 from roughcontact._materials import Material
 from roughcontact._solution import storage
 from roughcontact._solution.fields import ContactFields
+from roughcontact._solution.healing import heal
 from roughcontact._solution.plausibility import list_warnings
 from roughcontact._solution.responses import Response, responses
 from roughcontact._solution.results import (
@@ -70,7 +71,7 @@ class ContactSolution(ContactFields):
         return self._estimate_area(areas.resolve(DEFAULT_AREA))
 
     def _estimate_area(self, chosen: AreaEstimator) -> Area:
-        area = chosen.estimate(self)
+        area = chosen.estimate(heal(self))
         if not isinstance(area, Area) or not np.isfinite([area.value, area.uncertainty]).all():
             raise InputError(
                 f"The area estimator {chosen!r} returned {area!r}, which is not an Area of finite numbers."
@@ -92,7 +93,7 @@ class ContactSolution(ContactFields):
         first touch of the summits between the cells.
         """
         chosen = quantities.resolve(quantity)
-        return require_estimate(chosen, chosen.estimate(self, self.area(area)))
+        return require_estimate(chosen, chosen.estimate(heal(self), self.area(area)))
 
     def response(self, response: str | Response[T]) -> T:
         """Return what the contact does: its answer to a small change, a current, a flow.
@@ -165,7 +166,7 @@ class ContactSolution(ContactFields):
         InputError
             If there is no such estimator.
         """
-        return estimate_saturated_area(self, estimator)
+        return estimate_saturated_area(heal(self), estimator)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:

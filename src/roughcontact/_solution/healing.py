@@ -1,0 +1,145 @@
+r"""Gaps at non-measured points, from those of their neighbours.
+
+Near the contact the gap between the points that were measured is continued by the surface of least bending,
+
+.. math:: \min \sum g_{xx}^2 + 2 g_{xy}^2 + g_{yy}^2,
+
+with differences between neighbouring cells, and further away by the harmonic surface, which never exceeds its
+surroundings. Where the gap so found is open under the load, the point counts as measured.
+
+References
+----------
+Duchon, Splines minimizing rotation-invariant semi-norms in Sobolev spaces (1977), https://doi.org/10.1007/BFb0086566
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
+
+import attrs
+import numpy as np
+
+from roughcontact._surfaces.filling import fill
+from roughcontact.checks import Array, IntArray, Mask
+from roughcontact.grid import Boundary, Grid
+
+if TYPE_CHECKING:
+    from roughcontact._solution.contact import ContactSolution
+
+# Cells from the contact up to which its edge, ellipses and curvature depend on the gap, and cells from a measured
+# point up to which that of least bending is better than the harmonic one.
+_NEAR = 6
+# Weight of the harmonic surface in that of least bending, which two rows of points do not determine.
+_HARMONIC = 1e-9
+# Standard deviation of the mean gap in a hole, over the difference of both surfaces. Set on rough contacts and balls.
+_DIFFERENCE = 0.5
+# Steps from a cell and weights of the differences along x, along y and across a cell.
+_ALONG_X = ((-1, 0, 1.0), (0, 0, -2.0), (1, 0, 1.0))
+_ALONG_Y = ((0, -1, 1.0), (0, 0, -2.0), (0, 1, 1.0))
+_ACROSS = ((0, 0, 1.0), (1, 0, -1.0), (0, 1, -1.0), (1, 1, 1.0))
+# Healed solutions of those that still exist: every number of a contact asks for one.
+_HEALED: WeakKeyDictionary[ContactSolution, ContactSolution] = WeakKeyDictionary()
+# The non-measured points of healed solutions, shape `grid.shape`.
+_MISSING: WeakKeyDictionary[ContactSolution, Mask] = WeakKeyDictionary()
+
+
+def heal(solution: ContactSolution) -> ContactSolution:
+    """Return the solution with gaps at its non-measured points; those that would touch stay non-measured.
+
+    Pressure, displacement and certificate are those of the solution: points that were not measured carry nothing.
+    """
+    if solution.non_measured is None or solution in _MISSING:
+        return solution
+    if solution not in _HEALED:
+        healed = _heal(solution, solution.non_measured)
+        _HEALED[solution] = healed
+        _MISSING[healed] = solution.non_measured
+    return _HEALED[solution]
+
+
+def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
+    harmonic = fill(np.where(missing, np.nan, solution.initial_gap))
+    gap = _bend_near(harmonic, missing, solution.contact, solution)
+    touching = missing & ((gap + solution.displacement <= solution.approach) | solution.contact)
+    return attrs.evolve(solution, initial_gap=gap, non_measured=touching if touching.any() else None)
+
+
+def average_gap(solution: ContactSolution) -> tuple[float, float]:
+    """Return the mean gap over the domain and its standard deviation by the non-measured points, m.
+
+    Where cells are saturated the bodies flow instead of overlapping, and points that were not measured may touch.
+    """
+    from scipy import ndimage
+
+    solution = heal(solution)
+    gap = solution.gap
+    missing = _MISSING.get(solution)
+    if missing is None:
+        return float(np.mean(np.where(solution.saturated, 0.0, gap))), 0.0
+    harmonic = fill(np.where(missing, np.nan, gap))
+    gap = _bend_near(harmonic, missing, ~missing, solution)
+    holes, _ = ndimage.label(missing)
+    differences = np.bincount(holes[missing], weights=(gap - harmonic)[missing])
+    gap = np.where(missing, np.maximum(gap, 0.0), gap)
+    std = _DIFFERENCE * float(np.linalg.norm(differences)) / missing.size
+    return float(np.mean(np.where(solution.saturated, 0.0, gap))), std
+
+
+def _bend_near(gap: Array, missing: Mask, places: Mask, solution: ContactSolution) -> Array:
+    """Return a gap with that of least bending at the missing points near others, both masks of the gap's shape."""
+    from scipy import ndimage
+
+    mode = "constant" if solution.boundary is Boundary.FREE else "wrap"
+    near = missing & ndimage.maximum_filter(places, 2 * _NEAR + 1, mode=mode)
+    if not near.any():
+        return gap
+    result = gap.copy()
+    result[near] = _bend_least(gap, near, solution.grid, solution.boundary)
+    return result
+
+
+def _bend_least(gap: Array, unknown: Mask, grid: Grid, boundary: Boundary) -> Array:
+    """Return the gaps at the unknown points, shape (n,), m, from those elsewhere, shape (nx, ny)."""
+    from scipy.sparse import csr_array, eye_array
+    from scipy.sparse.linalg import splu
+
+    count = int(np.count_nonzero(unknown))
+    number = np.full(gap.size, -1)
+    number[unknown.ravel()] = np.arange(count)
+    ratio = grid.spacing[0] / grid.spacing[1]
+    rows, columns, values, right = [], [], [], []
+    total = 0
+    for steps, weight in ((_ALONG_X, 1.0 / ratio), (_ALONG_Y, ratio), (_ACROSS, np.sqrt(2.0))):
+        cells = _find_cells(unknown, steps, boundary)
+        factors = weight * np.array([factor for *_, factor in steps])
+        which = number[cells]
+        here = which >= 0
+        right.append(-factors @ np.where(here, 0.0, gap.ravel()[cells]))
+        rows.append(np.broadcast_to(total + np.arange(cells.shape[1]), cells.shape)[here])
+        columns.append(which[here])
+        values.append(np.broadcast_to(factors[:, np.newaxis], cells.shape)[here])
+        total += cells.shape[1]
+    places = np.concatenate(rows), np.concatenate(columns)
+    bending = csr_array((np.concatenate(values), places), shape=(total, count))
+    matrix = bending.T @ bending + _HARMONIC * eye_array(count)
+    # Symmetric and positive definite.
+    options = {"SymmetricMode": True}
+    factored: Any = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    return np.asarray(factored.solve(bending.T @ np.concatenate(right) + _HARMONIC * gap[unknown]))
+
+
+def _find_cells(unknown: Mask, steps: tuple[tuple[int, int, float], ...], boundary: Boundary) -> IntArray:
+    """Return the flat indices of the cells of each difference in which an unknown point is, shape (steps, n)."""
+    nx, ny = unknown.shape
+    used = np.zeros_like(unknown)
+    for i, j, _ in steps:
+        used |= np.roll(unknown, (-i, -j), (0, 1))
+    if boundary is Boundary.FREE:
+        for axis in (0, 1):
+            lines = np.moveaxis(used, axis, 0)
+            lowest, highest = (end(step[axis] for step in steps) for end in (min, max))
+            lines[: -lowest or None] &= lowest == 0
+            lines[len(lines) - highest :] = False
+    i, j = np.nonzero(used)
+    return np.stack([(i + a) % nx * ny + (j + b) % ny for a, b, _ in steps])
