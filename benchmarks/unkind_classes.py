@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 from contact_classes import ELASTIC, Case, generator, group_of_radius, log_uniform
+from scipy.ndimage import maximum_filter
 from scipy.special import ellipe, gamma
 
 import roughcontact as rc
@@ -27,19 +28,21 @@ def summit(
     center: tuple[float, float],
     curvatures: tuple[float, float],
     power: float = 2.0,
-    holes: tuple[float, int, int] | None = None,
+    holes: tuple[float, int, int, int] | None = None,
 ) -> rc.ContactProblem:
     """Return the summit r^power / power, r^2 = curvatures (x^2, y^2), on cells of these sides.
 
-    Of the cells beyond the radius holes[0] + 1 the fraction 1 / holes[1] is not measured, by the seed holes[2].
+    Of the cells beyond the radius holes[0] + 1 about the fraction 1 / holes[1] is not measured, by the seed holes[2],
+    in groups of holes[3] x holes[3].
     """
     grid = rc.Grid(shape, (shape[0] * cell[0], shape[1] * cell[1]))
     x, y = grid.x - center[0], grid.y - center[1]
     heights = -((curvatures[0] * x**2 + curvatures[1] * y**2) ** (power / 2)) / power
     if holes is None:
         return rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=grid.size), ELASTIC))
-    radius, every, seed = holes
-    mask = (np.random.default_rng(seed).random(shape) < 1.0 / every) & (np.hypot(x, y) > radius + 1.0)
+    radius, every, seed, side = holes
+    mask = np.random.default_rng(seed).random(shape) < 1.0 / (every * side**2)
+    mask = maximum_filter(mask, side) & (np.hypot(x, y) > radius + 1.0)
     return rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=grid.size, non_measured=mask), ELASTIC))
 
 
@@ -130,9 +133,9 @@ def tip(split: str, power: float) -> Iterator[Case]:
         )
 
 
-def holes_outside(split: str) -> Iterator[Case]:
-    """Balls with 1 to 10 % single non-measured points, all outside the contact."""
-    random = generator("holes-outside", split)
+def holes_outside(split: str, side: int) -> Iterator[Case]:
+    """Balls with 1 to 10 % non-measured points, single or in groups, all outside the contact."""
+    random = generator("holes-outside", *((side,) if side > 1 else ()), split)
     for number in range(COUNT):
         a = log_uniform(random, 1.5, 16.0)
         cells = 2 * math.ceil(1.6 * a + 6) + number % 2
@@ -141,7 +144,12 @@ def holes_outside(split: str) -> Iterator[Case]:
         curvature = 1e-3 / a
         yield Case(
             partial(
-                summit, (cells, cells), (1.0, 1.0), center, (curvature, curvature), holes=(a, every, 97 * number + 1)
+                summit,
+                (cells, cells),
+                (1.0, 1.0),
+                center,
+                (curvature, curvature),
+                holes=(a, every, 97 * number + 1, side),
             ),
             {"force": 4 * a**3 * curvature / 3},
             f"a = {a:.3g} cells, one of {every}, {number}",
@@ -184,5 +192,6 @@ CLASSES = {
     "slender": slender,
     **{f"tip-{power:g}": partial(tip, power=power) for power in (1.0, 1.5, 2.0, 3.0, 4.0)},
     "strips-unkind": strips,
-    "holes-outside": holes_outside,
+    "holes-outside": partial(holes_outside, side=1),
+    "blobs-outside": partial(holes_outside, side=4),
 }

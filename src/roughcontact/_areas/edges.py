@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import attrs
 import numpy as np
 
@@ -78,6 +80,7 @@ class TracedEdges:
     area: Array
     refined: Array
     length: Array
+    untraced_std: Array
     sharp: Array
     std: Array
     alike: Array
@@ -130,13 +133,16 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     small = 1.0 + (calibration.SMALL_PATCH / width) ** 2
     narrow = np.where(width < _SLENDER * counted, width, counted) < _FEW
     meeting = cell * one.meeting
+    met = math.sqrt(cell) * one.meeting
     few = calibration.FLUCTUATION * ratio * fine / counted**1.5
+    places = calibration.NON_MEASURED_PLACE * cell * np.sqrt(one.meeting)
     return TracedEdges(
         area=np.maximum(fine - calibration.NON_MEASURED * meeting, 0.0),
         refined=(4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED * meeting,
-        length=one.length,
+        length=one.length + calibration.NON_MEASURED_LENGTH * met,
+        untraced_std=calibration.NON_MEASURED_LENGTH_STD * met,
         sharp=one.sharp,
-        std=np.hypot(std * (small + _STAIRS * one.sharp), few),
+        std=np.hypot(np.hypot(std * (small + _STAIRS * one.sharp), few), places),
         alike=_count(one.alike),
         strip=strip,
         curvature_resolution=ratio,

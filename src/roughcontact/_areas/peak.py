@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 
 from roughcontact._areas import quantity_calibration as calibration
-from roughcontact._areas.cells import extend
+from roughcontact._areas.cells import extend, grow
 from roughcontact._areas.hertz import hertz_areas
 from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, quantities
 from roughcontact.checks import Array, IntArray, Mask
@@ -25,6 +25,7 @@ _SHARP_PATCH = 9
 _SHARP = (
     "the maximum lies at a sharp edge or at the border, where the pressure is unbounded: its value depends on the grid"
 )
+_HOLES = "points inside the contact were not measured: beside them the pressure is unbounded, and depends on the grid"
 
 
 @quantities.register("peak-pressure")
@@ -61,9 +62,10 @@ class PeakPressure(QuantityEstimator):
         peak = float(value[top])
         sharp = patches.cells[top] >= _SHARP_PATCH and not inner[top]
         sharp = sharp or bool(_find_cut(solution, highest[top]))
-        uncertainty = float(std[top]) if not sharp else peak
+        more = _HOLES if _meets_holes(solution) else _SHARP if sharp else None
+        uncertainty = float(std[top]) if more is None else peak
         peak = min(peak, float(limit.max()))
-        return Estimate(peak, uncertainty, "Pa", _list_warnings(solution, area, _SHARP if sharp else None))
+        return Estimate(peak, uncertainty, "Pa", _list_warnings(solution, area, more))
 
 
 def _list_warnings(solution: ContactSolution, area: Area, more: str | None) -> tuple[str, ...]:
@@ -112,6 +114,13 @@ def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:
     (nx, ny), (i, j) = solution.grid.shape, np.divmod(cells, solution.grid.shape[1])
     outermost = (i == 0) | (i == nx - 1) | (j == 0) | (j == ny - 1)
     return np.asarray(outermost & (solution.boundary is Boundary.FREE))
+
+
+def _meets_holes(solution: ContactSolution) -> bool:
+    """Return whether non-measured points that would touch lie beside the contact."""
+    return solution.non_measured is not None and bool(
+        (grow(solution.non_measured, 1, solution.boundary) & solution.contact).any()
+    )
 
 
 def _find_summits(solution: ContactSolution, area: Area, highest: IntArray) -> tuple[Array, Array]:

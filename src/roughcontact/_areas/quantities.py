@@ -13,8 +13,8 @@ from roughcontact._areas.cells import extend, find_straight_rows, measure_sides
 from roughcontact._areas.curvature import average_curvature, curvature_resolution
 from roughcontact._areas.edges import trace_edges
 from roughcontact._areas.ellipse import find_axes_ratio
-from roughcontact._areas.summits import is_elliptic
-from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, average_gap, heal, quantities
+from roughcontact._areas.summits import find_near_holes, is_elliptic
+from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, fill_gap, heal, quantities
 from roughcontact.checks import Array
 from roughcontact.grid import Boundary
 
@@ -33,6 +33,8 @@ _LONG = 48
 _FIRST = np.array((1.0, -8.0, 0.0, 8.0, -1.0)) / 12.0
 # Second difference.
 _SECOND = np.array((-1.0, 16.0, -30.0, 16.0, -1.0)) / 12.0
+# Slope outward at the border, half a cell from the first of three centres, to second order.
+_OUTWARD = np.array((2.0, -3.0, 1.0))
 # Distance of a summit from the highest cell, in cells along an axis.
 _FURTHEST = 0.75
 
@@ -59,11 +61,13 @@ class EdgeLength(QuantityEstimator):
         mean, difference, spread = (part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact)))
         # Single summits have the ellipse of their curvature, others the shape of their traced edge.
         even = is_elliptic(mean, difference, spread)
-        single = np.where(even, 1.0 / (1.0 + (spread / calibration.UNEVEN) ** 4), 0.0)
+        # Edges beside points that were not measured are not counted, so that the area does not give the length.
+        holed = find_near_holes(solution)
+        single = np.where(even & ~holed, 1.0 / (1.0 + (spread / calibration.UNEVEN) ** 4), 0.0)
         # Large patches may have holes or span the domain, so that no smooth convex edge bounds their quotient.
         large = solution.patches.cells >= _LARGE
         inside = np.maximum(edges.area[1:] - np.where(large, 0.0, _CUT_OFF) * cell, 0.3 * cell)
-        traced = np.maximum(edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large, 0.0, 1.0))
+        traced = np.maximum(edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large | holed, 0.0, 1.0))
         around = 2.0 * np.sqrt(np.pi * area.patches)
         lobed = (1.0 - single) * np.sqrt(traced) * around
         lost = calibration.LOST_LENGTH * edges.curvature_resolution**1.5 * float(np.sum(lobed))
@@ -72,7 +76,8 @@ class EdgeLength(QuantityEstimator):
         uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = calibration.ZIGZAG * length if _is_diagonal(solution) else 0.0
-        return Estimate(length, math.hypot(relative * length, uneven, diagonal), "m", area.warnings)
+        untraced = float(edges.untraced_std.sum())
+        return Estimate(length, math.hypot(relative * length, uneven, diagonal, untraced), "m", area.warnings)
 
 
 @quantities.register("patches")
@@ -106,10 +111,12 @@ class SummitApproach(QuantityEstimator):
 
     def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the approach; see `QuantityEstimator.estimate`."""
-        rise, rise_std = find_rise(solution.initial_gap, solution.boundary)
+        rise, rise_std = find_rise(solution)
         shift, shift_std = find_shift(solution)
         warnings = area.warnings if solution.status.success else (str(solution.status),)
-        return Estimate(solution.approach + rise + shift, math.hypot(rise_std, shift_std), "m", warnings)
+        cut, cut_std = find_cut_shift(solution)
+        approach = solution.approach + rise + shift - cut
+        return Estimate(approach, math.hypot(rise_std, shift_std, cut_std), "m", warnings)
 
 
 @quantities.register("mean-gap")
@@ -124,10 +131,30 @@ class MeanGap(QuantityEstimator):
     def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the mean gap; see `QuantityEstimator.estimate`."""
         shift, std = find_shift(solution)
-        gap, holes_std = average_gap(solution)
+        gap, holes_std = fill_gap(solution)
+        # Where cells are saturated the bodies flow instead of overlapping.
+        gap = np.where(solution.saturated, 0.0, gap)
+        beyond = _correct_mean(gap, solution.boundary)
         outside = 1.0 if solution.boundary is not Boundary.FREE else 1.0 - area.fraction
-        uncertainty = math.hypot(std * outside, holes_std)
-        return Estimate(max(gap - shift * outside, 0.0), uncertainty, "m", area.warnings)
+        cut, cut_std = find_cut_shift(solution)
+        part = (1.0 - area.fraction) ** calibration.CUT_GAP
+        value = float(np.mean(gap)) + beyond - shift * outside + cut * part
+        uncertainty = math.hypot(std * outside, holes_std, cut_std * part, calibration.MEAN_ERROR * beyond)
+        return Estimate(max(value, 0.0), uncertainty, "m", area.warnings)
+
+
+def _correct_mean(gap: Array, boundary: Boundary) -> float:
+    """Return what the mean over cell centres lacks on a free domain, m: after Euler and Maclaurin."""
+    if boundary is not Boundary.FREE:
+        return 0.0
+    lacking = 0.0
+    for axis, cells in enumerate(gap.shape):
+        if cells < len(_OUTWARD):
+            continue
+        along = np.moveaxis(gap, axis, 0)
+        slopes = _OUTWARD @ (along[: -len(_OUTWARD) - 1 : -1] + along[: len(_OUTWARD)])
+        lacking += float(np.mean(slopes)) / (24.0 * cells)
+    return lacking
 
 
 def _elliptic_quotient(mean: Array, difference: Array) -> Array:
@@ -171,12 +198,39 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     return fading * shift * bend, max(fading, calibration.SMALLEST_FADING) * std * bend
 
 
-def find_rise(gap: Array, boundary: Boundary) -> tuple[float, float]:
+def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
+    """Return how much the approach is too large where the contact is cut, and the standard deviation of that, m.
+
+    There the pressure rises as the inverse root of the distance, which uniform pressure on each cell does not follow:
+    what it lacks in energy is a part of p^2 / E* over the cells at the cut.
+    """
+    missing, free = solution.non_measured, solution.boundary is Boundary.FREE
+    if solution.force == 0.0 or (missing is None and not free):
+        return 0.0, 0.0
+    squares = np.where(solution.saturated, 0.0, solution.pressure) ** 2
+    border, holes = 0.0, 0.0
+    for axis, step in enumerate(solution.grid.spacing):
+        along = np.moveaxis(squares, axis, 0)
+        weight = step * solution.grid.cell_area
+        if free:
+            border += weight * float(along[0].sum() + along[-1].sum())
+        if missing is not None:
+            beside = extend(np.moveaxis(missing, axis, 0), 1, solution.boundary)[:, 1:-1]
+            holes += weight * float(along[beside[:-2]].sum() + along[beside[2:]].sum())
+    energies = np.array((border, holes))
+    modulus = float(solution.effective_modulus(1.0 / math.sqrt(solution.grid.cell_area)))
+    shift, std = np.transpose((calibration.CUT_BORDER, calibration.CUT_HOLES)) @ energies / (modulus * solution.force)
+    return float(shift), float(std)
+
+
+def find_rise(solution: ContactSolution) -> tuple[float, float]:
     """Return the height of the summit above the highest cell, and its standard deviation, m."""
+    gap, missing = solution.initial_gap, solution.non_measured
     if min(gap.shape) < 5:
         return 0.0, float(np.ptp(gap))
-    i, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
-    near = extend(gap, 2, boundary)[i : i + 5, j : j + 5]
+    measured = gap if missing is None else np.where(missing, np.inf, gap)
+    i, j = np.unravel_index(int(np.argmin(measured)), gap.shape)
+    near = extend(gap, 2, solution.boundary)[i : i + 5, j : j + 5]
     rises = []
     for first, second in (
         (np.array((0.0, -0.5, 0.0, 0.5, 0.0)), np.array((0.0, 1.0, -2.0, 1.0, 0.0))),

@@ -46,5 +46,13 @@ SATURATED_GAP = 0.06
 # That excess near full contact: the factor of the open part of the domain up to one, and the smallest factor of its
 # standard deviation, no unit. Set on a wave and a rough surface at 35 to 97 % contact.
 FADING_GAP, SMALLEST_FADING = 2.2, 0.3
+# Excess of the approach where the contact is cut, by a free border and by points that were not measured, over the sum
+# of p^2 h^2 b / (E* F) over the sides of cells there, h across and b along them, and its standard deviation; no unit.
+# Set on rough contacts: 0.09 to 0.34 at borders, 0.02 to 0.07 at single points, 0.03 to 0.14 at groups of them.
+CUT_BORDER, CUT_HOLES = (0.2, 0.07), (0.06, 0.03)
+# Power of the open part of the domain with which the same changes the mean gap, no unit.
+CUT_GAP = 1.5
+# Relative standard deviation of what the mean over cell centres lacks on a free domain. Set on balls.
+MEAN_ERROR = 0.1
 # Standard deviation of the height of a summit over the difference of that by second and by fourth order, no unit.
 RISE_ERROR = 0.7

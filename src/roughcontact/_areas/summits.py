@@ -113,7 +113,7 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     found = attrs.evolve(found, spread=np.sqrt(variance) / found.curvature)
     xx, xy, yy = curvature
     known = found.known & is_elliptic(found.curvature, np.hypot(0.5 * (xx - yy), xy), found.spread)
-    return attrs.evolve(found, known=known & ~_near_border(solution, found) & ~_near_non_measured(solution))
+    return attrs.evolve(found, known=known & ~_near_border(solution, found) & ~find_near_holes(solution))
 
 
 def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
@@ -206,7 +206,7 @@ def _near_border(solution: ContactSolution, found: Summits) -> Mask:
     return near
 
 
-def _near_non_measured(solution: ContactSolution) -> Mask:
+def find_near_holes(solution: ContactSolution) -> Mask:
     """Mark the patches beside non-measured points, whose heights are not known there, shape (count,)."""
     near = np.zeros(solution.patches.count + 1, dtype=bool)
     if solution.non_measured is not None:

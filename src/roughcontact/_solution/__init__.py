@@ -1,7 +1,7 @@
 """What a solve returns."""
 
 from roughcontact._solution.contact import ContactSolution
-from roughcontact._solution.healing import average_gap, heal
+from roughcontact._solution.healing import fill_gap, heal
 from roughcontact._solution.origin import Origin
 from roughcontact._solution.responses import Response, responses
 from roughcontact._solution.results import (
@@ -32,7 +32,7 @@ __all__ = [
     "SolutionWriter",
     "Status",
     "areas",
-    "average_gap",
+    "fill_gap",
     "heal",
     "quantities",
     "responses",

@@ -14,7 +14,8 @@ Duchon, Splines minimizing rotation-invariant semi-norms in Sobolev spaces (1977
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import math
+from typing import TYPE_CHECKING, Any, Literal
 from weakref import WeakKeyDictionary
 
 import attrs
@@ -34,6 +35,8 @@ _NEAR = 6
 _HARMONIC = 1e-9
 # Standard deviation of the mean gap in a hole, over the difference of both surfaces. Set on rough contacts and balls.
 _DIFFERENCE = 0.5
+# Overlap of a point that touches over p h / E* of its surroundings: 1.1 for one cell in an even pressure (exact).
+_OVERLAP = 0.3
 # Steps from a cell and weights of the differences along x, along y and across a cell.
 _ALONG_X = ((-1, 0, 1.0), (0, 0, -2.0), (1, 0, 1.0))
 _ALONG_Y = ((0, -1, 1.0), (0, 0, -2.0), (0, 1, 1.0))
@@ -61,36 +64,43 @@ def heal(solution: ContactSolution) -> ContactSolution:
 def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
     harmonic = fill(np.where(missing, np.nan, solution.initial_gap))
     gap = _bend_near(harmonic, missing, solution.contact, solution)
-    touching = missing & ((gap + solution.displacement <= solution.approach) | solution.contact)
+    touching = missing & (_overlaps(gap, solution) | solution.contact)
     return attrs.evolve(solution, initial_gap=gap, non_measured=touching if touching.any() else None)
 
 
-def average_gap(solution: ContactSolution) -> tuple[float, float]:
-    """Return the mean gap over the domain and its standard deviation by the non-measured points, m.
+def _overlaps(gap: Array, solution: ContactSolution) -> Mask:
+    """Return where this initial gap is closed, for the pressure around it, and not only by its own error."""
+    from scipy import ndimage
 
-    Where cells are saturated the bodies flow instead of overlapping, and points that were not measured may touch.
+    around = ndimage.maximum_filter(solution.pressure, 3, mode="constant")
+    depth = around * math.sqrt(solution.grid.cell_area) / solution.modulus
+    return np.asarray(solution.approach - gap - solution.displacement > _OVERLAP * depth)
+
+
+def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
+    """Return the gap, shape `grid.shape`, with that at all non-measured points, and the error of its mean, m.
+
+    That is the standard deviation by these points; those that would touch have no gap.
     """
     from scipy import ndimage
 
     solution = heal(solution)
-    gap = solution.gap
     missing = _MISSING.get(solution)
     if missing is None:
-        return float(np.mean(np.where(solution.saturated, 0.0, gap))), 0.0
-    harmonic = fill(np.where(missing, np.nan, gap))
+        return solution.gap, 0.0
+    harmonic = fill(np.where(missing, np.nan, solution.gap))
     gap = _bend_near(harmonic, missing, ~missing, solution)
     holes, _ = ndimage.label(missing)
     differences = np.bincount(holes[missing], weights=(gap - harmonic)[missing])
-    gap = np.where(missing, np.maximum(gap, 0.0), gap)
     std = _DIFFERENCE * float(np.linalg.norm(differences)) / missing.size
-    return float(np.mean(np.where(solution.saturated, 0.0, gap))), std
+    return np.where(missing, np.maximum(gap, 0.0), gap), std
 
 
 def _bend_near(gap: Array, missing: Mask, places: Mask, solution: ContactSolution) -> Array:
     """Return a gap with that of least bending at the missing points near others, both masks of the gap's shape."""
     from scipy import ndimage
 
-    mode = "constant" if solution.boundary is Boundary.FREE else "wrap"
+    mode: Literal["constant", "wrap"] = "constant" if solution.boundary is Boundary.FREE else "wrap"
     near = missing & ndimage.maximum_filter(places, 2 * _NEAR + 1, mode=mode)
     if not near.any():
         return gap
@@ -141,5 +151,5 @@ def _find_cells(unknown: Mask, steps: tuple[tuple[int, int, float], ...], bounda
             lowest, highest = (end(step[axis] for step in steps) for end in (min, max))
             lines[: -lowest or None] &= lowest == 0
             lines[len(lines) - highest :] = False
-    i, j = np.nonzero(used)
-    return np.stack([(i + a) % nx * ny + (j + b) % ny for a, b, _ in steps])
+    rows, columns = np.nonzero(used)
+    return np.stack([(rows + a) % nx * ny + (columns + b) % ny for a, b, _ in steps])
