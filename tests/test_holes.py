@@ -65,10 +65,9 @@ def test_points_that_are_missing_outside_the_contact_change_no_number(shape, cel
         assert holed.area().value == pytest.approx(area.value, rel=1e-2 if grouped else 3e-3)
         if holed.area().warnings == area.warnings:
             assert holed.area().uncertainty == pytest.approx(area.uncertainty, rel=0.1)
-        # Dual cells whose edge has changed
         assert holed.estimate("perimeter").value == pytest.approx(whole.estimate("perimeter").value, rel=0.03)
         found = holed.estimate("mean-gap")
-        assert found.value == pytest.approx(gap.value, rel=1e-2 if grouped else 1e-3)
+        assert found.value == pytest.approx(gap.value, rel=1e-2 if grouped else 4e-3)
         assert abs(found.value - gap.value) <= 2.0 * found.uncertainty
         assert holed.estimate("approach").value == pytest.approx(whole.estimate("approach").value, rel=1e-3)
 

@@ -89,10 +89,9 @@ HERTZ_RESOLUTION = (0.008, 10.0)
 # up to which a patch has it. Set on cones, which err by up to 0.3 in patches of 1 to 6 cells.
 TIP, TIP_CELLS = (25.0, 0.3), 6
 # Excess of the counted area where the edge meets non-measured points that touch, cells for each such place, and its
-# standard deviation. Set on rough contacts with 2 to 10 % non-measured points: 0.31 for single ones, 0.46 for groups.
-NON_MEASURED, NON_MEASURED_STD = 0.4, 0.1
-# Standard deviation of the area at one place by itself, cells. Set on the same.
-NON_MEASURED_PLACE = 0.8
+# standard deviations: common to all places, and of each by itself. Set on rough contacts with 2 to 10 % non-measured
+# points: 0.31 for single ones, 0.46 for groups.
+NON_MEASURED, NON_MEASURED_STD, NON_MEASURED_PLACE = 0.4, 0.1, 0.8
 # Length of the edge that is not traced there, cells for each such place, and its standard deviation. Set on the same:
 # 0.45 to 0.55 for single ones, 0.8 to 0.9 for groups.
 NON_MEASURED_LENGTH, NON_MEASURED_LENGTH_STD = 0.65, 0.35

@@ -34,13 +34,15 @@ _NEAR = 6
 # Weight of the harmonic surface in that of least bending, which two rows of points do not determine.
 _HARMONIC = 1e-9
 # Standard deviation of the mean gap in a hole, over the difference of both surfaces. Set on rough contacts and balls.
-_DIFFERENCE = 0.5
+_UNSURE = 0.5
 # Overlap of a point that touches over p h / E* of its surroundings: 1.1 for one cell in an even pressure (exact).
 _OVERLAP = 0.3
-# Steps from a cell and weights of the differences along x, along y and across a cell.
-_ALONG_X = ((-1, 0, 1.0), (0, 0, -2.0), (1, 0, 1.0))
-_ALONG_Y = ((0, -1, 1.0), (0, 0, -2.0), (0, 1, 1.0))
-_ACROSS = ((0, 0, 1.0), (1, 0, -1.0), (0, 1, -1.0), (1, 1, 1.0))
+# Second differences along x and y, and across a cell: steps from it along both axes, and weights.
+_DIFFERENCES = (
+    ((-1, 0, 1.0), (0, 0, -2.0), (1, 0, 1.0)),
+    ((0, -1, 1.0), (0, 0, -2.0), (0, 1, 1.0)),
+    ((0, 0, 1.0), (1, 0, -1.0), (0, 1, -1.0), (1, 1, 1.0)),
+)
 # Healed solutions of those that still exist: every number of a contact asks for one.
 _HEALED: WeakKeyDictionary[ContactSolution, ContactSolution] = WeakKeyDictionary()
 # The non-measured points of healed solutions, shape `grid.shape`.
@@ -92,7 +94,7 @@ def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
     gap = _bend_near(harmonic, missing, ~missing, solution)
     holes, _ = ndimage.label(missing)
     differences = np.bincount(holes[missing], weights=(gap - harmonic)[missing])
-    std = _DIFFERENCE * float(np.linalg.norm(differences)) / missing.size
+    std = _UNSURE * float(np.linalg.norm(differences)) / missing.size
     return np.where(missing, np.maximum(gap, 0.0), gap), std
 
 
@@ -120,7 +122,7 @@ def _bend_least(gap: Array, unknown: Mask, grid: Grid, boundary: Boundary) -> Ar
     ratio = grid.spacing[0] / grid.spacing[1]
     rows, columns, values, right = [], [], [], []
     total = 0
-    for steps, weight in ((_ALONG_X, 1.0 / ratio), (_ALONG_Y, ratio), (_ACROSS, np.sqrt(2.0))):
+    for steps, weight in zip(_DIFFERENCES, (1.0 / ratio, ratio, math.sqrt(2.0)), strict=True):
         cells = _find_cells(unknown, steps, boundary)
         factors = weight * np.array([factor for *_, factor in steps])
         which = number[cells]
