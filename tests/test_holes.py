@@ -69,7 +69,8 @@ def test_points_that_are_missing_outside_the_contact_change_no_number(shape, cel
         found = holed.estimate("mean-gap")
         assert found.value == pytest.approx(gap.value, rel=1e-2 if grouped else 4e-3)
         assert abs(found.value - gap.value) <= 2.0 * found.uncertainty
-        assert holed.estimate("approach").value == pytest.approx(whole.estimate("approach").value, rel=1e-3)
+        found, true = holed.estimate("approach"), whole.estimate("approach")
+        assert abs(found.value - true.value) <= 2.0 * found.uncertainty
 
 
 @pytest.mark.parametrize("grouped", [False, True], ids=["single", "grouped"])

@@ -1,6 +1,6 @@
 r"""Gaps at non-measured points, from those of their neighbours.
 
-Near the contact the gap between the points that were measured is continued by the surface of least bending,
+Near the contact the gap between the points that were measured is continued by the surface of minimum bending,
 
 .. math:: \min \sum g_{xx}^2 + 2 g_{xy}^2 + g_{yy}^2,
 
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
 
 # Cells from the contact up to which its edge, ellipses and curvature depend on the gap, and cells from a measured
-# point up to which that of least bending is better than the harmonic one.
+# point up to which that of minimum bending is better than the harmonic one.
 _NEAR = 6
-# Weight of the harmonic surface in that of least bending, which two rows of points do not determine.
+# Weight of the harmonic surface in that of minimum bending, which two rows of points do not determine.
 _HARMONIC = 1e-9
 # Standard deviation of the mean gap in a hole, over the difference of both surfaces. Set on rough contacts and balls.
 _UNSURE = 0.5
@@ -99,7 +99,7 @@ def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
 
 
 def _bend_near(gap: Array, missing: Mask, places: Mask, solution: ContactSolution) -> Array:
-    """Return a gap with that of least bending at the missing points near others, both masks of the gap's shape."""
+    """Return a gap with that of minimum bending at the missing points near others, both masks of the gap's shape."""
     from scipy import ndimage
 
     mode: Literal["constant", "wrap"] = "constant" if solution.boundary is Boundary.FREE else "wrap"
@@ -107,11 +107,11 @@ def _bend_near(gap: Array, missing: Mask, places: Mask, solution: ContactSolutio
     if not near.any():
         return gap
     result = gap.copy()
-    result[near] = _bend_least(gap, near, solution.grid, solution.boundary)
+    result[near] = _minimise_bending(gap, near, solution.grid, solution.boundary)
     return result
 
 
-def _bend_least(gap: Array, unknown: Mask, grid: Grid, boundary: Boundary) -> Array:
+def _minimise_bending(gap: Array, unknown: Mask, grid: Grid, boundary: Boundary) -> Array:
     """Return the gaps at the unknown points, shape (n,), m, from those elsewhere, shape (nx, ny)."""
     from scipy.sparse import csr_array, eye_array
     from scipy.sparse.linalg import splu
