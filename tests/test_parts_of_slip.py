@@ -1,0 +1,170 @@
+"""Small functions of partial slip, conductance and the closing of a gap beside closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+import pytest
+from scipy import integrate
+
+import roughcontact as rc
+from exact_contacts import MODULUS, ball, with_fields
+from roughcontact._areas.quantities import find_shift
+from roughcontact._kernels import Love
+from roughcontact._responses import percolation
+from roughcontact._responses.conductance import Conductance
+from roughcontact._responses.flow_network import find_paths
+from roughcontact._responses.partial_slip import (
+    _approach_std,
+    _compare_areas,
+    _complementary_energy,
+    _cut_fraction,
+    _displace,
+    _dissipate,
+)
+from roughcontact._responses.tangential_compliance import _find_deviation, _find_displacements, _WavesAlong
+
+GRID = rc.Grid((60, 50), (60e-6, 75e-6))
+RADIUS = 1e-3
+
+
+@pytest.mark.parametrize("a", [10e-6, 20e-6])
+def test_the_complementary_energy_of_a_ball_is_three_fifths_of_force_times_approach(a):
+    """The approach grows as the force to the power 2/3."""
+    solution = ball(GRID, a, RADIUS, (0.3e-6, 0.4e-6))
+    assert _complementary_energy(solution) == pytest.approx(0.6 * solution.force * solution.approach, rel=2e-3)
+
+
+def test_the_energy_of_a_cycle_is_the_bend_of_the_approach_over_the_force():
+    """Of two balls: 2 [U - U*] - (P - P*) (d + d*) with U = 3/5 P d, and the differences of approach and area."""
+    whole, stuck = ball(GRID, 20e-6, RADIUS), ball(GRID, 14e-6, RADIUS)
+    force = [4.0 / 3.0 * MODULUS * a**3 / RADIUS for a in (20e-6, 14e-6)]
+    approach = [a**2 / RADIUS for a in (20e-6, 14e-6)]
+    bend = 2.0 * 0.6 * (force[0] * approach[0] - force[1] * approach[1]) - (force[0] - force[1]) * sum(approach)
+    found = _dissipate(whole, stuck, 3.0)
+    assert found.value == pytest.approx(3.0 * bend, rel=0.05)
+    std = _approach_std(whole, stuck)
+    assert found.uncertainty == pytest.approx(3.0 * (whole.force - stuck.force) * std)
+    moved = _displace(whole, stuck, 0.7)
+    assert moved.value == pytest.approx(0.7 * (approach[0] - approach[1]))
+    assert moved.uncertainty == pytest.approx(0.7 * std)
+    stick, slip = _compare_areas(whole, stuck)
+    assert stick.value == pytest.approx(np.pi * 14e-6**2, rel=1e-3)
+    assert slip.value == pytest.approx(np.pi * (20e-6**2 - 14e-6**2), rel=2e-3)
+    assert slip.uncertainty == pytest.approx(math.hypot(whole.area().uncertainty, stuck.area().uncertainty))
+    alone, none = _compare_areas(whole, whole)
+    assert (alone.value, none.value, none.uncertainty) == (whole.area().value, 0.0, 0.0)
+    assert _displace(whole, whole, 0.7).value == _dissipate(whole, whole, 3.0).value == 0.0
+
+
+def test_approaches_close_to_each_other_err_alike():
+    """Both errors of edges, faded by how little slides, with oblong cells; at most the difference itself."""
+    options = {"edge_shift": 0.018}
+    whole, stuck = ball(GRID, 20e-6, RADIUS, **options), ball(GRID, 14e-6, RADIUS, **options)
+    assert _approach_std(whole, whole) == 0.0
+    both = [find_shift(one)[1] for one in (whole, stuck)]
+    found = _approach_std(whole, stuck)
+    assert 0.0 < found <= 1.5 * math.hypot(*both)
+    near = ball(GRID, 19.8e-6, RADIUS, **options)
+    assert _approach_std(whole, near) < 0.3 * found
+    # An unsolved gap counts by its residual; and the difference is the most that it can be.
+    unsolved = attrs.evolve(stuck, residuals=type(stuck.residuals)(0.1, 0.2, 0.0, 1e-7))
+    assert _approach_std(whole, unsolved) == pytest.approx(math.hypot(found, 0.2e-7))
+    wild = attrs.evolve(stuck, residuals=type(stuck.residuals)(0.1, 0.2, 0.0, 1.0))
+    assert _approach_std(whole, wild) == pytest.approx(whole.approach - stuck.approach)
+
+
+def test_the_border_cuts_half_of_the_sides_that_lie_on_it():
+    contact = np.zeros((8, 10), dtype=bool)
+    contact[0, 2:5] = contact[-1, 7] = contact[3:5, 0] = True
+    grid = rc.Grid(contact.shape, 1.0)
+    assert _cut_fraction(with_fields(grid, contact, ~contact)) == pytest.approx(0.5 * 6 / 80)
+    assert _cut_fraction(with_fields(grid, contact, ~contact, boundary="periodic")) == 0.0
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("spacing", [(1.0, 1.0), (1.0, 2.0)])
+def test_waves_along_an_axis_are_integrals_of_the_point_force(axis, spacing):
+    """y^2 / (pi r^3) for the axis x: over cells that do not touch the point; both together are Love's."""
+    found = _WavesAlong(axis).coefficients((4, 5), spacing, 1.0)
+    for i, j in ((2, 3), (3, 1), (1, 2)):
+        x, y = i * spacing[0], j * spacing[1]
+
+        def kernel(b, a):
+            return (a if axis else b) ** 2 / (np.pi * math.hypot(a, b) ** 3)
+
+        exact, _ = integrate.dblquad(
+            kernel, x - 0.5 * spacing[0], x + 0.5 * spacing[0], y - 0.5 * spacing[1], y + 0.5 * spacing[1]
+        )
+        assert found[i, j] == pytest.approx(exact, rel=1e-9)
+    other = _WavesAlong(1 - axis).coefficients((4, 5), spacing, 1.0)
+    np.testing.assert_allclose(found + other, Love().coefficients((4, 5), spacing, 1.0), rtol=1e-9)
+
+
+@pytest.mark.parametrize("turns", [(3, 0), (0, 2), (2, 1)])
+def test_waves_are_divided_by_their_angle(turns):
+    """cos^2 and sin^2 of the angle of the wave vector to x, together the wave over its length."""
+    grid = rc.Grid((24, 18), (12.0, 18.0))
+    i, j = np.indices(grid.shape)
+    wave = np.cos(2.0 * np.pi * (turns[0] * i / 24 + turns[1] * j / 18))
+    q = np.array(turns) / np.array(grid.size)
+    along = _find_displacements(with_fields(grid, 1.0, 0.0, boundary="periodic"), 3.0 + wave)
+    for axis in (0, 1):
+        np.testing.assert_allclose(along[axis], q[axis] ** 2 / np.hypot(*q) ** 3 * wave, atol=1e-12)
+
+
+def test_the_deviation_of_a_displacement_from_its_mean():
+    displacement, traction = np.array([1.0, 3.0, 9.0]), np.array([1.0, 1.0, 0.0])
+    assert _find_deviation(displacement, traction) == pytest.approx(0.5)
+    assert _find_deviation(displacement, 0.0 * traction) == 0.0
+    assert _find_deviation(-displacement, traction) == 0.0
+    assert _find_deviation(np.full(3, 2.0), traction) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_conductance_reads_well():
+    """Two patches of 2 and 4 K/W with films of 1 K/W each, beside what is found for both together."""
+    found = Conductance(0.5, 0.01, 5e3, np.array([0.3, 0.2]), np.array([2.0, 4.0]), np.array([1.0, 1.0]))
+    text = str(found)
+    assert "500 mW/K (mS if the conductivities are in S/m) +- 2 %" in text
+    assert "5 kW/(m2 K) (kS/m2) of nominal area, through 2 patches" in text
+    assert found.interaction == pytest.approx(1.0 / 0.5 - 1.0 / (1.0 / 3.0 + 1.0 / 5.0))
+    one = attrs.evolve(found, patches=np.ones(1), value=0.0, uncertainty=0.0)
+    assert str(one).endswith("through 1 patch")
+    assert "+- 0 %" in str(one)
+    assert one.interaction == 0.0
+    assert attrs.evolve(found, value=math.inf).interaction == 0.0
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_the_load_that_closes_a_gap_lies_between_the_last_open_and_the_first_closed_contact(axis):
+    grid = rc.Grid((32, 24), (32.0, 24.0))
+    body = rc.Body(rc.HeightMap(rough(grid), size=grid.size, periodic=True), rc.Elastic(1e9, 0.0))
+    given = rc.ContactProblem(body, grid=grid, boundary="periodic", threads=1)
+    found = rc.find_percolation(given, axis=axis, within=0.02)
+    low, high = found.last_open, found.first_closed
+    assert found.pressure.value == pytest.approx(math.sqrt(low.mean_pressure * high.mean_pressure))
+    assert 1.0 < high.mean_pressure / low.mean_pressure <= 1.02
+    for one, joined in ((low, True), (high, False)):
+        cells = ~one.contact if axis == 0 else ~one.contact.T
+        assert find_paths(cells, periodic=True).any() == joined
+    assert found.area_fraction.value == pytest.approx(0.5 * (low.area().fraction + high.area().fraction))
+    coarse = max(0.02, percolation._COARSE)
+    least = percolation._RESOLUTION * percolation.curvature_resolution(low)
+    assert found.pressure.uncertainty >= min(least, 1.0) * found.pressure.value * (1.0 - 1e-9)
+    assert found.pressure.uncertainty < (least + 1.0 + coarse) * found.pressure.value
+    assert found.area_fraction.uncertainty > low.area().uncertainty / grid.area
+
+
+def rough(grid):
+    """Some waves of random phases and directions."""
+    rng = np.random.default_rng(5)
+    heights = np.zeros(grid.shape)
+    for m in range(-4, 5):
+        for n in range(5):
+            if 0 < math.hypot(m, n) <= 4.5:
+                phase = rng.uniform(0.0, 2.0 * np.pi)
+                angle = 2.0 * np.pi * (m * grid.x / grid.size[0] + n * grid.y / grid.size[1])
+                heights += 0.05 * np.cos(angle + phase)
+    return heights
