@@ -151,9 +151,9 @@ def test_the_load_that_closes_a_gap_lies_between_the_last_open_and_the_first_clo
         assert find_paths(cells, periodic=True).any() == joined
     assert found.area_fraction.value == pytest.approx(0.5 * (low.area().fraction + high.area().fraction))
     coarse = max(0.02, percolation._COARSE)
-    least = percolation._RESOLUTION * percolation.curvature_resolution(low)
-    assert found.pressure.uncertainty >= min(least, 1.0) * found.pressure.value * (1.0 - 1e-9)
-    assert found.pressure.uncertainty < (least + 1.0 + coarse) * found.pressure.value
+    lowest = percolation._RESOLUTION * percolation.curvature_resolution(low)
+    assert found.pressure.uncertainty >= min(lowest, 1.0) * found.pressure.value * (1.0 - 1e-9)
+    assert found.pressure.uncertainty < (lowest + 1.0 + coarse) * found.pressure.value
     assert found.area_fraction.uncertainty > low.area().uncertainty / grid.area
 
 
