@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from scipy import special
@@ -112,3 +114,78 @@ def test_the_area_by_hertz_is_that_of_the_reference():
         solution = ball(grid, a, 2e-3, (1.2e-6, -0.4e-6))
         exact = reference.hertz_sphere(solution.force, 2e-3, MODULUS)
         assert solution.area("hertz").value == pytest.approx(exact.area, rel=3e-3)
+
+
+@pytest.mark.parametrize("cell", CELLS)
+@pytest.mark.parametrize("cells", [0.8, 1.6, 3.2, 7.0])
+def test_small_contacts_have_the_area_of_their_load(cell, cells):
+    """Hertz's area by load and curvature, however few the cells; the blend is it, or the traced one if that is sure."""
+    rng, a = np.random.default_rng(7), cells * max(cell) * 1e-6
+    for _ in range(4):
+        shape = tuple(int(2.8 * cells * max(cell) / side) + 13 + rng.integers(2) for side in cell)
+        grid = rc.Grid(shape, (shape[0] * cell[0] * 1e-6, shape[1] * cell[1] * 1e-6))
+        # At a cell, or the smallest would have none.
+        centre = (grid.x[shape[0] // 2, 0] + 0.2e-6 * cell[0], grid.y[0, shape[1] // 2] - 0.1e-6 * cell[1])
+        solution = ball(grid, a, 1e-3, centre)
+        exact = reference.hertz_sphere(solution.force, 1e-3, MODULUS).area
+        assert solution.area("hertz").value == pytest.approx(exact, rel=2e-3)
+        blend, traced = solution.area(), solution.area("level-set-richardson")
+        low, high = sorted((exact, traced.value))
+        assert low * 0.99 <= blend.value <= high * 1.01
+        if cells < 1.0:
+            assert blend.value == pytest.approx(exact, rel=0.01)
+        assert abs(blend.value - exact) <= 3.0 * blend.uncertainty + 0.02 * exact
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_length_approach_and_mean_gap_of_an_exact_ball(cell):
+    """Counted from the highest cell, the approach lacks the height of the summit above it."""
+    grid = rc.Grid((44, 40), (44e-6 * cell[0], 40e-6 * cell[1]))
+    a, radius, centre = 12e-6, 1e-3, (0.37e-6, -0.21e-6)
+    exact = ball(grid, a, radius, centre)
+    lowest = exact.initial_gap.min()
+    options = {"initial_gap": exact.initial_gap - lowest, "approach": exact.approach - lowest}
+    solution = with_fields(grid, exact.pressure, exact.gap, **options)
+    assert solution.estimate("perimeter").value == pytest.approx(2.0 * np.pi * a, rel=3e-3)
+    approach = solution.estimate("approach")
+    assert approach.value == pytest.approx(a**2 / radius, rel=1e-6)
+    assert approach.uncertainty < 0.01 * approach.value
+    gap = solution.estimate("mean-gap")
+    assert gap.value == pytest.approx(exact.gap.mean(), rel=1e-9)
+    shifted = with_fields(grid, exact.pressure, exact.gap, edge_shift=0.018, **options)
+    shift, std = find_shift(shifted)
+    fraction = shifted.area().fraction
+    assert shifted.estimate("mean-gap").value == pytest.approx(exact.gap.mean() - shift * (1.0 - fraction), rel=1e-6)
+    assert shifted.estimate("mean-gap").uncertainty == pytest.approx(std * (1.0 - fraction))
+    assert shifted.estimate("approach").value == pytest.approx(a**2 / radius + shift, rel=1e-6)
+    count = solution.estimate("patches")
+    assert count.value == 1.0
+    assert count.uncertainty < 0.2
+
+
+def test_saturated_cells_have_no_gap_in_the_mean():
+    grid = rc.Grid((10, 12), 1.0)
+    pressure, gap = np.zeros(grid.shape), np.full(grid.shape, 3e-6)
+    pressure[2:6, 2:6], gap[2:6, 2:6] = 2.0, -1e-6
+    found = with_fields(grid, pressure, gap, limit=2.0, boundary="periodic").estimate("mean-gap")
+    assert found.value == pytest.approx(3e-6 * 104 / 120)
+
+
+def test_the_perimeter_corrects_the_sides_of_elastic_cells():
+    """By (pi - 1 + ln 2) / 24 cells for each side; those of saturated cells are sharp, and the load must be carried."""
+    overshoot = (math.pi - 1.0 + math.log(2.0)) / 24.0
+    grid = rc.Grid((12, 14), (12.0, 28.0))
+    pressure = np.zeros(grid.shape)
+    pressure[2:6, 3:8] = 1.0
+    pressure[9, 3:6] = 1.5
+    found = with_fields(grid, pressure, pressure == 0.0).area("perimeter")
+    assert found.value == pytest.approx(2.0 * (23.0 - overshoot * (18.0 + 8.0)))
+    rows = [4, 4, 5, 5, 1, 1, 3, 3]
+    spread = math.sqrt(sum(n * n for n in rows) / 12.0)
+    assert found.uncertainty == pytest.approx(2.0 * (0.5 * overshoot * 26.0 + spread))
+    counted = with_fields(grid, pressure, pressure == 0.0).area("cell-count")
+    assert (counted.value, counted.uncertainty) == (46.0, pytest.approx(2.0 * overshoot * 26.0))
+    limited = with_fields(grid, pressure, pressure == 0.0, limit=1.5)
+    assert limited.area("perimeter").value == pytest.approx(2.0 * (23.0 - overshoot * 18.0))
+    full = with_fields(grid, np.where(pressure > 0.0, 1.499, 0.0), pressure == 0.0, limit=1.5)
+    assert full.area("perimeter").value == pytest.approx(2.0 * 23.0 * 1.499 / 1.5)

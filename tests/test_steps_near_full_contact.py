@@ -89,6 +89,11 @@ def test_the_pressure_of_the_openings_is_that_of_the_solver(fraction):
         rough = Openings(attrs.evolve(full, gap=start.astype(np.float32)), Monitor(task, 1e-7, 200)).approximate(1e-4)
         np.testing.assert_allclose(rough, exact, atol=5e-3 * exact.max())
         assert openings.products <= 60
+    # Without an iteration it is the pressure of the gap alone.
+    known = attrs.evolve(full, gap=gap.astype(np.float32))
+    np.testing.assert_allclose(
+        Openings(known, Monitor(task, 1e-7, 0)).approximate(1e-4), exact, atol=1e-3 * exact.max()
+    )
 
 
 def test_the_error_of_openings_is_the_pull_or_the_pressure_on_open_cells():
@@ -305,6 +310,20 @@ def test_the_preconditioner_is_symmetric_and_nearly_the_inverse(rigid):
     answer, wanted = preconditioner.apply(active, weights, caused), active.gather(pressure.ravel())
     answer, wanted = (values - weights * (values.sum() / weights.sum()) for values in (answer, wanted))
     assert np.linalg.norm(answer - wanted) < 0.35 * np.linalg.norm(wanted)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_a_limit_that_shortens_steps_but_is_not_reached_changes_no_bit(boundary):
+    """The steps pass the maximum pressure on their way: such contacts are solved again without the limit."""
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8.0, longest=48.0, rolloff=48.0, seed=2)
+    again = 0
+    for load in (0.003, 0.01):
+        free = wave((64, 48), boundary, surface=surface).solve(pressure=load)
+        for factor in (1.0001, 1.02, 1.3):
+            found = wave((64, 48), boundary, factor * free.pressure.max(), surface).solve(pressure=load)
+            np.testing.assert_array_equal(found.pressure, free.pressure)
+            again += found.convolutions > free.convolutions
+    assert again
 
 
 def test_nearly_full_contact_is_within_its_bounds():
