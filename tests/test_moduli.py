@@ -33,6 +33,29 @@ class Wavy(rc.InfluenceKernel):
         return (1.0 + 1e-6 * wavenumber) / compliance
 
 
+@attrs.frozen
+class BondedLayer(rc.InfluenceKernel):
+    """A layer of this thickness, m, and nu = 0.3, bonded to a rigid base."""
+
+    thickness: float
+
+    def spectrum(self, qx, qy, spacing, compliance):
+        q, k = np.hypot(qx, qy), 3.0 - 4.0 * 0.3
+        depth = q * self.thickness
+        # The hyperbolic functions over cosh(2 depth), which would overflow.
+        decay = np.exp(-2.0 * depth)
+        sinh, inverse = (1.0 - decay**2) / (1.0 + decay**2), 2.0 * decay / (1.0 + decay**2)
+        shape = (2.0 * k * sinh - 4.0 * depth * inverse) / (2.0 * k + (4.0 * depth**2 + 1.0 + k**2) * inverse)
+        return 2.0 * compliance / q * shape
+
+
+class HalfSpaceBySpectrum(rc.InfluenceKernel):
+    """A homogeneous half-space that says nothing of its modulus."""
+
+    def spectrum(self, qx, qy, spacing, compliance):
+        return rc.Love().spectrum(qx, qy, spacing, compliance)
+
+
 def sphere(kernel, young):
     body = rc.Body(rc.ParaboloidSurface(radius=1e-3), rc.Elastic(young, 0.3))
     return rc.ContactProblem(body, grid=rc.Grid((48, 48), (6e-5, 6e-5)), kernel=kernel).solve(force=0.03)
@@ -55,6 +78,32 @@ def test_a_half_space_has_one_modulus():
     solution = sphere("love", 1e9)
     assert solution.moduli is None
     np.testing.assert_array_equal(solution.effective_modulus(np.array([1.0, 1e6])), solution.modulus)
+
+
+def test_moduli_follow_from_the_spectrum():
+    layer, q = BondedLayer(1e-3), np.geomspace(1e2, 1e6, 9)
+    amplitudes = layer.spectrum(q, 0.0, (1e-9, 1e-9), 0.5)
+    np.testing.assert_allclose(layer.effective_modulus(q, 0.5) * q * amplitudes, 2.0)
+    assert HalfSpaceBySpectrum().effective_modulus(q, 0.5) is None
+    assert layer.effective_modulus(q, 0.5)[0] > 40.0
+    assert layer.effective_modulus(q, 0.5)[-1] == pytest.approx(2.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(("cells", "size"), [((64, 64), (1.0, 1.0)), ((96, 32), (1.5, 0.5)), ((45, 15), (0.5, 1.5))])
+def test_area_on_a_bonded_layer_whose_kernel_says_nothing_of_its_modulus(cells, size):
+    surface = rc.ParaboloidSurface(radius=50.0, center=(0.013, -0.021))
+
+    def press(finer):
+        grid = rc.Grid((finer * cells[0], finer * cells[1]), size)
+        problem = rc.ContactProblem(
+            rc.Body(surface, rc.Elastic(1.0, 0.0)), grid=grid, boundary="periodic", kernel=BondedLayer(0.02)
+        )
+        return problem.solve(force=5e-4).area()
+
+    area, fine = press(1), press(6)
+    assert 0.01 < fine.fraction < 0.3
+    assert abs(area.value - fine.value) <= 2.0 * np.hypot(area.uncertainty, fine.uncertainty)
+    assert area.uncertainty < 0.2 * area.value
 
 
 def test_a_file_keeps_the_moduli(tmp_path):

@@ -13,6 +13,10 @@ from roughcontact.errors import InputError
 from roughcontact.grid import Boundary, Grid
 from roughcontact.registry import Registry
 
+# Cells per wave number at which a spectrum is that of the body and not of the cells, and the relative change of the
+# modulus below which a body is homogeneous.
+_FINE, _EVEN = 1e-3, 1e-3
+
 
 class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method below, or both
     """Linear elastic response of the surfaces to pressure.
@@ -32,7 +36,9 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
     def effective_modulus(self, wavenumber: Array, compliance: float) -> Array | None:
         """Return the contact modulus E*(q) = 2 / (q u(q)), u(q) the displacement by a unit pressure wave.
 
-        The area estimators need it at the edge of a contact and at the size of a contact patch.
+        The area estimators need it at the edge of a contact and at the size of a contact patch. By default it follows
+        from the spectrum, on cells much smaller than each wave; kernels without one define it if it is not the same for
+        all waves.
 
         Parameters
         ----------
@@ -44,9 +50,18 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         Returns
         -------
         Array or None
-            Moduli, shape (n,), Pa; None, the default, if all waves have E* = 1/compliance.
+            Moduli, shape (n,), Pa; None if all waves have E* = 1/compliance.
         """
-        return None
+        if not isinstance(self, SupportsSpectrum):
+            return None
+        none = np.zeros((1, 1))
+        cells = _FINE / wavenumber
+        waves = zip(wavenumber, cells, strict=True)
+        amplitudes = [self.spectrum(none + q, none, (cell, cell), compliance).item() for q, cell in waves]
+        with np.errstate(divide="ignore"):
+            moduli = 2.0 / (wavenumber * np.array(amplitudes))
+        even = bool(np.all(np.abs(moduli * compliance - 1.0) < _EVEN))
+        return None if even else np.asarray(moduli)
 
 
 kernels = Registry(InfluenceKernel, "kernel", "roughcontact.kernels")
