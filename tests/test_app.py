@@ -35,6 +35,7 @@ from roughcontact.app.progress import Progress
 from roughcontact.app.scene import make_loads, make_problem, make_scene
 from roughcontact.app.settings import DEFAULTS, load_values, quantity, read_settings
 from roughcontact.app.uploads import shown_name
+from roughcontact.app.words import in_words_of_page
 from roughcontact.typing import Step
 from roughcontact.units.columns import write_column
 
@@ -938,6 +939,50 @@ def test_warnings_name_the_controls_of_the_page():
     assert "command line" in warning
     (shown,) = (text for text in describe_solutions([solution])[0]["warnings"] if "tilt" in text)
     assert shown.endswith("Subtract the plane: 'Form that is removed: plane'.")
+
+
+# Calls, arguments, names and types of Python.
+PYTHON = re.compile(r"\w\(\)|\w+=|\w\(\w+|\b\w+_\w+\b|float\d\d|\(\d+,|\b(?:numpy|pandas|scipy|rc)\.|[a-z][A-Z][a-z]")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("a.csv", b"1,2,3\n4,5\n", "if those lines are a header, delete them."),
+        ("a.csv", b"1 2 3\n4 5 x\n", "comments behind #; delete lines that are not heights."),
+        ("a.csv", b"1.5;2.5\n3.5;4,5\n", "comments behind #; write decimals with points."),
+        ("a.csv", b"\n".join(b"%d" % (n**2) for n in range(99)), "bring them into that shape and save them again."),
+        ("a.csv", b"\n".join(b"%d,%d,%d,5" % (n, n**2, n**3 % 7) for n in range(30)), "save the heights without them"),
+        ("a.csv", b"\n".join(b"%d.1,%d.3,%d" % (n**3 % 31, n**2, n) for n in range(30)), "interpolate them on one"),
+        ("a.npy", PICKLED, "The file a.npy cannot be read as a height map"),
+        ("a.npy", PICKLED.replace(b"|O", b"<c16"), "The file a.npy cannot be read as a height map"),
+        ("a.npz", None, "a saved solution, not a height map: the command 'roughcontact plot a.npz' draws it."),
+    ],
+)  # fmt: skip
+def test_refusals_of_files_speak_no_python(client, solved_file, name, content, said):
+    status, answer = client.upload(name, solved_file if content is None else content)
+    assert status == 422, answer
+    assert said in answer["error"]
+    assert not PYTHON.search(answer["error"]), answer["error"]
+
+
+@pytest.fixture(scope="module")
+def solved_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("solved") / "solution.npz"
+    body = rc.Body(rc.WavySurface(0.5e-6, 25e-6), rc.Elastic(210e9, 0.3))
+    rc.ContactProblem(body, grid=rc.Grid((16, 16), 50e-6), boundary="periodic").solve(pressure=50e6).save(path)
+    return path.read_bytes()
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
+def test_plan_and_status_speak_no_python(client, boundary):
+    plan = client.post("api/plan", {**SMALL, "boundary": boundary, "amplitude": "9e3", "hardness": "2"})
+    assert "Projected Conjugate Gradient, tolerance 1e-05" in plan["text"]
+    assert plan["warnings"][0].endswith("Check the units that are chosen beside the numbers, and those of the file.")
+    assert "on the command line" not in plan["text"]
+    for text in (plan["text"], *plan["warnings"], *(in_words_of_page(str(status)) for status in rc.Status)):
+        assert not PYTHON.search(text), text
+    assert client.refusal("api/plan", {**SMALL, "cells": "1"}).endswith("at least two cells, but got 1 x 1.")
 
 
 def test_the_saturated_area_warns_on_the_page_and_in_its_table():

@@ -28,7 +28,7 @@ def describe_solutions(solutions: Sequence[ContactSolution]) -> list[dict[str, A
     return [
         {
             "load": name_load(solution),
-            "status": str(solution.status),
+            "status": in_words_of_page(str(solution.status)),
             "certified": solution.status.success,
             "seconds": solution.seconds,
             "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],

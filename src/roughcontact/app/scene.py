@@ -16,6 +16,7 @@ from roughcontact._surfaces import FlatSurface, HeightMap, SelfAffineSurface, Sp
 from roughcontact.app.settings import Settings, load_values, plain, quantity, whole
 from roughcontact.checks import Pair
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
+from roughcontact.errors.door import guarded
 from roughcontact.files import RawMap, read_surface
 from roughcontact.files.reading import read_raw
 from roughcontact.grid import Boundary, Grid
@@ -111,6 +112,8 @@ def _facts(raw: RawMap) -> dict[str, object]:
     }
 
 
+# As in a public call, the errors of a reader are seen as they are, so that they become a sentence about the file.
+@guarded
 def _read_raw(upload: Upload) -> RawMap:
     try:
         return read_raw(upload.path)

@@ -20,7 +20,7 @@ from roughcontact.app.preview import describe
 from roughcontact.app.progress import Progress
 from roughcontact.app.scene import Scene, Upload, inspect_file, make_loads, make_problem, make_scene
 from roughcontact.app.settings import Settings, read_settings
-from roughcontact.app.words import in_words_of_page
+from roughcontact.app.words import end_sentence, in_words_of_page
 from roughcontact.checks import Array
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.load import Load
@@ -77,7 +77,7 @@ def _show_surface(settings: Settings, upload: Upload | None, folder: Path) -> di
         draw(lambda: scene.rough.plot(scene.grid, "map", dark=dark), folder / "surface.png")
         shown["picture"] = "surface.png"
     except RoughContactError as error:
-        shown["note"] = str(error)
+        shown["note"] = in_words_of_page(str(error))
     return shown
 
 
@@ -91,8 +91,8 @@ def _plan(settings: Settings, upload: Upload | None, calibration: float) -> dict
         "seconds": calibration * len(loads) * forecast_seconds(plan),
         "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
         "basis": _BASIS if calibration == 1.0 else _CORRECTED,
-        "text": problem.explain(),
-        "warnings": [in_words_of_page(text) for text in plan.warnings],
+        "text": in_words_of_page(problem.explain()),
+        "warnings": [end_sentence(in_words_of_page(text)) for text in plan.warnings],
     }
 
 
@@ -118,7 +118,7 @@ def _write_all(outputs: Outputs, send: Send) -> list[str]:
         try:
             send(write())
         except RoughContactError as error:
-            notes.append(str(error))
+            notes.append(in_words_of_page(str(error)))
     return notes
 
 

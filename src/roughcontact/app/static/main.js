@@ -1,7 +1,7 @@
 // The page: what the user changes is sent, checked and shown at once; a run is started and followed.
 
 import { get, post, upload } from "./api.js";
-import { byId, say } from "./page.js";
+import { byId, say, showList } from "./page.js";
 import { follow } from "./run.js";
 import { listRuns } from "./runs.js";
 import * as settings from "./settings.js";
@@ -73,6 +73,7 @@ function showNothing(problem) {
 
 function showNoPlan(why) {
   byId("plan").textContent = why;
+  showList(byId("plan-warnings"), []);
   byId("plan-basis").textContent = byId("plan-text").textContent = "";
 }
 
@@ -89,6 +90,7 @@ async function showPlan(values, change) {
   byId("plan").textContent = `${loads} ${duration(plan.seconds)} for the solve, ${plan.memory}.`;
   byId("plan-basis").textContent = plan.basis;
   byId("plan-text").textContent = plan.text;
+  showList(byId("plan-warnings"), plan.warnings);
 }
 
 function duration(seconds) {
