@@ -47,6 +47,29 @@ def test_rough_contacts_on_cells_three_times_as_long_as_wide_are_within_two():
     assert np.mean(np.array(ratios) <= 2.0) >= 0.93, max(ratios)
 
 
+def test_the_uncertainty_of_rough_contacts_is_at_most_two_and_a_half_times_the_error():
+    errors, stated = [], []
+    for seed, load in enumerate(np.geomspace(1e-3, 2e-2, 10)):
+        true = press_rough((192, 192), 60 + seed, load).value
+        for cells in (32, 44, 64):
+            area = press_rough((cells, cells), 60 + seed, load)
+            errors.append(abs(area.value - true) / true)
+            stated.append(area.uncertainty / true)
+    assert np.median(stated) <= 2.5 * np.median(errors)
+    assert np.mean(np.array(errors) <= 2.0 * np.array(stated)) >= 0.93
+
+
+def test_the_uncertainty_of_paraboloids_is_at_most_three_times_the_error():
+    errors, stated = [], []
+    for name in ("long-domain", "long-cells", "slender", "tip-2"):
+        for case in itertools.islice(unkind_classes.CLASSES[name]("held-out"), 8):
+            area = case.problem().solve(**case.load).area()
+            errors.append(abs(area.value / case.true["area"] - 1.0))
+            stated.append(area.uncertainty / case.true["area"])
+    assert np.median(stated) <= 3.0 * np.median(errors)
+    assert max(errors) <= 1e-3
+
+
 @pytest.mark.parametrize("name", unkind_classes.CLASSES)
 def test_an_area_that_errs_by_more_than_a_tenth_warns(name):
     for case in unkind_classes.CLASSES[name]("tuned"):

@@ -37,7 +37,8 @@ UNSEEN = 0.12
 # Relative standard deviation of the area of a patch of few cells, times the ratio over cells^(3/2).
 # Measured for 1, 2 and 3 cells, by the parts of the fine contact in each: median 0.15, 0.30, 0.37.
 FLUCTUATION = 0.3
-# Terms a, b, c of Hertz's relative standard deviation a + b v^2 + c v^4 where the curvature spreads by v, no unit.
+# Terms a, b, c of Hertz's relative standard deviation a v / (v + v0) + b v^2 + c v^4 where the curvature spreads by v,
+# no unit; v0 is EVEN.
 # Measured on patches of at least 150 cells: rms 0.009, 0.015, 0.06, 0.16, 0.29 (in use: 0.016, 0.03, 0.06, 0.12, 0.32)
 # at v of 0.15 to 0.3, to 0.4, to 0.6, to 0.8, to 1.2.
 HERTZ_ERROR = (0.0003, 0.2, 0.1)
@@ -48,16 +49,23 @@ HERTZ_COMMON = 1.0 / 3.0
 # --- benchmarks/area_classes.py: the tuned half of the classes of contacts --------------------------------------------
 
 # Standard deviation of the position of all edges, cells. Set on rough contacts of 6 to 12 cells a shortest wave.
-SHIFT = 0.0008
+SHIFT = 0.0011
 # Patches of width n have 1 + (this / n)^2 times the standard deviation WANDER, cells. Set on rough contacts: the area
 # inside the edge of patches of 1, 2, 4, 9, 18 cells errs by 0.48, 0.11, 0.06, 0.025, 0.017.
 SMALL_PATCH = 2.0
 # Number of parts of an edge that err alike, over those that are the same, beyond one. Set on waves of whole cells,
 # whose errors follow no normal distribution, and on strips.
 ALIKE = 2.5
+# Standard deviation of the areas by their edges, beside Hertz's areas, over that of single edges (WANDER), no unit.
+# Set on rough contacts.
+BLENDED = 1.5
+# Standard deviation of the excess of all edges together over that excess, times the root of the number of pieces of the
+# edge that err by themselves. Set on rough contacts, with a lay and without.
+EXCESS_STD = 1.2
 # Standard deviation of the position of the edge of a slender patch, cells, times one less the ratio of its width to its
-# cells, to the sixth. Set on surfaces with a lay.
-SLENDER = 0.03
+# cells, to the sixth: on ridges of one direction, and on isotropic surfaces, where such patches are merged ones. Set on
+# Set on rough contacts.
+SLENDER = (0.036, 0.012)
 # Curvature along the edge over that inside above which it has a sharp rim, the largest excess over that that counts,
 # and the standard deviation of the position of such edges over it, cells. Set on flats that were run in.
 RIM = (1.3, 1.5, 0.05)
@@ -70,6 +78,10 @@ SATURATED = 0.03
 # Relative standard deviation of Hertz's area of a patch at its pressure limit: constant, and over its cells. Set on
 # spheres of 1 to 12 cells radius.
 PLASTIC = (0.0015, 0.05)
+# Spread v0 up to which Hertz's error is in proportion to it, and the smallest relative standard deviation, no unit.
+# Measured on balls and ellipses in domains of any shape, whose computed curvatures spread by 1e-7 to 1e-3: 0.16 v, and
+# 0.6e-6 where v is less.
+EVEN, EXACT = 0.0014, 1e-6
 # Approach that the larger patches of a discrete solution lack, over their curvature times the area of a cell.
 # Measured: 0.04 on spheres of 4 to 40 cells, 0.02 to 0.03 for the loads of the small patches of rough contacts.
 LACKING = 0.026

@@ -17,7 +17,7 @@ _SECOND = (-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0)
 # Offset of the outermost cell of that difference, in cells.
 _REACH = len(_SECOND) - 1
 # What was measured on solutions that still exist: several estimates ask for it.
-_MEASURED: WeakKeyDictionary[ContactSolution, tuple[float, float]] = WeakKeyDictionary()
+_MEASURED: WeakKeyDictionary[ContactSolution, tuple[float, float, float]] = WeakKeyDictionary()
 # Number of cells that suffice for the mean squares of differences: to 1 % or so.
 _SAMPLE = 100_000
 # Cells below which a patch does not show how the curvature varies under it, so that the cells around it are used.
@@ -67,28 +67,48 @@ def rim_ratio(solution: ContactSolution) -> float:
     return _measure_heights(solution)[1]
 
 
-def _measure_heights(solution: ContactSolution) -> tuple[float, float]:
-    """Return resolution and rim ratio."""
+def lay_ratio(solution: ContactSolution) -> float:
+    """Return the smallest over the largest rms curvature in any direction under the contact.
+
+    One for isotropic heights, zero for ridges of one direction.
+    """
+    return _measure_heights(solution)[2]
+
+
+def _measure_heights(solution: ContactSolution) -> tuple[float, float, float]:
+    """Return resolution, rim ratio and lay ratio."""
     solution = heal(solution)
     if solution not in _MEASURED:
         _MEASURED[solution] = _find_ratios(solution)
     return _MEASURED[solution]
 
 
-def _find_ratios(solution: ContactSolution) -> tuple[float, float]:
+def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
     chosen = np.flatnonzero(solution.contact)
     chosen = chosen[:: max(1, chosen.size // _SAMPLE)]
     if chosen.size == 0:
-        return 0.0, 0.0
-    lines = _gather_lines(solution, chosen, 2, 2)
+        return 0.0, 0.0, 1.0
+    *lines, rising, falling = _gather_lines(solution, chosen, 2, 4)
     bends = [pairs[0] - 2.0 * here for here, pairs in lines]
     fourth = sum(float(np.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2)) for here, pairs in lines)
     second = sum(float(np.mean(bend**2)) for bend in bends)
-    laplacian = bends[0] / solution.grid.spacing[0] ** 2 + bends[1] / solution.grid.spacing[1] ** 2
+    (dx, dy), mixed = solution.grid.spacing, 0.25 * (rising[1][0] - falling[1][0])
+    xx, xy, yy = bends[0] / dx**2, mixed / (dx * dy), bends[1] / dy**2
+    laplacian = xx + yy
     inside = _find_inner(solution, chosen)
     middle = abs(float(np.mean(laplacian[inside]))) if inside.any() else 0.0
     rim = float(np.mean(laplacian[~inside])) / middle if middle > 0.0 and not inside.all() else 0.0
-    return math.sqrt(fourth / second) if second > 0.0 else 0.0, rim
+    return math.sqrt(fourth / second) if second > 0.0 else 0.0, rim, _find_lay(xx, xy, yy)
+
+
+def _find_lay(xx: Array, xy: Array, yy: Array) -> float:
+    """Return the lay ratio of these second derivatives: from the mean square of their matrix, shape (2, 2)."""
+    along_x, along_y = float(np.mean(xx**2 + xy**2)), float(np.mean(xy**2 + yy**2))
+    middle, difference = (
+        0.5 * (along_x + along_y),
+        math.hypot(0.5 * (along_x - along_y), float(np.mean(xy * (xx + yy)))),
+    )
+    return math.sqrt(max(middle - difference, 0.0) / (middle + difference)) if middle > 0.0 else 1.0
 
 
 def _find_inner(solution: ContactSolution, chosen: IntArray) -> Mask:

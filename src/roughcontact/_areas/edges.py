@@ -10,7 +10,7 @@ import numpy as np
 from roughcontact._areas import calibration
 from roughcontact._areas.cells import find_sharp_edges
 from roughcontact._areas.contour import Contour, find_modulus_change, trace_contour
-from roughcontact._areas.curvature import curvature_resolution, rim_ratio
+from roughcontact._areas.curvature import curvature_resolution, lay_ratio, rim_ratio
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array
 from roughcontact.grid import Boundary
@@ -63,8 +63,9 @@ class TracedEdges:
     saturated
         Standard deviation where the pressure reaches its limit near the edge, m2.
     unseen
-        Standard deviation for summits between the grid points beside patches of few cells, and where edges meet
-        non-measured points, m2.
+        Standard deviation for summits between the grid points beside patches of few cells, m2.
+    meeting
+        Standard deviation where edges meet non-measured points, m2.
     width
         Cells of a disc as wide as each patch.
     roundness
@@ -75,6 +76,13 @@ class TracedEdges:
         One cell for each piece or hole of the larger patches that the edge has at only one of both strides, m2.
     shift
         Standard deviation of the position of the edges, together, in cells.
+    slender
+        Standard deviation of the position of the edges of slender patches, together, in cells.
+    oblong
+        Longer side of the cells over their mean side: edges err by parts of the former.
+    pieces
+        Number of pieces of all edges that err by themselves where the grid hardly resolves the heights, at least one:
+        each is as long as a wave, and longer in a lay.
     """
 
     area: Array
@@ -90,16 +98,26 @@ class TracedEdges:
     excess_refined: Array
     saturated: Array
     unseen: Array
+    meeting: Array
     width: Array
     roundness: Array
     border: float
     topology: float
     shift: Array
+    slender: Array
+    oblong: float
+    pieces: float
 
     @property
     def alone_std(self) -> Array:
         """Standard deviation of either area by itself, m2: of single contacts too, and of parts that err alike."""
-        return np.asarray(_ALONE * (self.std * np.sqrt(self.alike) + calibration.SHIFT * self.strip))
+        shift = calibration.SHIFT * self.strip
+        return np.asarray(_ALONE * self.oblong * (self.std * np.sqrt(self.alike) + shift))
+
+    @property
+    def blended_std(self) -> Array:
+        """Standard deviation of either area beside Hertz's areas, m2, and of parts that err alike."""
+        return np.asarray(self.oblong * self.std * np.sqrt(calibration.BLENDED**2 - 1.0 + self.alike))
 
     def find_excess(self, extrapolated: Array) -> Array:
         """Return the excess of areas that are extrapolated by a fraction, shape (count + 1,), m2."""
@@ -111,10 +129,16 @@ class TracedEdges:
         above = 2.0 * (1.0 - extrapolated) * half + (2.0 * extrapolated - 1.0) * full
         return np.where(extrapolated < 0.5, below, above)
 
-    def common_std(self, excess: Array, fraction: float | Array = 1.0) -> float:
+    def average_excess(self, excess: Array) -> float:
+        """Return the standard deviation of a total that excess was subtracted from, m2: one wave has more, one less."""
+        return calibration.EXCESS_STD * float(np.sum(excess)) / math.sqrt(self.pieces)
+
+    def common_std(self, excess_std: float, fraction: float | Array = 1.0) -> float:
         """Return the standard deviation common to all edges, m2: of excess, position, saturated cells and topology."""
-        parts = UNSURE * excess + self.shift * self.strip + self.saturated + self.unseen
-        return float(np.sum(fraction * parts)) + self.topology
+        alike = (self.shift * self.strip, self.slender * self.strip, self.saturated, self.meeting)
+        positions = (float(np.sum(fraction * part)) for part in alike)
+        unseen = float(np.sum(fraction * self.unseen)) / math.sqrt(self.pieces)
+        return self.oblong * math.hypot(self.oblong * excess_std, unseen, self.topology, *positions)
 
 
 def trace_edges(solution: ContactSolution) -> TracedEdges:
@@ -126,8 +150,9 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     # The edge of a patch varies at least as half the edge of a disc of as many cells.
     half_disc = np.sqrt(np.pi * cell * np.concatenate(([0], cells)))
     std = calibration.WANDER * np.sqrt(_SIDES * np.maximum(one.length, half_disc) / np.sqrt(cell)) * cell
-    ratio = curvature_resolution(solution)
-    strip = np.sqrt(cell) * one.length
+    ratio, lay = curvature_resolution(solution), lay_ratio(solution)
+    step, oblong = np.sqrt(cell), math.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
+    strip = step * one.length
     counted = np.concatenate(([1.0], cells))
     width = _measure_width(fine, one.length, cell, counted)
     small = 1.0 + (calibration.SMALL_PATCH / width) ** 2
@@ -149,16 +174,23 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         excess=np.minimum(calibration.EXCESS * ratio * strip, _LARGEST_EXCESS * fine),
         excess_refined=np.minimum(calibration.EXCESS_REFINED * ratio**2 * strip, _LARGEST_EXCESS * fine),
         saturated=calibration.SATURATED * _saturated_weight(solution) * strip,
-        unseen=np.where(narrow, calibration.UNSEEN * ratio**2 * fine, 0.0) + calibration.NON_MEASURED_STD * meeting,
+        unseen=np.where(narrow, calibration.UNSEEN * ratio**2 * fine, 0.0),
+        meeting=calibration.NON_MEASURED_STD * meeting,
         width=width,
         roundness=_measure_roundness(width, counted),
-        border=_border_std(solution) * cell,
+        border=oblong * _border_std(solution) * cell,
         topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _LARGE))) * cell,
-        shift=calibration.SHIFT
-        + calibration.LAYERED_SHIFT * find_modulus_change(solution)
-        + _measure_rims(solution)
-        + calibration.SLENDER * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE),
+        shift=calibration.SHIFT + calibration.LAYERED_SHIFT * find_modulus_change(solution) + _measure_rims(solution),
+        slender=_slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE),
+        oblong=oblong,
+        pieces=max(1.0, lay * float(np.sum(one.length / one.alike)) / step * math.sqrt(ratio) / (2.0 * math.pi)),
     )
+
+
+def _slender_std(lay: float) -> float:
+    """Return the standard deviation of the edges of very slender patches, in cells: those of a lay err alike."""
+    along, merged = calibration.SLENDER
+    return along * (1.0 - lay) + merged * lay
 
 
 def _measure_rims(solution: ContactSolution) -> Array:

@@ -25,6 +25,8 @@ _POSITION_STD = 1.0 / math.sqrt(12.0)
 # Widths, in cells of a disc, between which the first and the second half of the extrapolation of the traced area set
 # in: narrow patches have too small an area inside their edges, and too large a one where it is extrapolated.
 _FIRST_HALF, _SECOND_HALF = (1.5, 3.0), (6.0, 60.0)
+# Standard deviation of an excess that is not subtracted, over it.
+_NOT_SUBTRACTED = 1.3
 # Fraction of its edge that may look sharp in a smooth patch, times the resolution ratio where that is above one.
 _SHARP = 0.1
 
@@ -99,7 +101,7 @@ class LevelSet(AreaEstimator):
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the area inside the traced edge; see `AreaEstimator.estimate`."""
         edges = trace_edges(solution)
-        common = edges.common_std(2.0 * edges.excess)
+        common = edges.common_std(_NOT_SUBTRACTED * float(np.sum(edges.excess)))
         return total_area(solution, edges.area, edges.alone_std, common, edges, "level-set")
 
     def outline(self, solution: ContactSolution) -> Array:
@@ -131,7 +133,7 @@ class LevelSetRichardson(AreaEstimator):
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the extrapolated area; see `AreaEstimator.estimate`."""
         edges = trace_edges(solution)
-        common = edges.common_std(2.0 * edges.excess_refined)
+        common = edges.common_std(_NOT_SUBTRACTED * float(np.sum(edges.excess_refined)))
         # On grids of a few cells the extrapolation may leave nothing of a patch.
         values = np.where(edges.refined > 0.0, edges.refined, edges.area)
         return total_area(solution, values, edges.alone_std, common, edges, "level-set-richardson")
@@ -161,7 +163,7 @@ class Hertz(AreaEstimator):
         stds = np.minimum(summits.error, 1.0) * summits.area
         # Nothing of an edge is traced around cells that touch at their corners alone.
         counted = np.concatenate(([0], solution.patches.cells)) * solution.grid.cell_area
-        unknown = np.maximum(edges.std, np.where(edges.area > 0.0, 0.5 * edges.area, counted))
+        unknown = np.maximum(edges.oblong * edges.std, np.where(edges.area > 0.0, 0.5 * edges.area, counted))
         stds = np.where(valid, np.hypot(stds, summits.tip * summits.area), unknown)
         common = summits.common_std(np.where(valid, values, 0.0))
         return total_area(solution, values, stds, common, edges, "hertz")
@@ -204,9 +206,9 @@ class Blend(AreaEstimator):
         weight[0] = 1.0
         hertzian = weight * summits.area
         values = hertzian + (1.0 - weight) * traced
-        stds = np.hypot(weight * hertz_std, (1.0 - weight) * traced_std * np.sqrt(edges.alike))
-        stds = np.hypot(stds, summits.tip * hertzian)
-        common = edges.common_std(excess, 1.0 - weight) + summits.common_std(hertzian)
+        stds = np.hypot(np.hypot(weight * hertz_std, summits.tip * hertzian), (1.0 - weight) * edges.blended_std)
+        excess_std = edges.average_excess((1.0 - weight) * excess)
+        common = math.hypot(edges.common_std(excess_std, 1.0 - weight), summits.common_std(hertzian))
         return total_area(solution, values, stds, common, edges, "blend")
 
 

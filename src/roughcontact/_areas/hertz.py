@@ -61,7 +61,8 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     growth = _plastic_growth(solution, patches.forces * sharing.factor, area)
     area = area * growth
     constant, square, fourth = calibration.HERTZ_ERROR
-    error = constant + square * summits.spread**2 + fourth * summits.spread**4
+    slight = constant * summits.spread / (summits.spread + calibration.EVEN)
+    error = calibration.EXACT + slight + square * summits.spread**2 + fourth * summits.spread**4
     error = error + calibration.HERTZ_LAYERED * summits.change + calibration.SHARED * np.abs(1.0 - shared)
     unresolved, large = calibration.HERTZ_RESOLUTION
     error = error + sharing.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)

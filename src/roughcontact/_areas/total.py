@@ -43,9 +43,7 @@ def total_area(
     total = float(values.sum())
     value = min(total, grid.area)
     values = values * (value / total if total > 0.0 else 1.0)
-    # Edges err by parts of the longer side of the cells, not of the mean side in which they are measured.
-    oblong = math.sqrt(max(grid.spacing) / min(grid.spacing))
-    uncertainty = oblong * math.sqrt(float(np.sum(stds**2)) + common**2 + edges.border**2)
+    uncertainty = math.sqrt(float(np.sum(stds**2)) + common**2 + edges.border**2)
     warnings = list_warnings(solution, edges.curvature_resolution)
     if not warnings and uncertainty > _UNCERTAIN * value:
         warnings = ("the grid hardly determines the area, whose uncertainty is above 5 %: refine the grid",)
