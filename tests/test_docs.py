@@ -10,6 +10,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -188,3 +189,17 @@ def test_examples_of_the_site_run(site):
     build("doctest", site)
     summary = (site / "doctest" / "output.txt").read_text(encoding="utf-8")
     assert int(re.search(r"(\d+) tests?\b", summary[summary.index("Doctest summary") :])[1]) >= 15
+
+
+@pytest.mark.parametrize(
+    "page", [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("plugins/*/README.md")], ids=str
+)
+def test_plugins_are_installed_as_old_versions_of_pip_can(pattern):
+    """Before 23.3 pip finds the roughcontact of a plug-in only with the same extras, or in an earlier command."""
+    text = "\n".join(page.read_text(encoding="utf-8") for page in ROOT.glob(pattern))
+    for command in re.findall(r"pip install (?:[^&`\n]*)", text):
+        given = re.search(r"-e '?\.(\[[a-z,]+\])?", command)
+        for name in re.findall(r"\./plugins/([a-z-]+)", command):
+            project = tomllib.loads((ROOT / "plugins" / name / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+            if given is not None:
+                assert f"roughcontact{given[1] or ''}" in project["dependencies"], command

@@ -37,6 +37,8 @@ _PATIENT = 80
 _NEAR_FULL = 0.5
 # Loads to try at most.
 _TRIES = 60
+# Loads that may fail, each followed by one nearer to the last that was solved.
+_FAILURES = 6
 # First guess of the power law between the load and the gap that are missing to full contact.
 _POWER = 2.0
 # Minimum missing load, and gap, over those of full contact at zero load: log(0) is avoided.
@@ -121,7 +123,16 @@ class ProjectedConjugateGradient(Solver):
         return attrs.evolve(found, met_limit=met_limit or found.met_limit)
 
     def _solve_on_grid(self, convolution: PreparedConvolution, task: Task) -> GridSolution:
-        """Solve on all cells of the convolution."""
+        """Solve on all cells of the convolution; where a start does not lead to the solution, once more without it."""
+        found = self._descend(convolution, task)
+        if task.start is None or found.outcome.status.success:
+            return found
+        again = self._descend(convolution, attrs.evolve(task, start=None))
+        outcome = _append(found.outcome, again.outcome)
+        return attrs.evolve(again, outcome=outcome, met_limit=found.met_limit or again.met_limit)
+
+    def _descend(self, convolution: PreparedConvolution, task: Task) -> GridSolution:
+        """Solve on all cells of the convolution, by a second method where the first stalls."""
         given = task.start
         start = nested_iteration(convolution, task) if given is None else start_from(convolution, task, given)
         searchable = _can_search_loads(convolution, task)
@@ -146,14 +157,8 @@ class ProjectedConjugateGradient(Solver):
         else:
             task = attrs.evolve(task, start=stalled.pressure)
             rescue = SpectralGradient(self.tolerance, self.max_iterations).solve(convolution, task)
-        return attrs.evolve(
-            rescue,
-            status=Status.RESCUED if rescue.status is Status.CONVERGED else rescue.status,
-            iterations=stalled.iterations + rescue.iterations,
-            convolutions=stalled.convolutions + rescue.convolutions,
-            history=stalled.history + rescue.history,
-            levels=stalled.levels,
-        )
+        status = Status.RESCUED if rescue.status is Status.CONVERGED else rescue.status
+        return attrs.evolve(_append(stalled, rescue), status=status, levels=stalled.levels)
 
     def _search_loads(self, convolution: PreparedConvolution, task: Task, pressure: Array) -> Outcome:
         """Solve for loads until one gives the approach of the task.
@@ -180,8 +185,13 @@ class ProjectedConjugateGradient(Solver):
             mean = closing - math.exp(missing)
             start = np.minimum(pressure * (mean / (float(pressure.mean()) or mean)), task.pressure_limit)
             found = self._solve_on_grid(convolution, attrs.evolve(task, approach=None, mean_pressure=mean, start=start))
-            outcome, pressure = found.outcome, found.outcome.pressure
+            outcome = found.outcome
             work.append(outcome)
+            failures = sum(not one.status.success for one in work)
+            if before is not None and not outcome.status.success and failures <= _FAILURES:
+                missing = 0.5 * (missing + before[0])
+                continue
+            pressure = outcome.pressure
             _, status = monitor.judge(pressure, convolution.apply(pressure))
             if status is not None or not outcome.status.success:
                 break
@@ -201,6 +211,16 @@ class ProjectedConjugateGradient(Solver):
             convolutions=sum(outcome.convolutions + 1 for outcome in work),
             history=tuple(error for outcome in work for error in outcome.history),
         )
+
+
+def _append(before: Outcome, after: Outcome) -> Outcome:
+    """Return an outcome with the work of the one before it added to its own."""
+    return attrs.evolve(
+        after,
+        iterations=before.iterations + after.iterations,
+        convolutions=before.convolutions + after.convolutions,
+        history=before.history + after.history,
+    )
 
 
 def _can_search_loads(convolution: PreparedConvolution, task: Task) -> bool:
