@@ -484,3 +484,35 @@ def test_a_thousand_random_approaches(surface, young, boundary, fraction):
     assert solution.status.success
     found = violations(problem, {"approach": fraction * reach}, solution)
     assert found.holds, found
+
+
+@pytest.mark.parametrize(
+    ("shape", "size", "seed"),
+    [((16, 31), (1e-5, 5e-5), 2), ((16, 31), (1e-5, 5e-5), 36), ((8, 16), (1e-5, 8e-5), 25), ((36, 16), 1e-5, 29)],
+)
+def test_a_start_far_from_the_solution_does_not_keep_it_from_being_found(shape, size, seed):
+    """A hundred million times the typical pressure, most of it on a few cells."""
+    rng = np.random.default_rng(seed)
+    surface = rc.HeightMap(1e-7 * rng.standard_normal(shape), np.broadcast_to(size, 2).tolist(), periodic=True)
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(2e11, 0.3)), boundary="periodic")
+    approach, start = 0.2 * problem.initial_gap.mean(), 1e8 * 0.1 * problem.plan.modulus * rng.random(shape) ** 8
+    found, plain = problem.solve(approach=approach, start=start), problem.solve(approach=approach)
+    assert found.status.success
+    assert found.mean_pressure == pytest.approx(plain.mean_pressure, rel=1e-4)
+    np.testing.assert_allclose(found.pressure, plain.pressure, atol=1e-4 * plain.pressure.max())
+    # Its work is that of both.
+    assert found.iterations > plain.iterations
+    assert len(found.history) >= found.iterations
+
+
+@pytest.mark.parametrize("seed", [7, 48])
+def test_an_approach_on_cells_500_times_as_long_as_wide_is_found(seed):
+    heights = 1e-7 * np.random.default_rng(seed).standard_normal((8, 32))
+    surface = rc.HeightMap(heights, (8e-6, 1.6e-2), periodic=True)
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(2e11, 0.3)), boundary="periodic")
+    approach = 0.63 * problem.initial_gap.mean()
+    solution = problem.solve(approach=approach)
+    assert solution.status is rc.Status.RESCUED
+    assert solution.approach == pytest.approx(approach, rel=1e-12)
+    other = attrs.evolve(problem, solver=rc.SpectralGradient(max_iterations=20_000)).solve(approach=approach)
+    np.testing.assert_allclose(solution.pressure, other.pressure, atol=1e-3 * other.pressure.max())
