@@ -154,6 +154,15 @@ def test_a_map_is_dropped_solved_and_reported(page, surface, tmp_path):
     page.open().drop(table, "ring <1>.csv")
     page.until(lambda: "not the size of its domain" in page.text("surface-problem"))
     assert "ring <1>.csv, 48 x 40 points" in page.text("file-shown")
+    # It is said where the button is, too: the surface may be out of view.
+    assert page.text("plan") == page.text("surface-problem")
+    # A wrong unit is warned of before the solve.
+    for name, text in {"size_x": "48", "size_y": "40", "height_unit": "m"}.items():
+        page.set(name, text)
+    page.until(lambda: "Check the units that are chosen beside the numbers" in page.text("plan-warnings"))
+    assert not page.find("surface-problem").is_displayed()
+    page.set("height_unit", "um")
+    page.until(lambda: not page.find("plan-warnings").is_displayed())
     for name, text in {"size_x": "48", "size_y": "40", "height_unit": "um", "form": "plane", "loads": "50"}.items():
         page.set(name, text)
     page.until_planned()

@@ -59,7 +59,10 @@ async function refresh() {
     showSurface(surface);
     await showPlan(values, change);
   } catch (error) {
-    if (change === changes) showNothing(error.message);
+    if (change !== changes) return;
+    showNothing(error.message);
+    // The surface may be out of view.
+    byId("plan").textContent = error.message;
   } finally {
     if (change === changes) document.body.removeAttribute("aria-busy");
   }
