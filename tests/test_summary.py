@@ -31,6 +31,26 @@ class TestPrint:
         answer = ["contact area", "force", "mean pressure", "max pressure", "approach"]
         assert shown == [*answer, "status", "modulus E*", "residuals", "work"]
 
+    @pytest.mark.parametrize(
+        ("material", "force", "said"),
+        [
+            (rc.Elastic(210e9, 0.3), 20.0, True),
+            (rc.Elastic(210e9, 0.3), 0.01, False),
+            (rc.ElasticPerfectlyPlastic(210e9, 0.3, 7e9), 20.0, False),
+            (rc.Elastic(3e9, 0.4), 1.0, False),
+        ],
+        ids=["steel at 30 GPa", "steel at 2 GPa", "with a hardness", "a polymer"],
+    )
+    def test_a_pressure_that_no_metal_bears_is_remarked(self, material, force, said):
+        ball = rc.Body(rc.SphereSurface(1e-4), material)
+        solution = rc.ContactProblem(ball, grid=rc.Grid((48, 40), (1e-4, 9e-5))).solve(force=force)
+        remark = "more than metals bear: unless it is meant, give a hardness"
+        lines = str(solution).splitlines()
+        assert (" " * 15 + remark in lines) == said
+        assert (remark in solution.to_html()) == said
+        if said:
+            assert lines[lines.index(" " * 15 + remark) - 1].startswith("max pressure")
+
     def test_what_did_not_converge_says_so_first(self):
         problem = make_problem(solver=rc.ProjectedConjugateGradient(tolerance=1e-8, max_iterations=1))
         solution = problem.solve(pressure=1e8, throw=False)

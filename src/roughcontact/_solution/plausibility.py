@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 _RUBBER, _GEL_POISSON, _GEL = 1e6, 0.45, 100.0
 # Young's modulus above which there is no material, Pa: diamond has 1.05 to 1.2e12.
 _DIAMOND = 1.3e12
+# Young's modulus above that of polymers, Pa, and pressure over it that metals do not bear: the hardness of the
+# hardest steels is 0.04 of it.
+_STIFF, _HARDEST = 10e9, 0.05
 # Diameter of an atom, m, and the side from which on a domain is longer than rough surfaces are measured on, m.
 _ATOM, _LONGEST = 1e-10, 1.0
 # Mean pressure, over E*, below which a load may be in another unit: 10 kPa on steel, 1 Pa on rubber of 10 MPa. Of
@@ -99,6 +102,12 @@ def list_warnings(solution: ContactSolution, materials: Iterable[Material]) -> t
         if any(finding.rule == "tilt" and finding.warning for finding in findings):
             explained.add("edge contact")
     return tuple(finding.warning for finding in findings if finding.rule not in explained and finding.warning)
+
+
+def exceeds_metals(solution: ContactSolution, materials: Iterable[Material]) -> bool:
+    """Return whether stiff bodies without a hardness bear more than metals do, which may be meant."""
+    softest = min((one.young for one in materials if isinstance(one, Elastic)), default=0.0)
+    return not solution.capped and softest >= _STIFF and float(solution.pressure.max()) > _HARDEST * softest
 
 
 def _list_moduli(materials: Iterable[Material]) -> list[str]:

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
 from roughcontact._materials import Material
+from roughcontact._solution.plausibility import exceeds_metals
 from roughcontact._solution.results import Area
 from roughcontact._surfaces import HeightMap
 from roughcontact.units import Estimate, counted, prefixed, si, with_spread
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 S = TypeVar("S")
 T = TypeVar("T")
 _UNKNOWN = "not determined"
+# What is said below a maximum pressure that no metal bears.
+MORE_THAN_METALS = "more than metals bear: unless it is meant, give a hardness"
 # Columns of a printed solution, and those of the labels.
 _WIDTH, _LABEL = 80, 15
 # Cells up to which the area is estimated unasked for the one line of `repr`: 0.1 s.
@@ -84,6 +87,8 @@ def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: M
     """Return the answer, how the solve ended, the warnings and the work, line by line; a failure first of all."""
     status = ("status", str(solution.status))
     rows = [*list_answers(solution).items()]
+    if exceeds_metals(solution, materials.values()):
+        rows.insert([label for label, _ in rows].index("max pressure") + 1, ("", MORE_THAN_METALS))
     if maps:
         rows.insert(1, ("", describe_maps(maps)))
     rows.insert(len(rows) if solution.status.success else 0, status)

@@ -7,16 +7,13 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from roughcontact._materials import Elastic
 from roughcontact._solution import ContactSolution
+from roughcontact._solution.plausibility import exceeds_metals
 from roughcontact._solution.several import gather_warnings, list_quantities, name_load
 from roughcontact.app.words import end_sentence, in_words_of_page
 from roughcontact.units import Estimate, si
 from roughcontact.units.columns import write_column
 
-# Young's modulus above that of polymers, Pa, and pressure over it that metals do not bear: the hardness of the
-# hardest steels is 0.04 of it.
-_STIFF, _HARDEST = 10e9, 0.05
 # Digits of a number in a table: more than any uncertainty leaves.
 _DIGITS = 9
 
@@ -41,11 +38,9 @@ def describe_solutions(solutions: Sequence[ContactSolution]) -> list[dict[str, A
 def _warn_of_hardness(solution: ContactSolution) -> list[str]:
     """Return that stiff bodies without a hardness bear more than metals do; a script may mean to have no limit."""
     materials = () if solution.origin is None else solution.origin.materials.values()
-    softest = min((one.young for one in materials if isinstance(one, Elastic)), default=0.0)
-    highest = float(solution.pressure.max())
-    if solution.capped or softest < _STIFF or highest <= _HARDEST * softest:
+    if not exceeds_metals(solution, materials):
         return []
-    pressure = si(highest, "Pa", 2)
+    pressure = si(float(solution.pressure.max()), "Pa", 2)
     return [f"The maximum pressure, {pressure}, is more than metals bear: unless it is meant, fill in 'Hardness'"]
 
 

@@ -13,8 +13,9 @@ from roughcontact._problem import ContactProblem
 from roughcontact._problem.sweep import Sweep
 from roughcontact._solution import DEFAULT_AREA, ContactSolution, SolutionWriter, areas
 from roughcontact._solution.origin import versions
+from roughcontact._solution.plausibility import exceeds_metals
 from roughcontact._solution.several import name_load, note_loads
-from roughcontact._solution.summary import describe_maps, list_all_warnings, list_answers
+from roughcontact._solution.summary import MORE_THAN_METALS, describe_maps, list_all_warnings, list_answers
 from roughcontact.archive import replacing
 from roughcontact.html.citation import list_references, write_bibtex
 from roughcontact.html.elements import element, escape, items, quantity, section, table, tag
@@ -133,6 +134,9 @@ def _make_answer(solution: ContactSolution) -> str:
     maps = () if solution.origin is None else [one for one in solution.origin.maps if not one.periodic]
     if maps:
         answers["Contact area"] += f"<br>{element('span', escape(describe_maps(maps)), class_='note')}"
+    materials = () if solution.origin is None else solution.origin.materials.values()
+    if exceeds_metals(solution, materials):
+        answers["Max pressure"] += f"<br>{element('span', escape(MORE_THAN_METALS), class_='note')}"
     return table(answers, "The answer", class_="answer")
 
 
