@@ -64,6 +64,11 @@ def test_the_modulus_change_of_a_layer_is_that_over_two_octaves():
         trace_edges(with_fields(grid, 1.0, 0.0)).shift + 0.1 * 0.3 * math.log(4.0)
     )
     assert find_modulus_change(with_fields(grid, 1.0, 0.0)) == 0.0
+    # One power below half a cell, by the mean side of the cells, and another above.
+    half = 0.5 * math.sqrt(grid.cell_area)
+    moduli = (1e9 * (half / 1e-3) ** 0.5, 1e9, 1e9 * (half / 1e3) ** 0.1)
+    kinked = attrs.evolve(layered, moduli=((1e-3, half, 1e3), moduli))
+    assert find_modulus_change(kinked) == pytest.approx((0.5 + 0.1) * math.log(2.0))
 
 
 def test_edges_that_are_the_same_are_counted():
