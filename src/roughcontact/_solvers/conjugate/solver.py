@@ -61,14 +61,15 @@ class ProjectedConjugateGradient(Solver):
     Load or approach control, with or without a pressure limit, on any boundary. The number of
     iterations hardly grows with the grid. The descent runs in float32, every result is verified in
     float64. If it stalls, `SpectralGradient` continues, or, for an approach near the full contact of
-    a periodic surface, a search over loads; the status says so.
+    a periodic surface, a search over loads; the status says so. What a start does not lead to is solved
+    once more without it.
 
     Parameters
     ----------
     tolerance
         Error (see `Violation`) to be reached.
     max_iterations
-        Iterations on the finest grid after which the solve is given up.
+        Iterations of one attempt on the finest grid after which it is given up.
 
     References
     ----------
