@@ -15,6 +15,8 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
 
 import unkind_classes
 
+from roughcontact.reference import hertz_elliptic
+
 # Tips of few cells err by more than is stated.
 HELD = [name for name in unkind_classes.CLASSES if name not in ("tip-1.5", "tip-4")]
 
@@ -75,3 +77,52 @@ def test_an_area_that_errs_by_more_than_a_tenth_warns(name):
     for case in unkind_classes.CLASSES[name]("tuned"):
         area = case.problem().solve(**case.load).area()
         assert area.warnings or abs(area.value / case.true["area"] - 1.0) < 0.1, case.label
+
+
+def press_cut(shape, cell, seed, finer):
+    size = (shape[0] * cell[0], shape[1] * cell[1])
+    surface = rc.SelfAffineSurface(
+        hurst=0.7, rms_slope=0.05, shortest=6.0 * max(cell), longest=0.8 * min(size), seed=90 + seed
+    )
+    body = rc.Body(surface, rc.Elastic(1.0, 0.0))
+    grid = rc.Grid((finer * shape[0], finer * shape[1]), size)
+    return rc.ContactProblem(body, grid=grid, boundary="free").solve(pressure=(1e-3, 4e-3, 1e-2)[seed % 3])
+
+
+@pytest.mark.parametrize("quantity", ["perimeter", "approach", "mean-gap"])
+def test_rough_contacts_that_a_free_border_cuts_are_within_two(quantity, cut_contacts):
+    ratios = []
+    for coarse, fine in cut_contacts:
+        found, true = coarse.estimate(quantity), fine.estimate(quantity)
+        ratios.append(abs(found.value - true.value) / found.uncertainty)
+    assert sum(ratio <= 2.0 for ratio in ratios) >= len(ratios) - 1, ratios
+
+
+def test_maximum_pressure_is_unbounded_where_a_free_border_cuts_the_contact(cut_contacts):
+    for coarse, _ in cut_contacts:
+        peak = coarse.peak_pressure()
+        assert peak.uncertainty == peak.value
+        assert peak.warnings
+
+
+@pytest.fixture(scope="module")
+def cut_contacts():
+    shapes = [((41, 41), (1.0, 1.0)), ((96, 24), (1.0, 1.0)), ((23, 71), (1.0, 1.0)), ((30, 44), (3.0, 1.0))]
+    cases = [(shape, cell, seed) for seed in range(3) for shape, cell in shapes]
+    return [tuple(press_cut(*case, finer) for finer in (1, 5)) for case in cases]
+
+
+def test_approach_of_ellipses_on_long_cells():
+    # The shift by uniform pressure on each cell goes with the curvature along each axis, times its own side squared.
+    for turned in (False, True):
+        radii, cell, shape = (1.2e4, 2e5), (3.0, 1.0), (17, 161)
+        step = -1 if turned else 1
+        size = (shape[0] * cell[0], shape[1] * cell[1])
+        exact = hertz_elliptic(1.0, radii, 1.0)
+        force = (9.0 / min(exact.semi_axes)) ** 3
+        exact = hertz_elliptic(force, radii, 1.0)
+        body = rc.Body(rc.ParaboloidSurface(radii[::step], center=(0.3, -0.2)), rc.Elastic(1.0, 0.0))
+        solution = rc.ContactProblem(body, grid=rc.Grid(shape[::step], size[::step])).solve(force=force)
+        found = solution.estimate("approach")
+        assert abs(found.value - exact.approach) <= 2.0 * found.uncertainty
+        assert found.uncertainty < 1e-3 * found.value

@@ -86,6 +86,37 @@ def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
     return np.asarray(grown[width:-width, width:-width])
 
 
+def find_cut_cells(solution: ContactSolution) -> Mask:
+    """Return the cells at a free border that cuts the contact where its pressure is below the limit, shape (nx, ny).
+
+    The square of the pressure, linear in the distance from an edge, then does not vanish before the border.
+    """
+    cut = np.zeros(solution.grid.shape, dtype=bool)
+    if solution.boundary is not Boundary.FREE:
+        return cut
+    squares = np.where(solution.saturated, 0.0, solution.pressure) ** 2
+    for axis, cells in enumerate(solution.grid.shape):
+        along, marked = np.moveaxis(squares, axis, 0), np.moveaxis(cut, axis, 0)
+        marked[0] |= 3.0 * along[0] > along[min(1, cells - 1)]
+        marked[-1] |= 3.0 * along[-1] > along[max(cells - 2, 0)]
+    return cut
+
+
+def find_cut_patches(solution: ContactSolution) -> Mask:
+    """Return which patches a free border cuts, shape (count,)."""
+    cut = np.zeros(solution.patches.count + 1, dtype=bool)
+    cut[solution.patches.labels[find_cut_cells(solution)]] = True
+    return cut[1:]
+
+
+def count_crossings(solution: ContactSolution) -> int:
+    """Return the number of places where the edge of the contact meets a free border that cuts it."""
+    contact, cut = solution.contact, find_cut_cells(solution)
+    borders = [(field[0], field[-1], field[:, 0], field[:, -1]) for field in (contact, cut)]
+    crossings = [(line[1:] != line[:-1]) & (marked[1:] | marked[:-1]) for line, marked in zip(*borders, strict=True)]
+    return sum(int(np.count_nonzero(crossing)) for crossing in crossings)
+
+
 def count_sides(contact: Mask, boundary: Boundary, of: Mask | None = None) -> int:
     """Return the number of cell sides between contact and open cells (of some cells only), without a free border."""
     return sum(int(np.count_nonzero(sides)) for sides in _mark_sides(contact, boundary, of))

@@ -50,6 +50,17 @@ def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Arra
     return middle, np.hypot(0.5 * (mean[0] - mean[1]), mean[2]), spread
 
 
+def average_bend(solution: ContactSolution, chosen: IntArray) -> Array:
+    """Return half the second differences of the initial gap along x and y together, m, by patch; shape (count + 1,).
+
+    Averaged over the chosen cells with the pressure as weight.
+    """
+    label, weights = solution.patches.labels.ravel()[chosen], solution.pressure.ravel()[chosen]
+    dx, dy = solution.grid.spacing
+    (xx, yy, _), _ = _average(list(_find_hessian(solution, chosen)), label, weights, solution.patches.count)
+    return np.asarray(0.5 * (dx**2 * xx + dy**2 * yy))
+
+
 def curvature_resolution(solution: ContactSolution) -> float:
     """Return the resolution ratio (q h)^2 of the heights under the contact: small where the grid resolves them.
 

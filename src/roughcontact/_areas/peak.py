@@ -6,8 +6,9 @@ import attrs
 import numpy as np
 
 from roughcontact._areas import quantity_calibration as calibration
-from roughcontact._areas.cells import extend, grow
+from roughcontact._areas.cells import extend, find_cut_patches, grow
 from roughcontact._areas.hertz import hertz_areas
+from roughcontact._areas.total import warn_if_uncertain
 from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, quantities
 from roughcontact.checks import Array, IntArray, Mask
 from roughcontact.grid import Boundary
@@ -61,11 +62,11 @@ class PeakPressure(QuantityEstimator):
         top = int(np.argmax(value))
         peak = float(value[top])
         sharp = patches.cells[top] >= _SHARP_PATCH and not inner[top]
-        sharp = sharp or bool(_find_cut(solution, highest[top]))
+        sharp = sharp or bool(_find_cut(solution, highest[top])) or bool(find_cut_patches(solution).any())
         more = _HOLES if _meets_holes(solution) else _SHARP if sharp else None
         uncertainty = float(std[top]) if more is None else peak
         peak = min(peak, float(limit.max()))
-        return Estimate(peak, uncertainty, "Pa", _list_warnings(solution, area, more))
+        return warn_if_uncertain(peak, uncertainty, "Pa", _list_warnings(solution, area, more))
 
 
 def _list_warnings(solution: ContactSolution, area: Area, more: str | None) -> tuple[str, ...]:

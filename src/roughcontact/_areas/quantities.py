@@ -9,11 +9,19 @@ import numpy as np
 
 from roughcontact._areas import quantity_calibration as calibration
 from roughcontact._areas.calibration import EULER
-from roughcontact._areas.cells import extend, find_straight_rows, measure_sides
-from roughcontact._areas.curvature import average_curvature, curvature_resolution
+from roughcontact._areas.cells import (
+    count_crossings,
+    extend,
+    find_cut_cells,
+    find_cut_patches,
+    find_straight_rows,
+    measure_sides,
+)
+from roughcontact._areas.curvature import average_bend, average_curvature, curvature_resolution
 from roughcontact._areas.edges import trace_edges
 from roughcontact._areas.ellipse import find_axes_ratio
 from roughcontact._areas.summits import find_near_holes, is_elliptic
+from roughcontact._areas.total import warn_if_uncertain
 from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, fill_gap, heal, quantities
 from roughcontact.checks import Array
 from roughcontact.grid import Boundary
@@ -61,13 +69,13 @@ class EdgeLength(QuantityEstimator):
         mean, difference, spread = (part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact)))
         # Single summits have the ellipse of their curvature, others the shape of their traced edge.
         even = is_elliptic(mean, difference, spread)
-        # Edges beside points that were not measured are not counted, so that the area does not give the length.
-        holed = find_near_holes(solution)
-        single = np.where(even & ~holed, 1.0 / (1.0 + (spread / calibration.UNEVEN) ** 4), 0.0)
+        # Edges at a border and beside points that were not measured are not counted: the area does not give the length.
+        cut_off = find_near_holes(solution) | find_cut_patches(solution)
+        single = np.where(even & ~cut_off, 1.0 / (1.0 + (spread / calibration.UNEVEN) ** 4), 0.0)
         # Large patches may have holes or span the domain, so that no smooth convex edge bounds their quotient.
         large = solution.patches.cells >= _LARGE
         inside = np.maximum(edges.area[1:] - np.where(large, 0.0, _CUT_OFF) * cell, 0.3 * cell)
-        traced = np.maximum(edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large | holed, 0.0, 1.0))
+        traced = np.maximum(edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large | cut_off, 0.0, 1.0))
         around = 2.0 * np.sqrt(np.pi * area.patches)
         lobed = (1.0 - single) * np.sqrt(traced) * around
         lost = calibration.LOST_LENGTH * edges.curvature_resolution**1.5 * float(np.sum(lobed))
@@ -77,7 +85,10 @@ class EdgeLength(QuantityEstimator):
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = calibration.ZIGZAG * length if _is_diagonal(solution) else 0.0
         untraced = float(edges.untraced_std.sum())
-        return Estimate(length, math.hypot(relative * length, uneven, diagonal, untraced), "m", area.warnings)
+        crossings = count_crossings(solution) * math.sqrt(cell)
+        length += calibration.CUT_LENGTH[0] * crossings
+        untraced += calibration.CUT_LENGTH[1] * crossings
+        return warn_if_uncertain(length, math.hypot(relative * length, uneven, diagonal, untraced), "m", area.warnings)
 
 
 @quantities.register("patches")
@@ -116,7 +127,7 @@ class SummitApproach(QuantityEstimator):
         warnings = area.warnings if solution.status.success else (str(solution.status),)
         cut, cut_std = find_cut_shift(solution)
         approach = solution.approach + rise + shift - cut
-        return Estimate(approach, math.hypot(rise_std, shift_std, cut_std), "m", warnings)
+        return warn_if_uncertain(approach, math.hypot(rise_std, shift_std, cut_std), "m", warnings)
 
 
 @quantities.register("mean-gap")
@@ -140,7 +151,7 @@ class MeanGap(QuantityEstimator):
         part = (1.0 - area.fraction) ** calibration.CUT_GAP
         value = float(np.mean(gap)) + beyond - shift * outside + cut * part
         uncertainty = math.hypot(std * outside, holes_std, cut_std * part, calibration.MEAN_ERROR * beyond)
-        return Estimate(max(value, 0.0), uncertainty, "m", area.warnings)
+        return warn_if_uncertain(max(value, 0.0), uncertainty, "m", area.warnings)
 
 
 def _correct_mean(gap: Array, boundary: Boundary) -> float:
@@ -179,9 +190,10 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     patches = solution.patches
     if patches.count == 0:
         return 0.0, 0.0
-    mean, _, spread = (part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact)))
+    touching = np.flatnonzero(solution.contact)
+    spread = average_curvature(solution, touching)[2][1:]
     load = patches.forces / patches.forces.sum()
-    bend = float(np.sum(load * np.maximum(mean, 0.0))) * solution.grid.cell_area
+    bend = float(np.sum(load * np.maximum(average_bend(solution, touching)[1:], 0.0)))
     cells = np.maximum(patches.cells, 1)
     held = cells / (cells + calibration.SHIFTED_CELLS)
     shift = calibration.SHIFT_OF_GAP * solution.edge_shift * float(np.sum(load * held))
@@ -208,12 +220,14 @@ def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
     if solution.force == 0.0 or (missing is None and not free):
         return 0.0, 0.0
     squares = np.where(solution.saturated, 0.0, solution.pressure) ** 2
+    at_border = np.where(find_cut_cells(solution), squares, 0.0)
     border, holes = 0.0, 0.0
     for axis, step in enumerate(solution.grid.spacing):
         along = np.moveaxis(squares, axis, 0)
         weight = step * solution.grid.cell_area
         if free:
-            border += weight * float(along[0].sum() + along[-1].sum())
+            ends = np.moveaxis(at_border, axis, 0)
+            border += weight * float(ends[0].sum() + ends[-1].sum())
         if missing is not None:
             beside = extend(np.moveaxis(missing, axis, 0), 1, solution.boundary)[:, 1:-1]
             holes += weight * float(along[beside[:-2]].sum() + along[beside[2:]].sum())

@@ -9,7 +9,7 @@ import numpy as np
 from roughcontact._areas.cells import extend
 from roughcontact._areas.contour import find_modulus_change
 from roughcontact._areas.edges import TracedEdges
-from roughcontact._solution import Area, ContactSolution
+from roughcontact._solution import Area, ContactSolution, Estimate
 from roughcontact.checks import Array
 
 # Fraction of the counted area in patches of fewer than four cells above which the grid does not resolve the contact ...
@@ -21,7 +21,7 @@ _SMOOTH = 0.4
 _CELLS = 5.5
 # Logarithm of the change of E* over two octaves of wavelength above which the edge is uncertain by 0.03 cells.
 _LAYERED = 0.3
-# Relative uncertainty above which two of it are more than 10 % of the area.
+# Relative uncertainty above which two of it are more than 10 %.
 _UNCERTAIN = 0.05
 
 
@@ -65,6 +65,13 @@ def _count_hidden_gaps(solution: ContactSolution) -> float:
     around = (extended[:-2, 1:-1], extended[2:, 1:-1], extended[1:-1, :-2], extended[1:-1, 2:])
     steepest = np.max([np.abs(neighbour - pressure) for neighbour in around], axis=0)
     return float(np.count_nonzero((pressure > 0.0) & (2.0 * pressure < steepest)))
+
+
+def warn_if_uncertain(value: float, std: float, unit: str, warnings: tuple[str, ...]) -> Estimate:
+    """Return an estimate, with a warning if it has none and two of its standard deviations are more than 10 %."""
+    if not warnings and std > _UNCERTAIN * abs(value):
+        warnings = ("the grid hardly determines this number, whose uncertainty is above 5 %: refine the grid",)
+    return Estimate(value, std, unit, warnings)
 
 
 def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tuple[str, ...]:
