@@ -36,6 +36,7 @@ from roughcontact.app.scene import make_loads, make_problem, make_scene
 from roughcontact.app.settings import DEFAULTS, load_values, quantity, read_settings
 from roughcontact.app.uploads import shown_name
 from roughcontact.app.words import in_words_of_page
+from roughcontact.cli.app import _shown
 from roughcontact.typing import Step
 from roughcontact.units.columns import write_column
 
@@ -336,6 +337,18 @@ def test_a_slow_client_is_sent_away_and_holds_up_nobody(client, monkeypatch):
     monkeypatch.setattr("roughcontact.app.server._SILENCE", 0.2)
     answer = talk(client.port, head(client, "Content-Length: 20") + b"{")
     assert b" 408 " in answer.splitlines()[0]
+
+
+def test_a_large_file_may_come_slowly(client, server, monkeypatch):
+    monkeypatch.setattr("roughcontact.app.server._SILENCE", 1.0)
+    monkeypatch.setitem(server.pages, "large.css", bytes(1 << 24))
+    with connect(client) as connection:
+        connection.sendall(f"GET /{client.token}/large.css HTTP/1.1\r\nHost: 127.0.0.1:{client.port}\r\n\r\n".encode())
+        received = 0
+        while block := connection.recv(1 << 18):
+            received += len(block)
+            time.sleep(0.03)
+    assert received > 1 << 24
 
 
 def connect(client):
@@ -1140,6 +1153,19 @@ def test_the_command_line_of_the_browser_gives_no_access(tmp_path):
         process.terminate()
         process.wait(PATIENCE)
         assert not page.exists()
+
+
+def test_browsers_in_a_snap_are_given_a_file_that_they_see(tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr("roughcontact.cli.app._SNAPS", tmp_path)
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr("pathlib.Path.home", lambda: tmp_path)
+    with _shown("http://127.0.0.1:1/x/", tmp_path / "hidden"):
+        wait_until(lambda: opened)
+        (page,) = tmp_path.glob("[!.]*.html")
+        assert opened == [page.as_uri()]
+        assert os.name == "nt" or stat.S_IMODE(page.stat().st_mode) == 0o600
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_port_in_use_is_said_so(server, capsys):

@@ -23,8 +23,8 @@ from roughcontact.errors.door import translated
 
 # The loopback address: no other machine can reach it.
 HOST = "127.0.0.1"
-# Bytes of settings; seconds without a byte.
-_LONGEST_BODY, _SILENCE = 1 << 16, 30.0
+# Bytes of settings; seconds without a byte; bytes that are sent at a time.
+_LONGEST_BODY, _SILENCE, _BLOCK = 1 << 16, 30.0, 1 << 18
 # Characters of the name of a page.
 _LONGEST_NAME = 40
 # Bytes, and seconds, of a refused request that are read after the answer, so that the client sees it.
@@ -288,4 +288,6 @@ class _Handler(BaseHTTPRequestHandler):
         for name, value in (headers | (extra or {})).items():
             self.send_header(name, value)
         self.end_headers()
-        self.wfile.write(body)
+        # The time without a byte begins anew with each block: over ssh a large file comes slowly.
+        for start in range(0, len(body), _BLOCK):
+            self.wfile.write(body[start : start + _BLOCK])
