@@ -6,12 +6,17 @@ import os
 import re
 import subprocess
 import sys
+import textwrap
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.cli.wording import name_options
+from roughcontact._solution.rules import PLAUSIBILITY_RULES
+from roughcontact.cli.wording import name_advice, name_options
+from roughcontact.diagnostics.rules import RULES
+from roughcontact.html import wording as html_wording
 
 GRID = rc.Grid((48, 48), 48e-6)
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=50e-9, shortest=8e-6, longest=24e-6, seed=3)
@@ -72,6 +77,50 @@ class TestOptionsInSentences:
         np.savetxt("table.csv", np.random.default_rng(0).random((20, 30)))
         _, _, err = run("info", "table.csv", "--size", "1mm", "--separator", "blank")
         assert "needs both sides, --size X Y, but got one" in err
+
+
+# A call, an argument, a name of a module, or a class.
+PYTHON = re.compile(r"\w\(|\w=|\brc\.|\w\.\w+\(|\b[A-Z][a-z]+[A-Z]\w+|on the command line")
+
+
+class TestAdvice:
+    """What a rule advises is in the words of the face that shows it."""
+
+    @pytest.mark.parametrize("width", [40, 80, 1000])
+    def test_no_advice_is_in_python(self, width):
+        for rule in (*RULES.values(), *PLAUSIBILITY_RULES.values()):
+            for name in (name_advice, html_wording.name_advice):
+                if name is html_wording.name_advice and (width < 1000 or "solver=" in rule.advice):
+                    continue
+                assert not PYTHON.search(" ".join(name(textwrap.fill(rule.advice, width)).split())), rule.advice
+
+    @pytest.fixture
+    def tilted(self):
+        """A map that is tilted, and filled in."""
+        lost = np.random.default_rng(0).random(GRID.shape) < 0.06
+        heights = ROUGH.heights(GRID) + 0.02 * GRID.x
+        np.savez("tilted.npz", heights=np.where(lost, np.nan, heights), size=GRID.size)
+        return ["solve", "tilted.npz", "--non-measured", "fill", *LOADED]
+
+    def test_of_a_solve_and_its_report(self, run, tilted):
+        status, out, _ = run(*tilted, "--explain", "--report", "report.html")
+        assert status == 3
+        assert "Subtract the plane: --detrend plane." in out
+        assert "keep them with --non-measured keep" in out
+        warned = [text for text in out.split("warning ")[1:] if "modulus E*" not in text]
+        assert not any(PYTHON.search(text) for text in warned)
+        page = Path("report.html").read_text(encoding="utf-8")
+        section = page[page.index("<h2>Warnings</h2>") :].partition("</div>")[0]
+        assert "Subtract the plane." in section
+        assert "keep them non-measured" in section
+        assert not PYTHON.search(re.sub(r"<[^>]*>", " ", section))
+
+    def test_of_several_loads_and_a_jump_at_the_border(self, run, tilted):
+        *_, young = tilted
+        loads = ["--loads", "1MPa", "2MPa", "--young", young, "--boundary", "periodic"]
+        _, out, _ = run(*tilted[:4], *loads)
+        assert "use a surface that repeats, or --boundary free" in out
+        assert "boundary='free'" not in out
 
 
 def test_a_negative_value_is_not_taken_for_an_option(run):

@@ -22,6 +22,7 @@ from roughcontact._solution import origin as origins
 from roughcontact._solution.several import gather_warnings, list_quantities
 from roughcontact.html import citation, figures, rerun
 from roughcontact.html.elements import escape, quantity
+from roughcontact.html.wording import name_advice
 
 STEEL = rc.Elastic(young=200e9, poisson=0.3)
 HOSTILE = "<script>alert(1)</script>.npz & \"'\x00\ud800"
@@ -178,7 +179,7 @@ class TestContent:
         words = text_of(read(solution.to_html()))
         assert solution.warnings
         assert solution.area().warnings
-        for text in (*solution.warnings, *solution.area().warnings):
+        for text in map(name_advice, (*solution.warnings, *solution.area().warnings)):
             assert words.index("Warnings") < words.index(" ".join(text.split())) < words.index("Figures")
 
     def test_saturated_cells_and_kernels_of_layers(self):

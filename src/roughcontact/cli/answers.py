@@ -12,6 +12,7 @@ import roughcontact as rc
 from roughcontact._problem.sweep import Sweep
 from roughcontact._problem.sweep_table import make_table
 from roughcontact._solution.origin import versions
+from roughcontact.cli.wording import name_advice
 from roughcontact.tables import Table
 from roughcontact.units import si
 from roughcontact.units.text import fit
@@ -116,7 +117,7 @@ def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = Non
         lines += [f"warning  {text} [at {', '.join(at)}]" for text, at in texts.items()]
     if estimator is not None:
         lines += ["", *(f"Area: {solution.area(estimator)}" for solution in solutions)]
-    return fit("\n".join(lines))
+    return fit(name_advice("\n".join(lines)))
 
 
 def _warnings(solution: rc.ContactSolution) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ import roughcontact as rc
 from roughcontact._solution.plausibility import find_scene
 from roughcontact._surfaces.summary import list_facts
 from roughcontact.checks import Array
-from roughcontact.cli.wording import name_options
+from roughcontact.cli.wording import name_advice, name_options
 from roughcontact.reference import roughness
 from roughcontact.units.text import fit
 
@@ -32,7 +32,7 @@ def list_warnings(surface: rc.HeightMap) -> list[str]:
     gap = surface.values.max() - surface.values
     units = find_scene(gap, surface.grid, rc.Boundary.FREE, ())[0].warning
     texts = (units, _judge_form(surface), *surface.warnings)
-    return [fit(f"warning       {name_options(text, ('unit', 'non_measured'))}") for text in texts if text]
+    return [fit(f"warning       {name_options(name_advice(text), ('unit',))}") for text in texts if text]
 
 
 def _judge_form(surface: rc.HeightMap) -> str:

@@ -14,6 +14,7 @@ from roughcontact.cli import Command
 from roughcontact.cli.options import NUMBER, add_output, whole_number
 from roughcontact.cli.progress import show_progress
 from roughcontact.cli.scenes import Scene, add_scenes, read_scenes
+from roughcontact.cli.wording import name_advice
 from roughcontact.diagnostics import Verdict
 from roughcontact.panel.theme import require_matplotlib
 from roughcontact.report import ErrorReport
@@ -114,7 +115,7 @@ examples:
         for scene in read_scenes(options):
             with show_progress("solving"):
                 report = rc.stability(scene.problem, **scene.load)
-            print(f"{_heading(scene)}{report}")
+            print(f"{_heading(scene)}{name_advice(str(report))}")
             if estimator is not None:
                 print(fit(f"area: {report.solution.area(estimator)}"))
             status = max(status, _status(report.verdict))
@@ -130,7 +131,7 @@ class _Gallery(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
         """Print the table and exit with its status."""
         gallery = rc.stability_gallery()
-        print(gallery)
+        print(name_advice(str(gallery)))
         parser.exit(_status(gallery.verdict))
 
 

@@ -15,6 +15,7 @@ from roughcontact._solution.several import kind_of
 from roughcontact.cli import DOUBTFUL, Command
 from roughcontact.cli.options import whole_number
 from roughcontact.cli.progress import show_progress
+from roughcontact.cli.wording import name_advice
 from roughcontact.errors import InputError
 from roughcontact.studies import Record, StudyResult
 from roughcontact.units import counted
@@ -42,7 +43,7 @@ examples:
 
         study = read_study(options.study)
         if options.dry_run:
-            print(fit(study.explain()))
+            print(fit(name_advice(study.explain())))
             return 0
         if options.workers < 1:
             raise InputError.about("The number of workers", options.workers, "a whole number of at least 1")
@@ -61,7 +62,7 @@ examples:
         for record in result.failed:
             print(fit(f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}"))
         for text in list_warnings(result):
-            print(fit(text))
+            print(fit(name_advice(text)))
         doubtful = DOUBTFUL if any(record.doubtful for record in result) else 0
         return 1 if result.failed else doubtful
 

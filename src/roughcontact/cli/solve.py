@@ -20,6 +20,7 @@ from roughcontact.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact.cli.outputs import plan_outputs, write_outputs
 from roughcontact.cli.problem import loads_of, problem_of
 from roughcontact.cli.progress import describe_steps, show_progress
+from roughcontact.cli.wording import name_advice
 from roughcontact.load import Load
 from roughcontact.units.text import fit
 
@@ -83,7 +84,8 @@ examples:
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
         if options.explain or options.dry_run:
-            print(fit(problem.explain()), end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
+            plan = fit(name_advice(problem.explain()))
+            print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
         loads = tuple(problem.require_load(**load.arguments) for load in loads_of(options))
         if options.dry_run:
             return 0

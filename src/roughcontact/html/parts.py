@@ -9,6 +9,7 @@ from roughcontact._solution import ContactSolution
 from roughcontact._solution.several import gather_warnings, list_quantities, name_load
 from roughcontact.html.elements import element, escape, grid, items, section, tag
 from roughcontact.html.figures import Picture, draw_panels
+from roughcontact.html.wording import name_advice
 from roughcontact.load import Load
 from roughcontact.units import Estimate
 from roughcontact.units.columns import write_column
@@ -44,7 +45,8 @@ def make_verdict(solutions: Sequence[ContactSolution]) -> str:
 
 def make_warnings(texts: Sequence[str]) -> str:
     """Return the warnings, if there are any."""
-    return element("div", f"<h2>Warnings</h2>{items(texts)}", class_="warnings") if texts else ""
+    shown = items([name_advice(text) for text in texts])
+    return element("div", f"<h2>Warnings</h2>{shown}", class_="warnings") if texts else ""
 
 
 def list_sweep_warnings(sweep: Sweep) -> list[str]:
