@@ -18,6 +18,7 @@ from roughcontact._areas.contour import (
     find_modulus_change,
     trace_contour,
 )
+from roughcontact._areas.curvature import lay_ratio
 from roughcontact._areas.edges import (
     _count,
     _measure_rims,
@@ -179,11 +180,38 @@ def test_the_excess_is_continuous_in_the_extrapolation():
     assert at[1.0] == pytest.approx(1.0)
     assert at[0.25] == pytest.approx(0.5 * (4.0 + half))
     assert at[0.75] == pytest.approx(0.5 * (1.0 + half))
-    std = edges.common_std(np.array([0.0, 2.0]), np.array([1.0, 0.5]))
-    parts = 0.3 * 2.0 + edges.shift[1] * edges.strip[1] + edges.saturated[1] + edges.unseen[1]
-    assert std == pytest.approx(0.5 * parts + edges.topology)
+
+
+def test_the_standard_deviation_of_an_excess_falls_with_the_pieces_of_the_edge():
+    """The other parts are those of all edges together; cells of 1 by 4 double them, and the excess once more."""
+    grid = rc.Grid((30, 30), 30.0)
+    edges = trace_edges(ball(grid, 9.0, 100.0))
+    given = {"shift": 0.1, "slender": 0.2, "saturated": 3.0, "meeting": 4.0, "unseen": 10.0}
+    given = {name: np.full(2, value) for name, value in given.items()}
+    edges = attrs.evolve(edges, **given, strip=np.array([0.0, 50.0]), topology=2.0, pieces=16.0, oblong=2.0)
+    fraction = np.array([0.0, 0.5])
+    excess_std = edges.average_excess(np.array([0.0, 6.0]))
+    assert excess_std == pytest.approx(calibration.EXCESS_STD * 6.0 / 4.0)
+    parts = (2.0 * excess_std, 10.0 / 2.0 / 4.0, 2.0, 0.1 * 25.0, 0.2 * 25.0, 1.5, 2.0)
+    assert edges.common_std(excess_std, fraction) == pytest.approx(2.0 * math.hypot(*parts))
+
+
+def test_standard_deviations_of_single_edges_and_of_those_beside_hertz_areas():
+    grid = rc.Grid((30, 30), 30.0)
+    edges = trace_edges(ball(grid, 9.0, 100.0))
     alone = 1.6 * (edges.std[1] * math.sqrt(edges.alike[1]) + calibration.SHIFT * edges.strip[1])
     assert edges.alone_std[1] == pytest.approx(alone)
+    blended = edges.std[1] * math.sqrt(calibration.BLENDED**2 - 1.0 + edges.alike[1])
+    assert edges.blended_std[1] == pytest.approx(blended)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3, 0.25 * math.pi, 2.0])
+def test_the_lay_ratio_of_a_quadratic_surface_is_that_of_its_curvatures(turn):
+    grid = rc.Grid((40, 41), (40.0, 41.0))
+    u, v = math.cos(turn) * grid.x + math.sin(turn) * grid.y, math.cos(turn) * grid.y - math.sin(turn) * grid.x
+    body = rc.Body(rc.HeightMap(-1e-3 * (u**2 + 0.25 * v**2), size=grid.size), rc.Elastic(1.0, 0.0))
+    solution = rc.ContactProblem(body).solve(force=0.1)
+    assert lay_ratio(solution) == pytest.approx(0.25, rel=1e-6)
 
 
 def test_narrow_patches_are_not_extrapolated_and_wide_ones_are():
@@ -328,10 +356,12 @@ def test_long_edges_along_a_diagonal_of_the_grid_are_told():
     diagonal = (i + j) % 40 < 20
     straight = np.broadcast_to(i < 20, grid.shape)
     steep = (3 * i + j) % 40 < 20
-    for contact, expected in ((diagonal, True), (straight, False), (steep, False)):
-        assert _is_diagonal(with_fields(grid, contact, ~contact, boundary="periodic")) == expected
+    for contact, lay, expected in (
+        (diagonal, 1.0, True), (straight, 1.0, False), (steep, 1.0, False), (steep, 0.0, True), (straight, 0.0, False)
+    ):  # fmt: skip
+        assert _is_diagonal(with_fields(grid, contact, ~contact, boundary="periodic"), lay) == expected
     small = np.hypot(i - 20, j - 20) < 3
-    assert not _is_diagonal(with_fields(grid, small, ~small, boundary="periodic"))
+    assert not _is_diagonal(with_fields(grid, small, ~small, boundary="periodic"), 1.0)
 
 
 def test_warnings_of_areas_come_where_the_grid_fails():
@@ -367,16 +397,13 @@ def test_an_area_is_that_of_its_patches_and_at_most_nominal():
     found = total_area(solution, np.array([1.0, 200.0]), np.array([2.0, 6.0]), 1.5, edges, "mine")
     assert (found.value, found.estimator) == (201.0, "mine")
     assert found.fraction == pytest.approx(201.0 / 1200.0)
-    assert found.uncertainty == pytest.approx(math.sqrt(2.0) * math.sqrt(4.0 + 36.0 + 2.25 + 9.0))
+    assert found.uncertainty == pytest.approx(math.sqrt(4.0 + 36.0 + 2.25 + 9.0))
     np.testing.assert_allclose(found.patches, [200.0])
     assert found.perimeter == pytest.approx(edges.length.sum())
     more = total_area(solution, np.array([100.0, 1400.0]), np.zeros(2), 0.0, edges, "mine")
     assert more.value == 1200.0
     np.testing.assert_allclose(more.patches, [1400.0 * 1200.0 / 1500.0])
-    sure = total_area(
-        solution, np.array([0.0, 200.0]), np.zeros(2), 9.9 / math.sqrt(2.0), attrs.evolve(edges, border=0.0), ""
-    )
-    unsure = total_area(
-        solution, np.array([0.0, 200.0]), np.zeros(2), 10.1 / math.sqrt(2.0), attrs.evolve(edges, border=0.0), ""
-    )
+    edges = attrs.evolve(edges, border=0.0)
+    sure = total_area(solution, np.array([0.0, 200.0]), np.zeros(2), 9.9, edges, "")
+    unsure = total_area(solution, np.array([0.0, 200.0]), np.zeros(2), 10.1, edges, "")
     assert (len(sure.warnings), len(unsure.warnings)) == (0, 1)

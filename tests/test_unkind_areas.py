@@ -72,6 +72,33 @@ def test_the_uncertainty_of_paraboloids_is_at_most_three_times_the_error():
     assert max(errors) <= 1e-3
 
 
+def test_perimeters_of_oblique_strips_are_within_two_and_no_large_error_goes_unwarned():
+    ratios, unwarned = [], []
+    for case in itertools.islice(unkind_classes.strips("held-out"), 18):
+        length = case.problem().solve(**case.load).estimate("perimeter")
+        error = abs(length.value - case.true["perimeter"])
+        ratios.append(error / length.uncertainty)
+        unwarned.append(0.0 if length.warnings else error / case.true["perimeter"])
+    assert max(ratios) <= 2.0
+    assert max(unwarned) <= 0.1
+
+
+def test_perimeters_of_light_contacts_with_a_lay_are_within_two():
+    ratios = []
+    for seed, angle in enumerate(np.repeat([0.0, 0.4, np.pi / 4], 4)):
+        surface = rc.SelfAffineSurface(
+            hurst=0.8, rms_slope=0.1, shortest=1.0, longest=6.0, seed=80 + seed, peklenik=5.0, lay=angle
+        )
+        body = rc.Body(surface, rc.Elastic(1.0, 0.0))
+        true, coarse = (
+            rc.ContactProblem(body, grid=rc.Grid((cells, cells), 12.0), boundary="periodic").solve(pressure=5e-4)
+            for cells in (240, 60)
+        )
+        length = coarse.estimate("perimeter")
+        ratios.append(abs(length.value - true.estimate("perimeter").value) / length.uncertainty)
+    assert sum(ratio <= 2.0 for ratio in ratios) >= 10, max(ratios)
+
+
 @pytest.mark.parametrize("name", unkind_classes.CLASSES)
 def test_an_area_that_errs_by_more_than_a_tenth_warns(name):
     for case in unkind_classes.CLASSES[name]("tuned"):

@@ -17,7 +17,7 @@ from roughcontact._areas.cells import (
     find_straight_rows,
     measure_sides,
 )
-from roughcontact._areas.curvature import average_bend, average_curvature, curvature_resolution
+from roughcontact._areas.curvature import average_bend, average_curvature, curvature_resolution, lay_ratio
 from roughcontact._areas.edges import trace_edges
 from roughcontact._areas.ellipse import find_axes_ratio
 from roughcontact._areas.summits import find_near_holes, is_elliptic
@@ -34,6 +34,8 @@ _LARGE = 100
 _SMALL = (4, 9)
 # Sum of squares over sum of the lengths of the rows of sides below which a long edge is a diagonal of the grid, sides.
 _DIAGONAL = 1.9
+# The same where the heights are ridges of one direction, with a lay ratio below the second.
+_OBLIQUE, _STRAIGHT = 8.0, 0.03
 # Cell sides for each patch from which an edge is long: that of a disc of six cells radius.
 _LONG = 48
 # Weights of central differences of fourth order, no unit.
@@ -82,13 +84,21 @@ class EdgeLength(QuantityEstimator):
         length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
         uneven = calibration.UNEVEN_LENGTH * edges.curvature_resolution + calibration.LOBED_LENGTH
         uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
+        lay = lay_ratio(solution)
+        along, all_round = calibration.NARROW_LENGTH
+        narrow = lobed / (1.0 + edges.width[1:] / calibration.NARROW)
+        narrow = (along * (1.0 - lay) + all_round * lay) * edges.curvature_resolution * float(np.sum(narrow))
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
-        diagonal = calibration.ZIGZAG * length if _is_diagonal(solution) else 0.0
+        diagonal = 0.0
+        if length > 0.0 and _is_diagonal(solution, lay):
+            width = 2.0 * min(area.value, solution.grid.area - area.value) / (length * math.sqrt(cell))
+            diagonal = calibration.ZIGZAG * length * (1.0 + calibration.ZIGZAG_WIDTH / max(width, 1.0))
         untraced = float(edges.untraced_std.sum())
         crossings = count_crossings(solution) * math.sqrt(cell)
         length += calibration.CUT_LENGTH[0] * crossings
         untraced += calibration.CUT_LENGTH[1] * crossings
-        return warn_if_uncertain(length, math.hypot(relative * length, uneven, diagonal, untraced), "m", area.warnings)
+        std = math.hypot(relative * length, uneven, narrow, diagonal, untraced)
+        return warn_if_uncertain(length, std, "m", area.warnings)
 
 
 @quantities.register("patches")
@@ -177,11 +187,12 @@ def _elliptic_quotient(mean: Array, difference: Array) -> Array:
     return np.asarray(half**2 / (4.0 * axes))
 
 
-def _is_diagonal(solution: ContactSolution) -> bool:
-    """Return whether long edges run along a diagonal of the grid."""
+def _is_diagonal(solution: ContactSolution, lay: float) -> bool:
+    """Return whether long edges run along a diagonal of the grid, or straight ones in any oblique direction."""
     rows = find_straight_rows(solution.contact, solution.boundary).astype(np.float64)
     long = rows.sum() > _LONG * solution.patches.count
-    return bool(long and np.sum(rows**2) < _DIAGONAL * rows.sum())
+    oblique = _OBLIQUE if lay < _STRAIGHT else _DIAGONAL
+    return bool(long and np.sum(rows**2) < oblique * rows.sum())
 
 
 def find_shift(solution: ContactSolution) -> tuple[float, float]:

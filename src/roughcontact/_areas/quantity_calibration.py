@@ -25,8 +25,15 @@ LOST_LENGTH = 0.05
 LENGTH_ERROR, UNEVEN_LENGTH = 0.003, 0.02
 # The same of edges of several summits whatever the ratio, no unit.
 LOBED_LENGTH = 0.007
+# Relative standard deviation of the length of narrow patches over the ratio: on ridges of one direction, and on
+# isotropic surfaces, no unit. Set on rough contacts with a lay and without.
+NARROW_LENGTH = (0.3, 0.04)
+# Width of patches, in cells of a disc, that halves it. Set on the same.
+NARROW = 100.0
 # Relative standard deviation of the length of an edge along the diagonals of the grid, no unit.
-ZIGZAG = 0.05
+ZIGZAG = 0.045
+# Width of strips in contact or open between them that doubles it, cells. Set on oblique strips.
+ZIGZAG_WIDTH = 2.0
 # Relative standard deviation of the length by the sides of cells, no unit.
 COUNTED_LENGTH = 0.1
 # Spread of the curvature above which a patch may be part of another one, no unit.
