@@ -86,8 +86,8 @@ class EdgeLength(QuantityEstimator):
         uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
         lay = lay_ratio(solution)
         along, all_round = calibration.NARROW_LENGTH
-        narrow = lobed / (1.0 + edges.width[1:] / calibration.NARROW)
-        narrow = (along * (1.0 - lay) + all_round * lay) * edges.curvature_resolution * float(np.sum(narrow))
+        narrow = float(np.sum(lobed / (1.0 + edges.width[1:] / calibration.NARROW)))
+        narrow = (along * (1.0 - lay) + all_round * lay) * edges.curvature_resolution * narrow
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = 0.0
         if length > 0.0 and _is_diagonal(solution, lay):
