@@ -225,7 +225,7 @@ def test_sharp_edges_are_those_of_a_punch_and_not_those_of_a_ball(axis):
 
 
 def test_the_border_counts_the_cells_that_it_cuts():
-    grid = rc.Grid((9, 12), 1.0)
+    grid = rc.Grid((9, 12), (9.0, 12.0))
     contact = np.zeros(grid.shape, dtype=bool)
     contact[0, 2:7] = contact[1, 2:7] = contact[5:8, -1] = contact[5, 5] = True
     solution = with_fields(grid, contact, ~contact)
