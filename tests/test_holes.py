@@ -63,8 +63,7 @@ def test_points_that_are_missing_outside_the_contact_change_no_number(shape, cel
         holed = press(heights, cell, boundary, load, mask)
         # Groups beside the contact hide its edge.
         assert holed.area().value == pytest.approx(area.value, rel=1e-2 if grouped else 3e-3)
-        if holed.area().warnings == area.warnings:
-            assert holed.area().uncertainty == pytest.approx(area.uncertainty, rel=0.1)
+        assert holed.area().uncertainty == pytest.approx(area.uncertainty, rel=0.1, abs=2e-4 * area.value)
         assert holed.estimate("perimeter").value == pytest.approx(whole.estimate("perimeter").value, rel=0.03)
         found = holed.estimate("mean-gap")
         assert found.value == pytest.approx(gap.value, rel=1e-2 if grouped else 4e-3)
