@@ -321,6 +321,24 @@ class Answers(rc.Response):
 
 
 MOODS = iter(np.linspace(0.0, 1.0, 100))
+
+
+@attrs.frozen
+class Scribbles(rc.Panel):
+    """A panel with one fault."""
+
+    subject: str
+    fault: str = ""
+
+    def draw(self, subject, axes):
+        if self.fault == "fails":
+            raise KeyError("contact")
+        if self.fault == "refuses":
+            raise rc.InputError("There is nothing to draw.")
+        if self.fault != "nothing":
+            axes.plot([0.0, 1.0], [0.0, np.random.default_rng().random() if self.fault == "moody" else 1.0])
+
+
 BROKEN = [
     (Answers("mute"), "serves a rough contact"),
     (Answers("words"), "valid numbers and warnings"),
@@ -391,6 +409,11 @@ BROKEN = [
     (Wrapper(WAVY, "loses"), "resampled"),
     (Wrapper(WAVY, "grows"), "shifted by half a cell"),
     (Wrapper(WAVY, "same"), "reseeded"),
+    (Scribbles("picture"), "subject"),
+    (Scribbles("solution", "fails"), "draws or refuses"),
+    (Scribbles("solution", "nothing"), "draws or refuses"),
+    (Scribbles("surface", "refuses"), "draws or refuses"),
+    (Scribbles("sweep", "moody"), "repeatable"),
     (Credulous(), "file endings"),
     (Credulous(), "damaged files refused"),
     # What all kinds share.
@@ -406,6 +429,27 @@ def test_what_is_broken_is_caught_by_the_name_of_the_claim(part, claim):
     named = next(one for one in kit.claims(kit.kind_of(part)) if str(one) == claim)
     with pytest.raises(AssertionError, match=f"breaks the claim {re.escape(repr(claim))}: (?!.*raised)"):
         named.check(part)
+
+
+class Singular(rc.InfluenceKernel):
+    """A point load, which is infinite at its own place."""
+
+    def coefficients(self, shape, spacing, compliance):
+        x, y = (np.arange(n) * step for n, step in zip(shape, spacing, strict=True))
+        return compliance * spacing[0] * spacing[1] / (np.pi * np.hypot(x[:, None], y))
+
+
+def test_warnings_of_numpy_are_findings_and_not_printed(recwarn):
+    report = kit.check(Singular())
+    assert "finite" in {finding.claim for finding in report.failures}
+    assert not recwarn.list
+
+
+def test_a_panel_is_checked_on_the_command_line(run):
+    status, out, _ = run("check", "pressure-histogram")
+    assert status == 0
+    assert out.startswith("panel ")
+    assert "draws or refuses" in out
 
 
 def test_every_claim_is_broken_by_something():
@@ -514,8 +558,7 @@ def test_the_page_includes_every_file_of_the_example_plug_in():
 def test_the_example_plug_in_has_a_part_of_each_kind_that_its_entry_points_name(monkeypatch):
     monkeypatch.syspath_prepend(EXAMPLE / "src")
     groups = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))["project"]["entry-points"]
-    # About panels there are no claims; the example's own test draws its one.
-    registries = [*kit.KINDS.values(), rc.panels]
+    registries = [*kit.KINDS.values()]
     assert set(groups) == {registry.group for registry in registries}
     files = set()
     for registry in registries:

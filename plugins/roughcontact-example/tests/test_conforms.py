@@ -15,6 +15,7 @@ PARTS = [
     example.Capacitance(),
     example.Springback(),
     example.Dimples(ROUGH),
+    example.PatchForces(),
     example.Raw16(),
 ]
 CLAIMS = [

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from roughcontact.registry import Registry, registries
-from roughcontact.testing import convolvers, estimators, inputs, kernels, responses, solvers  # noqa: F401 - claims
+from roughcontact.registry import Registry
+from roughcontact.testing import convolvers, estimators, inputs, kernels, panels, responses, solvers  # noqa: F401 - claims
 from roughcontact.testing.claim import (
     Claim,
     DoesNotApply,
@@ -23,7 +23,7 @@ from roughcontact.testing.claim import (
 )
 from roughcontact.testing.oracle import Judgement, judge
 
-KINDS: Mapping[str, Registry[Any]] = MappingProxyType({kind: registries()[kind] for kind in known_kinds()})
+KINDS: Mapping[str, Registry[Any]] = MappingProxyType(known_kinds())
 
 __all__ = [
     "KINDS",

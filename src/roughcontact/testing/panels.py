@@ -1,0 +1,87 @@
+"""Claims about panels: pictures of a solution, a surface or a sweep."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from roughcontact._problem.sweep import Sweep
+from roughcontact.checks import RealArray
+from roughcontact.errors import InputError, MissingPackage, RoughContactError
+from roughcontact.grid import Boundary
+from roughcontact.panel import Panel, SampledSurface, make_figure
+from roughcontact.testing.claim import DoesNotApply, claim, pickled, require
+from roughcontact.testing.problems import full_contact, rough_contact, sphere_contact
+
+_SUBJECTS = ("solution", "surface", "sweep")
+
+
+def _list_subjects(panel: Panel) -> Iterator[tuple[str, Any]]:
+    """Yield what a panel is tried on, with a name; nothing of a subject that there is not."""
+    rough = rough_contact(0.05)
+    if panel.subject == "solution":
+        yield "a rough surface", rough
+        yield "a plastic rough surface on a free boundary", rough_contact(0.05, Boundary.FREE, True)
+        yield "a sphere", sphere_contact(5.0, (0.3, 0.1))
+        yield "full contact", full_contact()
+    if panel.subject == "surface":
+        heights = -rough.initial_gap
+        lost = np.where(np.arange(heights.size).reshape(heights.shape) % 7 == 0, np.nan, heights)
+        yield "a periodic surface", SampledSurface(heights, rough.grid, True)
+        yield "a map with non-measured points", SampledSurface(lost, rough.grid, False)
+        yield "a flat", SampledSurface(0.0 * heights, rough.grid, False)
+    if panel.subject == "sweep":
+        yield "three loads", Sweep(tuple(rough_contact(load) for load in (0.02, 0.05, 0.1)))
+        yield "one load", Sweep((rough,))
+
+
+def _draw(panel: Panel, subject: Any) -> Any:
+    """Return the figure; None where the panel refuses the subject in a sentence."""
+    try:
+        return make_figure(panel.subject, subject, panel)
+    except MissingPackage as reason:
+        raise DoesNotApply(str(reason)) from reason
+    except InputError:
+        return None
+
+
+def _read_pixels(figure: Any) -> RealArray:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.array(canvas.buffer_rgba())
+
+
+@claim("panel", "subject")
+def _subject(panel: Panel) -> str:
+    require(panel.subject in _SUBJECTS, f"it draws {panel.subject!r}, but there are {', '.join(_SUBJECTS)}")
+    return panel.subject
+
+
+@claim("panel", "draws or refuses")
+def _draws(panel: Panel) -> str:
+    drawn = []
+    for label, subject in _list_subjects(panel):
+        try:
+            figure = _draw(panel, subject)
+        except RoughContactError as error:
+            raise AssertionError(f"{label}: {error}") from error
+        if figure is None:
+            continue
+        drawn.append(label)
+        marks = any(axes.has_data() or axes.texts for axes in figure.axes)
+        require(marks, f"{label}: nothing is drawn; an InputError says why there is nothing to draw")
+    require(drawn, "it refuses every subject that is tried")
+    return ", ".join(drawn)
+
+
+@claim("panel", "repeatable")
+def _repeatable(panel: Panel) -> None:
+    for label, subject in _list_subjects(panel):
+        figures = [_draw(one, subject) for one in (panel, panel, pickled(panel))]
+        if figures[0] is not None:
+            first, *others = map(_read_pixels, figures)
+            require(all(np.array_equal(first, one) for one in others), f"{label}: drawn again, the picture differs")
