@@ -107,7 +107,8 @@ def test_a_film_does_not_depend_on_the_grid(film):
     if film > 10.0:
         # Nothing but the area counts.
         areas = np.array([ball(5, seed).area().uncertainty / ball(5, seed).area().value for seed in range(1, 5)])
-        assert (stds / fine < 1.5 * areas).all()
+        # The areas of balls are known to 1e-5; of the rest of the resistance 5e-5 remain.
+        assert (stds / fine < 1.5 * areas + 5e-5).all()
 
 
 def test_full_contact_says_that_nothing_resists():
