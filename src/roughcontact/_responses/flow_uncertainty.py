@@ -10,8 +10,9 @@ from roughcontact._responses.flow_network import FlowNetwork
 from roughcontact.checks import Array, Mask
 
 # Weights of the three measures below, set on twelve rough surfaces at four loads and four grids so that 95 % of the
-# errors are within two standard deviations; others confirm them (docs/studies/leakage.py).
-_THROATS, _RULE, _EDGES = 0.75, 0.1, 0.2
+# errors are within two standard deviations; others confirm them (docs/studies/leakage.py). All three are a fourth
+# larger since: tight contacts on oblong domains and cells had up to 2.5 (benchmarks/response_classes.py).
+_THROATS, _RULE, _EDGES = 0.94, 0.125, 0.25
 # Cells across a periodic border to which the contact is looked for.
 _BEYOND = 16
 

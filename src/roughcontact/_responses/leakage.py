@@ -19,6 +19,8 @@ from roughcontact.units import si
 
 # Cells across a throat below which it is not resolved, and the fraction of the drop from which it matters.
 _CELLS, _FRACTION = 3.0, 0.1
+# Relative uncertainty above which two of it are more than 10 %.
+_UNCERTAIN = 0.05
 # Gap below which a liquid does not flow as a continuum, m: some molecules of water.
 _MOLECULES = 1e-9
 
@@ -172,6 +174,9 @@ class GapFlow(Response[Leakage]):
             network, faces, lost, open_cells, aspect=aspect, periodic=periodic, gap_error=gap_error
         )
         throat = find_throat(network, lost, open_cells, grid, self.axis, periodic=periodic)
+        warnings = (*_list_warnings(solution), *_judge_throat(throat, min(grid.shape)))
+        if not warnings and relative > _UNCERTAIN:
+            warnings = ("The grid hardly determines the flow, whose uncertainty is above 5 %: refine the grid.",)
         unit = flow_unit(self.viscosity, self.pressure_drop, network.widest)
         mean = float(np.mean(np.where(find_open_cells(solution), solution.gap, 0.0))) / network.widest
         return Leakage(
@@ -184,7 +189,7 @@ class GapFlow(Response[Leakage]):
             throat=throat,
             inflow=unit * ends[0],
             outflow=unit * ends[1],
-            warnings=(*_list_warnings(solution), *_judge_throat(throat, min(grid.shape))),
+            warnings=warnings,
             network=network,
             pressure=pressure,
         )
