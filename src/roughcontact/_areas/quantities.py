@@ -23,7 +23,7 @@ from roughcontact._areas.ellipse import find_axes_ratio
 from roughcontact._areas.summits import find_near_holes, is_elliptic
 from roughcontact._areas.total import warn_if_uncertain
 from roughcontact._solution import Area, ContactSolution, Estimate, QuantityEstimator, fill_gap, heal, quantities
-from roughcontact.checks import Array
+from roughcontact.checks import Array, Mask
 from roughcontact.grid import Boundary
 
 # Area that polygons lack inside a smooth convex edge, which `trace_edges` adds, cells: chords and corners.
@@ -132,7 +132,7 @@ class SummitApproach(QuantityEstimator):
 
     def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the approach; see `QuantityEstimator.estimate`."""
-        rise, rise_std = find_rise(solution)
+        rise, rise_std = find_rise(solution.initial_gap, solution.boundary, solution.non_measured)
         shift, shift_std = find_shift(solution)
         warnings = area.warnings if solution.status.success else (str(solution.status),)
         cut, cut_std = find_cut_shift(solution)
@@ -248,14 +248,13 @@ def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
     return float(shift), float(std)
 
 
-def find_rise(solution: ContactSolution) -> tuple[float, float]:
-    """Return the height of the summit above the highest cell, and its standard deviation, m."""
-    gap, missing = solution.initial_gap, solution.non_measured
+def find_rise(gap: Array, boundary: Boundary, missing: Mask | None = None) -> tuple[float, float]:
+    """Return the height of the summit above the highest cell that was measured, and its standard deviation, m."""
     if min(gap.shape) < 5:
         return 0.0, float(np.ptp(gap))
     measured = gap if missing is None else np.where(missing, np.inf, gap)
     i, j = np.unravel_index(int(np.argmin(measured)), gap.shape)
-    near = extend(gap, 2, solution.boundary)[i : i + 5, j : j + 5]
+    near = extend(gap, 2, boundary)[i : i + 5, j : j + 5]
     rises = []
     for first, second in (
         (np.array((0.0, -0.5, 0.0, 0.5, 0.0)), np.array((0.0, 1.0, -2.0, 1.0, 0.0))),
