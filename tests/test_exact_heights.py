@@ -179,7 +179,7 @@ def test_the_rise_of_a_paraboloid_above_its_highest_cell(cell, boundary):
         centre += 0.0 if boundary == "free" else 0.5 * np.array(grid.size)
         x, y = distances(grid, centre, boundary)
         gap = 0.3 * x**2 + 0.05 * x * y + 0.2 * y**2
-        rise, error = find_rise(with_fields(grid, 0.0, gap - gap.min(), boundary=boundary))
+        rise, error = find_rise(gap - gap.min(), rc.Boundary(boundary))
         assert rise == pytest.approx(gap.min(), rel=1e-9)
         assert error == pytest.approx(0.0, abs=1e-12)
 
@@ -188,7 +188,6 @@ def test_the_rise_of_a_wave_is_of_fourth_order():
     for cells, most in ((12, 3e-3), (24, 2e-4)):
         i, j = np.indices((cells, cells + 6))
         gap = 2.0 - np.cos(2 * np.pi * (i - 3.4) / cells) - np.cos(2 * np.pi * (j - 5.3) / (cells + 6))
-        grid = rc.Grid(gap.shape, 1.0)
-        rise, error = find_rise(with_fields(grid, 0.0, gap - gap.min(), boundary="periodic"))
+        rise, error = find_rise(gap - gap.min(), rc.Boundary.PERIODIC)
         assert rise == pytest.approx(gap.min(), rel=30.0 * most)
         assert 0.2 * abs(rise - gap.min()) < error < 0.1 * gap.min()
