@@ -1068,11 +1068,25 @@ def command(folder, *options, **environment):
     """The command ``roughcontact app`` with its files in a folder, and the address that it prints."""
     arguments = [sys.executable, "-m", "roughcontact", "app", *options]
     environment = {**os.environ, "TMPDIR": str(folder), **environment}
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True, env=environment) as process:
+    started = subprocess.Popen(
+        arguments,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment,
+        preexec_fn=heed_signals if os.name == "posix" else None,
+    )
+    with started as process:
         try:
             yield process, re.search(r"http://127\.0\.0\.1:\d+/\S+/", process.stdout.readline())[0]
         finally:
             process.kill()
+
+
+def heed_signals():
+    """Heed the signals that what runs the tests may ignore, as nohup and shells do for what runs behind."""
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_DFL)
 
 
 def list_sessions(folder):
@@ -1097,6 +1111,7 @@ def test_the_files_go_with_the_terminal(tmp_path):
 
     process, terminal = pty.fork()
     if not process:
+        heed_signals()
         environment = {**os.environ, "TMPDIR": str(tmp_path)}
         os.execve(sys.executable, [sys.executable, "-m", "roughcontact", "app", "--no-browser"], environment)
     try:
@@ -1104,7 +1119,12 @@ def test_the_files_go_with_the_terminal(tmp_path):
         assert len(list_sessions(tmp_path)) == 1
     finally:
         os.close(terminal)
-    assert os.waitpid(process, 0)[1] == 0
+    ended = time.monotonic() + PATIENCE
+    while (status := os.waitpid(process, os.WNOHANG)) == (0, 0) and time.monotonic() < ended:
+        time.sleep(0.05)
+    if status == (0, 0):
+        os.kill(process, signal.SIGKILL)
+    assert status == (process, 0)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -161,6 +161,9 @@ class MeanGap(QuantityEstimator):
         part = (1.0 - area.fraction) ** calibration.CUT_GAP
         value = float(np.mean(gap)) + beyond - shift * outside + cut * part
         uncertainty = math.hypot(std * outside, holes_std, cut_std * part, calibration.MEAN_ERROR * beyond)
+        if solution.contact.all():
+            # What is left of the gap is the error of the solve.
+            return Estimate(max(value, 0.0), math.hypot(uncertainty, float(np.ptp(gap))), "m", area.warnings)
         return warn_if_uncertain(max(value, 0.0), uncertainty, "m", area.warnings)
 
 

@@ -69,7 +69,7 @@ def _count_hidden_gaps(solution: ContactSolution) -> float:
 
 def warn_if_uncertain(value: float, std: float, unit: str, warnings: tuple[str, ...]) -> Estimate:
     """Return an estimate, with a warning if it has none and two of its standard deviations are more than 10 %."""
-    if not warnings and std > _UNCERTAIN * abs(value):
+    if not warnings and std > _UNCERTAIN * abs(value) > 0.0:
         warnings = ("the grid hardly determines this number, whose uncertainty is above 5 %: refine the grid",)
     return Estimate(value, std, unit, warnings)
 
