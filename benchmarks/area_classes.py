@@ -97,6 +97,7 @@ def quantities(problem: rc.ContactProblem, load: dict[str, float]) -> dict[str, 
         "p_max": float(solution.pressure.max()),
         "approach": solution.approach,
         "mean_gap": float(solution.gap.mean()),
+        "open_gap": float(np.maximum(solution.gap, 0.0).mean()),
         "perimeter": area.perimeter / wide**0.5,
         "patches": solution.patches.count,
     }
