@@ -716,7 +716,8 @@ class TestFiles:
         printed = capsys.readouterr().out.split()
         begins = f"4 solves, 4 of them now, in {folder}".split()
         # Only estimates are doubtful, which leaves the status at 0, as of `solve`.
-        assert printed[: len(begins) + 7] == [*begins, *"warning The contact area is doubtful: the".split()]
+        assert printed[: len(begins)] == begins
+        assert "warning The contact area is doubtful: the" in " ".join(printed)
         assert main(["run", str(study_file), "--workers", "2"]) == 0
         assert "0 of them now" in capsys.readouterr().out
         assert (folder / "records.csv").read_text().count("CONVERGED") == 4
@@ -727,7 +728,7 @@ class TestFiles:
         assert main(["run", str(study_file)]) == 3
         printed = " ".join(capsys.readouterr().out.split())
         assert printed.count("A Young's modulus of 210 Pa is that of a foam or a gel.") == 1
-        assert "(on the command line --unit). [2 of 4 solves]" in printed
+        assert "for heights of a file in another unit give --unit. [2 of 4 solves]" in printed
         assert main(["run", str(study_file)]) == 3
 
     def test_warnings_that_differ_in_numbers_alone_are_one(self, tmp_path):
