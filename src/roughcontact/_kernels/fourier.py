@@ -24,6 +24,10 @@ class FourierHalfSpace(InfluenceKernel):
 
     edge_shift: ClassVar[float] = 0.0
 
+    def effective_modulus(self, wavenumber: Array, compliance: float) -> None:
+        """Return None: all waves have the modulus 1/compliance."""
+        return
+
     def spectrum(self, qx: Array, qy: Array, spacing: Pair, compliance: float) -> Array:
         """Return ``2 / (E* |q|)``, shape (m, n), m/Pa; see `SupportsSpectrum`."""
         return np.asarray(2.0 * compliance / np.hypot(qx, qy), dtype=np.float64)

@@ -53,6 +53,10 @@ class Love(InfluenceKernel):
     True
     """
 
+    def effective_modulus(self, wavenumber: Array, compliance: float) -> None:
+        """Return None: all waves have the modulus 1/compliance."""
+        return
+
     def coefficients(self, shape: tuple[int, int], spacing: Pair, compliance: float) -> Array:
         """Return the influence coefficients, shape (nx, ny), m/Pa; see `SupportsCoefficients`."""
         i, j = np.arange(shape[0], dtype=np.float64), np.arange(shape[1], dtype=np.float64)
