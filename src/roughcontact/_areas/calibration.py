@@ -64,7 +64,7 @@ BLENDED = 1.5
 EXCESS_STD = 1.2
 # Standard deviation of the position of the edge of a slender patch, cells, times one less the ratio of its width to its
 # cells, to the sixth: on ridges of one direction, and on isotropic surfaces, where such patches are merged ones. Set on
-# Set on rough contacts.
+# rough contacts.
 SLENDER = (0.036, 0.012)
 # Curvature along the edge over that inside above which it has a sharp rim, the largest excess over that that counts,
 # and the standard deviation of the position of such edges over it, cells. Set on flats that were run in.

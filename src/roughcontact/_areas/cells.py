@@ -94,11 +94,12 @@ def find_cut_cells(solution: ContactSolution) -> Mask:
     cut = np.zeros(solution.grid.shape, dtype=bool)
     if solution.boundary is not Boundary.FREE:
         return cut
-    squares = np.where(solution.saturated, 0.0, solution.pressure) ** 2
+    limit = np.broadcast_to(solution.pressure_limit, solution.grid.shape)
     for axis, cells in enumerate(solution.grid.shape):
-        along, marked = np.moveaxis(squares, axis, 0), np.moveaxis(cut, axis, 0)
-        marked[0] |= 3.0 * along[0] > along[min(1, cells - 1)]
-        marked[-1] |= 3.0 * along[-1] > along[max(cells - 2, 0)]
+        pressure, highest, marked = (np.moveaxis(field, axis, 0) for field in (solution.pressure, limit, cut))
+        for pair in ((0, min(1, cells - 1)), (cells - 1, max(cells - 2, 0))):
+            outer, inner = (np.where(pressure[k] < highest[k], pressure[k], 0.0) ** 2 for k in pair)
+            marked[pair[0]] |= 3.0 * outer > inner
     return cut
 
 

@@ -103,8 +103,11 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
     bends = [pairs[0] - 2.0 * here for here, pairs in lines]
     fourth = sum(float(np.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2)) for here, pairs in lines)
     second = sum(float(np.mean(bend**2)) for bend in bends)
-    (dx, dy), mixed = solution.grid.spacing, 0.25 * (rising[1][0] - falling[1][0])
-    xx, xy, yy = bends[0] / dx**2, mixed / (dx * dy), bends[1] / dy**2
+    dx, dy = solution.grid.spacing
+    mixed = 0.25 * (rising[1][0] - falling[1][0])
+    xx = bends[0] / dx**2
+    xy = mixed / (dx * dy)
+    yy = bends[1] / dy**2
     laplacian = xx + yy
     inside = _find_inner(solution, chosen)
     middle = abs(float(np.mean(laplacian[inside]))) if inside.any() else 0.0
@@ -115,10 +118,8 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
 def _find_lay(xx: Array, xy: Array, yy: Array) -> float:
     """Return the lay ratio of these second derivatives: from the mean square of their matrix, shape (2, 2)."""
     along_x, along_y = float(np.mean(xx**2 + xy**2)), float(np.mean(xy**2 + yy**2))
-    middle, difference = (
-        0.5 * (along_x + along_y),
-        math.hypot(0.5 * (along_x - along_y), float(np.mean(xy * (xx + yy)))),
-    )
+    middle = 0.5 * (along_x + along_y)
+    difference = math.hypot(0.5 * (along_x - along_y), float(np.mean(xy * (xx + yy))))
     return math.sqrt(max(middle - difference, 0.0) / (middle + difference)) if middle > 0.0 else 1.0
 
 
@@ -164,18 +165,6 @@ def _find_hessian(solution: ContactSolution, chosen: IntArray) -> tuple[Array, A
     return along_x / dx**2, along_y / dy**2, (rising - falling) / (4.0 * dx * dy)
 
 
-def _find_centres(solution: ContactSolution, chosen: IntArray, reach: int) -> tuple[IntArray, IntArray]:
-    """Return the rows and columns of the centres of stencils at cells: at a free border they are moved inside."""
-    i, j = split(chosen, solution.grid.shape[1])
-    if solution.boundary is not Boundary.FREE:
-        return i, j
-    row, column = (
-        np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k
-        for k, n in zip((i, j), solution.grid.shape, strict=True)
-    )
-    return row, column
-
-
 def _gather_lines(
     solution: ContactSolution, chosen: IntArray, reach: int, lines: int
 ) -> list[tuple[Array, list[Array]]]:
@@ -183,7 +172,11 @@ def _gather_lines(
 
     Only for the first so many of these lines.
     """
-    i, j = _find_centres(solution, chosen, reach)
+    nx, ny = solution.grid.shape
+    i, j = split(chosen, ny)
+    if solution.boundary is Boundary.FREE:
+        # At a free border the stencil is moved inside.
+        i, j = (np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k for k, n in ((i, nx), (j, ny)))
     near = Surroundings.of(i, j, solution.grid.shape, solution.boundary, reach)
     heights = solution.initial_gap.ravel()
     here, steps = heights.take(near.at(0, 0)), range(1, reach + 1)

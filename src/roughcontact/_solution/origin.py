@@ -27,8 +27,6 @@ from roughcontact.errors import InputError
 from roughcontact.grid import Grid
 
 _PROBLEM = {"kind": "part", "name": "roughcontact:ContactProblem"}
-
-
 # Heights and waves that the surfaces of a problem from a file may have, beside a multiple of its cells.
 _NUMBERS, _NUMBERS_PER_CELL = 2**20, 32
 
