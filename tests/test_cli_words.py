@@ -123,6 +123,53 @@ class TestAdvice:
         assert "boundary='free'" not in out
 
 
+class OneStep(rc.ProjectedConjugateGradient):
+    """A solver that stops after one iteration."""
+
+    def solve(self, convolution, task):
+        return rc.ProjectedConjugateGradient(max_iterations=1).solve(convolution, task)
+
+
+UNFINISHED = """
+[problems.rough]
+solver = {type = "projected-cg", max_iterations = 1}
+[problems.rough.body]
+surface = {type = "file", path = "rough.npz"}
+material = {type = "elastic", young = 210e9, poisson = 0.3}
+[study]
+force = [0.02]
+"""
+
+
+class TestOfWhatDoesNotConverge:
+    """That Python finds the solution in the error means nothing in a shell."""
+
+    def test_a_solve(self, run, monkeypatch):
+        monkeypatch.setitem(rc.solvers._classes, "one-step", OneStep)
+        np.savez("rough.npz", heights=ROUGH.heights(GRID), size=GRID.size, periodic=True)
+        loaded = [*LOADED, "--boundary", "periodic"]
+        status, _, err = run("solve", "rough.npz", *loaded, "--refine", "2", "--solver", "one-step")
+        assert status == 1
+        assert err.startswith("roughcontact: The contact is not converged: the maximum number of iterations")
+        assert not re.search(r"\.solution|throw=", err)
+
+    def test_a_study(self, run):
+        Path("study.toml").write_text(UNFINISHED, encoding="utf-8")
+        status, out, err = run("run", "study.toml")
+        assert status == 1
+        table = Path("study/records.csv").read_text(encoding="utf-8")
+        for text in (out, table):
+            assert "The contact is not converged: the maximum number of iterations was reached" in text
+            assert not re.search(r"\.solution|throw=", text + err)
+
+    def test_python_says_where_the_solution_is(self):
+        body = rc.Body(ROUGH, rc.Elastic(210e9, 0.3))
+        problem = rc.ContactProblem(body, grid=GRID, solver=rc.ProjectedConjugateGradient(max_iterations=1))
+        with pytest.raises(rc.NotConverged, match=r"The solution reached is in \.solution of this error") as caught:
+            problem.solve(force=0.02)
+        assert caught.value.solution.iterations == 1
+
+
 def test_a_negative_value_is_not_taken_for_an_option(run):
     status, _, err = run("solve", "rough.npz", "--force", "-1N", "--young", "210GPa")
     assert status == 2

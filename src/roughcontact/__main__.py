@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from roughcontact import __version__
 from roughcontact.cli import Command, commands
-from roughcontact.cli.wording import name_options
+from roughcontact.cli.wording import name_advice, name_options
 from roughcontact.errors import InputError, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import translated
 from roughcontact.units.text import fit, printable
@@ -38,7 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail("interrupted", 130)
     except Exception as error:
         known = translated(error, call)
-        return _fail(str(known), 1 if isinstance(known, (NotConverged, UnexpectedError)) else 2)
+        if isinstance(known, NotConverged):
+            return _fail(name_advice(known.reason), 1)
+        return _fail(str(known), 1 if isinstance(known, UnexpectedError) else 2)
 
 
 def _prepare_streams() -> None:

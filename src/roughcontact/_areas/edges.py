@@ -147,18 +147,18 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     one, two = (trace_contour(solution, sharp, stride) for stride in (1, 2))
     fine, coarse = _correct(solution, one, 1), _correct(solution, two, 2)
     cell, cells = solution.grid.cell_area, solution.patches.cells
+    step, oblong = math.sqrt(cell), math.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
     # The edge of a patch varies at least as half the edge of a disc of as many cells.
     half_disc = np.sqrt(np.pi * cell * np.concatenate(([0], cells)))
-    std = calibration.WANDER * np.sqrt(_SIDES * np.maximum(one.length, half_disc) / np.sqrt(cell)) * cell
+    std = calibration.WANDER * np.sqrt(_SIDES * np.maximum(one.length, half_disc) / step) * cell
     ratio, lay = curvature_resolution(solution), lay_ratio(solution)
-    step, oblong = np.sqrt(cell), math.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
     strip = step * one.length
     counted = np.concatenate(([1.0], cells))
     width = _measure_width(fine, one.length, cell, counted)
     small = 1.0 + (calibration.SMALL_PATCH / width) ** 2
     narrow = np.where(width < _SLENDER * counted, width, counted) < _FEW
     meeting = cell * one.meeting
-    met = math.sqrt(cell) * one.meeting
+    met = step * one.meeting
     few = calibration.FLUCTUATION * ratio * fine / counted**1.5
     places = calibration.NON_MEASURED_PLACE * cell * np.sqrt(one.meeting)
     return TracedEdges(

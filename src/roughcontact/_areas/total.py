@@ -45,8 +45,7 @@ def total_area(
     values = values * (value / total if total > 0.0 else 1.0)
     uncertainty = math.sqrt(float(np.sum(stds**2)) + common**2 + edges.border**2)
     warnings = list_warnings(solution, edges.curvature_resolution)
-    if not warnings and uncertainty > _UNCERTAIN * value:
-        warnings = ("the grid hardly determines the area, whose uncertainty is above 5 %: refine the grid",)
+    warnings = _judge_uncertainty("the area", value, uncertainty, warnings)
     return Area(
         value,
         value / grid.area,
@@ -69,9 +68,16 @@ def _count_hidden_gaps(solution: ContactSolution) -> float:
 
 def warn_if_uncertain(value: float, std: float, unit: str, warnings: tuple[str, ...]) -> Estimate:
     """Return an estimate, with a warning if it has none and two of its standard deviations are more than 10 %."""
-    if not warnings and std > _UNCERTAIN * abs(value) > 0.0:
-        warnings = ("the grid hardly determines this number, whose uncertainty is above 5 %: refine the grid",)
+    if value != 0.0:
+        warnings = _judge_uncertainty("this number", value, std, warnings)
     return Estimate(value, std, unit, warnings)
+
+
+def _judge_uncertainty(what: str, value: float, std: float, warnings: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the warnings, or if there are none and two standard deviations are more than 10 %, that they are."""
+    if warnings or std <= _UNCERTAIN * abs(value):
+        return warnings
+    return (f"the grid hardly determines {what}, whose uncertainty is above 5 %: refine the grid",)
 
 
 def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tuple[str, ...]:

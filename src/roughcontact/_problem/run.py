@@ -83,16 +83,8 @@ def _solve(
 def require_success(solution: ContactSolution) -> ContactSolution:
     """Return the solution, or raise `NotConverged` if it is not certified or not as accurate as was asked."""
     if not solution.status.success:
-        likely = "".join(f"{warning} " for warning in solution.warnings)
-        raise NotConverged(
-            f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals}). {likely}"
-            "The unfinished solution is in .solution of this error; solve(..., throw=False) returns it.",
-            solution,
-        )
+        status = f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals})."
+        raise NotConverged(" ".join((status, *solution.warnings)), solution)
     if solution.accuracy is not None and not solution.accuracy.met:
-        raise NotConverged(
-            f"{solution.accuracy.explain()} "
-            "The solution is in .solution of this error; solve(..., throw=False) returns it.",
-            solution,
-        )
+        raise NotConverged(solution.accuracy.explain(), solution)
     return solution

@@ -166,7 +166,7 @@ class GapFlow(Response[Leakage]):
         grid, periodic = solution.grid, solution.boundary is not Boundary.FREE
         pressure, converged = solve_network(network)
         if not converged:
-            raise NotConverged("The flow through the gap did not converge; the contact is in .solution.", solution)
+            raise NotConverged("The flow through the gap did not converge.", solution)
         faces, lost = network.dissipation(pressure)
         flow, ends = float(lost.sum()), network.find_ends(pressure)
         gap_error = solution.residuals.error * solution.residuals.scale / network.widest

@@ -121,7 +121,7 @@ class Tangent:
         if not found.error <= max(tolerance, _ROUNDING):
             raise NotConverged(
                 f"The linear answer of the contact was not found: after {found.iterations} iterations the residual is "
-                f"{found.error:.1e} of the right side. The contact itself is in .solution of this error.",
+                f"{found.error:.1e} of the right side.",
                 self._solution,
             )
         return attrs.evolve(found, values=found.values * (size / self._unit), residual=found.residual * size)

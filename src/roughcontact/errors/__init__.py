@@ -82,16 +82,19 @@ class NotConverged(RoughContactError, RuntimeError):
 
     Attributes
     ----------
+    reason
+        What did not converge.
     solution
         The unfinished `ContactSolution`, with its `status` and `residuals`.
     """
 
-    def __init__(self, message: str, solution: Any) -> None:
-        super().__init__(message, solution)
+    def __init__(self, reason: str, solution: Any) -> None:
+        super().__init__(reason, solution)
+        self.reason = _shorten_words(reason)
         self.solution = solution
 
     def __str__(self) -> str:
-        return _shorten_words(str(self.args[0]))
+        return f"{self.reason} The solution reached is in .solution of this error; solve(..., throw=False) returns it."
 
 
 class StudyStopped(RoughContactError, RuntimeError):

@@ -36,7 +36,7 @@ def _met(error: BaseException) -> BaseException:
 def status_of(error: Exception) -> tuple[str, str]:
     """Return the status and the message of a load that has no solution."""
     if isinstance(error, NotConverged):
-        return error.solution.status.name, str(error)
+        return error.solution.status.name, error.reason
     if isinstance(error, InputError):
         return "REFUSED", str(error)
     # The innermost part of the problem in whose method it was raised.
