@@ -347,3 +347,22 @@ def test_nonsense_that_changes_nothing_is_refused_too():
 def test_an_argument_of_a_wrong_type_is_named_though_its_type_is_imported_for_annotations_alone(tmp_path):
     with pytest.raises(rc.InputError, match=r"path= of VtiWriter.write must be of type Path, but got 3"):
         rc.writers.create("vti").write(problem().solve(pressure=1e6), 3)
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda: rc.panels.create("map").draw(None, None), r"subject= of MapPanel\.draw must be an object that has"),
+        (lambda: rc.panels.create("pressure").draw(problem().solve(pressure=1e6), "5"), r"axes= of .* but got '5'"),
+        (lambda: rc.Love().coefficients((8, 8), {1e-6: 2}, 1.0), r"spacing= of Love\.coefficients must be of type"),
+        (lambda: rc.Love().coefficients((8, 8), (1e-6, 1e-6, 1e-6), 1.0), r"spacing= of Love\.coefficients must be"),
+        (lambda: rc.Love().coefficients((8, 8), np.ones((2, 2)), 1.0), r"spacing= of Love\.coefficients must be"),
+        (
+            lambda: rc.FourierHalfSpace().spectrum(np.ones((8, 1)), np.ones((2, 2)), (1.0, 1.0), 1.0),
+            r"must fit each other, but they are qx of shape \(8, 1\), qy of shape \(2, 2\)",
+        ),
+    ],
+)
+def test_an_argument_that_does_not_fit_is_named(ask, words):
+    with pytest.raises(rc.InputError, match=words):
+        ask()

@@ -218,7 +218,7 @@ def _explained(error: Exception, call: str, function: Any, args: Any, kwargs: An
         if name in hints and not _is_a(value, hints[name]):
             kind = signature.parameters[name].annotation
             return InputError.about(f"{name}= of {call}", value, f"of type {getattr(kind, '__name__', kind)}")
-    return changed
+    return _misfit(error, call, given) or changed
 
 
 class _Names(dict[str, Any]):
@@ -248,6 +248,20 @@ def _misplaced(call: str, signature: inspect.Signature, args: Any) -> InputError
     return InputError(f"{call} takes what was given as {value} by name: write {named[0]}={value}{others}.")
 
 
+def _misfit(error: Exception, call: str, given: dict[str, Any]) -> InputError | None:
+    """Return the error of an argument that lacks what the call needs, or whose shape does not fit; None otherwise."""
+    if isinstance(error, AttributeError):
+        for name, value in given.items():
+            if name != "self" and value is error.obj:
+                return InputError.about(f"{name}= of {call}", value, f"an object that has {error.name!r}")
+    if isinstance(error, ValueError) and "could not be broadcast" in str(error):
+        arrays = {name: value for name, value in given.items() if isinstance(value, (np.ndarray, list, tuple))}
+        if len(arrays) > 1:
+            shapes = ", ".join(f"{name} of shape {np.shape(value)}" for name, value in arrays.items())
+            return InputError(f"The arguments of {call} must fit each other, but they are {shapes}.")
+    return None
+
+
 def _is_a(value: object, hint: Any) -> bool:
     """Return whether a value may stand where a type is asked for."""
     kind, of = typing.get_origin(hint) or hint, typing.get_args(hint)
@@ -264,8 +278,11 @@ def _is_a(value: object, hint: Any) -> bool:
         except ValueError:
             return False
     if kind in (collections.abc.Sequence, collections.abc.Iterable, tuple) and of:
-        is_list = hasattr(value, "__iter__") and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) > 0
-        return is_list and (not isinstance(value, (list, tuple)) or all(_is_a(item, of[0]) for item in value))
+        no_list = isinstance(value, (str, bytes, collections.abc.Mapping)) or not hasattr(value, "__iter__")
+        if no_list or not isinstance(value, (list, tuple, np.ndarray)):
+            return not no_list
+        fits = getattr(value, "ndim", 1) > 0 and (kind is not tuple or of[-1] is Ellipsis or len(value) == len(of))
+        return fits and all(_is_a(item, of[0]) for item in value)
     # Any is a class from Python 3.11 on.
     return kind is Any or not isinstance(kind, type) or isinstance(value, kind)
 
