@@ -210,6 +210,19 @@ def strip(cells: int, along: tuple[int, int], phase: float) -> rc.ContactProblem
     return rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=1.0, periodic=True), ELASTIC), boundary="periodic")
 
 
+def strip_values(exact: Westergaard, pressure: float) -> dict[str, float]:
+    """Return what is known of one-dimensional waves: stiff as flat punches, L ln(sin(pi a / L)) 2 / (pi E*)."""
+    square = pressure / exact.full_contact_pressure
+    approach = exact.amplitude * square * (1.0 - math.log(square))
+    return {
+        "p_max": float(exact.pressure(np.zeros(1), pressure)[0]),
+        # Lines of the wave per unit of area: the length of its edges is twice that.
+        "perimeter": 2 / exact.wavelength,
+        "approach": approach,
+        "mean_gap": exact.amplitude - approach,
+    }
+
+
 def strips(split: str, directions: tuple[tuple[int, int], ...]) -> Iterator[Case]:
     """One-dimensional waves of 6 to 64 cells, half-widths of 0.7 to 20 cells."""
     random = generator("strips", directions, split)
@@ -223,12 +236,7 @@ def strips(split: str, directions: tuple[tuple[int, int], ...]) -> Iterator[Case
         half = log_uniform(random, 0.7, min(20.0, 0.4 * wavelength * cells))
         pressure = exact.full_contact_pressure * math.sin(math.pi * half / cells / wavelength) ** 2
         phase = 0.0 if number % 4 == 0 else random.uniform(0.0, 2 * np.pi)
-        # Lines of the wave per unit of area: the length of its edges is twice that.
-        true = {
-            "area": 2 * exact.half_width(pressure) / wavelength,
-            "p_max": float(exact.pressure(np.zeros(1), pressure)[0]),
-            "perimeter": 2 / wavelength,
-        }
+        true = {"area": 2 * exact.half_width(pressure) / wavelength, **strip_values(exact, pressure)}
         yield Case(
             partial(strip, cells, along, phase),
             {"pressure": pressure},

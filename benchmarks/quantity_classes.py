@@ -2,7 +2,8 @@
 
     python benchmarks/quantity_classes.py peak-pressure [options of area_classes.py]
 
-The table is that of `benchmarks/area_classes.py`; classes without true values of the quantity are omitted.
+The table is that of `benchmarks/area_classes.py`, `--classes unkind` those of unkind geometry together; classes without
+true values of the quantity are omitted.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from pathlib import Path
 import area_classes
 import contact_classes as contacts
 import numpy as np
-from area_classes import CLASSES, HEADER, SPLITS, known, print_rows, reference_key
+from area_classes import CLASSES, HEADER, SPLITS, UNKIND, known, print_rows, reference_key
 from contact_classes import Case
 
 import roughcontact as rc
@@ -101,15 +102,16 @@ def list_classes(quantity: str) -> list[str]:
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("quantity", choices=NAMES)
-    parser.add_argument("--classes", default="all")
+    parser.add_argument("--classes", default="all", help="all, unkind, or names or beginnings of classes")
     parser.add_argument("--split", default="tuned", choices=SPLITS)
     parser.add_argument("--cache", type=Path)
     parser.add_argument("--groups", action="store_true")
     parser.add_argument("--worst", type=int, default=0)
     options = parser.parse_args(arguments)
+    usual = list_classes(options.quantity)
     wanted = tuple(options.classes.split(","))
-    every = list_classes(options.quantity)
-    names = [name for name in every if options.classes == "all" or name.startswith(wanted)]
+    groups = {"all": usual, "unkind": list(UNKIND)}
+    names = groups.get(options.classes) or [name for name in (*usual, *UNKIND) if name.startswith(wanted)]
     report(names, options.split, options.quantity, options.cache, options.groups, options.worst)
 
 

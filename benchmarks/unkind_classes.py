@@ -11,12 +11,14 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from contact_classes import ELASTIC, Case, generator, group_of_radius, log_uniform
+from contact_classes import ELASTIC, Case, generator, group_of_radius, log_uniform, strip_values
+from scipy.integrate import quad
 from scipy.ndimage import maximum_filter
+from scipy.optimize import minimize_scalar
 from scipy.special import ellipe, gamma
 
 import roughcontact as rc
-from roughcontact.reference import Westergaard, hertz_elliptic
+from roughcontact.reference import Westergaard, hertz_elliptic, hertz_sphere
 
 COUNT = 30  # cases of each class
 SHORT_SIDES = (13, 15, 17, 21, 24, 25)  # cells: odd, composite, prime
@@ -56,7 +58,13 @@ def summit_case(
     force: float,
 ) -> Case:
     a, b = semi_axes
-    true = {"area": math.pi * a * b, "perimeter": 4 * a * float(ellipe(1 - (b / a) ** 2))}
+    exact = hertz_elliptic(force, (1.0 / curvatures[0], 1.0 / curvatures[1]), 1.0)
+    true = {
+        "area": math.pi * a * b,
+        "p_max": exact.p_max,
+        "perimeter": 4 * a * float(ellipe(1 - (b / a) ** 2)),
+        "approach": exact.approach,
+    }
     width = b / math.sqrt(cell[0] * cell[1])
     make = partial(summit, shape, cell, center, curvatures)
     return Case(make, {"force": force}, label, group_of_radius(min(width, 98.0)), true)
@@ -114,6 +122,15 @@ def slender(split: str) -> Iterator[Case]:
         )  # fmt: skip
 
 
+def find_maximum(power: float) -> float:
+    """Return the maximum over r of the integral of s^(power - 1) / sqrt(s^2 - r^2) from r to 1: a ring if blunt."""
+
+    def lack(r: float) -> float:
+        return -float(quad(lambda t: (t**2 + r**2) ** (0.5 * power - 1.0), 0.0, math.sqrt(1.0 - r**2))[0])
+
+    return -float(minimize_scalar(lack, bounds=(0.0, 1.0)).fun) if power > 2.0 else 1.0 / (power - 1.0)
+
+
 def tip(split: str, power: float) -> Iterator[Case]:
     """Tips r^power of many sizes; see `contact_classes.cone` for the closed form."""
     random = generator("tip", power, split)
@@ -124,12 +141,15 @@ def tip(split: str, power: float) -> Iterator[Case]:
         center = (0.0, 0.0) if number % 4 == 0 else (random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5))
         c = 1e-3 / a ** (power - 1)
         scale = (power * c) ** (2 / power)
+        true = {"area": math.pi * a**2, "approach": kappa * c * a**power, "perimeter": 2 * math.pi * a}
+        if power > 1.0:
+            true["p_max"] = power * kappa * c * a ** (power - 1) / math.pi * find_maximum(power)
         yield Case(
             partial(summit, (cells, cells), (1.0, 1.0), center, (scale, scale), power),
             {"force": 2 * power * kappa * c * a ** (power + 1) / (power + 1)},
             f"r^{power:g}, a = {a:.3g} cells, {number}",
             group_of_radius(a),
-            {"area": math.pi * a**2, "approach": kappa * c * a**power, "perimeter": 2 * math.pi * a},
+            true,
         )
 
 
@@ -142,6 +162,8 @@ def holes_outside(split: str, side: int) -> Iterator[Case]:
         center = (random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5))
         every = (100, 33, 10)[number % 3]
         curvature = 1e-3 / a
+        force = 4 * a**3 * curvature / 3
+        exact = hertz_sphere(force, 1.0 / curvature, 1.0)
         yield Case(
             partial(
                 summit,
@@ -151,10 +173,15 @@ def holes_outside(split: str, side: int) -> Iterator[Case]:
                 (curvature, curvature),
                 holes=(a, every, 97 * number + 1, side),
             ),
-            {"force": 4 * a**3 * curvature / 3},
+            {"force": force},
             f"a = {a:.3g} cells, one of {every}, {number}",
             group_of_radius(a),
-            {"area": math.pi * a**2, "perimeter": 2 * math.pi * a},
+            {
+                "area": math.pi * a**2,
+                "p_max": exact.p_max,
+                "perimeter": 2 * math.pi * a,
+                "approach": exact.approach,
+            },
         )
 
 
@@ -176,13 +203,15 @@ def strips(split: str) -> Iterator[Case]:
         exact = Westergaard(0.01, wavelength, 1.0)
         fraction = random.uniform(0.1, 0.8)
         pressure = exact.full_contact_pressure * math.sin(0.5 * math.pi * fraction) ** 2
-        coarse = math.sqrt(size[0] * size[1]) / cells
+        wide, values = size[0] * size[1], strip_values(exact, pressure)
+        coarse = math.sqrt(wide) / cells
+        true = {**values, "area": fraction * wide, "perimeter": wide * values["perimeter"]}
         yield Case(
             partial(long_strip, (cells, cells), size, along),
             {"pressure": pressure},
             f"{along}, {size}, {100 * fraction:.3g} % of N = {cells}, {number}",
             group_of_radius(0.5 * fraction * wavelength / coarse),
-            {"area": fraction * size[0] * size[1], "perimeter": 2 * size[0] * size[1] / wavelength},
+            true,
         )
 
 

@@ -1,4 +1,4 @@
-"""The table of docs/quantities.md: whether the uncertainties of the quantities hold on the fresh classes.
+"""The tables of docs/quantities.md: whether the uncertainties of the quantities hold on the fresh classes.
 
 python docs/studies/quantities.py [FOLDER]   # where area_classes.py keeps its solutions
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import sys
+from functools import partial
 from pathlib import Path
 
 from doc_tables import DocTable, write_tables
@@ -16,13 +17,17 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 import quantity_classes
 
 
-def make_rows(folder: Path | None = None) -> list[list[str]]:
+def make_rows(folder: Path | None = None, unkind: bool = False) -> list[list[str]]:
     found = {
-        name: quantity_classes.report(quantity_classes.list_classes(name), "fresh", name, folder)
+        name: quantity_classes.report(
+            list(quantity_classes.UNKIND) if unkind else quantity_classes.list_classes(name), "fresh", name, folder
+        )
         for name in quantity_classes.NAMES
     }
     rows = [["class", *(name.replace("-", " ") for name in found)]]
-    for name in dict.fromkeys(name for table in found.values() for name in table):
+    for name in (*quantity_classes.CLASSES, *quantity_classes.UNKIND):
+        if not any(name in table for table in found.values()):
+            continue
         cells = []
         for table in found.values():
             row = table.get(name)
@@ -35,8 +40,14 @@ def make_rows(folder: Path | None = None) -> list[list[str]]:
     return rows
 
 
-TABLES = {"quantities": DocTable(make_rows, seconds=900)}
+def make_tables(folder: Path | None = None) -> dict[str, DocTable]:
+    return {
+        "quantities": DocTable(partial(make_rows, folder), seconds=900),
+        "quantities-unkind": DocTable(partial(make_rows, folder, unkind=True), seconds=90),
+    }
+
+
+TABLES = make_tables()
 
 if __name__ == "__main__":
-    place = Path(sys.argv[1]) if len(sys.argv) > 1 else None
-    write_tables({"quantities": DocTable(lambda: make_rows(place), seconds=900)})
+    write_tables(make_tables(Path(sys.argv[1]) if len(sys.argv) > 1 else None))

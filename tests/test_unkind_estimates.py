@@ -1,0 +1,46 @@
+"""Maximum pressure and other numbers of contacts of unkind geometry, against closed forms."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
+
+import contact_classes
+import quantity_classes
+import unkind_classes
+
+from roughcontact.reference import Westergaard
+
+ALL = unkind_classes.CLASSES
+
+
+def test_the_maximum_of_blunt_tips_lies_on_a_ring_and_of_paraboloids_in_the_middle():
+    assert unkind_classes.find_maximum(2.0) == pytest.approx(1.0)
+    assert unkind_classes.find_maximum(4.0) == pytest.approx(math.sqrt(2.0) / 3.0)
+    assert unkind_classes.find_maximum(1.5) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("part", [0.05, 0.3, 0.7])
+def test_closed_forms_of_strips_hold_on_a_fine_grid(part):
+    exact = Westergaard(0.01, 0.5, 1.0)
+    pressure = part * exact.full_contact_pressure
+    solution = unkind_classes.long_strip((512, 4), (1.0, 1.0), (2, 0)).solve(pressure=pressure)
+    values = contact_classes.strip_values(exact, pressure)
+    assert solution.pressure.max() == pytest.approx(values["p_max"], rel=1e-3)
+    assert solution.approach == pytest.approx(values["approach"], rel=2e-3)
+    assert solution.gap.mean() == pytest.approx(values["mean_gap"], rel=2e-3)
+    assert contact_classes.strip_values(exact, exact.full_contact_pressure)["mean_gap"] == 0.0
+
+
+def test_the_classes_of_unkind_geometry_are_judged_together(capsys, monkeypatch, tmp_path):
+    few = {name: lambda split, cases=cases: itertools.islice(cases(split), 2) for name, cases in ALL.items()}
+    monkeypatch.setattr(quantity_classes.area_classes, "UNKIND", few)
+    quantity_classes.main(["approach", "--classes", "unkind", "--cache", str(tmp_path)])
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[:2] for line in lines[2:]] == [[name, "2"] for name in ALL]
