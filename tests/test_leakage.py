@@ -42,6 +42,24 @@ def with_gap(gap, contact=None, size=(2e-3, 1e-3), boundary="free", **options):
     )
 
 
+def find_flow(seed, cells):
+    """Return the flow through a rough gap with this number of cells a shortest wave."""
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=1.0, longest=4.0, seed=seed)
+    grid = rc.Grid((8 * cells, 6 * cells), (8.0, 6.0))
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), grid=grid, boundary="periodic")
+    return problem.solve(pressure=0.015).leakage(viscosity=1.0, pressure_drop=1.0)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_flow_that_may_err_by_more_than_a_tenth_says_so_and_no_other(seed):
+    true = find_flow(seed, 24).value
+    for cells in (4, 6, 10, 14):
+        flow = find_flow(seed, cells)
+        unsure = flow.uncertainty > 0.1 * flow.value
+        assert bool(flow.warnings) == unsure
+        assert unsure or abs(flow.value / true - 1.0) < 0.1
+
+
 def random_gap(seed, shape=(24, 18), closed=0.3):
     rng = np.random.default_rng(seed)
     return np.exp(rng.normal(size=shape)) * 1e-6, rng.random(shape) < closed

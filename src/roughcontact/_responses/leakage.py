@@ -19,8 +19,9 @@ from roughcontact.units import si
 
 # Cells across a throat below which it is not resolved, and the fraction of the drop from which it matters.
 _CELLS, _FRACTION = 3.0, 0.1
-# Relative uncertainty above which two of it are more than 10 %.
-_UNCERTAIN = 0.05
+# Relative uncertainty above which flows may err by more than 10 %: 92 % of the errors are below the uncertainty, and
+# none is above 9.8 % in 141 contacts without this warning (benchmarks/response_classes.py, three times its cases).
+_UNCERTAIN = 0.1
 # Gap below which a liquid does not flow as a continuum, m: some molecules of water.
 _MOLECULES = 1e-9
 
@@ -176,7 +177,7 @@ class GapFlow(Response[Leakage]):
         throat = find_throat(network, lost, open_cells, grid, self.axis, periodic=periodic)
         warnings = (*_list_warnings(solution), *_judge_throat(throat, min(grid.shape)))
         if not warnings and relative > _UNCERTAIN:
-            warnings = ("The grid hardly determines the flow, whose uncertainty is above 5 %: refine the grid.",)
+            warnings = ("The grid hardly determines the flow, whose uncertainty is above 10 %: refine the grid.",)
         unit = flow_unit(self.viscosity, self.pressure_drop, network.widest)
         mean = float(np.mean(np.where(find_open_cells(solution), solution.gap, 0.0))) / network.widest
         return Leakage(
