@@ -143,7 +143,8 @@ def test_the_tangential_stiffness_is_a_lower_bound_and_says_by_how_much(boundary
         lacking = 1.0 - found.value / normal.value / ratio
         own = math.sqrt(max((found.uncertainty / found.value) ** 2 - (normal.uncertainty / normal.value) ** 2, 0.0))
         assert -1e-3 < lacking < 2 * own + 1e-3
-        assert any("too small by about" in text for text in found.warnings) == (own > 0.005)
+        # The uncertainty is 1.75 times what the stiffness is expected to lack.
+        assert any("too small by about" in text for text in found.warnings) == (own > 1.75 * 0.005)
 
 
 def test_partial_slip_beside_friction_in_every_cell():
