@@ -27,7 +27,7 @@ import roughcontact as rc
 from roughcontact.__main__ import main as command
 from roughcontact.archive import remove_stale, replacing
 from roughcontact.errors import NotWritten
-from roughcontact.panel.figures import save_figure
+from roughcontact.plotting.figures import save_figure
 from roughcontact.studies.record import read_index, write_index
 
 # SIGKILLs at random moments of a study, by how it runs and what is killed. docs/trust.md states their sum.

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from matplotlib.collections import LineCollection
 
 import roughcontact as rc
-from roughcontact.panel import SampledSurface, make_figure
+from roughcontact.plotting import SampledSurface, make_figure
 from strategies import STRICT, seeds
 
 AREAS = sorted(rc.areas)

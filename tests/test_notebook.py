@@ -29,7 +29,7 @@ CELLS = {
     "sweep.plot();": 1,
     "first = sweep.plot()\nsweep.plot()": 2,
     "display(solution.plot('gap').figure)": 1,
-    "rc.panel.make_figure('sweep', sweep);": 0,
+    "rc.plotting.make_figure('sweep', sweep);": 0,
     "solution.iterations": 0,
 }
 INLINE = {"solution.plot()": 1, "fig = sweep.plot()": 1, "fig": 1, "first = sweep.plot()\nsweep.plot()": 2}

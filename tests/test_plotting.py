@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact._areas.outline import edge_law
-from roughcontact.panel import make_figure
+from roughcontact.plotting import make_figure
 from roughcontact.plotting.profile import find_surfaces
 from roughcontact.plotting.spectrum import spectral_density
 from roughcontact.plotting.surfaces import correlate
@@ -66,7 +66,7 @@ def test_every_panel_of_a_surface_draws(surface, dark, data):
     values = surface.values.copy()
     if data.draw(st.booleans()):
         values.flat[0] = np.nan
-    sampled = rc.panel.SampledSurface(values, surface.own_grid, data.draw(st.booleans()))
+    sampled = rc.plotting.SampledSurface(values, surface.own_grid, data.draw(st.booleans()))
     draw("surface", sampled, data.draw(st.sampled_from([None, *BY_SUBJECT["surface"]])), dark)
 
 
@@ -281,10 +281,10 @@ class TestSurfaces:
 
     def test_the_spectrum_holds_the_mean_square_height(self):
         heights = 1e-6 * np.random.default_rng(3).standard_normal(self.GRID.shape)
-        density = spectral_density(rc.panel.SampledSurface(heights, self.GRID, True))[2]
+        density = spectral_density(rc.plotting.SampledSurface(heights, self.GRID, True))[2]
         cell = (2 * np.pi) ** 2 / self.GRID.area
         assert density.sum() * cell / (4 * np.pi**2) == pytest.approx(heights.var(), rel=1e-12)
-        windowed = spectral_density(rc.panel.SampledSurface(heights, self.GRID, False))[2]
+        windowed = spectral_density(rc.plotting.SampledSurface(heights, self.GRID, False))[2]
         assert windowed.sum() * cell / (4 * np.pi**2) == pytest.approx(heights.var(), rel=0.2)
 
     def test_a_wave_stands_at_its_wave_number(self):
@@ -420,8 +420,8 @@ class TestFigures:
         before = dict(matplotlib.rcParams)
         hertz.plot(dark=True)
         hertz.plot("gap")
-        with rc.panel.style(dark=True):
-            assert matplotlib.rcParams["axes.facecolor"] == rc.panel.DARK.paper
+        with rc.plotting.style(dark=True):
+            assert matplotlib.rcParams["axes.facecolor"] == rc.plotting.DARK.paper
         assert dict(matplotlib.rcParams) == before
 
     def test_axes_of_the_user_are_filled_alone(self, hertz):
@@ -439,7 +439,7 @@ class TestFigures:
         hertz.plot("pressure", axes=axes)
         (edge,) = axes.collections
         assert tuple(edge.get_color()[0]) == (1.0, 1.0, 1.0, 1.0)
-        assert axes.child_axes[0].yaxis.label.get_color() == rc.panel.DARK.ink
+        assert axes.child_axes[0].yaxis.label.get_color() == rc.plotting.DARK.ink
 
     def test_ticks_made_at_drawing_are_in_the_colours_of_the_theme(self, hertz):
         figure = hertz.plot(dark=True)
@@ -448,7 +448,7 @@ class TestFigures:
         figure.canvas.draw()
         for axes in figure.axes:
             colors = {tick.label1.get_color() for tick in axes.xaxis.get_major_ticks()}
-            assert colors == {rc.panel.DARK.ink}
+            assert colors == {rc.plotting.DARK.ink}
 
     @pytest.mark.slow
     @pytest.mark.parametrize("size", [(1e-5, 1e-5), (4e-5, 1e-5), (1e-5, 4e-5), (1e-4, 1e-6), (1e-6, 1e-4)])
@@ -493,7 +493,7 @@ class TestFigures:
         assert isinstance(make_figure("solution", hertz), Figure)
         assert pyplot.get_fignums() == before
 
-    @pytest.mark.parametrize("theme", [rc.panel.LIGHT, rc.panel.DARK])
+    @pytest.mark.parametrize("theme", [rc.plotting.LIGHT, rc.plotting.DARK])
     def test_colours_differ_in_lightness(self, theme):
         def lightness(color):
             linear = [((c + 0.055) / 1.055) ** 2.4 if c > 0.04 else c / 12.92 for c in to_rgb(color)]
@@ -509,6 +509,6 @@ class TestFigures:
 def test_a_panel_of_ones_own(hertz):
     class Residual(rc.Panel):
         def draw(self, subject, axes):
-            rc.panel.draw_map(axes, subject.gap, subject.grid, "gap", "m")
+            rc.plotting.draw_map(axes, subject.gap, subject.grid, "gap", "m")
 
     assert hertz.plot(Residual()).images[0].get_array().shape == (64, 64)

@@ -22,7 +22,7 @@ for cells in grids:
 # %%
 # The counted area falls with every finer grid. The default, ``blend``, is right from two cells to the shortest wave
 # on (64 cells a side), within what it states.
-with rc.panel.style():
+with rc.plotting.style():
     figure, axes = plt.subplots(layout="constrained")
     axes.plot(grids, [100 * area.fraction for area in counted], "s--", color="0.5", label="counted cells")
     values = [100 * area.fraction for area in blend]

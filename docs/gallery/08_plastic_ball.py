@@ -16,7 +16,7 @@ materials = {
     "elastic": rc.Elastic(young=210e9, poisson=0.3),
     "hardness 6 GPa": rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=hardness),
 }
-with rc.panel.style():
+with rc.plotting.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
     for (name, material), marker in zip(materials.items(), "os", strict=True):
         problem = rc.ContactProblem(rc.Body(rc.ParaboloidSurface(1e-3), material), grid=grid)

@@ -31,7 +31,7 @@ print(table[["rolloff", "seed", "load", "area blend", "uncertainty blend"]].head
 # Means over the seeds, in per cent of the nominal area.
 table["fraction"] = 100 * table["area blend"] / 64e-6**2
 means = table.groupby(["rolloff", "load"])["fraction"].agg(["mean", "std"])
-with rc.panel.style():
+with rc.plotting.style():
     figure, axes = plt.subplots(layout="constrained")
     for (rolloff, rows), marker in zip(means.groupby("rolloff"), "os^", strict=True):
         load = rows.index.get_level_values("load") / 1e6

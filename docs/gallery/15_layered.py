@@ -13,7 +13,7 @@ from roughcontact_layered import Layer, LayeredKernel
 steel = rc.Elastic(young=210e9, poisson=0.3)
 grid = rc.Grid((128, 128), 80e-6)
 ball = rc.Body(rc.ParaboloidSurface(radius=1e-3), steel)
-with rc.panel.style():
+with rc.plotting.style():
     figure, axes = plt.subplots(layout="constrained")
     for young, style in ((70e9, "--"), (210e9, "-"), (600e9, "-.")):
         kernel = LayeredKernel((Layer(young=young, poisson=0.3, thickness=8e-6),), substrate=steel)

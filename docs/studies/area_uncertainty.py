@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 import area_classes
 
-from roughcontact.panel import LIGHT, style
+from roughcontact.plotting import LIGHT, style
 
 # Groups of classes, by panels of the figure.
 PANELS = {

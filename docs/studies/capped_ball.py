@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from scipy.special import ellipe, ellipk
 
 import roughcontact as rc
-from roughcontact.panel import LIGHT, add_key, scale_axes, style
+from roughcontact.plotting import LIGHT, add_key, scale_axes, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 RADIUS, HARDNESS = 5e-3, 6e9

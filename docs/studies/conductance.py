@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from stiffness import MODULUS, STEEL, hertz, rough
 
 import roughcontact as rc
-from roughcontact.panel import LIGHT, add_key, draw_map, style
+from roughcontact.plotting import LIGHT, add_key, draw_map, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 RADIUS = 1000.0

@@ -19,7 +19,7 @@ from doc_tables import DocTable, read, write_tables
 from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact.panel import LIGHT, add_key, scale_axes, style
+from roughcontact.plotting import LIGHT, add_key, scale_axes, style
 from roughcontact_paper import published
 
 FIGURES = Path(__file__).parent.parent / "figures"

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from scipy.optimize import minimize
 
 import roughcontact as rc
-from roughcontact.panel import LIGHT, add_key, style
+from roughcontact.plotting import LIGHT, add_key, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 STEEL = rc.Elastic(young=210e9, poisson=0.3)

@@ -11,7 +11,7 @@ import numpy as np
 from doc_tables import DocTable, write_tables
 
 import roughcontact as rc
-from roughcontact.panel import style
+from roughcontact.plotting import style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 SEEDS = (1, 2, 3)

@@ -15,7 +15,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact.panel import LIGHT, style
+from roughcontact.plotting import LIGHT, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 WATER = {"viscosity": 1e-3, "pressure_drop": 1e5}

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact.extrapolation import exponential
-from roughcontact.panel import style
+from roughcontact.plotting import style
 from roughcontact_paper.synthetic_pair import SIZE, coarsen, new_pair, run_in_pair
 
 FIGURES = Path(__file__).parent.parent / "figures"

@@ -31,19 +31,19 @@ def matched(maps: Path) -> tuple[list[rc.HeightMap], MatchedPair]:
     return rough, rc.match(*rough, mirrored=True, rotation=np.deg2rad(20), method="cubic")
 
 
-@rc.panel.style()
+@rc.plotting.style()
 def draw(maps: Path, problem: rc.ContactProblem, solution: rc.ContactSolution, folder: Path) -> None:
     rough, pair = matched(maps)
     figure = Figure(figsize=(12, 6.6), layout="constrained")
     axes = figure.subplots(2, 3)
     names = "machined", "isotropic"
     for k, side in enumerate((pair.body, pair.counterbody)):
-        rc.panel.draw_map(axes[k, 0], 1e9 * rough[k].values, rough[k].grid, "height", "nm", colors="cividis")
-        rc.panel.draw_map(axes[k, 1], 1e9 * side.heights(pair.grid), pair.grid, "height", "nm", colors="cividis")
+        rc.plotting.draw_map(axes[k, 0], 1e9 * rough[k].values, rough[k].grid, "height", "nm", colors="cividis")
+        rc.plotting.draw_map(axes[k, 1], 1e9 * side.heights(pair.grid), pair.grid, "height", "nm", colors="cividis")
         axes[k, 0].set_title(f"{names[k]}, form removed")
         axes[k, 1].set_title(f"{names[k]}, on the common grid")
     gap = -1e9 * problem.initial_gap
-    rc.panel.draw_map(axes[0, 2], gap, problem.plan.grid, "combined height", "nm", colors="cividis")
+    rc.plotting.draw_map(axes[0, 2], gap, problem.plan.grid, "combined height", "nm", colors="cividis")
     axes[0, 2].set_title("sum, with a sphere")
     solution.plot("pressure", axes=axes[1, 2])
     axes[1, 2].set_title(f"pressure at {solution.force:.2g} N", pad=18.0)

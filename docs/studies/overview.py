@@ -10,7 +10,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact.panel import LIGHT, add_key, scale_axes, style
+from roughcontact.plotting import LIGHT, add_key, scale_axes, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 # Cells along a side: of the maps, of the errors, and of the reference.

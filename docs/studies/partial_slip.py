@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact.panel import LIGHT, add_key, style
+from roughcontact.plotting import LIGHT, add_key, style
 from roughcontact.typing import PartialSlip
 
 FIGURES = Path(__file__).parent.parent / "figures"

@@ -14,7 +14,7 @@ import numpy as np
 from doc_tables import DocTable, write_tables
 
 import roughcontact as rc
-from roughcontact.panel import add_key, style
+from roughcontact.plotting import add_key, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 HURST, SEEDS = (0.3, 0.5, 0.8), (1, 2, 3)

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact.panel import make_figure, style
+from roughcontact.plotting import make_figure, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 STEEL = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=6e9)
@@ -24,7 +24,7 @@ def main(cells: int = 256, folder: Path = FIGURES) -> None:
     problem = rc.ContactProblem(rc.Body(SURFACE, STEEL), grid=grid, boundary="periodic")
     solution = problem.solve(pressure=400e6)
     sweep = problem.sweep(pressure=np.geomspace(10e6, 1e9, 8))
-    sampled = rc.panel.SampledSurface(SURFACE.heights(grid), grid, True)
+    sampled = rc.plotting.SampledSurface(SURFACE.heights(grid), grid, True)
     for dark, ending in ((False, ""), (True, "_dark")):
         for kind, subject in (("solution", solution), ("surface", sampled), ("sweep", sweep)):
             make_figure(kind, subject, dark=dark).savefig(folder / f"plotting_{kind}{ending}.png", dpi=110)

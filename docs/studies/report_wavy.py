@@ -16,11 +16,11 @@ from pathlib import Path
 import attrs
 from doc_tables import DocTable, write_tables
 from matplotlib.figure import Figure
+from roughcontact.report.picture import draw_errors
 
 import roughcontact as rc
 from roughcontact.extrapolation import exponential, power_law
-from roughcontact.panel import style
-from roughcontact.report.picture import draw_errors
+from roughcontact.plotting import style
 from roughcontact.typing import ErrorReport
 from roughcontact_paper import published
 

@@ -19,7 +19,7 @@ from scipy.special import ellipe, ellipk
 
 import roughcontact as rc
 from roughcontact._responses.tangent import Tangent
-from roughcontact.panel import LIGHT, add_key, style
+from roughcontact.plotting import LIGHT, add_key, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 STEEL = rc.Elastic(young=210e9, poisson=0.3)

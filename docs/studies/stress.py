@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from scipy import optimize
 
 import roughcontact as rc
-from roughcontact.panel import LIGHT, style
+from roughcontact.plotting import LIGHT, style
 from roughcontact.reference import hertz_sphere
 
 FIGURES = Path(__file__).parent.parent / "figures"

@@ -20,7 +20,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact.panel import LIGHT, scale_axes, style
+from roughcontact.plotting import LIGHT, scale_axes, style
 from roughcontact_paper import published
 
 FIGURES = Path(__file__).parent.parent / "figures"

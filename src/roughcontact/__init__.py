@@ -10,7 +10,7 @@ from roughcontact.errors import interrupt as _interrupt  # noqa: F401 - for an i
 
 # isort: split
 from roughcontact import examples as examples
-from roughcontact import panel as panel
+from roughcontact import plotting as plotting
 from roughcontact import typing
 from roughcontact._areas import AreaEstimator, Blend, CellCount, Hertz, LevelSet, LevelSetRichardson, Perimeter, areas
 from roughcontact._convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
@@ -60,7 +60,7 @@ from roughcontact.errors.door import guarded
 from roughcontact.files import SurfaceReader, read_surface, readers
 from roughcontact.grid import Boundary, Grid
 from roughcontact.laws import interface_law
-from roughcontact.panel import Panel, panels
+from roughcontact.plotting import Panel, panels
 from roughcontact.refinement import beyond_resolution, extrapolate, on_grid
 from roughcontact.report import Reference, error_vs_time
 from roughcontact.running_in import run_in
@@ -68,7 +68,7 @@ from roughcontact.studies import Study
 
 __version__ = "0.1.0"
 
-_MODULES = ("errors", "examples", "extrapolation", "panel", "reference", "testing", "typing")
+_MODULES = ("errors", "examples", "extrapolation", "plotting", "reference", "testing", "typing")
 
 __all__ = [
     "DCFFT",

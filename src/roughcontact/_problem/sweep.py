@@ -17,8 +17,6 @@ from roughcontact._solution.writers import page_or_file
 from roughcontact.checks import Array, flag, item_of, number
 from roughcontact.errors import InputError
 from roughcontact.load import Load
-from roughcontact.panel import Panel
-from roughcontact.panel.figures import plot
 from roughcontact.units import counted, si
 
 # Relative error of the area at which the search for its load ends; where the area jumps from cell to cell,
@@ -121,8 +119,10 @@ class Sweep:
         """Convolutions of all solves together."""
         return sum(solution.convolutions for solution in self.solutions)
 
-    def plot(self, panel: str | Panel | None = None, *, axes: Any = None, dark: bool = False) -> Any:
+    def plot(self, panel: Any = None, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the results over the load (extra ``plot``); see `ContactSolution.plot`."""
+        from roughcontact.plotting import plot
+
         return plot("sweep", self, panel, axes, flag(dark, "dark="))
 
     def to_pandas(self) -> Any:

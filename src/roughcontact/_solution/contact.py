@@ -31,13 +31,11 @@ from roughcontact._solution.results import (
 from roughcontact._solution.saturation import estimate_saturated_area
 from roughcontact._solution.summary import abbreviate, summarize
 from roughcontact._solution.theory import TheoryBeside, compare_with_theory
-from roughcontact._solution.vti import to_pyvista, view_solution
+from roughcontact._solution.vti import to_pyvista
 from roughcontact._solution.writers import page_or_file, write_solution, writers
 from roughcontact._surfaces import HeightMap
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
-from roughcontact.panel import Panel
-from roughcontact.panel.figures import plot
 
 if TYPE_CHECKING:
     from roughcontact._responses import Conductance, Leakage, PartialSlip, Stress, YieldPoint
@@ -221,7 +219,7 @@ class ContactSolution(ContactFields):
         writer: Any = writers.create("html")
         return page_or_file(lambda: writer.text(self), path)
 
-    def plot(self, panel: str | Panel | None = None, *, axes: Any = None, dark: bool = False) -> Any:
+    def plot(self, panel: Any = None, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the contact (extra ``plot``).
 
         Parameters
@@ -238,6 +236,8 @@ class ContactSolution(ContactFields):
         matplotlib.axes.Axes or matplotlib.figure.Figure
             The axes of one panel, or the figure of several.
         """
+        from roughcontact.plotting import plot
+
         return plot("solution", self, panel, axes, checks.flag(dark, "dark="))
 
     def plot_3d(self, *, exaggeration: float | None = None, dark: bool = False) -> Any:
@@ -245,6 +245,8 @@ class ContactSolution(ContactFields):
 
         Heights are drawn `exaggeration` times as high; None: 0.12 domains from peak to valley, at most.
         """
+        from roughcontact.plotting import view_solution
+
         return view_solution(self, exaggeration, dark)
 
     @classmethod

@@ -1,4 +1,4 @@
-"""Solutions for VTK: files ``.vti`` for ParaView, data sets and views of pyvista."""
+"""Solutions for VTK: files ``.vti`` for ParaView, data sets of pyvista."""
 
 from __future__ import annotations
 
@@ -16,9 +16,6 @@ from roughcontact.archive import replacing
 from roughcontact.checks import RealArray
 from roughcontact.errors import InputError, MissingPackage
 from roughcontact.grid import Grid
-from roughcontact.panel.layout import title_of
-from roughcontact.panel.solid import Paint, make_view
-from roughcontact.units import prefixed
 
 if TYPE_CHECKING:
     from roughcontact._solution.contact import ContactSolution
@@ -90,22 +87,6 @@ def to_pyvista(solution: ContactSolution) -> Any:
     for name, value in scalars_of(solution).items():
         image.field_data[name] = [value]
     return image
-
-
-def view_solution(solution: ContactSolution, exaggeration: object, dark: object) -> Any:
-    """Return a view of the combined heights coloured by the pressure; see `ContactSolution.plot_3d`."""
-    highest = float(solution.pressure.max())
-    factor, unit = prefixed(highest, "Pa")
-    limit = factor * highest or 1.0
-    pressure = np.where(solution.contact, factor * solution.pressure, np.nan)
-    above = "saturated" if solution.saturated.any() else None
-    # Colours end where the pressure does; saturated cells are above them.
-    pressure[solution.saturated] = 2.0 * limit
-    paint = Paint(pressure, f"pressure, {unit}", "viridis", (0.0, limit), above=above)
-    heights = -solution.initial_gap
-    if solution.non_measured is not None:
-        heights = np.where(solution.non_measured, np.nan, heights)
-    return make_view(solution.grid, heights, paint, title_of("solution", solution), exaggeration, dark)
 
 
 def _spacing(grid: Grid) -> tuple[float, float, float]:

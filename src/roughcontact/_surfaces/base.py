@@ -5,21 +5,18 @@ from __future__ import annotations
 import abc
 import dataclasses
 from collections.abc import Callable, Sequence
-from typing import Any, TypeAlias
+from typing import Any
 
 import attrs
 import numpy as np
 
 from roughcontact._surfaces.resampling import check_method, shift_by_half_cell
+from roughcontact._surfaces.sampled import SampledSurface
 from roughcontact.checks import Array, Mask, flag
 from roughcontact.errors import InputError
 from roughcontact.grid import Grid
-from roughcontact.panel import Panel, SampledSurface
-from roughcontact.panel.figures import plot
-from roughcontact.panel.solid import view_surface
 from roughcontact.registry import Registry
 
-_PanelChoice: TypeAlias = str | Panel | None
 # Two evaluations of the same heights at the same points agree to this fraction of their range: rounding.
 _ROUNDING = 1e-9
 
@@ -128,9 +125,7 @@ class Surface(abc.ABC):
             raise InputError(f"The heights of {name} depend on the size of the domain, so it cannot be shifted.")
         return _Samples(grid, shift_by_half_cell(heights, grid))
 
-    def plot(
-        self, grid: Grid | _PanelChoice = None, panel: _PanelChoice = None, *, axes: Any = None, dark: bool = False
-    ) -> Any:
+    def plot(self, grid: Any = None, panel: Any = None, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the surface (extra ``plot``).
 
         Parameters
@@ -149,7 +144,9 @@ class Surface(abc.ABC):
         matplotlib.axes.Axes or matplotlib.figure.Figure
             The axes of one panel, or the figure of several.
         """
-        if panel is None and isinstance(grid, (str, Panel)):
+        from roughcontact.plotting import plot
+
+        if panel is None and grid is not None and not isinstance(grid, Grid):
             grid, panel = None, grid
         return plot("surface", self._sample(grid), panel, axes, flag(dark, "dark="))
 
@@ -165,6 +162,8 @@ class Surface(abc.ABC):
         dark
             Whether the background is dark.
         """
+        from roughcontact.plotting import view_surface
+
         return view_surface(self._sample(grid), exaggeration, dark)
 
     def _sample(self, grid: Any) -> SampledSurface:

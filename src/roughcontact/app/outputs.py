@@ -15,7 +15,7 @@ from roughcontact._solution import ContactSolution
 from roughcontact.app.answers import make_table
 from roughcontact.archive import replacing
 from roughcontact.errors import RoughContactError
-from roughcontact.panel import panels
+from roughcontact.plotting import panels
 
 # The panels that come first; others follow in the order of their names.
 _FIRST = {"solution": ("pressure", "gap", "heights", "patches"), "sweep": ("area-load", "load-approach")}

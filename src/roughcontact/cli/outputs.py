@@ -9,8 +9,8 @@ from typing import Any
 import roughcontact as rc
 from roughcontact import checks
 from roughcontact._solution.netcdf import require_netcdf
-from roughcontact.panel.figures import save_figure
-from roughcontact.panel.theme import require_matplotlib
+from roughcontact.plotting.figures import save_figure
+from roughcontact.plotting.theme import require_matplotlib
 from roughcontact.units.text import fit
 
 PICTURES = frozenset({".png", ".svg", ".pdf"})

@@ -16,7 +16,7 @@ from roughcontact.cli.progress import show_progress
 from roughcontact.cli.scenes import Scene, add_scenes, read_scenes
 from roughcontact.cli.wording import name_advice
 from roughcontact.diagnostics import Verdict
-from roughcontact.panel.theme import require_matplotlib
+from roughcontact.plotting.theme import require_matplotlib
 from roughcontact.report import ErrorReport
 from roughcontact.units.text import fit
 

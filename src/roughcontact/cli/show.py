@@ -15,7 +15,7 @@ from roughcontact.cli.maps import describe_map, list_warnings
 from roughcontact.cli.options import add_reading
 from roughcontact.cli.outputs import plan_picture
 from roughcontact.cli.problem import read_map
-from roughcontact.panel.figures import save_figure
+from roughcontact.plotting.figures import save_figure
 from roughcontact.units.text import fit
 
 

@@ -20,7 +20,7 @@ from roughcontact.cli import Command
 from roughcontact.cli.maps import describe_map
 from roughcontact.cli.options import METRE, NUMBER, quantity, whole_number
 from roughcontact.cli.outputs import plan_picture
-from roughcontact.panel.figures import save_figure
+from roughcontact.plotting.figures import save_figure
 from roughcontact.units.text import fit
 
 # Types of fields, as they are annotated, that an option can give: the converter, and how many values.

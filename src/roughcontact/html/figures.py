@@ -13,8 +13,8 @@ import attrs
 
 from roughcontact._problem.sweep import Sweep
 from roughcontact._solution import ContactSolution
-from roughcontact.panel import panels
-from roughcontact.panel.figures import make_figure
+from roughcontact.plotting import panels
+from roughcontact.plotting.figures import make_figure
 
 # Panels that ship, in the order of the page; those of plug-ins come last.
 _FIRST = {

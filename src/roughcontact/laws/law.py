@@ -207,8 +207,7 @@ class InterfaceLaw:
         matplotlib.axes.Axes
             The axes.
         """
-        # Imported here: a law is made and written without matplotlib.
-        from roughcontact.laws.picture import draw_column
+        from roughcontact.plotting.law import draw_column
 
         return draw_column(self.pressures, self[column], self.fit(column), axes)
 

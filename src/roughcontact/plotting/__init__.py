@@ -1,1 +1,34 @@
-"""The panels that ship; drawn with matplotlib, extra ``plot``."""
+"""Figures of solutions, surfaces and sweeps: the base class of panels, their look, and the functions that draw them.
+
+Nothing of matplotlib is loaded until something is drawn.
+"""
+
+from roughcontact._surfaces.sampled import SampledSurface
+from roughcontact.plotting.base import Panel, panels
+from roughcontact.plotting.curves import add_key, draw_band, scale_axes
+from roughcontact.plotting.figures import make_figure, plot, save_figure
+from roughcontact.plotting.maps import draw_map, draw_mask, name_colors
+from roughcontact.plotting.solid import view_solution, view_surface
+from roughcontact.plotting.theme import DARK, LIGHT, Theme, style, theme_of
+
+__all__ = [
+    "DARK",
+    "LIGHT",
+    "Panel",
+    "SampledSurface",
+    "Theme",
+    "add_key",
+    "draw_band",
+    "draw_map",
+    "draw_mask",
+    "make_figure",
+    "name_colors",
+    "panels",
+    "plot",
+    "save_figure",
+    "scale_axes",
+    "style",
+    "theme_of",
+    "view_solution",
+    "view_surface",
+]

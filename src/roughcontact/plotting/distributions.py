@@ -9,10 +9,10 @@ import attrs
 import numpy as np
 
 from roughcontact._areas.outline import edge_law
-from roughcontact.panel import Panel
-from roughcontact.panel.curves import add_key, scale_axes
-from roughcontact.panel.theme import theme_of
+from roughcontact.plotting.base import Panel
+from roughcontact.plotting.curves import add_key, scale_axes
 from roughcontact.plotting.fields import areas_of_patches, pressure_scale
+from roughcontact.plotting.theme import theme_of
 from roughcontact.units import prefixed, with_spread
 
 # Bins of a histogram for n numbers: about the cubic root of n, within these bounds.

@@ -9,7 +9,7 @@ import numpy as np
 from roughcontact._areas import LevelSet
 from roughcontact._solution import ContactSolution
 from roughcontact.grid import Boundary
-from roughcontact.panel.maps import length_scale
+from roughcontact.plotting.maps import length_scale
 
 # Width of the line over that of a cell, and its bounds, points.
 _WIDTH, _THINNEST, _THICKEST = 0.3, 0.03, 1.0

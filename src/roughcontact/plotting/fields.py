@@ -10,11 +10,11 @@ import numpy as np
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array, choice, flag
 from roughcontact.errors import InputError
-from roughcontact.panel import Panel
-from roughcontact.panel.curves import say
-from roughcontact.panel.maps import draw_map, draw_mask, name_colors
-from roughcontact.panel.theme import theme_of
+from roughcontact.plotting.base import Panel
+from roughcontact.plotting.curves import say
 from roughcontact.plotting.edges import draw_edges
+from roughcontact.plotting.maps import draw_map, draw_mask, name_colors
+from roughcontact.plotting.theme import theme_of
 from roughcontact.units import prefixed
 
 # What heights may be drawn.

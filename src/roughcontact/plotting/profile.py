@@ -10,11 +10,11 @@ import numpy as np
 from roughcontact._solution import ContactSolution
 from roughcontact.checks import Array, Mask, number
 from roughcontact.errors import InputError
-from roughcontact.panel import Panel
-from roughcontact.panel.curves import add_key, scale_axes
-from roughcontact.panel.maps import length_scale
-from roughcontact.panel.theme import theme_of
+from roughcontact.plotting.base import Panel
+from roughcontact.plotting.curves import add_key, scale_axes
 from roughcontact.plotting.fields import height_scale
+from roughcontact.plotting.maps import length_scale
+from roughcontact.plotting.theme import theme_of
 from roughcontact.units import si
 
 # Margin above and below both surfaces, over their range.

@@ -10,12 +10,13 @@ import numpy as np
 import scipy.fft
 
 from roughcontact._surfaces.filling import fill
+from roughcontact._surfaces.sampled import SampledSurface
 from roughcontact._surfaces.spectrum import mean_in_bands, power_spectrum
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
-from roughcontact.panel import Panel, SampledSurface
-from roughcontact.panel.curves import add_key, scale_axes
-from roughcontact.panel.theme import theme_of
+from roughcontact.plotting.base import Panel
+from roughcontact.plotting.curves import add_key, scale_axes
+from roughcontact.plotting.theme import theme_of
 from roughcontact.units import prefixed
 
 # Bands of wave numbers a decade.

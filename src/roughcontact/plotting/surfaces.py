@@ -8,12 +8,13 @@ import attrs
 import numpy as np
 import scipy.fft
 
+from roughcontact._surfaces.sampled import SampledSurface
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
-from roughcontact.panel import Panel, SampledSurface
-from roughcontact.panel.curves import add_key, scale_axes
-from roughcontact.panel.maps import draw_map, draw_mask, name_colors
-from roughcontact.panel.theme import theme_of
+from roughcontact.plotting.base import Panel
+from roughcontact.plotting.curves import add_key, scale_axes
+from roughcontact.plotting.maps import draw_map, draw_mask, name_colors
+from roughcontact.plotting.theme import theme_of
 from roughcontact.reference.bearing import bearing_area
 from roughcontact.units import prefixed, si
 

@@ -11,9 +11,9 @@ from roughcontact._problem.sweep import Sweep
 from roughcontact._solution import Estimate
 from roughcontact.checks import Array
 from roughcontact.errors import InputError
-from roughcontact.panel import Panel
-from roughcontact.panel.curves import draw_band, scale_axes
-from roughcontact.panel.layout import loads_of
+from roughcontact.plotting.base import Panel
+from roughcontact.plotting.curves import draw_band, scale_axes
+from roughcontact.plotting.layout import loads_of
 from roughcontact.units import prefixed
 
 # Smallest load over the largest, of those that a unit is chosen for.

@@ -111,8 +111,7 @@ class ErrorReport:
 
         Needs matplotlib, and raises `MissingPackage` without it.
         """
-        # Imported here: a report is made and read without matplotlib.
-        from roughcontact.report.picture import draw_report
+        from roughcontact.plotting.error_report import draw_report
 
         draw_report(self, checks.path(path, "The picture"))
 

@@ -13,7 +13,7 @@ import numpy as np
 from roughcontact.checks import RealArray, choice
 from roughcontact.description import describe, key_of, missing_classes, rebuild
 from roughcontact.errors import InputError
-from roughcontact.panel import panels
+from roughcontact.plotting import panels
 from roughcontact.registry import Registry, registries
 
 T = TypeVar("T")

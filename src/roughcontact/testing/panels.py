@@ -11,7 +11,7 @@ from roughcontact._problem.sweep import Sweep
 from roughcontact.checks import RealArray
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.grid import Boundary
-from roughcontact.panel import Panel, SampledSurface, make_figure
+from roughcontact.plotting import Panel, SampledSurface, make_figure
 from roughcontact.testing.claim import DoesNotApply, claim, pickled, require
 from roughcontact.testing.problems import full_contact, rough_contact, sphere_contact
 

@@ -16,6 +16,6 @@ class PatchForces(rc.Panel):
         if not forces.size:
             raise rc.InputError("No cell is in contact, so that no patch carries a force.")
         carried = 100.0 * np.cumsum(forces) / forces.sum()
-        color = rc.panel.theme_of(axes).lines[0]
+        color = rc.plotting.theme_of(axes).lines[0]
         axes.step(np.arange(1, forces.size + 1), carried, where="post", marker="o", color=color)
-        rc.panel.scale_axes(axes, x="number of patches", y="force, %", logarithmic="x")
+        rc.plotting.scale_axes(axes, x="number of patches", y="force, %", logarithmic="x")

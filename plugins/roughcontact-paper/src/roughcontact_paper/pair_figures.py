@@ -14,7 +14,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from roughcontact.panel import LIGHT, style
+from roughcontact.plotting import LIGHT, style
 
 from roughcontact_paper.output import label_grids
 from roughcontact_paper.pair_tables import FORCES, STATES, PairCase, fit_counts, local_contact, select

@@ -10,7 +10,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
-from roughcontact.panel import LIGHT, style
+from roughcontact.plotting import LIGHT, style
 
 from roughcontact_paper import published
 from roughcontact_paper.output import label_grids

@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact.checks import Array
 from roughcontact.errors.door import guarded
-from roughcontact.panel.theme import plain_logarithms, theme_of
+from roughcontact.plotting.theme import plain_logarithms, theme_of
 
 # Lowest end of a band over the value, on logarithmic axes.
 _LOWEST = 0.05

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
 
+from roughcontact._solution import ContactSolution
+from roughcontact._surfaces.sampled import SampledSurface
 from roughcontact.checks import Array, flag, number
 from roughcontact.errors import MissingPackage
-from roughcontact.panel.base import SampledSurface
-from roughcontact.panel.theme import DARK, LIGHT, Theme
+from roughcontact.grid import Grid
+from roughcontact.plotting.layout import title_of
+from roughcontact.plotting.theme import DARK, LIGHT, Theme
 from roughcontact.units import prefixed, si
-
-if TYPE_CHECKING:
-    from roughcontact.grid import Grid
 
 # Peak to valley of the heights as drawn, over the longer side of the domain, where no exaggeration is given.
 _TALL = 0.12
@@ -27,7 +27,7 @@ _WINDOW, _TITLE, _NUMBERS = (1200, 900), 12, 10
 
 
 @attrs.frozen(eq=False)
-class Paint:
+class SurfaceColoring:
     """What colours a view: a field, shape (nx, ny), NaN where nothing is; its name with the unit, and the colour map.
 
     Attributes
@@ -50,7 +50,9 @@ class Paint:
     above: str | None = None
 
 
-def make_view(grid: Grid, heights: Array, paint: Paint, title: str, exaggeration: object, dark: object) -> Any:
+def make_view(
+    grid: Grid, heights: Array, coloring: SurfaceColoring, title: str, exaggeration: object, dark: object
+) -> Any:
     """Return a `pyvista.Plotter` with the heights, shape `grid.shape`, m, in perspective."""
     try:
         import pyvista
@@ -66,10 +68,10 @@ def make_view(grid: Grid, heights: Array, paint: Paint, title: str, exaggeration
     chosen = np.s_[:: steps[0], :: steps[1]]
     across, along = np.broadcast_arrays(grid.x[:: steps[0]] / side, grid.y[:, :: steps[1]] / side)
     mesh = pyvista.StructuredGrid(across, along, times / side * raised[chosen])
-    mesh.point_data[paint.label] = paint.field[chosen].ravel(order="F")
+    mesh.point_data[coloring.label] = coloring.field[chosen].ravel(order="F")
     view = pyvista.Plotter(window_size=_WINDOW)
     view.set_background(theme.paper)
-    _add_heights(view, mesh, paint, theme)
+    _add_heights(view, mesh, coloring, theme)
     sides = " x ".join(si(one, "m", 4) for one in grid.size)
     said = f"{title}\n{sides}; heights drawn {times:g} times as high"
     view.add_text(said, position="upper_left", font_size=_TITLE, color=theme.ink)
@@ -83,9 +85,25 @@ def view_surface(sampled: SampledSurface, exaggeration: object, dark: object) ->
     heights = sampled.heights - np.nanmean(sampled.heights)
     factor, unit = prefixed(float(np.nanmax(np.abs(heights))), "m")
     end = factor * float(np.nanmax(np.abs(heights))) or 1.0
-    paint = Paint(factor * heights, f"height, {unit}", "cividis", (-end, end), nothing="unknown")
+    coloring = SurfaceColoring(factor * heights, f"height, {unit}", "cividis", (-end, end), nothing="unknown")
     title = f"Rms height {si(sampled.rms_height, 'm', 3)}"
-    return make_view(sampled.grid, heights, paint, title, exaggeration, dark)
+    return make_view(sampled.grid, heights, coloring, title, exaggeration, dark)
+
+
+def view_solution(solution: ContactSolution, exaggeration: object, dark: object) -> Any:
+    """Return a view of the combined heights coloured by the pressure; see `ContactSolution.plot_3d`."""
+    highest = float(solution.pressure.max())
+    factor, unit = prefixed(highest, "Pa")
+    limit = factor * highest or 1.0
+    pressure = np.where(solution.contact, factor * solution.pressure, np.nan)
+    above = "saturated" if solution.saturated.any() else None
+    # Colours end where the pressure does; saturated cells are above them.
+    pressure[solution.saturated] = 2.0 * limit
+    coloring = SurfaceColoring(pressure, f"pressure, {unit}", "viridis", (0.0, limit), above=above)
+    heights = -solution.initial_gap
+    if solution.non_measured is not None:
+        heights = np.where(solution.non_measured, np.nan, heights)
+    return make_view(solution.grid, heights, coloring, title_of("solution", solution), exaggeration, dark)
 
 
 def _choose(grid: Grid, raised: Array) -> float:
@@ -98,18 +116,18 @@ def _choose(grid: Grid, raised: Array) -> float:
     return float(max((one for one in (1.0, 2.0, 5.0) if one * power <= wanted), default=1.0) * power)
 
 
-def _add_heights(view: Any, mesh: Any, paint: Paint, theme: Theme) -> None:
-    bar = {"title": paint.label, "color": theme.ink, "n_labels": 3, "fmt": "%.3g", "vertical": True}
+def _add_heights(view: Any, mesh: Any, coloring: SurfaceColoring, theme: Theme) -> None:
+    bar = {"title": coloring.label, "color": theme.ink, "n_labels": 3, "fmt": "%.3g", "vertical": True}
     bar |= {"title_font_size": 2 * _TITLE, "label_font_size": 2 * _NUMBERS, "position_x": 0.88, "position_y": 0.25}
-    above = {} if paint.above is None else {"above_color": theme.limit}
-    if paint.above is not None:
-        bar["above_label"] = paint.above
+    above = {} if coloring.above is None else {"above_color": theme.limit}
+    if coloring.above is not None:
+        bar["above_label"] = coloring.above
     view.add_mesh(
         mesh,
-        scalars=paint.label,
-        cmap=paint.colors,
-        clim=paint.limits,
-        nan_color=getattr(theme, paint.nothing),
+        scalars=coloring.label,
+        cmap=coloring.colors,
+        clim=coloring.limits,
+        nan_color=getattr(theme, coloring.nothing),
         scalar_bar_args=bar,
         smooth_shading=True,
         interpolate_before_map=True,

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from roughcontact.checks import Array, Mask
 from roughcontact.errors.door import guarded
-from roughcontact.panel.curves import add_key
-from roughcontact.panel.theme import plain_logarithms, theme_of
+from roughcontact.grid import Grid
+from roughcontact.plotting.curves import add_key
+from roughcontact.plotting.theme import plain_logarithms, theme_of
 from roughcontact.units import prefixed
-
-if TYPE_CHECKING:
-    from roughcontact.grid import Grid
 
 # Ratio of the sides above which a domain is not drawn in true proportions: too narrow to be seen.
 _NARROW = 6.0

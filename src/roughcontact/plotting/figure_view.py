@@ -8,7 +8,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 
-class Sheet(Figure):
+class FigureView(Figure):
     """A figure that is saved with at least one pixel for each cell of its maps, and that notebooks show once."""
 
     saving_dpi = 150.0

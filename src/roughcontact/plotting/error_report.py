@@ -5,11 +5,11 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from roughcontact.archive import replacing
 from roughcontact.errors import InputError, MissingPackage
-from roughcontact.panel.theme import apply_theme
+from roughcontact.plotting.theme import apply_theme
+from roughcontact.report import ErrorReport
 from roughcontact.report.row import ReportRow, find_varying_parts, group_by_setup
 
 try:
@@ -18,9 +18,6 @@ try:
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 except ImportError:
     raise MissingPackage("Drawing needs matplotlib: pip install 'roughcontact[plot]'.") from None
-
-if TYPE_CHECKING:
-    from roughcontact.report.result import ErrorReport
 
 Box = tuple[float, float, float, float]  # left, lower, right and upper end, points
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from roughcontact.checks import Array
 from roughcontact.errors import InputError, MissingPackage
-from roughcontact.laws.fits import PowerFit
-from roughcontact.panel.curves import add_key, draw_band, scale_axes
-from roughcontact.panel.theme import style, theme_of
+from roughcontact.laws import LawColumn, PowerFit
+from roughcontact.plotting.curves import add_key, draw_band, scale_axes
+from roughcontact.plotting.theme import style, theme_of
 from roughcontact.units import prefixed
 
 try:
@@ -18,9 +16,6 @@ try:
     from matplotlib.axes import Axes
 except ImportError:
     raise MissingPackage("Drawing needs matplotlib: pip install 'roughcontact[plot]'.") from None
-
-if TYPE_CHECKING:
-    from roughcontact.laws.law import LawColumn
 
 
 def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes: Axes | None) -> Axes:

@@ -10,9 +10,9 @@ from typing import Any
 from roughcontact.archive import replacing
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.panel.base import Panel, panels
-from roughcontact.panel.layout import Layout, arrange, title_of
-from roughcontact.panel.theme import apply_theme, require_matplotlib, style, theme_of
+from roughcontact.plotting.base import Panel, panels
+from roughcontact.plotting.layout import Layout, arrange, title_of
+from roughcontact.plotting.theme import apply_theme, require_matplotlib, style, theme_of
 
 # The panels of a figure where none is named.
 _STANDARD = {
@@ -32,7 +32,7 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
     from matplotlib import pyplot
     from matplotlib.axes import Axes
 
-    from roughcontact.panel.sheet import Sheet
+    from roughcontact.plotting.figure_view import FigureView
 
     if axes is not None and not (isinstance(axes, Axes) and axes.name == "rectilinear"):
         raise InputError.about("The axes", axes, "plane, rectangular Axes of matplotlib, or None")
@@ -44,7 +44,7 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
             chosen.draw(subject, axes)
         return axes
     with style(dark):
-        figure = pyplot.figure(FigureClass=Sheet)
+        figure = pyplot.figure(FigureClass=FigureView)
         try:
             if chosen is None:
                 return _fill(figure, kind, subject)
@@ -79,10 +79,10 @@ def make_figure(kind: str, subject: Any, panel: str | Panel | None = None, dark:
     if kind not in _STANDARD:
         raise InputError.about("What is drawn", kind, f"one of {', '.join(map(repr, _STANDARD))}")
     require_matplotlib()
-    from roughcontact.panel.sheet import Sheet
+    from roughcontact.plotting.figure_view import FigureView
 
     with apply_theme(dark):
-        figure = Sheet()
+        figure = FigureView()
         if panel is None:
             return _fill(figure, kind, subject)
         _fill_one(figure, _resolve(kind, panel), subject)

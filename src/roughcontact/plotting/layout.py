@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
-from roughcontact.panel.maps import proportion
+from roughcontact.checks import Array
+from roughcontact.grid import Grid
+from roughcontact.plotting.maps import proportion
 from roughcontact.units import counted, si
-
-if TYPE_CHECKING:
-    from roughcontact.checks import Array
-    from roughcontact.grid import Grid
 
 # Side of a square map, and what labels beside and below it take, inches.
 _SIDE, _BESIDE, _BELOW = 3.0, 1.3, 0.65
