@@ -207,7 +207,7 @@ class InterfaceLaw:
         matplotlib.axes.Axes
             The axes.
         """
-        from roughcontact.plotting.law import draw_column
+        from roughcontact.plotting import draw_column
 
         return draw_column(self.pressures, self[column], self.fit(column), axes)
 

@@ -5,19 +5,13 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from roughcontact.archive import replacing
-from roughcontact.errors import InputError, MissingPackage
-from roughcontact.plotting.theme import apply_theme
+from roughcontact.errors import InputError
+from roughcontact.plotting.theme import apply_theme, require_matplotlib
 from roughcontact.report import ErrorReport
 from roughcontact.report.row import ReportRow, find_varying_parts, group_by_setup
-
-try:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
-except ImportError:
-    raise MissingPackage("Drawing needs matplotlib: pip install 'roughcontact[plot]'.") from None
 
 Box = tuple[float, float, float, float]  # left, lower, right and upper end, points
 
@@ -38,6 +32,9 @@ _NUMBERS, _BESIDE = 7, ((5, 4), (5, -10), (-20, 4), (-20, -10))
 
 def draw_report(report: ErrorReport, path: Path) -> None:
     """Draw a panel for each quantity of the reference into a file; see `ErrorReport.draw`."""
+    require_matplotlib()
+    from matplotlib.figure import Figure
+
     names, ending = report.reference.quantities, path.suffix.lstrip(".")
     # In memory: when a disk is full, some formats fail in other ways than by an error of the system.
     content = io.BytesIO()
@@ -53,7 +50,7 @@ def draw_report(report: ErrorReport, path: Path) -> None:
         partial.write_bytes(content.getvalue())
 
 
-def draw_errors(axes: Axes, report: ErrorReport, quantity: str) -> None:
+def draw_errors(axes: Any, report: ErrorReport, quantity: str) -> None:
     """Draw the errors of ``"area"``, ``"p_max"`` or ``"approach"`` against CPU time."""
     axes.set_title(_TITLES[quantity])
     lines = _select_lines(report.rows, quantity)
@@ -83,7 +80,7 @@ def draw_errors(axes: Axes, report: ErrorReport, quantity: str) -> None:
     _write_numbers(axes, [(row.cost(quantity), _height(row, quantity, bound), row.shape[0]) for row in drawn])
 
 
-def _write_numbers(axes: Axes, points: Sequence[tuple[float, float, int]]) -> None:
+def _write_numbers(axes: Any, points: Sequence[tuple[float, float, int]]) -> None:
     """Write the cells along x beside each point where there is room, so that no number covers another or a point."""
     pixel = axes.figure.dpi / 72
     places = axes.transData.transform([point[:2] for point in points]) / pixel
@@ -104,7 +101,9 @@ def _overlap(box: Box, other: Box) -> bool:
     return box[0] < other[2] and other[0] < box[2] and box[1] < other[3] and other[1] < box[3]
 
 
-def _set_axes(axes: Axes) -> None:
+def _set_axes(axes: Any) -> None:
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+
     low, high = axes.dataLim.intervaly
     if not high > _ALIKE * low:
         # A single number, also one with its rounding, spans no axis.
@@ -131,7 +130,7 @@ def _select_lines(rows: Sequence[ReportRow], quantity: str) -> list[list[ReportR
 
 
 def _draw_line(
-    axes: Axes, rows: Sequence[ReportRow], quantity: str, bound: float, color: str, setup: int, label: str
+    axes: Any, rows: Sequence[ReportRow], quantity: str, bound: float, color: str, setup: int, label: str
 ) -> None:
     marker, dashes = _MARKERS[setup % len(_MARKERS)], _DASHES[setup % len(_DASHES)]
     x, y = [row.cost(quantity) for row in rows], [_height(row, quantity, bound) for row in rows]

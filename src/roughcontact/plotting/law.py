@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from roughcontact.checks import Array
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError
 from roughcontact.laws import LawColumn, PowerFit
 from roughcontact.plotting.curves import add_key, draw_band, scale_axes
-from roughcontact.plotting.theme import style, theme_of
+from roughcontact.plotting.theme import require_matplotlib, style, theme_of
 from roughcontact.units import prefixed
 
-try:
+
+def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes: Any) -> Any:
+    """Draw a column over the pressure; see `InterfaceLaw.plot`."""
+    require_matplotlib()
     from matplotlib import pyplot
     from matplotlib.axes import Axes
-except ImportError:
-    raise MissingPackage("Drawing needs matplotlib: pip install 'roughcontact[plot]'.") from None
 
-
-def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes: Axes | None) -> Axes:
-    """Draw a column over the pressure; see `InterfaceLaw.plot`."""
     if axes is None:
         with style():
             axes = pyplot.subplots(layout="constrained")[1]

@@ -111,7 +111,7 @@ class ErrorReport:
 
         Needs matplotlib, and raises `MissingPackage` without it.
         """
-        from roughcontact.plotting.error_report import draw_report
+        from roughcontact.plotting import draw_report
 
         draw_report(self, checks.path(path, "The picture"))
 
