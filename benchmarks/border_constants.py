@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._solution.plausibility import find_contact
+from roughcontact._solve.solution.plausibility import find_contact
 
 STEEL = rc.Elastic(young=200e9, poisson=0.3)
 SLOPE, PITCH = 0.05, 1e-6

@@ -2,7 +2,7 @@
 
     python benchmarks/edge_constants.py [number of contacts of each kind]
 
-Prints each constant of `roughcontact._areas.calibration` beside what is measured again; two minutes.
+Prints each constant of `roughcontact._answers.areas.calibration` beside what is measured again; two minutes.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import sys
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._areas import calibration
-from roughcontact._areas.contour import Contour, trace_contour
+from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.contour import Contour, trace_contour
 
 RADIUS = 1e4  # of all spheres, in cells; their modulus is one
 SHIFT = rc.Love.edge_shift

@@ -3,7 +3,7 @@
     python benchmarks/layer_constants.py
 
 Needs the plug-in roughcontact-layered. Compares spheres on one layer with six times finer grids, for three values of
-each length at which E* is taken, beside `roughcontact._areas.calibration`; one minute.
+each length at which E* is taken, beside `roughcontact._answers.areas.calibration`; one minute.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import attrs
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._areas import calibration
-from roughcontact._areas.contour import find_modulus_change
-from roughcontact._areas.edges import trace_edges
-from roughcontact._areas.hertz import hertz_areas
+from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.contour import find_modulus_change
+from roughcontact._answers.areas.edges import trace_edges
+from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact_layered import Layer, LayeredKernel
 
 RATIOS = (0.1, 0.25, 4.0, 10.0)  # modulus of the layer over that of the substrate

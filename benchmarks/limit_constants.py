@@ -3,7 +3,7 @@
     python benchmarks/limit_constants.py [number of spheres of each overload]
 
 Prints the growth of the contact by the overload (Hertz's maximum pressure over the limit) and the error of the traced
-edge beside `roughcontact._areas.calibration`; half a minute.
+edge beside `roughcontact._answers.areas.calibration`; half a minute.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import sys
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._areas import calibration
-from roughcontact._areas.edges import trace_edges
+from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.edges import trace_edges
 
 RADIUS = 1e4  # of the spheres, in cells; their modulus is one
 LARGE = 40.0  # cells: radius of the elastic contact whose traced area counts as true

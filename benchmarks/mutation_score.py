@@ -25,7 +25,19 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = ("_areas", "_solvers", "_problem", "_kernels", "_convolvers", "_responses", "archive", "files")
+PACKAGES = (
+    "_base/archive",
+    "_parts/files",
+    "_parts/kernels",
+    "_solve/convolvers",
+    "_solve/problem",
+    "_solve/solvers",
+    "_answers/areas",
+    "_answers/flow",
+    "_answers/linear",
+    "_answers/slip",
+    "_answers/subsurface",
+)
 SWAPPED = {"+": "-", "-": "+", "*": "/", "/": "*", "**": "*", "//": "/", "%": "*"}
 SWAPPED |= {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "and": "or", "or": "and"}
 SWAPPED |= {"is not": "is", "is": "is not", "not in": "in", "in": "not in"}

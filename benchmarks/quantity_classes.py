@@ -66,7 +66,7 @@ _HEIGHTS: dict[str, float] = {}
 
 def _height(case: Case) -> float:
     """Return the height of the highest summit of a periodic surface above its mean plane, m."""
-    from roughcontact._areas.quantities import find_rise
+    from roughcontact._answers.areas.quantities import find_rise
 
     if case.key not in _HEIGHTS:
         gap = case.fine(contacts.FINE).initial_gap

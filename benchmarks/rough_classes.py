@@ -12,7 +12,7 @@ import scipy.fft
 from contact_classes import ELASTIC, LOADS, SHORTEST, SLOPE, WAVES, Case, generator, group_of_radius, log_uniform
 
 import roughcontact as rc
-from roughcontact._surfaces.filling import fill
+from roughcontact._parts.surfaces.filling import fill
 from roughcontact.reference import hertz_sphere
 
 HURSTS = (0.3, 0.5, 0.8, 1.0)

@@ -3,7 +3,7 @@
     python benchmarks/rough_constants.py [number of surfaces]
 
 Solves self-affine surfaces at three loads on grids of 2 to 8 cells a shortest wave and compares them with 32; prints
-each constant of `roughcontact._areas.calibration` beside what is measured again. One minute for four surfaces.
+each constant of `roughcontact._answers.areas.calibration` beside what is measured again. One minute for four surfaces.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ import sys
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._areas import calibration
-from roughcontact._areas.edges import trace_edges
-from roughcontact._areas.hertz import hertz_areas
+from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.edges import trace_edges
+from roughcontact._answers.areas.hertz import hertz_areas
 
 SURFACES = ((0.8, 1), (0.5, 2), (0.8, 3), (0.3, 4), (0.7, 5), (0.4, 6))  # Hurst exponents and seeds
 WAVES, FINEST = 32, 1024

@@ -7,8 +7,8 @@ import copy
 import numpy as np
 
 import roughcontact as rc
-from roughcontact.archive import SEAL, digest_of, pack, seal, write_archive
-from roughcontact.description import key_of_description
+from roughcontact._base.archive import SEAL, digest_of, pack, seal, write_archive
+from roughcontact._base.archive.plain import key_of_description
 
 
 def damage_bytes(data, rng):

@@ -25,8 +25,10 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._solution.several import gather_warnings
-from roughcontact._solution.summary import list_all_warnings
+from roughcontact._base.units.columns import write_column
+from roughcontact._faces.cli.app import _shown
+from roughcontact._solve.solution.several import gather_warnings
+from roughcontact._solve.solution.summary import list_all_warnings
 from roughcontact.app import AppServer, Session
 from roughcontact.app.answers import describe_solutions, list_warnings, make_table
 from roughcontact.app.connections import LIMIT
@@ -36,9 +38,7 @@ from roughcontact.app.scene import make_loads, make_problem, make_scene
 from roughcontact.app.settings import DEFAULTS, load_values, quantity, read_settings
 from roughcontact.app.uploads import shown_name
 from roughcontact.app.words import in_words_of_page
-from roughcontact.cli.app import _shown
 from roughcontact.typing import Step
-from roughcontact.units.columns import write_column
 
 PATIENCE = 120.0
 SMALL = {"surface": "wavy", "cells": "48", "side": "50", "wavelength": "25", "boundary": "periodic"}
@@ -1177,7 +1177,7 @@ def test_the_command_line_of_the_browser_gives_no_access(tmp_path):
 
 def test_browsers_in_a_snap_are_given_a_file_that_they_see(tmp_path, monkeypatch):
     opened = []
-    monkeypatch.setattr("roughcontact.cli.app._SNAPS", tmp_path)
+    monkeypatch.setattr("roughcontact._faces.cli.app._SNAPS", tmp_path)
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr("pathlib.Path.home", lambda: tmp_path)
     with _shown("http://127.0.0.1:1/x/", tmp_path / "hidden"):

@@ -7,10 +7,10 @@ import pytest
 from scipy import ndimage
 
 import roughcontact as rc
-from roughcontact._areas.cells import Surroundings, split
-from roughcontact._areas.dual_cells import find_dual_cells
-from roughcontact._areas.far_field import find_far_field
-from roughcontact._areas.spline import Spline
+from roughcontact._answers.areas.cells import Surroundings, split
+from roughcontact._answers.areas.dual_cells import find_dual_cells
+from roughcontact._answers.areas.far_field import find_far_field
+from roughcontact._answers.areas.spline import Spline
 
 BOUNDARIES = (rc.Boundary.PERIODIC, rc.Boundary.FREE)
 

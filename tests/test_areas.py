@@ -6,7 +6,7 @@ from hypothesis import given, settings
 
 import roughcontact as rc
 from roughcontact import reference
-from roughcontact._areas.cells import count_sides, find_straight_rows
+from roughcontact._answers.areas.cells import count_sides, find_straight_rows
 from strategies import problems
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from roughcontact._areas import calibration
+from roughcontact._answers.areas import calibration
 
 ROOT = Path(__file__).parent.parent
 TEXT = Path(calibration.__file__).read_text(encoding="utf-8")

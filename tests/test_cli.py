@@ -10,8 +10,8 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact.cli import commands
-from roughcontact.cli.options import quantity
+from roughcontact._faces.cli import commands
+from roughcontact._faces.cli.options import quantity
 
 PNG = b"\x89PNG"
 SHIPPED = ("check", "completion", "info", "plot", "report", "run", "solve", "stability", "surface")
@@ -141,9 +141,9 @@ def test_the_module_runs_as_a_command():
 
 
 def test_without_the_extra_the_sentence_says_what_to_install(monkeypatch, capsys, tmp_path):
-    for name in [name for name in sys.modules if name.split(".")[0] in ("cattrs", "roughcontact.studies.toml")]:
+    for name in [name for name in sys.modules if name.split(".")[0] in ("cattrs", "roughcontact._work.studies.toml")]:
         monkeypatch.delitem(sys.modules, name)
-    monkeypatch.delitem(sys.modules, "roughcontact.studies.toml", raising=False)
+    monkeypatch.delitem(sys.modules, "roughcontact._work.studies.toml", raising=False)
     monkeypatch.setitem(sys.modules, "cattrs", None)
     (tmp_path / "study.toml").write_text("")
     assert main(["run", str(tmp_path / "study.toml")]) == 2
@@ -223,7 +223,7 @@ def test_an_angle_needs_its_unit(two_maps, tmp_path, capsys):
 
 PLUG_IN = """
 import sys
-from roughcontact.cli import Command
+from roughcontact._faces.cli import Command
 
 
 class Hello(Command):

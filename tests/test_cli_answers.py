@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.cli import commands
-from roughcontact.units.text import fit, split_columns
+from roughcontact._base.units.text import fit, split_columns
+from roughcontact._faces.cli import commands
 
 GRID = rc.Grid((48, 48), 48e-6)
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=50e-9, shortest=8e-6, longest=48e-6, seed=3)
@@ -471,7 +471,7 @@ def test_a_missing_extra_is_named_where_it_is_used_before_the_solve():
 # A solve that never ends by itself, whose thread shows its progress.
 ENDLESS = """
 import sys, time
-from roughcontact.cli import progress
+from roughcontact._faces.cli import progress
 from roughcontact.__main__ import main
 progress._PERIOD = 0.05
 import roughcontact as rc
@@ -513,7 +513,7 @@ def test_progress_is_shown_on_a_terminal_and_an_interrupt_is_clean(tmp_path):
 
 
 def test_no_progress_where_standard_error_is_not_a_terminal(run, monkeypatch):
-    from roughcontact.cli import progress
+    from roughcontact._faces.cli import progress
 
     monkeypatch.setattr(progress, "_PERIOD", 1e-3)
     _, _, err = run("solve", "rough.npz", "--force", "20mN", *STEEL)

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._solution.rules import PLAUSIBILITY_RULES
-from roughcontact.cli.wording import name_advice, name_options
-from roughcontact.diagnostics.rules import RULES
-from roughcontact.html import wording as html_wording
+from roughcontact._faces.cli.wording import name_advice, name_options
+from roughcontact._faces.html import wording as html_wording
+from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
+from roughcontact._work.reports.stability.rules import RULES
 
 GRID = rc.Grid((48, 48), 48e-6)
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=50e-9, shortest=8e-6, longest=24e-6, seed=3)

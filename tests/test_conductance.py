@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._responses import Conductance, ContactConductance
-from roughcontact._responses.tangent import Tangent
+from roughcontact._answers.linear.tangent import Tangent
+from roughcontact.responses import Conductance, ContactConductance
 
 
 def ball(cells, seed, hardness=None, boundary="free", size=None):

@@ -28,11 +28,11 @@ MODULES = sorted(
 )
 WITH_EXAMPLES = {
     "roughcontact.extrapolation",
-    "roughcontact.grid",
+    "roughcontact._parts.grid",
     "roughcontact.kernels.love",
     "roughcontact.reference.closed_forms",
     "roughcontact.reference.persson",
-    "roughcontact.registry",
+    "roughcontact._base.registry",
     "roughcontact.testing.claim",
 }
 SITE = (

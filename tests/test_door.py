@@ -19,8 +19,8 @@ import pytest
 import roughcontact as rc
 from roughcontact import extrapolation, reference
 from roughcontact import typing as types_of_rc
+from roughcontact._base.registry import Registry
 from roughcontact.errors import door
-from roughcontact.registry import Registry
 
 GRID = rc.Grid((8, 8), 1e-3)
 WAVE = rc.WavySurface(1e-6, 1e-3)
@@ -194,7 +194,7 @@ def test_what_no_check_has_foreseen_is_translated_and_chained(monkeypatch, raise
     def fail(*_, **__):
         raise raised
 
-    monkeypatch.setattr("roughcontact._problem.run.certify", fail)
+    monkeypatch.setattr("roughcontact._solve.problem.run.certify", fail)
     with pytest.raises(kind, match=r"ContactProblem\.solve .*\.$") as caught:
         solve()
     assert caught.value.__cause__ is raised

@@ -9,13 +9,13 @@ import pytest
 
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, distances, edge, with_fields
-from roughcontact._areas import calibration
-from roughcontact._areas.cells import Surroundings, find_sharp_edges
-from roughcontact._areas.contour import find_distances, trace_contour
-from roughcontact._areas.dual_cells import Owners, find_dual_cells
-from roughcontact._areas.edges import trace_edges
-from roughcontact._areas.outline import edge_law
-from roughcontact._areas.polygons import find_kinds
+from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.cells import Surroundings, find_sharp_edges
+from roughcontact._answers.areas.contour import find_distances, trace_contour
+from roughcontact._answers.areas.dual_cells import Owners, find_dual_cells
+from roughcontact._answers.areas.edges import trace_edges
+from roughcontact._answers.areas.outline import edge_law
+from roughcontact._answers.areas.polygons import find_kinds
 
 GRIDS = [((15, 16), (1.0, 1.0)), ((15, 22), (2.0, 1.0)), ((24, 13), (1.0, 3.0))]
 

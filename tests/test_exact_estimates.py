@@ -11,11 +11,11 @@ from scipy import special
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, with_fields
 from roughcontact import reference
-from roughcontact._areas.ellipse import find_axes_ratio
-from roughcontact._areas.hertz import _plastic_growth
-from roughcontact._areas.peak import _fit_quadratics
-from roughcontact._areas.quantities import _elliptic_quotient, find_shift
-from roughcontact._areas.total import _count_hidden_gaps
+from roughcontact._answers.areas.ellipse import find_axes_ratio
+from roughcontact._answers.areas.hertz import _plastic_growth
+from roughcontact._answers.areas.peak import _fit_quadratics
+from roughcontact._answers.areas.quantities import _elliptic_quotient, find_shift
+from roughcontact._answers.areas.total import _count_hidden_gaps
 
 CELLS = [(1.0, 1.0), (1.0, 2.5), (3.0, 1.0)]
 

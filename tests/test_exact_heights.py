@@ -9,12 +9,12 @@ import pytest
 
 import roughcontact as rc
 from exact_contacts import distances, with_fields
-from roughcontact._areas import calibration
-from roughcontact._areas.curvature import average_curvature, curvature_resolution, rim_ratio
-from roughcontact._areas.hertz import _find_tip_error
-from roughcontact._areas.quantities import find_rise
-from roughcontact._areas.spline import Spline
-from roughcontact._solution.healing import heal
+from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, rim_ratio
+from roughcontact._answers.areas.hertz import _find_tip_error
+from roughcontact._answers.areas.quantities import find_rise
+from roughcontact._answers.areas.spline import Spline
+from roughcontact._solve.solution.healing import heal
 
 CELLS = [(1.0, 1.0), (1.0, 2.5), (3.0, 1.0)]
 

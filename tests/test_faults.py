@@ -25,10 +25,10 @@ from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact.__main__ import main as command
-from roughcontact.archive import remove_stale, replacing
+from roughcontact._base.archive import remove_stale, replacing
+from roughcontact._faces.panels.figures import save_figure
+from roughcontact._work.studies.record import read_index, write_index
 from roughcontact.errors import NotWritten
-from roughcontact.plotting.figures import save_figure
-from roughcontact.studies.record import read_index, write_index
 
 # SIGKILLs at random moments of a study, by how it runs and what is killed. docs/trust.md states their sum.
 KILLS = {"serial": 40, "worker of a pool": 20, "parent of a pool": 20, "worker of dask": 20}
@@ -281,7 +281,7 @@ class TestUnfinishedFiles:
     """What a killed process leaves, and only that, is removed."""
 
     def test_of_a_killed_process(self, tmp_path):
-        kill = "import os, sys; from roughcontact.archive import replacing\n"
+        kill = "import os, sys; from roughcontact._base.archive import replacing\n"
         kill += "with replacing(sys.argv[1]) as partial: partial.write_text('half'); os.kill(os.getpid(), 9)"
         for name in ["b" * 250]:
             subprocess.run([sys.executable, "-c", kill, str(tmp_path / name)], check=False)

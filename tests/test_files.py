@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 import roughcontact as rc
-from roughcontact._surfaces.filling import fill
-from roughcontact.files.reading import read_raw
+from roughcontact._parts.files.reading import read_raw
+from roughcontact._parts.surfaces.filling import fill
 
 HEIGHTS = np.random.default_rng(0).random((5, 7)) * 1e-6
 
@@ -158,7 +158,7 @@ def test_a_reader_of_somebody_else(tmp_path):
         suffixes = frozenset({".bytes"})
 
         def read(self, path):
-            from roughcontact.files import RawMap
+            from roughcontact._parts.files import RawMap
 
             return RawMap(np.frombuffer(path.read_bytes(), dtype=np.uint8).reshape(2, 2) * 1e-9, (1.0, 1.0))
 
@@ -399,7 +399,7 @@ def test_many_points_are_filled_as_few_are(monkeypatch):
     heights[rng.random(heights.shape) < 0.3] = np.nan
     heights[90, 100] = heights[20:180, 60] = 1e-3
     iterated = fill(heights)
-    monkeypatch.setattr("roughcontact._surfaces.filling._DIRECT", heights.size)
+    monkeypatch.setattr("roughcontact._parts.surfaces.filling._DIRECT", heights.size)
     # The direct solution loses digits to the mean height.
     np.testing.assert_allclose(iterated - 1e-3, fill(heights - 1e-3), atol=1e-11 * 1e-7, rtol=0)
     known = np.isfinite(heights)
@@ -412,7 +412,7 @@ def test_points_that_take_more_memory_than_there_is_are_not_filled(tmp_path, mon
     heights = np.full((300, 300), np.nan)
     heights[0] = 0.0
     np.savez(tmp_path / "map.npz", heights=heights, size=1e-3)
-    monkeypatch.setattr("roughcontact.checks.memory.available_memory", lambda: 2**24)
+    monkeypatch.setattr("roughcontact._base.machine.memory.available_memory", lambda: 2**24)
     with pytest.raises(rc.InputError, match=r"Filling 89700 non-measured points needs 42\.77 MiB of memory"):
         rc.read_surface(tmp_path / "map.npz", non_measured="fill")
 

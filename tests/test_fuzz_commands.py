@@ -21,7 +21,7 @@ import pytest
 
 import test_fuzz_calls
 from roughcontact.__main__ import main
-from roughcontact.cli import commands
+from roughcontact._faces.cli import commands
 
 # Command lines of the long run, of one block of it, and of the ordinary run.
 COMMANDS, BLOCK, FEW = 500, 100, 15
@@ -252,7 +252,7 @@ def test_what_no_command_foresees_is_a_sentence(raised, folder, monkeypatch, cap
     def fail(*_, **__):
         raise raised
 
-    monkeypatch.setattr("roughcontact.cli.solve.problem_of", fail)
+    monkeypatch.setattr("roughcontact._faces.cli.solve.problem_of", fail)
     status = main(["solve", "map.npz", "--young", "1GPa", "--pressure", "1MPa"])
     assert status == {MemoryError: 2, RecursionError: 1, KeyboardInterrupt: 130, OSError: 2}[type(raised)]
     assert capsys.readouterr().err.startswith("roughcontact: ")

@@ -19,8 +19,8 @@ import scipy.io
 
 import roughcontact as rc
 from damage import damage_bytes, forge, write_forged
-from roughcontact.archive import SEAL, read_archive, seal
-from roughcontact.studies.record import read_index
+from roughcontact._base.archive import SEAL, read_archive, seal
+from roughcontact._work.studies.record import read_index
 from strategies import STRICT
 
 h5py = pytest.importorskip("h5py")

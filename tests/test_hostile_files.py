@@ -20,14 +20,14 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-import roughcontact.cli
+import roughcontact._faces.cli
 from damage import right_key
 from roughcontact import archive
 from roughcontact.__main__ import main
-from roughcontact.archive import SEAL, pack, read_archive, seal, write_archive
-from roughcontact.studies import record
-from roughcontact.studies.record import read_index
-from roughcontact.studies.toml import read_study
+from roughcontact._base.archive import SEAL, pack, read_archive, seal, write_archive
+from roughcontact._work.studies import record
+from roughcontact._work.studies.record import read_index
+from roughcontact._work.studies.toml import read_study
 
 h5py = pytest.importorskip("h5py")
 xarray = pytest.importorskip("xarray")
@@ -158,7 +158,7 @@ PARTS = {
     "a builtin unnamed": (SURFACE, part("part", "eval", source="1"), "part eval must be registered"),
     "a module on the path": (SURFACE, part("surface", "trap:Trap"), "surface trap:Trap must be registered"),
     "an entry point": (SURFACE, part("surface", "trap"), "surface trap must be registered"),
-    "a private class": (SURFACE, part("surface", "roughcontact._surfaces.base:_Samples"), "must be registered"),
+    "a private class": (SURFACE, part("surface", "roughcontact._parts.surfaces.base:_Samples"), "must be registered"),
     "a public function": (SURFACE, part("surface", "roughcontact:run_in"), "no surface named 'roughcontact:run_in'"),
     "a module of ours": (SURFACE, part("part", "roughcontact:archive"), "no part named 'roughcontact:archive'"),
     "an abstract class": (SURFACE, part("surface", "roughcontact:Surface"), "no surface named"),
@@ -300,7 +300,7 @@ def test_what_the_direct_sum_solved_is_verified_by_transforms(tmp_path, monkeypa
     )
     solution = problem.solve(pressure=1e6)
     solution.save(tmp_path / "solution.npz")
-    monkeypatch.setattr("roughcontact._convolvers.direct._DirectSum.apply", None)
+    monkeypatch.setattr("roughcontact._solve.convolvers.direct._DirectSum.apply", None)
     loaded = rc.ContactSolution.load(tmp_path / "solution.npz")
     np.testing.assert_array_equal(loaded.pressure, solution.pressure)
     assert loaded.origin.problem["convolver"] == "direct"

@@ -18,11 +18,11 @@ import pytest
 
 import roughcontact as rc
 from roughcontact import archive
-from roughcontact._solution import origin as origins
-from roughcontact._solution.several import gather_warnings, list_quantities
-from roughcontact.html import citation, figures, rerun
-from roughcontact.html.elements import escape, quantity
-from roughcontact.html.wording import name_advice
+from roughcontact._faces.html import citation, figures, rerun
+from roughcontact._faces.html.elements import escape, quantity
+from roughcontact._faces.html.wording import name_advice
+from roughcontact._solve.solution import origin as origins
+from roughcontact._solve.solution.several import gather_warnings, list_quantities
 
 STEEL = rc.Elastic(young=200e9, poisson=0.3)
 HOSTILE = "<script>alert(1)</script>.npz & \"'\x00\ud800"
@@ -56,7 +56,7 @@ def text_of(tree):
 @pytest.fixture
 def plain(monkeypatch):
     """Let reports be made without figures, as without matplotlib."""
-    monkeypatch.setattr("roughcontact.html.report.can_draw", lambda: False)
+    monkeypatch.setattr("roughcontact._faces.html.report.can_draw", lambda: False)
 
 
 @pytest.fixture(scope="module")
@@ -210,7 +210,7 @@ class TestContent:
         solution.save(tmp_path / "a.npz")
         later = {**origins.versions(), "roughcontact": "9.9.9"}
         monkeypatch.setattr(origins, "versions", lambda: later)
-        monkeypatch.setattr("roughcontact._solution.storage.versions", lambda: later)
+        monkeypatch.setattr("roughcontact._solve.solution.storage.versions", lambda: later)
         loaded = rc.ContactSolution.load(tmp_path / "a.npz")
         assert loaded.origin.versions == solution.origin.versions
         words = text_of(read(loaded.to_html()))

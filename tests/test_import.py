@@ -18,7 +18,7 @@ HEAVY = {
     "scipy.sparse.linalg",
     "pandas",
     "roughcontact.paper",
-    "roughcontact.cli",
+    "roughcontact._faces.cli",
     "roughcontact.testing",
     "hypothesis",
 }

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._kernels import BoundKernel
-from roughcontact._kernels.love import cell_potential
+from roughcontact._parts.kernels import BoundKernel
+from roughcontact._parts.kernels.love import cell_potential
 from strategies import aspects
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 
 import roughcontact as rc
-from roughcontact._materials import combined_pressure_limit, contact_modulus
+from roughcontact._parts.materials import combined_pressure_limit, contact_modulus
 from strategies import moduli
 
 

@@ -10,16 +10,16 @@ import pytest
 
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, distances, edge, with_fields
-from roughcontact._areas import calibration, quantity_calibration
-from roughcontact._areas.contour import (
+from roughcontact._answers.areas import calibration, quantity_calibration
+from roughcontact._answers.areas.contour import (
     _count_alike,
     _find_bracketed_root,
     _find_root,
     find_modulus_change,
     trace_contour,
 )
-from roughcontact._areas.curvature import lay_ratio
-from roughcontact._areas.edges import (
+from roughcontact._answers.areas.curvature import lay_ratio
+from roughcontact._answers.areas.edges import (
     _count,
     _measure_rims,
     _measure_roundness,
@@ -27,14 +27,14 @@ from roughcontact._areas.edges import (
     _saturated_weight,
     trace_edges,
 )
-from roughcontact._areas.estimators import _extrapolate, _smallest_areas
-from roughcontact._areas.hertz import _find_uneven_deficit, hertz_areas
-from roughcontact._areas.outline import _chain, contours, outline
-from roughcontact._areas.peak import _find_cut, _find_highest, _find_summits, _gather
-from roughcontact._areas.quantities import _is_diagonal
-from roughcontact._areas.sharing import _find_hidden, _find_low_cells, _find_saturated, _grow
-from roughcontact._areas.spline import Spline
-from roughcontact._areas.total import list_warnings, total_area
+from roughcontact._answers.areas.estimators import _extrapolate, _smallest_areas
+from roughcontact._answers.areas.hertz import _find_uneven_deficit, hertz_areas
+from roughcontact._answers.areas.outline import _chain, contours, outline
+from roughcontact._answers.areas.peak import _find_cut, _find_highest, _find_summits, _gather
+from roughcontact._answers.areas.quantities import _is_diagonal
+from roughcontact._answers.areas.sharing import _find_hidden, _find_low_cells, _find_saturated, _grow
+from roughcontact._answers.areas.spline import Spline
+from roughcontact._answers.areas.total import list_warnings, total_area
 
 
 @pytest.mark.parametrize("value", [1.0, 0.5])
@@ -250,7 +250,7 @@ def test_rims_count_from_a_third_more_curvature_on():
     cap = with_fields(grid, contact, ~contact, initial_gap=square)
     quartic = with_fields(grid, contact, ~contact, initial_gap=square**2)
     eighth = with_fields(grid, contact, ~contact, initial_gap=square**6)
-    from roughcontact._areas.curvature import rim_ratio
+    from roughcontact._answers.areas.curvature import rim_ratio
 
     assert not _measure_rims(cap).any()
     np.testing.assert_allclose(_measure_rims(quartic), std * (rim_ratio(quartic) - first))

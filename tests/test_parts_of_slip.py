@@ -11,13 +11,12 @@ from scipy import integrate
 
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, with_fields
-from roughcontact._areas.curvature import curvature_resolution
-from roughcontact._areas.quantities import find_shift
-from roughcontact._kernels import Love
-from roughcontact._responses import percolation
-from roughcontact._responses.conductance import Conductance
-from roughcontact._responses.flow_network import find_paths
-from roughcontact._responses.partial_slip import (
+from roughcontact._answers.areas.curvature import curvature_resolution
+from roughcontact._answers.areas.quantities import find_shift
+from roughcontact._answers.flow.flow_network import find_paths
+from roughcontact._answers.linear.conductance import Conductance
+from roughcontact._answers.linear.tangential_compliance import _find_deviation, _find_displacements, _WavesAlong
+from roughcontact._answers.slip.partial_slip import (
     _approach_std,
     _compare_areas,
     _complementary_energy,
@@ -25,7 +24,8 @@ from roughcontact._responses.partial_slip import (
     _displace,
     _dissipate,
 )
-from roughcontact._responses.tangential_compliance import _find_deviation, _find_displacements, _WavesAlong
+from roughcontact._parts.kernels import Love
+from roughcontact.responses import percolation
 
 GRID = rc.Grid((60, 50), (60e-6, 75e-6))
 RADIUS = 1e-3

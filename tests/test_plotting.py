@@ -17,11 +17,11 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact._areas.outline import edge_law
+from roughcontact._answers.areas.outline import edge_law
+from roughcontact._faces.panels.profile import find_surfaces
+from roughcontact._faces.panels.spectrum import spectral_density
+from roughcontact._faces.panels.surfaces import correlate
 from roughcontact.plotting import make_figure
-from roughcontact.plotting.profile import find_surfaces
-from roughcontact.plotting.spectrum import spectral_density
-from roughcontact.plotting.surfaces import correlate
 from roughcontact.testing.strategies import height_maps, problems
 
 STEEL = rc.Elastic(210e9, 0.3)

@@ -10,9 +10,9 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact.cli import commands
-from roughcontact.cli.options import quantity, whole_number
-from roughcontact.studies.toml import read_study
+from roughcontact._faces.cli import commands
+from roughcontact._faces.cli.options import quantity, whole_number
+from roughcontact._work.studies.toml import read_study
 
 GOOD = {
     "N": {

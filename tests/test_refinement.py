@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.refinement import on_grid
+from roughcontact._answers.refinement import on_grid
 
 STEEL = rc.Elastic(200e9, 0.3)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.registry import Registry
+from roughcontact._base.registry import Registry
 
 PLUG_IN = '''
 """A kernel and an area estimator of somebody else."""

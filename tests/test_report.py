@@ -14,8 +14,8 @@ import pytest
 import roughcontact as rc
 from roughcontact import reference
 from roughcontact.__main__ import main
-from roughcontact.load import Load
-from roughcontact.report.reference import solve_reference
+from roughcontact._parts.load import Load
+from roughcontact._work.reports.error.reference import solve_reference
 from roughcontact.typing import ErrorReport, ReportRow, Timing
 
 PNG = b"\x89PNG"

@@ -11,7 +11,7 @@ import pytest
 import roughcontact as rc
 from extended_precision import violations
 from roughcontact.__main__ import main
-from roughcontact._solvers.conjugate.solver import ProjectedConjugateGradient
+from roughcontact._solve.solvers.conjugate.solver import ProjectedConjugateGradient
 from roughcontact.typing import Outcome
 from strategies import strict
 

@@ -11,10 +11,10 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact.diagnostics import gallery
-from roughcontact.diagnostics.gallery import make_cases
-from roughcontact.diagnostics.repeat_checks import shift_half_cell
-from roughcontact.diagnostics.rules import RULES
+from roughcontact._work.reports.stability import gallery
+from roughcontact._work.reports.stability.gallery import make_cases
+from roughcontact._work.reports.stability.repeat_checks import shift_half_cell
+from roughcontact._work.reports.stability.rules import RULES
 from roughcontact.typing import Verdict
 
 SKIPPED, PASS, ATTENTION, FAIL = Verdict

@@ -9,23 +9,23 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._problem.task import make_task, pressure_unit
-from roughcontact._solvers.base import Monitor, starting_pressure
-from roughcontact._solvers.conjugate.active import active_cells
-from roughcontact._solvers.conjugate.descent import ActiveState, Descent
-from roughcontact._solvers.conjugate.nested_iteration import (
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem.task import make_task, pressure_unit
+from roughcontact._solve.solvers.base import Monitor, starting_pressure
+from roughcontact._solve.solvers.conjugate.active import active_cells
+from roughcontact._solve.solvers.conjugate.descent import ActiveState, Descent
+from roughcontact._solve.solvers.conjugate.nested_iteration import (
     _close,
     _guess_without_grids,
     _refine,
     nested_iteration,
     start_from,
 )
-from roughcontact._solvers.conjugate.openings import NearlyFull, OpeningPreconditioner, Openings
-from roughcontact._solvers.conjugate.preconditioner import Preconditioner
-from roughcontact._solvers.conjugate.refinement import Refinement
-from roughcontact._solvers.conjugate.weights import PunchWeights, _smaller
-from roughcontact._solvers.projection import ApproachControl, LoadControl
-from roughcontact.load import Load
+from roughcontact._solve.solvers.conjugate.openings import NearlyFull, OpeningPreconditioner, Openings
+from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner
+from roughcontact._solve.solvers.conjugate.refinement import Refinement
+from roughcontact._solve.solvers.conjugate.weights import PunchWeights, _smaller
+from roughcontact._solve.solvers.projection import ApproachControl, LoadControl
 
 SIZE = (64.0, 96.0)
 

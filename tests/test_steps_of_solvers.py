@@ -9,14 +9,20 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._convolvers import inverse as inverses
-from roughcontact._convolvers.inverse import InverseConvolution, multiply_waves
-from roughcontact._problem.task import make_task, pressure_unit
-from roughcontact._solvers.conjugate import solver as conjugate
-from roughcontact._solvers.conjugate.active import ListedCells, MaskedCells, active_cells
-from roughcontact._solvers.conjugate.descent import Descent
-from roughcontact._solvers.conjugate.extension import _BlockAverage, _gather_blocks, _spread_blocks, half_space_inverse
-from roughcontact._solvers.conjugate.nested_iteration import (
+from roughcontact._parts.load import Load
+from roughcontact._solve.convolvers import inverse as inverses
+from roughcontact._solve.convolvers.inverse import InverseConvolution, multiply_waves
+from roughcontact._solve.problem.task import make_task, pressure_unit
+from roughcontact._solve.solvers.conjugate import solver as conjugate
+from roughcontact._solve.solvers.conjugate.active import ListedCells, MaskedCells, active_cells
+from roughcontact._solve.solvers.conjugate.descent import Descent
+from roughcontact._solve.solvers.conjugate.extension import (
+    _BlockAverage,
+    _gather_blocks,
+    _spread_blocks,
+    half_space_inverse,
+)
+from roughcontact._solve.solvers.conjugate.nested_iteration import (
     _average,
     _extent,
     _interpolate,
@@ -24,16 +30,15 @@ from roughcontact._solvers.conjugate.nested_iteration import (
     estimate_approach,
     find_window,
 )
-from roughcontact._solvers.conjugate.preconditioner import (
+from roughcontact._solve.solvers.conjugate.preconditioner import (
     CoarseCorrection,
     RigidCorrection,
     _count_blocks,
     _divide,
     multiply_active,
 )
-from roughcontact._solvers.projection import ApproachControl, LoadControl, project_to_load, rescale_to_load
-from roughcontact._solvers.spectral_gradient import _energy, _first_length
-from roughcontact.load import Load
+from roughcontact._solve.solvers.projection import ApproachControl, LoadControl, project_to_load, rescale_to_load
+from roughcontact._solve.solvers.spectral_gradient import _energy, _first_length
 from roughcontact.typing import Task
 
 FLAT = np.array([math.inf])

@@ -11,9 +11,9 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import roughcontact as rc
-from roughcontact._responses import Stiffness, TangentialStiffness
-from roughcontact._responses.tangent import Tangent
-from roughcontact._surfaces.statistics import rms_slope
+from roughcontact._answers.linear.tangent import Tangent
+from roughcontact._parts.surfaces.statistics import rms_slope
+from roughcontact.responses import Stiffness, TangentialStiffness
 
 
 def solve_ball(cells, rng, *, radii=(1.0, 1.0), spacing=(1.0, 1.0), poisson=0.0, counter=None, boundary="free"):

@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from roughcontact import archive
-from roughcontact.description import describe, key_of, rebuild
-from roughcontact.registry import registries
+from roughcontact._base.archive.plain import describe, key_of, rebuild
+from roughcontact._base.registry import registries
 from strategies import problems
 
 BODY = rc.Body(rc.ParaboloidSurface(1e-3), rc.ElasticPerfectlyPlastic(210e9, 0.3, 6e9))
@@ -239,17 +239,17 @@ def subclasses(base):
 
 
 def test_a_solution_is_read_after_a_tidy_up(tmp_path):
-    """The package with its rooms renamed reads and solves the same, bit for bit."""
+    """The package with its storeys renamed reads and solves the same, bit for bit."""
     solution = small(boundary="periodic").solve(force=1.0)
     solution.save(tmp_path / "solution.npz")
     renamed = tmp_path / "renamed"
     shutil.copytree(Path(rc.__file__).parent, renamed / "roughcontact", ignore=shutil.ignore_patterns("__pycache__"))
-    rooms = ("_surfaces", "_materials", "_kernels", "_solvers", "_problem", "_solution")
-    tidy = lambda text: re.sub(rf"\broughcontact\.({'|'.join(rooms)})\b", r"roughcontact.\1_tidy", text)  # noqa: E731
+    storeys = ("_parts", "_solve")
+    tidy = lambda text: re.sub(rf"\broughcontact\.({'|'.join(storeys)})\b", r"roughcontact.\1_tidy", text)  # noqa: E731
     for path in (renamed / "roughcontact").rglob("*.py"):
         path.write_text(tidy(path.read_text()))
-    for room in rooms:
-        (renamed / "roughcontact" / room).rename(renamed / "roughcontact" / f"{room}_tidy")
+    for storey in storeys:
+        (renamed / "roughcontact" / storey).rename(renamed / "roughcontact" / f"{storey}_tidy")
     metadata = renamed / "roughcontact-0.1.0.dist-info"
     metadata.mkdir()
     for name in ("METADATA", "entry_points.txt"):
@@ -301,7 +301,7 @@ def test_a_key_knows_the_content_and_nothing_else():
 
 def test_a_key_is_the_same_in_another_process():
     command = (
-        "import roughcontact as rc; from roughcontact.description import key_of; "
+        "import roughcontact as rc; from roughcontact._base.archive.plain import key_of; "
         "print(key_of(rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortest=1e-5)))"
     )
     keys = {

@@ -14,12 +14,12 @@ from hypothesis.extra import numpy as hnp
 from scipy import optimize
 
 import roughcontact as rc
-from roughcontact._responses.subsurface.cells import COMPONENTS, ODD_IN_X, ODD_IN_Y, Depth, cell_stress
-from roughcontact._responses.subsurface.field import StressField, maximum_shear
-from roughcontact._responses.subsurface.free import FreePlanes
-from roughcontact._responses.subsurface.periodic import PeriodicPlanes
-from roughcontact._responses.subsurface.planes import find_steps
-from roughcontact.checks import memory
+from roughcontact._answers.subsurface.cells import COMPONENTS, ODD_IN_X, ODD_IN_Y, Depth, cell_stress
+from roughcontact._answers.subsurface.field import StressField, maximum_shear
+from roughcontact._answers.subsurface.free import FreePlanes
+from roughcontact._answers.subsurface.periodic import PeriodicPlanes
+from roughcontact._answers.subsurface.planes import find_steps
+from roughcontact._base.checks import memory
 from roughcontact.reference import hertz_sphere
 
 NU = 0.3

@@ -23,11 +23,11 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact._problem.sweep import Sweep
-from roughcontact.cli.run import list_warnings
-from roughcontact.studies.chain import run_chain
-from roughcontact.studies.record import read_index, write_index
-from roughcontact.studies.toml import read_study
+from roughcontact._faces.cli.run import list_warnings
+from roughcontact._solve.problem.sweep import Sweep
+from roughcontact._work.studies.chain import run_chain
+from roughcontact._work.studies.record import read_index, write_index
+from roughcontact._work.studies.toml import read_study
 
 STEEL = rc.ElasticPerfectlyPlastic(210e9, 0.3, 6e9)
 GRID = rc.Grid((48, 48), 1e-4)
@@ -621,7 +621,7 @@ class TestRecords:
         new = ("warnings", "doubtful", "peak_pressure", "peak_pressure_uncertainty")
         with monkeypatch.context() as context:
             context.setattr(
-                "roughcontact.studies.record._stated",
+                "roughcontact._work.studies.record._stated",
                 lambda one: {name: value for name, value in attrs.asdict(one).items() if name not in new and value},
             )
             write_index(index, first.records)

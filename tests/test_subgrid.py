@@ -9,9 +9,9 @@ from hypothesis import given, settings
 
 import roughcontact as rc
 from roughcontact import reference
-from roughcontact._areas.cells import find_sharp_edges
-from roughcontact._areas.contour import trace_contour
-from roughcontact._areas.ellipse import find_area_factor
+from roughcontact._answers.areas.cells import find_sharp_edges
+from roughcontact._answers.areas.contour import trace_contour
+from roughcontact._answers.areas.ellipse import find_area_factor
 from strategies import problems
 
 YOUNG, RADIUS = 1.0, 1e4

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._solution import summary
-from roughcontact.units import PlainText, si, with_spread
+from roughcontact._base.units import PlainText, si, with_spread
+from roughcontact._solve.solution import summary
 
 STEEL = rc.Elastic(young=200e9, poisson=0.3)
 ROUGH = rc.SelfAffineSurface(hurst=0.7, rms_slope=0.1, shortest=8e-6, longest=64e-6, seed=2)
@@ -128,10 +128,10 @@ class TestShort:
 
     def test_a_notebook_shows_no_picture_of_a_large_solution_or_without_matplotlib(self, monkeypatch):
         solution = make_problem().solve(pressure=1e8)
-        monkeypatch.setattr("roughcontact.html.report._SMALL", 100)
+        monkeypatch.setattr("roughcontact._faces.html.report._SMALL", 100)
         assert "<img" not in solution._repr_html_()
         monkeypatch.undo()
-        monkeypatch.setattr("roughcontact.html.report.can_draw", lambda: False)
+        monkeypatch.setattr("roughcontact._faces.html.report.can_draw", lambda: False)
         assert "<img" not in solution._repr_html_()
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._problem import problem_of
-from roughcontact._responses.tangent import Tangent
-from roughcontact._surfaces.statistics import rms_slope
+from roughcontact._answers.linear.tangent import Tangent
+from roughcontact._parts.surfaces.statistics import rms_slope
+from roughcontact._solve.problem import problem_of
 from roughcontact.errors import NotConverged
 
 YOUNG, POISSON = 2e11, 0.3

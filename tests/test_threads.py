@@ -16,12 +16,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._convolvers.inverse import approximate_inverse
-from roughcontact._problem import run as run_module
-from roughcontact.checks import threads
-from roughcontact.checks.threads import available_threads, choose_threads, map_tiles, split, use_threads
-from roughcontact.description import key_of
-from roughcontact.studies.toml import read_study
+from roughcontact._base.archive.plain import key_of
+from roughcontact._base.checks import threads
+from roughcontact._base.machine.threads import available_threads, choose_threads, map_tiles, split, use_threads
+from roughcontact._solve.convolvers.inverse import approximate_inverse
+from roughcontact._solve.problem import run as run_module
+from roughcontact._work.studies.toml import read_study
 from roughcontact.typing import BoundKernel
 from strategies import grids, seeds
 from test_memory import rough_problem
@@ -192,12 +192,12 @@ class TestBits:
         pressure = np.random.default_rng(seed).random(grid.shape).astype(dtype)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(threads, "_CELLS", 1)
-            patch.setattr("roughcontact._convolvers.waves._ROWS", 100)
+            patch.setattr("roughcontact._solve.convolvers.waves._ROWS", 100)
             convolution = convolver.prepare(KERNEL, grid, rc.Boundary(boundary))
             inverse, fields = approximate_inverse(convolution.setup, dtype), []
             for count in COUNTS:
                 for large in (2**60, 0):
-                    patch.setattr("roughcontact._convolvers.inverse._LARGE", large)
+                    patch.setattr("roughcontact._solve.convolvers.inverse._LARGE", large)
                     with use_threads(count):
                         fields.append((convolution.apply(pressure), inverse.apply(pressure)))
         assert all(field.dtype == dtype and field.shape == grid.shape for pair in fields for field in pair)

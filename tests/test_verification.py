@@ -15,10 +15,10 @@ from hypothesis import HealthCheck, given, settings
 
 import roughcontact as rc
 from damage import right_key, write_forged
-from roughcontact._solution import storage
-from roughcontact.archive import read_archive
-from roughcontact.description import key_of, programs_of, sources
-from roughcontact.studies import record
+from roughcontact._base.archive import read_archive
+from roughcontact._base.archive.plain import key_of, programs_of, sources
+from roughcontact._solve.solution import storage
+from roughcontact._work.studies import record
 from strategies import wild_problems
 
 HARDNESS = np.linspace(2e9, 6e9, 120).reshape(12, 10)
@@ -198,7 +198,7 @@ MATERIAL = """
 KEYS = """
     import importlib, json, pathlib, sys, types
     import roughcontact as rc
-    from roughcontact.description import key_of
+    from roughcontact._base.archive.plain import key_of
 
     source, texts = json.loads(sys.argv[1])
     for text in texts:

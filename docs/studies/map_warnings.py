@@ -16,7 +16,7 @@ import numpy as np
 from scipy import ndimage
 
 import roughcontact as rc
-from roughcontact._surfaces.filling import fill
+from roughcontact._parts.surfaces.filling import fill
 
 CELLS, FINE = 160, 4  # cells of a map a side, and cells of the surface in one of the map
 TUNED, HELD_OUT = 1000, 2000  # first seeds

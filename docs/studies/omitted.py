@@ -15,7 +15,7 @@ from unittest import mock
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._solvers.conjugate import solver as conjugate
+from roughcontact._solve.solvers.conjugate import solver as conjugate
 
 SIDE = 1e-4
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import attrs
 from doc_tables import DocTable, write_tables
 from matplotlib.figure import Figure
-from roughcontact.report.picture import draw_errors
+from roughcontact._work.reports.error.picture import draw_errors
 
 import roughcontact as rc
 from roughcontact.extrapolation import exponential, power_law

@@ -17,10 +17,10 @@ import numpy as np
 import scipy.fft
 
 import roughcontact as rc
-from roughcontact._convolvers import circular
-from roughcontact._kernels import BoundKernel
-from roughcontact._solvers import projection
-from roughcontact._solvers.conjugate import (
+from roughcontact._parts.kernels import BoundKernel
+from roughcontact._solve.convolvers import circular
+from roughcontact._solve.solvers import projection
+from roughcontact._solve.solvers.conjugate import (
     active,
     descent,
     nested_iteration,

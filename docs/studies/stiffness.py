@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import roughcontact as rc
-from roughcontact._responses.tangent import Tangent
+from roughcontact._answers.linear.tangent import Tangent
 from roughcontact.plotting import LIGHT, add_key, style
 
 FIGURES = Path(__file__).parent.parent / "figures"

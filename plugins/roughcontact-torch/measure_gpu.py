@@ -13,7 +13,7 @@ import attrs
 import numpy as np
 import torch
 from measure import CASES
-from roughcontact._problem.task import make_task
+from roughcontact._solve.problem.task import make_task
 
 from roughcontact_torch import TorchFFT
 

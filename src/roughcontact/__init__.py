@@ -12,27 +12,24 @@ from roughcontact.errors import interrupt as _interrupt  # noqa: F401 - for an i
 from roughcontact import examples as examples
 from roughcontact import plotting as plotting
 from roughcontact import typing
-from roughcontact._areas import AreaEstimator, Blend, CellCount, Hertz, LevelSet, LevelSetRichardson, Perimeter, areas
-from roughcontact._convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
-from roughcontact._flattening import FlatteningModel, Overlap, UniformRise, flattening_models
-from roughcontact._kernels import FourierHalfSpace, InfluenceKernel, Love, kernels
-from roughcontact._materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid, materials
-from roughcontact._problem import RIGID_FLAT, Body, ContactProblem
-from roughcontact._responses import find_percolation
-from roughcontact._solution import (
-    Area,
-    ContactSolution,
-    Estimate,
-    QuantityEstimator,
-    Response,
-    SolutionWriter,
-    Status,
-    quantities,
-    responses,
-    writers,
+from roughcontact._answers.areas import (
+    AreaEstimator,
+    Blend,
+    CellCount,
+    Hertz,
+    LevelSet,
+    LevelSetRichardson,
+    Perimeter,
+    areas,
 )
-from roughcontact._solvers import PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, solvers
-from roughcontact._surfaces import (
+from roughcontact._answers.laws import interface_law
+from roughcontact._answers.refinement import beyond_resolution, extrapolate, on_grid
+from roughcontact._base.archive.plain import parts
+from roughcontact._parts.files import SurfaceReader, read_surface, readers
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.kernels import FourierHalfSpace, InfluenceKernel, Love, kernels
+from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid, materials
+from roughcontact._parts.surfaces import (
     FlatSurface,
     HeightMap,
     ParaboloidSurface,
@@ -44,8 +41,26 @@ from roughcontact._surfaces import (
     match,
     surfaces,
 )
-from roughcontact.description import parts
-from roughcontact.diagnostics import stability, stability_gallery
+from roughcontact._solve.convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
+from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem
+from roughcontact._solve.solution import (
+    Area,
+    ContactSolution,
+    Estimate,
+    QuantityEstimator,
+    Response,
+    SolutionWriter,
+    Status,
+    quantities,
+    responses,
+    writers,
+)
+from roughcontact._solve.solvers import PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, solvers
+from roughcontact._work.processes.flattening import FlatteningModel, Overlap, UniformRise, flattening_models
+from roughcontact._work.processes.running_in import run_in
+from roughcontact._work.reports.error import Reference, error_vs_time
+from roughcontact._work.reports.stability import stability, stability_gallery
+from roughcontact._work.studies import Study
 from roughcontact.errors import (
     FileError,
     InputError,
@@ -57,14 +72,8 @@ from roughcontact.errors import (
     UnexpectedError,
 )
 from roughcontact.errors.door import guarded
-from roughcontact.files import SurfaceReader, read_surface, readers
-from roughcontact.grid import Boundary, Grid
-from roughcontact.laws import interface_law
 from roughcontact.plotting import Panel, panels
-from roughcontact.refinement import beyond_resolution, extrapolate, on_grid
-from roughcontact.report import Reference, error_vs_time
-from roughcontact.running_in import run_in
-from roughcontact.studies import Study
+from roughcontact.responses import find_percolation
 
 __version__ = "0.1.0"
 

@@ -13,11 +13,11 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from roughcontact import __version__
-from roughcontact.cli import Command, commands
-from roughcontact.cli.wording import name_advice, name_options
+from roughcontact._base.units.text import fit, printable
+from roughcontact._faces.cli import Command, commands
+from roughcontact._faces.cli.wording import name_advice, name_options
 from roughcontact.errors import InputError, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import translated
-from roughcontact.units.text import fit, printable
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact import checks
-from roughcontact._surfaces import HeightMap, SelfAffineSurface
-from roughcontact._surfaces.filling import fill
-from roughcontact.archive import read_npz, replacing
-from roughcontact.checks import Array
+from roughcontact._base import checks
+from roughcontact._base.archive import read_npz, replacing
+from roughcontact._base.checks import Array
+from roughcontact._parts.grid import Grid
+from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface
+from roughcontact._parts.surfaces.filling import fill
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.grid import Grid
 
 # Digits behind the point of heights in m: a picometre, far below every roughness, hides the rounding of machines.
 _DIGITS = 12

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import attrs
 import numpy as np
 
-from roughcontact.checks import LARGEST, Array, number
+from roughcontact._base.checks import LARGEST, Array, number
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 

@@ -19,10 +19,37 @@ responses    `Leakage`, `Throat`, `Percolation`
 ===========  ==========================================================================================================
 """
 
-from roughcontact._convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
-from roughcontact._kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
-from roughcontact._problem import SolvePlan, Sweep
-from roughcontact._responses import (
+from roughcontact._answers.laws import InterfaceLaw, LawColumn, PowerFit
+from roughcontact._answers.refinement import BeyondResolution, Ladder
+from roughcontact._base.archive import replacing
+from roughcontact._base.checks import Array, IntArray, Mask, Pair, RealArray
+from roughcontact._parts.files import RawMap
+from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
+from roughcontact._parts.load import Load
+from roughcontact._parts.surfaces import MatchedPair, Separated
+from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
+from roughcontact._solve.problem import SolvePlan, Sweep
+from roughcontact._solve.solution import GridLevel, Origin, Residuals
+from roughcontact._solve.solution.accuracy import Accuracy, Trial
+from roughcontact._solve.solution.conditions import ContactConditions, Violation
+from roughcontact._solve.solution.fields import ContactFields
+from roughcontact._solve.solution.patches import ContactPatches
+from roughcontact._solve.solution.theory import TheoryBeside
+from roughcontact._solve.solvers import (
+    Monitor,
+    Outcome,
+    Step,
+    Task,
+    nearest_pressure,
+    project_to_load,
+    rescale_to_load,
+    starting_pressure,
+)
+from roughcontact._work.processes.running_in import Cycle, RunIn
+from roughcontact._work.reports.error import ErrorReport, ReportRow, Timing
+from roughcontact._work.reports.stability import Check, Gallery, GalleryRow, StabilityReport, Verdict
+from roughcontact._work.studies import Record, StudyResult
+from roughcontact.responses import (
     Conductance,
     FrettingLoop,
     Leakage,
@@ -34,33 +61,6 @@ from roughcontact._responses import (
     Throat,
     YieldPoint,
 )
-from roughcontact._solution import GridLevel, Origin, Residuals
-from roughcontact._solution.accuracy import Accuracy, Trial
-from roughcontact._solution.conditions import ContactConditions, Violation
-from roughcontact._solution.fields import ContactFields
-from roughcontact._solution.patches import ContactPatches
-from roughcontact._solution.theory import TheoryBeside
-from roughcontact._solvers import (
-    Monitor,
-    Outcome,
-    Step,
-    Task,
-    nearest_pressure,
-    project_to_load,
-    rescale_to_load,
-    starting_pressure,
-)
-from roughcontact._surfaces import MatchedPair, Separated
-from roughcontact.archive import replacing
-from roughcontact.checks import Array, IntArray, Mask, Pair, RealArray
-from roughcontact.diagnostics import Check, Gallery, GalleryRow, StabilityReport, Verdict
-from roughcontact.files import RawMap
-from roughcontact.laws import InterfaceLaw, LawColumn, PowerFit
-from roughcontact.load import Load
-from roughcontact.refinement import BeyondResolution, Ladder
-from roughcontact.report import ErrorReport, ReportRow, Timing
-from roughcontact.running_in import Cycle, RunIn
-from roughcontact.studies import Record, StudyResult
 
 __all__ = [
     "Accuracy",

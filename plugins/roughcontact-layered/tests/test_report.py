@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import roughcontact as rc
-from roughcontact.html import report
+from roughcontact._faces.html import report
 
 from roughcontact_layered import Layer, LayeredKernel
 

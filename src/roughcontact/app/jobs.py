@@ -13,9 +13,9 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+from roughcontact._base.machine.threads import available_threads
 from roughcontact.app.process import TaskEnded, Worker
 from roughcontact.app.settings import Settings
-from roughcontact.checks.threads import available_threads
 from roughcontact.errors import InputError
 
 # Runs that are kept, and runs that may wait.

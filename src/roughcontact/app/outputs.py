@@ -10,10 +10,10 @@ from typing import Any
 
 import attrs
 
-from roughcontact._problem.sweep import Sweep
-from roughcontact._solution import ContactSolution
+from roughcontact._base.archive import replacing
+from roughcontact._solve.problem.sweep import Sweep
+from roughcontact._solve.solution import ContactSolution
 from roughcontact.app.answers import make_table
-from roughcontact.archive import replacing
 from roughcontact.errors import RoughContactError
 from roughcontact.plotting import panels
 

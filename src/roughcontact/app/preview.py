@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from roughcontact._solution.rules import PLAUSIBILITY_RULES
-from roughcontact._surfaces import HeightMap
+from roughcontact._base.units import si
+from roughcontact._parts.surfaces import HeightMap
+from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
 from roughcontact.app.scene import Scene
 from roughcontact.app.words import end_sentence, in_words_of_page
 from roughcontact.errors import InputError
-from roughcontact.units import si
 
 
 def describe(scene: Scene) -> dict[str, object]:

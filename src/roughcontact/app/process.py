@@ -14,7 +14,7 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
-from roughcontact.checks.memory import limit_address_space
+from roughcontact._base.machine.memory import limit_address_space
 from roughcontact.errors.door import translated
 
 # Bytes of one message: answers and plans are thousands.

@@ -9,18 +9,18 @@ import attrs
 import numpy as np
 
 from roughcontact import examples
-from roughcontact._materials import Elastic, ElasticPerfectlyPlastic, Material
-from roughcontact._problem import RIGID_FLAT, Body, ContactProblem
-from roughcontact._problem.plan import require_memory_of_solve
-from roughcontact._surfaces import FlatSurface, HeightMap, SelfAffineSurface, SphereSurface, Surface, WavySurface
+from roughcontact._base.checks import Pair
+from roughcontact._parts.files import RawMap, read_surface
+from roughcontact._parts.files.reading import read_raw
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.load import Load
+from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
+from roughcontact._parts.surfaces import FlatSurface, HeightMap, SelfAffineSurface, SphereSurface, Surface, WavySurface
+from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem
+from roughcontact._solve.problem.plan import require_memory_of_solve
 from roughcontact.app.settings import Settings, load_values, plain, quantity, whole
-from roughcontact.checks import Pair
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.errors.door import guarded
-from roughcontact.files import RawMap, read_surface
-from roughcontact.files.reading import read_raw
-from roughcontact.grid import Boundary, Grid
-from roughcontact.load import Load
 
 EXAMPLES: dict[str, Callable[[], HeightMap]] = {
     one.__name__: one for one in (examples.ground_ring, examples.ball, examples.lapped_plate, examples.honed_liner)

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import attrs
 
-from roughcontact.checks.memory import available_memory
+from roughcontact._base.machine.memory import available_memory
+from roughcontact._base.units import binary
+from roughcontact._parts.files import readers
 from roughcontact.errors import InputError, RoughContactError
-from roughcontact.files import readers
-from roughcontact.units import binary
 
 # Bytes of one file, and of all together; larger maps are for a script.
 _LARGEST, _LARGEST_SUM = 1 << 29, 1 << 31

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from roughcontact.units import si
+from roughcontact._base.units import si
 
 _CONTROLS = {
     "surface.detrend('plane'), on the command line --detrend plane": "'Form that is removed: plane'",

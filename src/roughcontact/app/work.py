@@ -9,11 +9,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from roughcontact._problem import ContactProblem
-from roughcontact._problem.forecast import forecast_seconds
-from roughcontact._problem.sweep import Sweep, run_sweep
-from roughcontact._solution import ContactSolution
-from roughcontact._solvers.base import DEFAULT_TOLERANCE
+from roughcontact._base.checks import Array
+from roughcontact._base.units import binary
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem import ContactProblem
+from roughcontact._solve.problem.forecast import forecast_seconds
+from roughcontact._solve.problem.sweep import Sweep, run_sweep
+from roughcontact._solve.solution import ContactSolution
+from roughcontact._solve.solvers.base import DEFAULT_TOLERANCE
 from roughcontact.app.answers import describe_solutions, list_warnings
 from roughcontact.app.outputs import Outputs, draw
 from roughcontact.app.preview import describe
@@ -21,10 +24,7 @@ from roughcontact.app.progress import Progress
 from roughcontact.app.scene import Scene, Upload, inspect_file, make_loads, make_problem, make_scene
 from roughcontact.app.settings import Settings, read_settings
 from roughcontact.app.words import end_sentence, in_words_of_page
-from roughcontact.checks import Array
 from roughcontact.errors import InputError, RoughContactError
-from roughcontact.load import Load
-from roughcontact.units import binary
 
 # How the time of a solve is estimated.
 _BASIS = (

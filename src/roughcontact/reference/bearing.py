@@ -5,10 +5,10 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array, heights_array, numbers, read_only
+from roughcontact._base.checks import Array, heights_array, numbers, read_only
+from roughcontact._base.units import outlined
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.units import outlined
 
 # Parts of a map along each side, whose differences give the sampling error.
 _PARTS = 4

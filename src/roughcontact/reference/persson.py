@@ -8,12 +8,12 @@ import attrs
 import numpy as np
 from scipy import special
 
-from roughcontact.checks import Array, number, read_only
+from roughcontact._base.checks import Array, number, read_only
+from roughcontact._base.units import outlined, si
+from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.grid import Grid
 from roughcontact.reference.waves import Waves, list_waves
-from roughcontact.units import outlined, si
 
 # Correction of the elastic energy of a partial contact, no unit.
 _GAMMA = 0.45

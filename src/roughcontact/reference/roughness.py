@@ -7,11 +7,11 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact.checks import Array, heights_array
+from roughcontact._base.checks import Array, heights_array
+from roughcontact._base.units import Estimate
+from roughcontact._parts.grid import Grid
 from roughcontact.errors.door import guarded
-from roughcontact.grid import Grid
 from roughcontact.reference.waves import Waves, list_waves
-from roughcontact.units import Estimate
 
 
 @guarded

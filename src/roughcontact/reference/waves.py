@@ -8,9 +8,9 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact.checks import SMALLEST, Array, flag, heights_array
+from roughcontact._base.checks import SMALLEST, Array, flag, heights_array
+from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
-from roughcontact.grid import Grid
 
 # Modes in a Hann window w for each independent one: the mean of w^4 over the squared mean of w^2, along each axis.
 _DEPENDENT = (35.0 / 18.0) ** 2

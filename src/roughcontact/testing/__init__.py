@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from roughcontact.registry import Registry
+from roughcontact._base.registry import Registry
 from roughcontact.testing import convolvers, estimators, inputs, kernels, panels, responses, solvers  # noqa: F401 - claims
 from roughcontact.testing.claim import (
     Claim,

@@ -10,11 +10,11 @@ from typing import Any, TypeAlias, TypeVar
 import attrs
 import numpy as np
 
-from roughcontact.checks import RealArray, choice
-from roughcontact.description import describe, key_of, missing_classes, rebuild
+from roughcontact._base.archive.plain import describe, key_of, missing_classes, rebuild
+from roughcontact._base.checks import RealArray, choice
+from roughcontact._base.registry import Registry, registries
 from roughcontact.errors import InputError
 from roughcontact.plotting import panels
-from roughcontact.registry import Registry, registries
 
 T = TypeVar("T")
 Test: TypeAlias = Callable[..., str | float | None]

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from roughcontact._convolvers import ConvolutionSetup, Convolver, PreparedConvolution
-from roughcontact._kernels import BoundKernel, Love
-from roughcontact.checks import Array
+from roughcontact._base.checks import Array
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.kernels import BoundKernel, Love
+from roughcontact._solve.convolvers import ConvolutionSetup, Convolver, PreparedConvolution
 from roughcontact.errors import InputError
-from roughcontact.grid import Boundary, Grid
 from roughcontact.testing.claim import claim, require, require_close, require_equal
 from roughcontact.testing.oracle import displace
 

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 import attrs
 import numpy as np
 
-from roughcontact._flattening import FlatteningModel
-from roughcontact._solution import Area, AreaEstimator, ContactSolution
-from roughcontact.grid import Boundary, Grid
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution
+from roughcontact._work.processes.flattening import FlatteningModel
 from roughcontact.testing.claim import claim, require, require_close, require_equal
 from roughcontact.testing.problems import (
     full_contact,

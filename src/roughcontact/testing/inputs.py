@@ -8,14 +8,14 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from roughcontact._materials import Elastic, Material, Rigid, combined_pressure_limit, contact_modulus
-from roughcontact._problem.body import Body
-from roughcontact._problem.problem import ContactProblem
-from roughcontact._surfaces import ParaboloidSurface, Surface
-from roughcontact.checks import Array, number
+from roughcontact._base.checks import Array, number
+from roughcontact._parts.files import SurfaceReader
+from roughcontact._parts.grid import Grid
+from roughcontact._parts.materials import Elastic, Material, Rigid, combined_pressure_limit, contact_modulus
+from roughcontact._parts.surfaces import ParaboloidSurface, Surface
+from roughcontact._solve.problem.body import Body
+from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact.errors import InputError
-from roughcontact.files import SurfaceReader
-from roughcontact.grid import Grid
 from roughcontact.testing.claim import DoesNotApply, claim, pickled, require, require_equal
 
 _OTHER = Elastic(1e9, 0.3)

@@ -12,13 +12,13 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact._kernels import BoundKernel
-from roughcontact._problem.problem import ContactProblem
-from roughcontact._problem.task import LOAD_TOLERANCE
-from roughcontact._solution import ContactSolution
-from roughcontact.checks import Mask, RealArray
-from roughcontact.grid import Boundary
-from roughcontact.load import Load
+from roughcontact._base.checks import Mask, RealArray
+from roughcontact._parts.grid import Boundary
+from roughcontact._parts.kernels import BoundKernel
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem.task import LOAD_TOLERANCE
+from roughcontact._solve.solution import ContactSolution
 
 LongArray: TypeAlias = npt.NDArray[np.longdouble]
 # Rounding of fields computed in float64, in units of the last place of their maximum; measured on random problems.

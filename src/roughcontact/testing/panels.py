@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact._problem.sweep import Sweep
-from roughcontact.checks import RealArray
+from roughcontact._base.checks import RealArray
+from roughcontact._parts.grid import Boundary
+from roughcontact._solve.problem.sweep import Sweep
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
-from roughcontact.grid import Boundary
 from roughcontact.plotting import Panel, SampledSurface, make_figure
 from roughcontact.testing.claim import DoesNotApply, claim, pickled, require
 from roughcontact.testing.problems import full_contact, rough_contact, sphere_contact

@@ -10,16 +10,16 @@ from functools import cache
 import attrs
 import numpy as np
 
-from roughcontact._materials import Elastic, ElasticPerfectlyPlastic, Material
-from roughcontact._problem.body import Body
-from roughcontact._problem.problem import ContactProblem
-from roughcontact._solution import ContactSolution
-from roughcontact._solvers import Solver
-from roughcontact._surfaces import HeightMap, ParaboloidSurface, SelfAffineSurface, WavySurface
-from roughcontact.checks import Array
+from roughcontact._base.checks import Array
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.load import Load
+from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
+from roughcontact._parts.surfaces import HeightMap, ParaboloidSurface, SelfAffineSurface, WavySurface
+from roughcontact._solve.problem.body import Body
+from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.solution import ContactSolution
+from roughcontact._solve.solvers import Solver
 from roughcontact.errors import InputError
-from roughcontact.grid import Boundary, Grid
-from roughcontact.load import Load
 
 # Elastic constants of the trials, Pa and 1; any would do, for the problems are dimensionless inside.
 YOUNG, POISSON = 1e9, 0.3

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact._solution import ContactSolution, Estimate, Response
+from roughcontact._parts.grid import Boundary
+from roughcontact._solve.solution import ContactSolution, Estimate, Response
 from roughcontact.errors import InputError
-from roughcontact.grid import Boundary
 from roughcontact.testing.claim import DoesNotApply, claim, pickled, require
 from roughcontact.testing.problems import full_contact, mirror, rough_contact, scale_units, shift, sphere_contact
 

@@ -7,12 +7,12 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._convolvers import ConvolutionSetup, PreparedConvolution
-from roughcontact._problem import ContactProblem
-from roughcontact._problem.task import LOAD_TOLERANCE, make_task
-from roughcontact._solution import ContactSolution, Status
-from roughcontact._solvers import Solver
-from roughcontact.checks import RealArray
+from roughcontact._base.checks import RealArray
+from roughcontact._solve.convolvers import ConvolutionSetup, PreparedConvolution
+from roughcontact._solve.problem import ContactProblem
+from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task
+from roughcontact._solve.solution import ContactSolution, Status
+from roughcontact._solve.solvers import Solver
 from roughcontact.errors import InputError
 from roughcontact.testing.claim import DoesNotApply, claim, require, require_equal
 from roughcontact.testing.oracle import judge

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from roughcontact._materials import Elastic, ElasticPerfectlyPlastic, Material
-from roughcontact._problem.body import Body
-from roughcontact._problem.problem import ContactProblem
-from roughcontact._solvers import Solver
-from roughcontact._surfaces import HeightMap
-from roughcontact.checks import Array
+from roughcontact._base.checks import Array
+from roughcontact._parts.grid import Grid
+from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
+from roughcontact._parts.surfaces import HeightMap
+from roughcontact._solve.problem.body import Body
+from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.solvers import Solver
 from roughcontact.errors import MissingPackage
-from roughcontact.grid import Grid
 
 try:
     from hypothesis import strategies as st

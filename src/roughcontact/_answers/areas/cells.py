@@ -1,0 +1,207 @@
+"""Cells at the edge of the contact: the sides between contact and open cells, and sharp edges."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._parts.grid import Boundary
+from roughcontact._solve.solution import ContactSolution
+
+# Cells of the smallest patch that may have a sharp edge: in a smaller one three cells in a row rise outward by chance.
+_SHARP_PATCH = 9
+# Cells over which the pressure is compared inwards from a sharp edge, beside the cell itself.
+_INWARD = 2
+# Height of a step over the differences of height before and behind it.
+_STEPPED = 4.0
+# Steps, in cells, from a cell to its eight neighbours.
+_NEIGHBOURS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
+
+
+def extend(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArray[Any]:
+    """Return a field with `width` cells more on each side: periodic images, or the outermost cells repeated."""
+    return np.pad(field, width, mode="edge" if boundary is Boundary.FREE else "wrap")
+
+
+@attrs.frozen(eq=False)
+class Surroundings:
+    """The cells around some cells; beyond the border periodic images, or the outermost cells.
+
+    Attributes
+    ----------
+    cells
+        Flat indices of the cells, shape (n,).
+    width
+        Cells in a row.
+    near
+        Which of them lie near the border, shape (m,).
+    rows, columns
+        Flat indices of the rows and numbers of the columns from `reach` cells before these to as many behind them,
+        shape (2 reach + 1, m).
+    reach
+        Their furthest distance, in cells.
+    """
+
+    cells: IntArray
+    width: int
+    near: IntArray
+    rows: IntArray
+    columns: IntArray
+    reach: int
+
+    @classmethod
+    def of(cls, i: IntArray, j: IntArray, shape: tuple[int, int], boundary: Boundary, reach: int) -> Surroundings:
+        """Return the surroundings of the cells (i, j), shape (n,)."""
+        nx, ny = shape
+        near = np.flatnonzero((i < reach) | (i >= nx - reach) | (j < reach) | (j >= ny - reach))
+        steps, ends = np.arange(-reach, reach + 1)[:, np.newaxis], []
+        for at, n in ((i, nx), (j, ny)):
+            around = at[near] + steps
+            ends.append(np.clip(around, 0, n - 1) if boundary is Boundary.FREE else around % n)
+        return cls(i * ny + j, ny, near, ends[0] * ny, ends[1], reach)
+
+    def at(self, i: int, j: int) -> IntArray:
+        """Return the flat indices of the cells so many steps from each, shape (n,)."""
+        found = self.cells + (i * self.width + j)
+        found[self.near] = self.rows[self.reach + i] + self.columns[self.reach + j]
+        return np.asarray(found)
+
+
+def split(cells: IntArray, width: int) -> tuple[IntArray, IntArray]:
+    """Return the rows and columns of flat indices; faster than `numpy.divmod`."""
+    i = cells // width
+    return i, cells - i * width
+
+
+def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
+    """Return a mask with all cells up to `width` cells from a marked one marked, along rows, columns and diagonals."""
+    from scipy import ndimage
+
+    extended = extend(mask, width, boundary)
+    grown = ndimage.binary_dilation(extended, np.ones((3, 3), dtype=bool), iterations=width)
+    return np.asarray(grown[width:-width, width:-width])
+
+
+def find_cut_cells(solution: ContactSolution) -> Mask:
+    """Return the cells at a free border that cuts the contact where its pressure is below the limit, shape (nx, ny).
+
+    The square of the pressure, linear in the distance from an edge, then does not vanish before the border.
+    """
+    cut = np.zeros(solution.grid.shape, dtype=bool)
+    if solution.boundary is not Boundary.FREE:
+        return cut
+    limit = np.broadcast_to(solution.pressure_limit, solution.grid.shape)
+    for axis, cells in enumerate(solution.grid.shape):
+        pressure, highest, marked = (np.moveaxis(field, axis, 0) for field in (solution.pressure, limit, cut))
+        for pair in ((0, min(1, cells - 1)), (cells - 1, max(cells - 2, 0))):
+            outer, inner = (np.where(pressure[k] < highest[k], pressure[k], 0.0) ** 2 for k in pair)
+            marked[pair[0]] |= 3.0 * outer > inner
+    return cut
+
+
+def find_cut_patches(solution: ContactSolution) -> Mask:
+    """Return which patches a free border cuts, shape (count,)."""
+    cut = np.zeros(solution.patches.count + 1, dtype=bool)
+    cut[solution.patches.labels[find_cut_cells(solution)]] = True
+    return cut[1:]
+
+
+def count_crossings(solution: ContactSolution) -> int:
+    """Return the number of places where the edge of the contact meets a free border that cuts it."""
+    contact, cut = solution.contact, find_cut_cells(solution)
+    borders = [(field[0], field[-1], field[:, 0], field[:, -1]) for field in (contact, cut)]
+    crossings = [(line[1:] != line[:-1]) & (marked[1:] | marked[:-1]) for line, marked in zip(*borders, strict=True)]
+    return sum(int(np.count_nonzero(crossing)) for crossing in crossings)
+
+
+def count_sides(contact: Mask, boundary: Boundary, of: Mask | None = None) -> int:
+    """Return the number of cell sides between contact and open cells (of some cells only), without a free border."""
+    return sum(int(np.count_nonzero(sides)) for sides in _mark_sides(contact, boundary, of))
+
+
+def measure_sides(solution: ContactSolution) -> float:
+    """Return the total length of the cell sides between contact and open cells, m."""
+    across, along = _mark_sides(solution.contact, solution.boundary, None)
+    dx, dy = solution.grid.spacing
+    return float(np.count_nonzero(across) * dy + np.count_nonzero(along) * dx)
+
+
+def find_straight_rows(contact: Mask, boundary: Boundary) -> IntArray:
+    """Return the lengths, in sides, of the straight rows of sides that form the edge of the contact."""
+    lengths = []
+    for axis, sides in enumerate(_mark_sides(contact, boundary, None)):
+        lines = sides if axis == 0 else np.ascontiguousarray(sides.T)
+        if boundary is not Boundary.FREE:
+            # A row that crosses the border is one row: rotate its line so that it begins at a gap.
+            crossing = np.flatnonzero(lines[:, 0] & lines[:, -1] & ~lines.all(axis=1))
+            first = np.argmin(lines[crossing], axis=1)[:, np.newaxis]
+            order = (np.arange(lines.shape[1]) + first) % lines.shape[1]
+            lines[crossing] = np.take_along_axis(lines[crossing], order, axis=1)
+        changes = np.diff(np.pad(lines.astype(np.int8), ((0, 0), (1, 1))), axis=1)
+        lengths.append(np.nonzero(changes == -1)[1] - np.nonzero(changes == 1)[1])
+    return np.concatenate(lengths)
+
+
+def _mark_sides(contact: Mask, boundary: Boundary, of: Mask | None) -> tuple[Mask, Mask]:
+    """Mark the sides of the edge between each cell and the next along x, then along y."""
+    marked = []
+    for axis in (0, 1):
+        sides = contact != np.roll(contact, -1, axis=axis)
+        if of is not None:
+            sides &= of | np.roll(of, -1, axis=axis)
+        if boundary is Boundary.FREE:
+            sides[(-1,) if axis == 0 else (slice(None), -1)] = False
+        marked.append(sides)
+    return marked[0], marked[1]
+
+
+def find_sharp_edges(solution: ContactSolution) -> Mask:
+    """Return the cells of the contact at a sharp edge, as of a flat punch, shape (nx, ny).
+
+    There the pressure does not decay towards the edge over three cells. Along an axis both lateral
+    neighbours must be in contact, along a diagonal both cells beside the outer one must be open:
+    other cells lie beside an edge that runs past them at an angle. The pressure of saturated cells does
+    not depend on the distance from the edge: they are marked where the heights have a step.
+    """
+    contact, patches = solution.contact, solution.patches
+    extended = extend(contact, 1, solution.boundary)
+    interior = extended[:-2] & extended[1:-1] & extended[2:]
+    interior = interior[:, :-2] & interior[:, 1:-1] & interior[:, 2:]
+    sharp = np.zeros(contact.size, dtype=bool)
+    edge = np.flatnonzero(contact & ~interior)
+    edge = edge[np.concatenate(([False], patches.cells >= _SHARP_PATCH))[patches.labels.ravel()[edge]]]
+    if edge.size == 0:
+        return sharp.reshape(contact.shape)
+    saturated = solution.saturated.ravel()[edge] if solution.capped else np.zeros(edge.size, dtype=bool)
+    pressure, touching = solution.pressure.ravel(), contact.ravel()
+    gap = solution.initial_gap.ravel() if saturated.any() else pressure
+    near = Surroundings.of(*split(edge, contact.shape[1]), contact.shape, solution.boundary, _INWARD)
+    beside = {step: touching[near.at(*step)] for step in _NEIGHBOURS}
+    for dx, dy in _NEIGHBOURS:
+        straight = dx == 0 or dy == 0
+        sides = beside[dy, dx] & beside[-dy, -dx] if straight else ~(beside[dx, 0] | beside[0, dy])
+        facing = np.flatnonzero(sides & ~beside[dx, dy])
+        found = _find_sharp(pressure, gap, near, facing, (dx, dy), saturated[facing])
+        sharp[edge[facing[found]]] = True
+    return sharp.reshape(contact.shape)
+
+
+def _find_sharp(
+    pressure: Array, gap: Array, near: Surroundings, facing: IntArray, step: tuple[int, int], saturated: Mask
+) -> Mask:
+    """Return which of the cells that face the open side in a direction lie at a sharp edge."""
+
+    def take(field: Array, steps: int) -> Array:
+        return field[near.at(steps * step[0], steps * step[1])[facing]]
+
+    outer, inner, innermost = (take(pressure, -k) for k in (0, 1, 2))
+    rising = (outer >= inner) & (inner >= innermost) & (innermost > 0.0)
+    if not saturated.any():
+        return rising
+    before, here, beside, beyond = (take(gap, k) for k in (-1, 0, 1, 2))
+    stepped = beside - here > _STEPPED * np.maximum(np.abs(beyond - beside), np.abs(here - before))
+    return np.where(saturated, stepped, rising)

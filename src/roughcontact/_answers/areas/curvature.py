@@ -1,0 +1,186 @@
+"""Curvature of the initial gap under the contact, and how well the grid resolves it."""
+
+from __future__ import annotations
+
+import math
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from roughcontact._answers.areas.cells import Surroundings, split
+from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._parts.grid import Boundary
+from roughcontact._solve.solution import ContactSolution, heal
+
+# Weights of the central second difference of eighth order at the offsets 0 to 4: 0.7 % too small at four cells a wave.
+_SECOND = (-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0)
+# Offset of the outermost cell of that difference, in cells.
+_REACH = len(_SECOND) - 1
+# What was measured on solutions that still exist: several estimates ask for it.
+_MEASURED: WeakKeyDictionary[ContactSolution, tuple[float, float, float]] = WeakKeyDictionary()
+# Number of cells that suffice for the mean squares of differences: to 1 % or so.
+_SAMPLE = 100_000
+# Cells below which a patch does not show how the curvature varies under it, so that the cells around it are used.
+_TINY = 9
+# Mean square distance from the centre along an axis: of three by three cells, cell^2 ...
+_AROUND = 2.0 / 3.0
+# ... and of a circle of radius one, weighted by Hertz's pressure (exact).
+_BENEATH = 1.0 / 5.0
+
+
+def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array]:
+    """Return the curvature of the initial gap under each patch, averaged by the pressure over the chosen cells.
+
+    That is half the sum of the principal curvatures, 1/m, positive at a summit, half their difference, 1/m, and the
+    standard deviation of all components over the patch, relative to the first; shape (count + 1,).
+    """
+    patches = solution.patches
+    label, weights = patches.labels.ravel()[chosen], solution.pressure.ravel()[chosen]
+    cells = np.concatenate(([0], patches.cells))
+    tiny = chosen[cells[label] < _TINY]
+    around, owner = _find_neighbours(solution, tiny)
+    hessian = _find_hessian(solution, np.concatenate((chosen, around)))
+    mean, variance = _average([part[: chosen.size] for part in hessian], label, weights, patches.count)
+    _, beyond = _average([part[chosen.size :] for part in hessian], owner, np.ones(around.size), patches.count)
+    reach = _BENEATH * cells / np.pi / (_AROUND + cells / (4.0 * np.pi))
+    variance = np.maximum(variance, np.where(cells < _TINY, beyond * reach, 0.0))
+    middle = 0.5 * (mean[0] + mean[1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spread = np.sqrt(variance) / np.abs(middle)
+    return middle, np.hypot(0.5 * (mean[0] - mean[1]), mean[2]), spread
+
+
+def average_bend(solution: ContactSolution, chosen: IntArray) -> Array:
+    """Return half the second differences of the initial gap along x and y together, m, by patch; shape (count + 1,).
+
+    Averaged over the chosen cells with the pressure as weight.
+    """
+    label, weights = solution.patches.labels.ravel()[chosen], solution.pressure.ravel()[chosen]
+    dx, dy = solution.grid.spacing
+    (xx, yy, _), _ = _average(list(_find_hessian(solution, chosen)), label, weights, solution.patches.count)
+    return np.asarray(0.5 * (dx**2 * xx + dy**2 * yy))
+
+
+def curvature_resolution(solution: ContactSolution) -> float:
+    """Return the resolution ratio (q h)^2 of the heights under the contact: small where the grid resolves them.
+
+    The rms of the fourth differences over that of the second, equal to (q h)^2 for one wave of wave
+    number q on cells of size h.
+    """
+    return _measure_heights(solution)[0]
+
+
+def rim_ratio(solution: ContactSolution) -> float:
+    """Return the mean curvature of the heights along the edge of the contact over that inside it; zero without inside.
+
+    Summits have less curvature along the edge, sharp rims of flats that were run in have more.
+    """
+    return _measure_heights(solution)[1]
+
+
+def lay_ratio(solution: ContactSolution) -> float:
+    """Return the smallest over the largest rms curvature in any direction under the contact.
+
+    One for isotropic heights, zero for ridges of one direction.
+    """
+    return _measure_heights(solution)[2]
+
+
+def _measure_heights(solution: ContactSolution) -> tuple[float, float, float]:
+    """Return resolution, rim ratio and lay ratio."""
+    solution = heal(solution)
+    if solution not in _MEASURED:
+        _MEASURED[solution] = _find_ratios(solution)
+    return _MEASURED[solution]
+
+
+def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
+    chosen = np.flatnonzero(solution.contact)
+    chosen = chosen[:: max(1, chosen.size // _SAMPLE)]
+    if chosen.size == 0:
+        return 0.0, 0.0, 1.0
+    *lines, rising, falling = _gather_lines(solution, chosen, 2, 4)
+    bends = [pairs[0] - 2.0 * here for here, pairs in lines]
+    fourth = sum(float(np.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2)) for here, pairs in lines)
+    second = sum(float(np.mean(bend**2)) for bend in bends)
+    dx, dy = solution.grid.spacing
+    mixed = 0.25 * (rising[1][0] - falling[1][0])
+    xx = bends[0] / dx**2
+    xy = mixed / (dx * dy)
+    yy = bends[1] / dy**2
+    laplacian = xx + yy
+    inside = _find_inner(solution, chosen)
+    middle = abs(float(np.mean(laplacian[inside]))) if inside.any() else 0.0
+    rim = float(np.mean(laplacian[~inside])) / middle if middle > 0.0 and not inside.all() else 0.0
+    return math.sqrt(fourth / second) if second > 0.0 else 0.0, rim, _find_lay(xx, xy, yy)
+
+
+def _find_lay(xx: Array, xy: Array, yy: Array) -> float:
+    """Return the lay ratio of these second derivatives: from the mean square of their matrix, shape (2, 2)."""
+    along_x, along_y = float(np.mean(xx**2 + xy**2)), float(np.mean(xy**2 + yy**2))
+    middle = 0.5 * (along_x + along_y)
+    difference = math.hypot(0.5 * (along_x - along_y), float(np.mean(xy * (xx + yy))))
+    return math.sqrt(max(middle - difference, 0.0) / (middle + difference)) if middle > 0.0 else 1.0
+
+
+def _find_inner(solution: ContactSolution, chosen: IntArray) -> Mask:
+    """Return which cells have neighbours in contact on all four sides."""
+    (nx, ny), contact = solution.grid.shape, solution.contact.ravel()
+    # The outermost cells of any domain have neighbours beyond its border.
+    near = Surroundings.of(*split(chosen, ny), (nx, ny), Boundary.PERIODIC, 1)
+    return np.asarray(np.logical_and.reduce([contact[near.at(*step)] for step in ((1, 0), (-1, 0), (0, 1), (0, -1))]))
+
+
+def _average(hessian: list[Array], label: IntArray, weights: Array, count: int) -> tuple[Array, Array]:
+    """Return the mean of each component by patch, shape (3, count + 1), and the variance of all together."""
+    total = np.bincount(label, weights=weights, minlength=count + 1)
+    total[total == 0.0] = 1.0
+
+    def mean(values: Array) -> Array:
+        return np.asarray(np.bincount(label, weights=weights * values, minlength=count + 1) / total)
+
+    means = np.stack([mean(part) for part in hessian])
+    squares = [mean((part - middle[label]) ** 2) for part, middle in zip(hessian, means, strict=True)]
+    return means, squares[0] + squares[1] + 2.0 * squares[2]
+
+
+def _find_neighbours(solution: ContactSolution, chosen: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the three by three cells around each cell, and the patch that each of them belongs to."""
+    nx, ny = solution.grid.shape
+    steps = np.array((-1, 0, 1))
+    i, j = (k[:, np.newaxis] + steps for k in np.divmod(chosen, ny))
+    i, j = (np.clip(i, 0, nx - 1), np.clip(j, 0, ny - 1)) if solution.boundary is Boundary.FREE else (i % nx, j % ny)
+    around = i[:, :, np.newaxis] * ny + j[:, np.newaxis, :]
+    return around.ravel(), np.repeat(solution.patches.labels.ravel()[chosen], 9)
+
+
+def _find_hessian(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array]:
+    """Return the xx, yy and xy derivatives of the initial gap at cells, 1/m."""
+    dx, dy = solution.grid.spacing
+    along_x, along_y, rising, falling = (
+        _SECOND[0] * here + sum(factor * pair for factor, pair in zip(_SECOND[1:], pairs, strict=True))
+        for here, pairs in _gather_lines(solution, chosen, _REACH, 4)
+    )
+    # Second differences along both diagonals differ by four mixed ones.
+    return along_x / dx**2, along_y / dy**2, (rising - falling) / (4.0 * dx * dy)
+
+
+def _gather_lines(
+    solution: ContactSolution, chosen: IntArray, reach: int, lines: int
+) -> list[tuple[Array, list[Array]]]:
+    """Return the gap at cells, with the sums of both neighbours at each distance, along x, y and both diagonals.
+
+    Only for the first so many of these lines.
+    """
+    nx, ny = solution.grid.shape
+    i, j = split(chosen, ny)
+    if solution.boundary is Boundary.FREE:
+        # At a free border the stencil is moved inside.
+        i, j = (np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k for k, n in ((i, nx), (j, ny)))
+    near = Surroundings.of(i, j, solution.grid.shape, solution.boundary, reach)
+    heights = solution.initial_gap.ravel()
+    here, steps = heights.take(near.at(0, 0)), range(1, reach + 1)
+    return [
+        (here, [heights.take(near.at(k * a, k * b)) + heights.take(near.at(-k * a, -k * b)) for k in steps])
+        for a, b in ((1, 0), (0, 1), (1, 1), (1, -1))[:lines]
+    ]

@@ -1,0 +1,244 @@
+"""The traced edges of all patches: areas inside them, their corrections and standard deviations."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+
+from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.cells import find_sharp_edges
+from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
+from roughcontact._answers.areas.curvature import curvature_resolution, lay_ratio, rim_ratio
+from roughcontact._base.checks import Array
+from roughcontact._parts.grid import Boundary
+from roughcontact._solve.solution import ContactSolution
+
+# Area between a smooth convex edge and its chords, in cells around each piece: a chord of length l cuts off
+# curvature * l^3 / 12, and the mean chords of the unit square are <l> = pi / 4 and <l^3> = 3 / 4.
+_CHORDS = 0.5
+# Sides of cells along an edge over its length in cells: mean over all directions.
+_SIDES = 4.0 / np.pi
+# Number of cells from which a patch whose topology differs between both strides is not resolved.
+_LARGE = 12
+# Standard deviation on single spheres over that on rough contacts, where Hertz's areas take part.
+_ALONE = 1.6
+# Factor by which the standard deviation of a sharp edge is larger, one less.
+_STAIRS = 2.0
+# Ratio of a patch's cells to its width, in cells of a disc, up to which it is compact.
+_ROUND = 2.0
+# Ratio of the width of a patch, in cells of a disc, to its cells, below which the width counts.
+_SLENDER = 0.35
+# Width, in cells of a disc, from which the edges of a slender patch are known better.
+_WIDE = 50.0
+# Standard deviation of an excess that has been subtracted, over it.
+UNSURE = 0.3
+# Number of cells below which a patch has no cell that is surrounded by contact.
+_FEW = 4
+# Maximum excess over the area: above it the linear law of the excess does not hold.
+_LARGEST_EXCESS = 0.3
+
+
+@attrs.frozen(eq=False)
+class TracedEdges:
+    """Areas inside the traced edges and their errors; arrays of shape (count + 1,), the first entry is zero.
+
+    Attributes
+    ----------
+    area, refined
+        Area inside the edge between neighbouring cells, and extrapolated from that between every second cell, m2.
+    length, sharp
+        Length of the edge, m, and the fraction of it that is sharp.
+    std
+        Standard deviation of either area, m2.
+    alike
+        Factor of its square, for the parts of the edge of each patch, and of others, that err alike.
+    strip
+        Area of a strip along the edge, one cell wide, m2.
+    curvature_resolution
+        Fourth over second differences of the heights under the contact: small if the grid resolves them.
+    excess, excess_refined
+        Excess of either area because the grid hardly resolves the heights, m2.
+    saturated
+        Standard deviation where the pressure reaches its limit near the edge, m2.
+    unseen
+        Standard deviation for summits between the grid points beside patches of few cells, m2.
+    meeting
+        Standard deviation where edges meet non-measured points, m2.
+    width
+        Cells of a disc as wide as each patch.
+    roundness
+        One for compact patches, less for slender ones.
+    border
+        Standard deviation where edges meet a free border, all patches together, m2.
+    topology
+        One cell for each piece or hole of the larger patches that the edge has at only one of both strides, m2.
+    shift
+        Standard deviation of the position of the edges, together, in cells.
+    slender
+        Standard deviation of the position of the edges of slender patches, together, in cells.
+    oblong
+        Longer side of the cells over their mean side: edges err by parts of the former.
+    pieces
+        Number of pieces of all edges that err by themselves where the grid hardly resolves the heights, at least one:
+        each is as long as a wave, and longer in a lay.
+    """
+
+    area: Array
+    refined: Array
+    length: Array
+    untraced_std: Array
+    sharp: Array
+    std: Array
+    alike: Array
+    strip: Array
+    curvature_resolution: float
+    excess: Array
+    excess_refined: Array
+    saturated: Array
+    unseen: Array
+    meeting: Array
+    width: Array
+    roundness: Array
+    border: float
+    topology: float
+    shift: Array
+    slender: Array
+    oblong: float
+    pieces: float
+
+    @property
+    def alone_std(self) -> Array:
+        """Standard deviation of either area by itself, m2: of single contacts too, and of parts that err alike."""
+        shift = calibration.SHIFT * self.strip
+        return np.asarray(_ALONE * self.oblong * (self.std * np.sqrt(self.alike) + shift))
+
+    @property
+    def blended_std(self) -> Array:
+        """Standard deviation of either area beside Hertz's areas, m2, and of parts that err alike."""
+        return np.asarray(self.oblong * self.std * np.sqrt(calibration.BLENDED**2 - 1.0 + self.alike))
+
+    def find_excess(self, extrapolated: Array) -> Array:
+        """Return the excess of areas that are extrapolated by a fraction, shape (count + 1,), m2."""
+        first, second = calibration.EXCESS_HALF
+        cells = first * self.curvature_resolution + second * self.curvature_resolution**2
+        half = np.minimum(cells * self.strip, _LARGEST_EXCESS * self.area)
+        none, full = self.excess, self.excess_refined
+        below = 2.0 * extrapolated * half + (1.0 - 2.0 * extrapolated) * none
+        above = 2.0 * (1.0 - extrapolated) * half + (2.0 * extrapolated - 1.0) * full
+        return np.where(extrapolated < 0.5, below, above)
+
+    def average_excess(self, excess: Array) -> float:
+        """Return the standard deviation of a total that excess was subtracted from, m2: one wave has more, one less."""
+        return calibration.EXCESS_STD * float(np.sum(excess)) / math.sqrt(self.pieces)
+
+    def common_std(self, excess_std: float, fraction: float | Array = 1.0) -> float:
+        """Return the standard deviation common to all edges, m2: of excess, position, saturated cells and topology."""
+        alike = (self.shift * self.strip, self.slender * self.strip, self.saturated, self.meeting)
+        positions = (float(np.sum(fraction * part)) for part in alike)
+        unseen = float(np.sum(fraction * self.unseen)) / math.sqrt(self.pieces)
+        return self.oblong * math.hypot(self.oblong * excess_std, unseen, self.topology, *positions)
+
+
+def trace_edges(solution: ContactSolution) -> TracedEdges:
+    """Return the traced edges of all patches."""
+    sharp = find_sharp_edges(solution)
+    one, two = (trace_contour(solution, sharp, stride) for stride in (1, 2))
+    fine, coarse = _correct(solution, one, 1), _correct(solution, two, 2)
+    cell, cells = solution.grid.cell_area, solution.patches.cells
+    step, oblong = math.sqrt(cell), math.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
+    # The edge of a patch varies at least as half the edge of a disc of as many cells.
+    half_disc = np.sqrt(np.pi * cell * np.concatenate(([0], cells)))
+    std = calibration.WANDER * np.sqrt(_SIDES * np.maximum(one.length, half_disc) / step) * cell
+    ratio, lay = curvature_resolution(solution), lay_ratio(solution)
+    strip = step * one.length
+    counted = np.concatenate(([1.0], cells))
+    width = _measure_width(fine, one.length, cell, counted)
+    small = 1.0 + (calibration.SMALL_PATCH / width) ** 2
+    narrow = np.where(width < _SLENDER * counted, width, counted) < _FEW
+    meeting = cell * one.meeting
+    met = step * one.meeting
+    few = calibration.FLUCTUATION * ratio * fine / counted**1.5
+    places = calibration.NON_MEASURED_PLACE * cell * np.sqrt(one.meeting)
+    return TracedEdges(
+        area=np.maximum(fine - calibration.NON_MEASURED * meeting, 0.0),
+        refined=(4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED * meeting,
+        length=one.length + calibration.NON_MEASURED_LENGTH * met,
+        untraced_std=calibration.NON_MEASURED_LENGTH_STD * met,
+        sharp=one.sharp,
+        std=np.hypot(np.hypot(std * (small + _STAIRS * one.sharp), few), places),
+        alike=_count(one.alike),
+        strip=strip,
+        curvature_resolution=ratio,
+        excess=np.minimum(calibration.EXCESS * ratio * strip, _LARGEST_EXCESS * fine),
+        excess_refined=np.minimum(calibration.EXCESS_REFINED * ratio**2 * strip, _LARGEST_EXCESS * fine),
+        saturated=calibration.SATURATED * _saturated_weight(solution) * strip,
+        unseen=np.where(narrow, calibration.UNSEEN * ratio**2 * fine, 0.0),
+        meeting=calibration.NON_MEASURED_STD * meeting,
+        width=width,
+        roundness=_measure_roundness(width, counted),
+        border=oblong * _border_std(solution) * cell,
+        topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _LARGE))) * cell,
+        shift=calibration.SHIFT + calibration.LAYERED_SHIFT * find_modulus_change(solution) + _measure_rims(solution),
+        slender=_slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE),
+        oblong=oblong,
+        pieces=max(1.0, lay * float(np.sum(one.length / one.alike)) / step * math.sqrt(ratio) / (2.0 * math.pi)),
+    )
+
+
+def _slender_std(lay: float) -> float:
+    """Return the standard deviation of the edges of very slender patches, in cells: those of a lay err alike."""
+    along, merged = calibration.SLENDER
+    return along * (1.0 - lay) + merged * lay
+
+
+def _measure_rims(solution: ContactSolution) -> Array:
+    """Return the standard deviation of edges at sharp rims, cells, shape (count + 1,)."""
+    first, highest, std = calibration.RIM
+    sharpness = min(max(rim_ratio(solution) - first, 0.0), highest)
+    return np.asarray(std * sharpness * (1.0 - _saturated_weight(solution)))
+
+
+def _measure_roundness(width: Array, cells: Array) -> Array:
+    slenderness = np.maximum(cells / (_ROUND * width), 1.0) - 1.0
+    return np.asarray(1.0 / (1.0 + slenderness / (1.0 + (width / _WIDE) ** 2)))
+
+
+def _count(alike: Array) -> Array:
+    """Return the number of errors that add up, for a number of parts of the edge that are the same."""
+    return 1.0 + calibration.ALIKE * (alike - 1.0)
+
+
+def _measure_width(area: Array, length: Array, cell: float, cells: Array) -> Array:
+    """Return the number of cells of discs with the same ratio of area to edge, at most that of the patch."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        width = np.pi * (2.0 * area / length) ** 2 / cell
+    return np.where((length > 0.0) & (area > 0.0), np.clip(width, 0.5, cells), cells)
+
+
+def _correct(solution: ContactSolution, edge: Contour, stride: int) -> Array:
+    """Return the areas inside the smooth edges whose chords are the sides of the polygons."""
+    step = np.sqrt(solution.grid.cell_area)
+    cut_off = (_CHORDS + calibration.EULER) * stride**2 * edge.euler * solution.grid.cell_area
+    return np.asarray(np.maximum(edge.area + solution.edge_shift * step * edge.length + cut_off, 0.0))
+
+
+def _border_std(solution: ContactSolution) -> float:
+    """Return the standard deviation where a free border cuts the contact, in cells: saturated pressure is bounded."""
+    contact = solution.contact
+    if solution.boundary is not Boundary.FREE or contact.all():
+        return 0.0
+    contact = contact & ~solution.saturated
+    edges = (contact[0], contact[-1], contact[:, 0], contact[:, -1])
+    return calibration.BORDER * float(sum(np.count_nonzero(edge) for edge in edges))
+
+
+def _saturated_weight(solution: ContactSolution) -> Array:
+    """Return the weight of the saturated error in each patch, shape (count + 1,): one from half its cells saturated."""
+    patches = solution.patches
+    if not solution.capped:
+        return np.zeros(patches.count + 1)
+    saturated = patches.member_labels[solution.saturated.ravel()[patches.members]]
+    saturated = np.bincount(saturated, minlength=patches.count + 1)
+    return np.minimum(2.0 * saturated / np.concatenate(([1], patches.cells)), 1.0)

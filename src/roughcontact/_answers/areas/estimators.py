@@ -1,0 +1,226 @@
+"""The area estimators."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+
+from roughcontact._answers.areas.cells import count_sides, find_straight_rows, measure_sides
+from roughcontact._answers.areas.curvature import curvature_resolution
+from roughcontact._answers.areas.edges import UNSURE, TracedEdges, trace_edges
+from roughcontact._answers.areas.hertz import hertz_areas
+from roughcontact._answers.areas.outline import contours, outline
+from roughcontact._answers.areas.total import list_warnings, total_area
+from roughcontact._base.checks import Array
+from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution
+
+# Mean excess of the count, in cells per side, over all positions and directions of a straight edge (Yastrebov 2017).
+_OVERSHOOT = (math.pi - 1.0 + math.log(2.0)) / 24.0
+# Fraction of that correction in one standard deviation: two hold all from no correction (sharp edges) to twice it.
+_CORRECTION_STD = 0.5
+# Position of an edge within its cell, in cells: standard deviation of a uniform distribution.
+_POSITION_STD = 1.0 / math.sqrt(12.0)
+# Widths, in cells of a disc, between which the first and the second half of the extrapolation of the traced area set
+# in: narrow patches have too small an area inside their edges, and too large a one where it is extrapolated.
+_FIRST_HALF, _SECOND_HALF = (1.5, 3.0), (6.0, 60.0)
+# Standard deviation of an excess that is not subtracted, over it.
+_NOT_SUBTRACTED = 1.3
+# Fraction of its edge that may look sharp in a smooth patch, times the resolution ratio where that is above one.
+_SHARP = 0.1
+
+
+@attrs.frozen
+class CellCount(AreaEstimator):
+    r"""Counted area: all cells with p > 0, as most codes count them.
+
+    .. math:: A = N\, \Delta x \Delta y
+
+    Nearly always too large, for a cell counts as soon as the contact reaches into it. The uncertainty
+    is that excess as `Perimeter` estimates it.
+    """
+
+    def estimate(self, solution: ContactSolution) -> Area:
+        """Return the counted area; see `AreaEstimator.estimate`."""
+        count, cell = int(np.count_nonzero(solution.contact)), solution.grid.cell_area
+        excess = _OVERSHOOT * count_sides(solution.contact, solution.boundary) * cell
+        return _counted_area(solution, count * cell, count / solution.contact.size, excess, "cell-count")
+
+
+@attrs.frozen
+class Perimeter(AreaEstimator):
+    r"""Counted area less a correction by the perimeter.
+
+    .. math:: A = N \Delta x \Delta y - \frac{\pi - 1 + \ln 2}{24}\, S\, \Delta x \Delta y
+
+    with N cells in contact and S cell sides between contact and open cells. It is exact on average for
+    straight edges of random position and direction, and corrects smooth Hertzian edges too much. Edges
+    of saturated cells are sharp and are not corrected, and the area is never below the load over the
+    pressure limit. The uncertainty is half of the correction and the random position of each straight
+    row of sides in its cells.
+
+    References
+    ----------
+    Yastrebov, Anciaux, Molinari, Tribol. Int. 114 (2017) 161-171,
+    https://doi.org/10.1016/j.triboint.2017.04.023
+    """
+
+    def estimate(self, solution: ContactSolution) -> Area:
+        """Return the corrected area; see `AreaEstimator.estimate`."""
+        contact, cell = solution.contact, solution.grid.cell_area
+        rows = find_straight_rows(contact, solution.boundary)
+        elastic = int(rows.sum()) - count_sides(contact, solution.boundary, solution.saturated)
+        needed = float(np.add.reduce(solution.pressure / solution.pressure_limit, axis=None))
+        value = max(int(np.count_nonzero(contact)) - _OVERSHOOT * elastic, needed) * cell
+        position = _POSITION_STD * math.sqrt(float(np.sum(rows.astype(np.float64) ** 2)))
+        uncertainty = (_CORRECTION_STD * _OVERSHOOT * elastic + position) * cell
+        return _counted_area(solution, value, value / solution.grid.area, uncertainty, "perimeter")
+
+
+def _counted_area(solution: ContactSolution, value: float, fraction: float, uncertainty: float, name: str) -> Area:
+    perimeter, warnings = measure_sides(solution), list_warnings(solution, curvature_resolution(solution))
+    return Area(value, fraction, uncertainty, name, perimeter=perimeter, warnings=warnings)
+
+
+@attrs.frozen
+class LevelSet(AreaEstimator):
+    r"""Area inside the edge that pressure and gap define between the cell centres.
+
+    .. math:: A = A_\mathrm{polygon} + s\,h\,L + (\tfrac12 + 0.16)\,h^2\,\chi
+
+    with the length L and the Euler number :math:`\chi` of the edge (`roughcontact._answers.areas.contour`) and
+    the kernel's shift s of the edge, in cells. For patches of more than a few cells; see `Blend` for
+    smaller ones.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), section 5.1, https://doi.org/10.1017/CBO9781139171731
+    """
+
+    def estimate(self, solution: ContactSolution) -> Area:
+        """Return the area inside the traced edge; see `AreaEstimator.estimate`."""
+        edges = trace_edges(solution)
+        common = edges.common_std(_NOT_SUBTRACTED * float(np.sum(edges.excess)))
+        return total_area(solution, edges.area, edges.alone_std, common, edges, "level-set")
+
+    def outline(self, solution: ContactSolution) -> Array:
+        """Return the edge as line segments for a figure: both ends (x, y) of each, shape (n, 2, 2), m."""
+        return outline(solution)
+
+    def contours(self, solution: ContactSolution) -> list[Array]:
+        """Return the edge as lines for a figure, (x, y) of shape (n, 2), m, the contact on their left.
+
+        The last point of a closed line is its first. Lines that cross a periodic border continue beyond it, and a line
+        around the domain ends at the image of its first point; lines that reach a free border end there.
+        """
+        return contours(solution)
+
+
+@attrs.frozen
+class LevelSetRichardson(AreaEstimator):
+    r"""Level-set area, extrapolated from edges between all cells, A1, and between every second cell, A2.
+
+    .. math:: A = (4 A_1 - A_2) / 3
+
+    Both come from one solution, so that the error of the interpolation of order h^2 cancels.
+
+    References
+    ----------
+    Richardson, Phil. Trans. R. Soc. A 210 (1911) 307-357, https://doi.org/10.1098/rsta.1911.0009
+    """
+
+    def estimate(self, solution: ContactSolution) -> Area:
+        """Return the extrapolated area; see `AreaEstimator.estimate`."""
+        edges = trace_edges(solution)
+        common = edges.common_std(_NOT_SUBTRACTED * float(np.sum(edges.excess_refined)))
+        # On grids of a few cells the extrapolation may leave nothing of a patch.
+        values = np.where(edges.refined > 0.0, edges.refined, edges.area)
+        return total_area(solution, values, edges.alone_std, common, edges, "level-set-richardson")
+
+
+@attrs.frozen
+class Hertz(AreaEstimator):
+    r"""Hertz's contact area of each patch, from its load and its curvature.
+
+    .. math:: A = \pi \left(\frac{3F}{4E^*\kappa}\right)^{2/3} f, \quad \kappa = \tfrac12(\kappa_1+\kappa_2)
+
+    with the factor f of an elliptic contact and the curvature averaged over the patch with the
+    pressure as weight, which is exact to first order for summits that are not paraboloids. One cell in
+    contact suffices; a patch of several summits is estimated far too small. Patches without a summit
+    count as in `LevelSet`.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), section 4.2, https://doi.org/10.1017/CBO9781139171731
+    """
+
+    def estimate(self, solution: ContactSolution) -> Area:
+        """Return the sum of Hertz's areas; see `AreaEstimator.estimate`."""
+        edges, summits = trace_edges(solution), hertz_areas(solution)
+        valid = np.isfinite(summits.error)
+        values = np.where(valid, summits.area, edges.area)
+        stds = np.minimum(summits.error, 1.0) * summits.area
+        # Nothing of an edge is traced around cells that touch at their corners alone.
+        counted = np.concatenate(([0], solution.patches.cells)) * solution.grid.cell_area
+        unknown = np.maximum(edges.oblong * edges.std, np.where(edges.area > 0.0, 0.5 * edges.area, counted))
+        stds = np.where(valid, np.hypot(stds, summits.tip * summits.area), unknown)
+        common = summits.common_std(np.where(valid, values, 0.0))
+        return total_area(solution, values, stds, common, edges, "hertz")
+
+
+@attrs.frozen
+class Blend(AreaEstimator):
+    r"""Level-set and Hertz's areas of each patch, weighted by the inverse of their variances.
+
+    .. math:: A = \sum_c w A_\mathrm{Hertz} + (1 - w) A_\mathrm{level set},
+              \quad w = \sigma_\mathrm{level set}^2 / (\sigma_\mathrm{level set}^2 + \sigma_\mathrm{Hertz}^2)
+
+    Small patches follow from load and curvature (`Hertz`), large ones from their edges (`LevelSet`,
+    `LevelSetRichardson`). Patches with sharp edges are counted, and no patch is smaller than its load
+    over the pressure limit.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), sections 4.2 and 5.1, https://doi.org/10.1017/CBO9781139171731
+    """
+
+    def estimate(self, solution: ContactSolution) -> Area:
+        """Return the weighted area; see `AreaEstimator.estimate`."""
+        edges = trace_edges(solution)
+        smooth = edges.sharp <= _SHARP * max(1.0, edges.curvature_resolution)
+        step = np.where(smooth, _extrapolate(edges), 0.0)
+        excess = np.where(smooth, edges.find_excess(step), 0.0)
+        traced = step * edges.refined + (1.0 - step) * edges.area - excess
+        traced = np.maximum(traced, _smallest_areas(solution))
+        traced_std = np.hypot(edges.std, UNSURE * excess + edges.saturated)
+        summits = hertz_areas(solution)
+        known = smooth & np.isfinite(summits.error)
+        # Only the load determines a contact far smaller than a cell; else the larger area is the safer scale.
+        tiny = summits.area < solution.grid.cell_area
+        scale = np.where(tiny, summits.area, np.maximum(summits.area, traced))
+        hertz_std = np.where(known, summits.error, 1.0) * scale
+        with np.errstate(invalid="ignore"):
+            weight = np.where(known, traced_std**2 / (traced_std**2 + hertz_std**2), 0.0)
+        weight = np.where(np.isfinite(weight), weight, 1.0)
+        weight[0] = 1.0
+        hertzian = weight * summits.area
+        values = hertzian + (1.0 - weight) * traced
+        stds = np.hypot(np.hypot(weight * hertz_std, summits.tip * hertzian), (1.0 - weight) * edges.blended_std)
+        excess_std = edges.average_excess((1.0 - weight) * excess)
+        common = math.hypot(edges.common_std(excess_std, 1.0 - weight), summits.common_std(hertzian))
+        return total_area(solution, values, stds, common, edges, "blend")
+
+
+def _extrapolate(edges: TracedEdges) -> Array:
+    """Return how far the traced area of each patch is extrapolated, from 0 to 1."""
+    halves = zip((edges.width, edges.width * edges.roundness), (_FIRST_HALF, _SECOND_HALF), strict=True)
+    return np.asarray(sum(0.5 * np.interp(np.log(width), np.log(ends), (0.0, 1.0)) for width, ends in halves))
+
+
+def _smallest_areas(solution: ContactSolution) -> Array:
+    """Return the load of each patch over the pressure limit, shape (count + 1,), m2."""
+    if not solution.capped:
+        return np.zeros(solution.patches.count + 1)
+    needed = solution.patches.sum(solution.pressure / solution.pressure_limit) * solution.grid.cell_area
+    return np.concatenate(([0.0], needed))

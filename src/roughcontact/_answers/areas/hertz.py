@@ -1,0 +1,127 @@
+"""Hertz's area of each patch, from its load and its curvature."""
+
+from __future__ import annotations
+
+from weakref import WeakKeyDictionary
+
+import attrs
+import numpy as np
+
+from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.curvature import curvature_resolution
+from roughcontact._answers.areas.sharing import Sharing, share_load
+from roughcontact._answers.areas.spline import Spline
+from roughcontact._answers.areas.summits import Summits, find_summits
+from roughcontact._base.checks import Array
+from roughcontact._solve.solution import ContactSolution
+
+# Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.
+_UNLIMITED = 1e150
+_FOUND: WeakKeyDictionary[ContactSolution, HertzAreas] = WeakKeyDictionary()
+
+
+@attrs.frozen(eq=False)
+class HertzAreas:
+    """Areas of the patches after Hertz, shape (count + 1,), m2, their relative standard deviations, and their origin.
+
+    The first entry stands for the contacts at summits that have no cell. Where a patch has no summit the area is
+    zero and the error infinite. `tip` is a further standard deviation, for summits sharper than the cells show: no
+    estimate tells more of them.
+    """
+
+    area: Array
+    error: Array
+    tip: Array
+    summits: Summits
+    sharing: Sharing
+
+    def common_std(self, areas: Array) -> float:
+        """Return the standard deviation that these areas share, m2: similar summits err alike."""
+        known = np.isfinite(self.error)
+        return calibration.HERTZ_COMMON * float(np.sum(np.minimum(self.error[known], 1.0) * areas[known]))
+
+
+def hertz_areas(solution: ContactSolution) -> HertzAreas:
+    """Return Hertz's areas of the patches, from their summits between the cell centres and the common approach."""
+    # Area and maximum pressure ask for the same.
+    if solution not in _FOUND:
+        # Lengths and loads near the ends of float64 leave it; such areas are not known.
+        with np.errstate(all="ignore"):
+            _FOUND[solution] = _find_areas(solution)
+    return _FOUND[solution]
+
+
+def _find_areas(solution: ContactSolution) -> HertzAreas:
+    patches = solution.patches
+    spline = Spline.through_gap(solution)
+    summits = find_summits(solution, spline)
+    sharing = share_load(solution, summits, spline)
+    shared = sharing.factor ** (2.0 / 3.0)
+    area = summits.area * shared * (1.0 + _find_uneven_deficit(summits.spread))
+    growth = _plastic_growth(solution, patches.forces * sharing.factor, area)
+    area = area * growth
+    constant, square, fourth = calibration.HERTZ_ERROR
+    slight = constant * summits.spread / (summits.spread + calibration.EVEN)
+    error = calibration.EXACT + slight + square * summits.spread**2 + fourth * summits.spread**4
+    error = error + calibration.HERTZ_LAYERED * summits.change + calibration.SHARED * np.abs(1.0 - shared)
+    unresolved, large = calibration.HERTZ_RESOLUTION
+    error = error + sharing.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
+    common, single = calibration.PLASTIC
+    error = error + np.where(growth > 1.0, common + single / patches.cells, 0.0)
+    known = summits.known & np.isfinite(area) & (area > 0.0) & np.isfinite(error)
+    hidden = float(sharing.hidden.sum())
+    return HertzAreas(
+        np.concatenate(([hidden if np.isfinite(hidden) else 0.0], np.where(known, area, 0.0))),
+        np.concatenate(([calibration.HIDDEN], np.where(known, error, np.inf))),
+        np.concatenate(([0.0], _find_tip_error(solution))),
+        summits,
+        sharing,
+    )
+
+
+def _find_uneven_deficit(spread: Array) -> Array:
+    """Return by how much Hertz's area is too small where the curvature spreads, relative to it."""
+    first, even, large = calibration.HERTZ_DEFICIT
+    square = spread**2
+    return np.asarray(first * square**2 / ((even + square) * (1.0 + large * square)))
+
+
+def _find_tip_error(solution: ContactSolution) -> Array:
+    """Return the relative standard deviation for tips between the cell centres, shape (count,)."""
+    patches, gap, (nx, ny) = solution.patches, solution.initial_gap, solution.grid.shape
+    members = np.flatnonzero(np.concatenate(([False], patches.cells <= calibration.TIP_CELLS))[patches.labels])
+    label = patches.labels.ravel()[members] - 1
+    order = np.lexsort((gap.ravel()[members], label))
+    lowest = order[np.flatnonzero(np.diff(label[order], prepend=-1))]
+    i, j = np.divmod(members[lowest], ny)
+
+    def curvature(step: int) -> Array:
+        ends = gap[(i + step) % nx, j], gap[(i - step) % nx, j], gap[i, (j + step) % ny], gap[i, (j - step) % ny]
+        dx, dy = (step * length for length in solution.grid.spacing)
+        sums = ends[0] + ends[1], ends[2] + ends[3]
+        return np.asarray((sums[0] - 2.0 * gap[i, j]) / dx**2 + (sums[1] - 2.0 * gap[i, j]) / dy**2)
+
+    near, far = curvature(1), curvature(2)
+    rounded = (near > 0.0) & (far > 0.0)
+    sharpness = np.log(np.where(rounded, near, 1.0) / np.where(rounded, far, 1.0))
+    first, most = calibration.TIP
+    error = np.zeros(patches.count)
+    known = rounded & np.isfinite(sharpness)
+    error[label[lowest]] = np.where(known, np.minimum(first * sharpness**4, most), most)
+    return error
+
+
+def _plastic_growth(solution: ContactSolution, force: Array, area: Array) -> Array:
+    """Return the factor by which a pressure limit widens each contact, shape (count,)."""
+    limit = solution.pressure_limit
+    if np.isinf(limit).all():
+        return np.ones_like(area)
+    if limit.ndim:
+        patches = solution.patches
+        finite = np.where(np.isfinite(limit), limit, _UNLIMITED)
+        limit = patches.sum(finite) / patches.cells
+    with np.errstate(divide="ignore", invalid="ignore"):
+        overload = np.where(area > 0.0, 1.5 * force / (area * limit), 0.0)
+    overloads = calibration.OVERLOADS
+    growth = np.interp(overload, overloads, calibration.PLASTIC_GROWTH)
+    return np.where(overload > overloads[-1], 2.0 * overload / 3.0, growth)

@@ -1,0 +1,150 @@
+"""The edge of the contact as lines for figures, closed: both dual cells beside a side share one point on it."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact._answers.areas.cells import find_sharp_edges
+from roughcontact._answers.areas.contour import find_distances
+from roughcontact._answers.areas.dual_cells import DualCells, find_dual_cells
+from roughcontact._answers.areas.polygons import Corners, find_crossings, find_kinds, measure_polygons
+from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._parts.grid import Boundary
+from roughcontact._solve.solution import ContactSolution, heal
+
+# Corners of a dual cell in the order around it, in cells from its lower left one.
+_CORNERS = np.array(((0, 0), (1, 0), (1, 1), (0, 1)))
+
+
+def outline(solution: ContactSolution) -> Array:
+    """Return the edge of the contact as straight pieces: their ends (x, y), shape (n, 2, 2), m; contact on the left."""
+    return _trace(solution)[0]
+
+
+def edge_law(solution: ContactSolution) -> float:
+    r"""Return the slope of the distribution of the pressure over the nominal area at zero pressure, 1/Pa2.
+
+    At the distance d from the edge :math:`p = K\sqrt{d}`, so that the distribution begins with
+    :math:`(2 p / A_0) \oint ds / K^2`, along the edge and over the nominal area.
+    """
+    solution = heal(solution)
+    dual, grid = find_dual_cells(solution, 1), solution.grid
+    i, j = dual.find_edge(solution.contact)
+    k = dual.corners(i, j)
+    touching = solution.contact.ravel()[k]
+    distance = find_distances(solution, k, touching, grid.spacing)
+    pressure = np.where(solution.saturated.ravel()[k], 0.0, solution.pressure.ravel()[k])
+    # In a dual cell all distances follow from one K: that of the corner furthest inside.
+    deepest, each = np.argmax(pressure, axis=0), np.arange(i.size)
+    square, depth = pressure[deepest, each] ** 2, distance[deepest, each]
+    elastic = (square > 0.0) & (depth > 0.0)
+    _, lengths, _ = measure_polygons(distance, touching, find_kinds(touching), grid.spacing)
+    weights = dual.weights[0][i] * dual.weights[1][j] * lengths
+    return float(np.sum((weights * depth)[elastic] / square[elastic])) * 2.0 / grid.area
+
+
+def contours(solution: ContactSolution) -> list[Array]:
+    """Return the edges of the contact as lines, (x, y) of shape (n, 2), m, the contact on their left.
+
+    The last point of a closed line is its first; where a line runs around a periodic domain it is the image of
+    the first. Lines that cross a periodic border go on beyond it; lines that reach a free border end there.
+    """
+    pieces, start, end = _trace(solution)
+    if not len(pieces):
+        return []
+    order = np.argsort(start)
+    at = np.minimum(np.searchsorted(start[order], end), start.size - 1)
+    following = np.where(start[order][at] == end, order[at], -1)
+    lines, size = [], np.array(solution.grid.size)
+    for chain, closed in _chain(following):
+        line = np.concatenate((pieces[chain, 0], pieces[chain[-1:], 1]))
+        if solution.boundary is not Boundary.FREE:
+            steps = np.diff(line, axis=0)
+            line[1:] = line[0] + np.cumsum(steps - size * np.round(steps / size), axis=0)
+        if closed:
+            # Up to rounding it is there already.
+            line[-1] = line[0] + np.round((line[-1] - line[0]) / size) * size
+        lines.append(line)
+    return lines
+
+
+def _chain(following: IntArray) -> list[tuple[IntArray, bool]]:
+    """Return the pieces one behind the other, and whether the last leads to the first."""
+    after, seen, chains = following.tolist(), bytearray(following.size), []
+    # Lines with ends begin where no piece leads.
+    first = np.ones(following.size, dtype=bool)
+    first[following[following >= 0]] = False
+    for begin in (*np.flatnonzero(first).tolist(), *range(following.size)):
+        if seen[begin]:
+            continue
+        chain, piece = [], begin
+        while piece >= 0 and not seen[piece]:
+            seen[piece] = 1
+            chain.append(piece)
+            piece = after[piece]
+        chains.append((np.array(chain), piece == begin))
+    return chains
+
+
+def _trace(solution: ContactSolution) -> tuple[Array, IntArray, IntArray]:
+    """Return the pieces of the edge, and the sides of dual cells where each begins and ends."""
+    solution = heal(solution)
+    dual, grid = find_dual_cells(solution, 1), solution.grid
+    i, j = dual.find_edge(solution.contact)
+    k = dual.corners(i, j)
+    touching = solution.contact.ravel()[k]
+    distance = find_distances(solution, k, touching, grid.spacing)
+    sides = _number_sides(dual, i, j)
+    crossing = find_crossings(distance)
+    # At sharp edges and beside non-measured points the contact ends with the cells.
+    counted = find_sharp_edges(solution)
+    if solution.non_measured is not None:
+        counted = counted | solution.non_measured
+    ends_with_cells = counted.ravel()[k]
+    crossing[ends_with_cells | np.roll(ends_with_cells, -1, axis=0)] = 0.5
+    fraction = _share(crossing, sides, touching)
+    ways = _CORNERS[[1, 2, 3, 0]] - _CORNERS
+    points = _CORNERS[:, np.newaxis] + fraction[..., np.newaxis] * ways[:, np.newaxis]
+    cell, leaving, entering = _pair_sides(touching, distance)
+    first = (np.stack((i, j), axis=-1) - dual.before)[cell][:, np.newaxis]
+    ends = first + np.stack((points[leaving, cell], points[entering, cell]), axis=1)
+    if solution.boundary is Boundary.FREE:
+        # The outermost dual cells reach beyond the border, which lies half a cell behind the outermost centres.
+        ends = np.clip(ends, -0.5, np.array(grid.shape) - 0.5)
+    origin = np.array((grid.x[0, 0], grid.y[0, 0]))
+    return origin + ends * grid.spacing, sides[leaving, cell], sides[entering, cell]
+
+
+def _number_sides(dual: DualCells, i: IntArray, j: IntArray) -> IntArray:
+    """Return a number for each side of dual cells, shape (4, n), the same for both dual cells beside it."""
+    m, n = dual.rows.shape[1] + dual.before, dual.columns.shape[1] + dual.before
+    above, right = (j + 1) % n, (i + 1) % m
+    return np.stack((i * n + j, (m + right) * n + j, i * n + above, (m + i) * n + j))
+
+
+def _share(crossing: Corners, sides: IntArray, touching: Mask) -> Corners:
+    """Return where the edge crosses each side, from its first corner: the mean of both dual cells beside it."""
+    # The upper and the left side run against the axes.
+    along = np.where(np.array((False, False, True, True))[:, np.newaxis], 1.0 - crossing, crossing)
+    crossed = touching != np.roll(touching, -1, axis=0)
+    _, which, counts = np.unique(sides[crossed], return_inverse=True, return_counts=True)
+    along[crossed] = (np.bincount(which, weights=along[crossed]) / counts)[which]
+    along[2:] = 1.0 - along[2:]
+    return along
+
+
+def _pair_sides(
+    touching: Mask, distance: Corners
+) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Return the dual cell of each piece, the side where it begins and the one where it ends.
+
+    Around the dual cell, the contact is left on the one and entered on the other.
+    """
+    following = np.roll(touching, -1, axis=0)
+    cell, leaving = np.nonzero((touching & ~following).T)
+    entered = (~touching & following).T
+    saddle = np.count_nonzero(entered, axis=1)[cell] == 2
+    # At saddles, corners outside are cut off where those inside are connected, else those inside.
+    around = np.where(distance.sum(axis=0)[cell] > 0.0, leaving + 1, leaving - 1) % 4
+    return cell, leaving, np.where(saddle, around, np.argmax(entered, axis=1)[cell])

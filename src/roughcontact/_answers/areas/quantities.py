@@ -1,0 +1,275 @@
+"""Perimeter, number of patches, approach and mean gap, each with its uncertainty."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+
+from roughcontact._answers.areas import quantity_calibration as calibration
+from roughcontact._answers.areas.calibration import EULER
+from roughcontact._answers.areas.cells import (
+    count_crossings,
+    extend,
+    find_cut_cells,
+    find_cut_patches,
+    find_straight_rows,
+    measure_sides,
+)
+from roughcontact._answers.areas.curvature import average_bend, average_curvature, curvature_resolution, lay_ratio
+from roughcontact._answers.areas.edges import trace_edges
+from roughcontact._answers.areas.ellipse import find_axes_ratio
+from roughcontact._answers.areas.summits import find_near_holes, is_elliptic
+from roughcontact._answers.areas.total import warn_if_uncertain
+from roughcontact._base.checks import Array, Mask
+from roughcontact._parts.grid import Boundary
+from roughcontact._solve.solution import Area, ContactSolution, Estimate, QuantityEstimator, fill_gap, heal, quantities
+
+# Area that polygons lack inside a smooth convex edge, which `trace_edges` adds, cells: chords and corners.
+_CUT_OFF = 0.5 + EULER
+# Cells of a patch from which its traced length needs no correction.
+_LARGE = 100
+# Patches of fewer cells may be parts of others, or others may be missing beside them.
+_SMALL = (4, 9)
+# Sum of squares over sum of the lengths of the rows of sides below which a long edge is a diagonal of the grid, sides.
+_DIAGONAL = 1.9
+# The same where the heights are ridges of one direction, with a lay ratio below the second.
+_OBLIQUE, _STRAIGHT = 8.0, 0.03
+# Cell sides for each patch from which an edge is long: that of a disc of six cells radius.
+_LONG = 48
+# Weights of central differences of fourth order, no unit.
+# First difference.
+_FIRST = np.array((1.0, -8.0, 0.0, 8.0, -1.0)) / 12.0
+# Second difference.
+_SECOND = np.array((-1.0, 16.0, -30.0, 16.0, -1.0)) / 12.0
+# Slope outward at the border, half a cell from the first of three centres, to second order.
+_OUTWARD = np.array((2.0, -3.0, 1.0))
+# Distance of a summit from the highest cell, in cells along an axis.
+_FURTHEST = 0.75
+
+
+@quantities.register("perimeter")
+@attrs.frozen
+class EdgeLength(QuantityEstimator):
+    r"""Length of the edge of the contact, m.
+
+    Each patch has the length :math:`2\sqrt{\pi A q}` with its area A and the isoperimetric quotient q of
+    Hertz's ellipse if it is a single summit, else of its traced edge.
+    """
+
+    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the length; see `QuantityEstimator.estimate`."""
+        count = solution.patches.count
+        if count == 0 or solution.contact.all():
+            return Estimate(0.0, 0.0, "m", area.warnings)
+        # Nothing of an edge is traced around cells that touch at their corners alone.
+        if area.patches is None or area.value == 0.0:
+            length = measure_sides(solution) * math.pi / 4.0
+            return Estimate(length, calibration.COUNTED_LENGTH * length, "m", area.warnings)
+        edges, cell = trace_edges(solution), solution.grid.cell_area
+        mean, difference, spread = (part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact)))
+        # Single summits have the ellipse of their curvature, others the shape of their traced edge.
+        even = is_elliptic(mean, difference, spread)
+        # Edges at a border and beside points that were not measured are not counted: the area does not give the length.
+        cut_off = find_near_holes(solution) | find_cut_patches(solution)
+        single = np.where(even & ~cut_off, 1.0 / (1.0 + (spread / calibration.UNEVEN) ** 4), 0.0)
+        # Large patches may have holes or span the domain, so that no smooth convex edge bounds their quotient.
+        large = solution.patches.cells >= _LARGE
+        inside = np.maximum(edges.area[1:] - np.where(large, 0.0, _CUT_OFF) * cell, 0.3 * cell)
+        traced = np.maximum(edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large | cut_off, 0.0, 1.0))
+        around = 2.0 * np.sqrt(np.pi * area.patches)
+        lobed = (1.0 - single) * np.sqrt(traced) * around
+        lost = calibration.LOST_LENGTH * edges.curvature_resolution**1.5 * float(np.sum(lobed))
+        length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
+        uneven = calibration.UNEVEN_LENGTH * edges.curvature_resolution + calibration.LOBED_LENGTH
+        uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
+        lay = lay_ratio(solution)
+        along, all_round = calibration.NARROW_LENGTH
+        narrow = float(np.sum(lobed / (1.0 + edges.width[1:] / calibration.NARROW)))
+        narrow = (along * (1.0 - lay) + all_round * lay) * edges.curvature_resolution * narrow
+        relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
+        diagonal = 0.0
+        if length > 0.0 and _is_diagonal(solution, lay):
+            width = 2.0 * min(area.value, solution.grid.area - area.value) / (length * math.sqrt(cell))
+            diagonal = calibration.ZIGZAG * length * (1.0 + calibration.ZIGZAG_WIDTH / max(width, 1.0))
+        untraced = float(edges.untraced_std.sum())
+        crossings = count_crossings(solution) * math.sqrt(cell)
+        length += calibration.CUT_LENGTH[0] * crossings
+        untraced += calibration.CUT_LENGTH[1] * crossings
+        std = math.hypot(relative * length, uneven, narrow, diagonal, untraced)
+        return warn_if_uncertain(length, std, "m", area.warnings)
+
+
+@quantities.register("patches")
+@attrs.frozen
+class PatchCount(QuantityEstimator):
+    """Number of contact patches: cells that share a side or a corner are one."""
+
+    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the number; see `QuantityEstimator.estimate`."""
+        patches = solution.patches
+        if patches.count == 0:
+            return Estimate(0.0, 0.0, "")
+        _, _, spread = average_curvature(solution, np.flatnonzero(solution.contact))
+        uneven, cells = spread[1:] > calibration.UNEVEN, patches.cells
+        small, few = (int(np.count_nonzero(uneven & (cells < limit))) for limit in _SMALL)
+        many, ratio = int(np.count_nonzero(uneven)), min(curvature_resolution(solution), 2.0)
+        each, unresolved, of_all = calibration.MISSING_PATCHES
+        variance = each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
+        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many)
+        return Estimate(float(patches.count), std, "", area.warnings)
+
+
+@quantities.register("approach")
+@attrs.frozen
+class SummitApproach(QuantityEstimator):
+    """Approach of the bodies since the first touch of the summits between the cells, m.
+
+    The attribute `approach` of a solution counts from the highest cell. Added are the height of the summit above that
+    cell and what uniform pressure on each cell subtracts: see `MeanGap`.
+    """
+
+    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the approach; see `QuantityEstimator.estimate`."""
+        rise, rise_std = find_rise(solution.initial_gap, solution.boundary, solution.non_measured)
+        shift, shift_std = find_shift(solution)
+        warnings = area.warnings if solution.status.success else (str(solution.status),)
+        cut, cut_std = find_cut_shift(solution)
+        approach = solution.approach + rise + shift - cut
+        return warn_if_uncertain(approach, math.hypot(rise_std, shift_std, cut_std), "m", warnings)
+
+
+@quantities.register("mean-gap")
+@attrs.frozen
+class MeanGap(QuantityEstimator):
+    r"""Mean gap over the domain, m.
+
+    With uniform pressure on each cell the approach is too small by :math:`h^2 \kappa / 36`, with the mean curvature
+    :math:`\kappa` under the contact, and the mean gap too large (measured; zero for `fourier`).
+    """
+
+    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the mean gap; see `QuantityEstimator.estimate`."""
+        shift, std = find_shift(solution)
+        gap, holes_std = fill_gap(solution)
+        # Where cells are saturated the bodies flow instead of overlapping.
+        gap = np.where(solution.saturated, 0.0, gap)
+        beyond = _correct_mean(gap, solution.boundary)
+        outside = 1.0 if solution.boundary is not Boundary.FREE else 1.0 - area.fraction
+        cut, cut_std = find_cut_shift(solution)
+        part = (1.0 - area.fraction) ** calibration.CUT_GAP
+        value = float(np.mean(gap)) + beyond - shift * outside + cut * part
+        uncertainty = math.hypot(std * outside, holes_std, cut_std * part, calibration.MEAN_ERROR * beyond)
+        if solution.contact.all():
+            # What is left of the gap is the error of the solve.
+            return Estimate(max(value, 0.0), math.hypot(uncertainty, float(np.ptp(gap))), "m", area.warnings)
+        return warn_if_uncertain(max(value, 0.0), uncertainty, "m", area.warnings)
+
+
+def _correct_mean(gap: Array, boundary: Boundary) -> float:
+    """Return what the mean over cell centres lacks on a free domain, m: after Euler and Maclaurin."""
+    if boundary is not Boundary.FREE:
+        return 0.0
+    lacking = 0.0
+    for axis, cells in enumerate(gap.shape):
+        if cells < len(_OUTWARD):
+            continue
+        along = np.moveaxis(gap, axis, 0)
+        slopes = _OUTWARD @ (along[: -len(_OUTWARD) - 1 : -1] + along[: len(_OUTWARD)])
+        lacking += float(np.mean(slopes)) / (24.0 * cells)
+    return lacking
+
+
+def _elliptic_quotient(mean: Array, difference: Array) -> Array:
+    """Return L^2 / (4 pi A) of Hertz's ellipse of these curvatures; the length of an ellipse is Ramanujan's."""
+    known = mean > difference
+    ratio = np.where(known, (mean - difference) / np.where(known, mean + difference, 1.0), 1.0)
+    axes = 1.0 / find_axes_ratio(ratio)
+    half = 3.0 * (1.0 + axes) - np.sqrt((3.0 + axes) * (1.0 + 3.0 * axes))
+    return np.asarray(half**2 / (4.0 * axes))
+
+
+def _is_diagonal(solution: ContactSolution, lay: float) -> bool:
+    """Return whether long edges run along a diagonal of the grid, or straight ones in any oblique direction."""
+    rows = find_straight_rows(solution.contact, solution.boundary).astype(np.float64)
+    long = rows.sum() > _LONG * solution.patches.count
+    oblique = _OBLIQUE if lay < _STRAIGHT else _DIAGONAL
+    return bool(long and np.sum(rows**2) < oblique * rows.sum())
+
+
+def find_shift(solution: ContactSolution) -> tuple[float, float]:
+    """Return how much the approach is too small, and the standard deviation of that, m."""
+    solution = heal(solution)
+    patches = solution.patches
+    if patches.count == 0:
+        return 0.0, 0.0
+    touching = np.flatnonzero(solution.contact)
+    spread = average_curvature(solution, touching)[2][1:]
+    load = patches.forces / patches.forces.sum()
+    bend = float(np.sum(load * np.maximum(average_bend(solution, touching)[1:], 0.0)))
+    cells = np.maximum(patches.cells, 1)
+    held = cells / (cells + calibration.SHIFTED_CELLS)
+    shift = calibration.SHIFT_OF_GAP * solution.edge_shift * float(np.sum(load * held))
+    # Alike patches err alike; others average out.
+    number = 1.0 + (1.0 / float(np.sum(load**2)) - 1.0) * min(1.0, float(np.sum(load * spread)) ** 2)
+    few = calibration.SMALL_PATCH_GAP * float(np.sum(load / np.sqrt(cells)))
+    ratio = min(curvature_resolution(solution), 1.0)
+    saturated = float(np.sum(solution.pressure, where=solution.saturated) / np.sum(solution.pressure))
+    own = (calibration.GAP_ERROR + few * (1.0 + ratio)) / math.sqrt(number) + calibration.SATURATED_GAP * saturated
+    std = math.hypot(calibration.COMMON_GAP, own, calibration.UNRESOLVED_GAP * ratio)
+    # The shift fades with the open part of a periodic domain.
+    open_part = 1.0 if solution.boundary is Boundary.FREE else 1.0 - float(np.mean(solution.contact))
+    fading = min(1.0, calibration.FADING_GAP * open_part)
+    return fading * shift * bend, max(fading, calibration.SMALLEST_FADING) * std * bend
+
+
+def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
+    """Return how much the approach is too large where the contact is cut, and the standard deviation of that, m.
+
+    There the pressure rises as the inverse root of the distance, which uniform pressure on each cell does not follow:
+    what it lacks in energy is a part of p^2 / E* over the cells at the cut.
+    """
+    missing, free = solution.non_measured, solution.boundary is Boundary.FREE
+    if solution.force == 0.0 or (missing is None and not free):
+        return 0.0, 0.0
+    squares = np.where(solution.saturated, 0.0, solution.pressure) ** 2
+    at_border = np.where(find_cut_cells(solution), squares, 0.0)
+    border, holes = 0.0, 0.0
+    for axis, step in enumerate(solution.grid.spacing):
+        along = np.moveaxis(squares, axis, 0)
+        weight = step * solution.grid.cell_area
+        if free:
+            ends = np.moveaxis(at_border, axis, 0)
+            border += weight * float(ends[0].sum() + ends[-1].sum())
+        if missing is not None:
+            beside = extend(np.moveaxis(missing, axis, 0), 1, solution.boundary)[:, 1:-1]
+            holes += weight * float(along[beside[:-2]].sum() + along[beside[2:]].sum())
+    energies = np.array((border, holes))
+    modulus = float(solution.effective_modulus(1.0 / math.sqrt(solution.grid.cell_area)))
+    shift, std = np.transpose((calibration.CUT_BORDER, calibration.CUT_HOLES)) @ energies / (modulus * solution.force)
+    return float(shift), float(std)
+
+
+def find_rise(gap: Array, boundary: Boundary, missing: Mask | None = None) -> tuple[float, float]:
+    """Return the height of the summit above the highest cell that was measured, and its standard deviation, m."""
+    if min(gap.shape) < 5:
+        return 0.0, float(np.ptp(gap))
+    measured = gap if missing is None else np.where(missing, np.inf, gap)
+    i, j = np.unravel_index(int(np.argmin(measured)), gap.shape)
+    near = extend(gap, 2, boundary)[i : i + 5, j : j + 5]
+    rises = []
+    for first, second in (
+        (np.array((0.0, -0.5, 0.0, 0.5, 0.0)), np.array((0.0, 1.0, -2.0, 1.0, 0.0))),
+        (_FIRST, _SECOND),
+    ):
+        slope = np.array((first @ near[:, 2], first @ near[2]))
+        twist = first @ near @ first
+        hessian = np.array(((second @ near[:, 2], twist), (twist, second @ near[2])))
+        if np.linalg.det(hessian) <= 0.0 or hessian[0, 0] <= 0.0:
+            rises.append(0.0)
+            continue
+        place = np.clip(-np.linalg.solve(hessian, slope), -_FURTHEST, _FURTHEST)
+        rises.append(float(-slope @ place - 0.5 * place @ hessian @ place))
+    second_order, fourth_order = rises
+    return max(fourth_order, 0.0), calibration.RISE_ERROR * abs(fourth_order - second_order)

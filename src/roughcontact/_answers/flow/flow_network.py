@@ -1,0 +1,200 @@
+"""Open cells that join two opposite sides of the domain, as a network of conductances: Reynolds' equation on cells."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, Mask, RealArray
+
+# Gap over the widest one below which float64 does not tell it from zero.
+_ROUNDING = 1e-14
+# Neighbours of a cell: liquid passes through sides, not through corners.
+_SIDES = np.array(((0, 1, 0), (1, 1, 1), (0, 1, 0)), dtype=bool)
+
+
+@attrs.frozen(eq=False)
+class FlowNetwork:
+    """The open cells that join both ends of the domain; liquid flows along axis 0 of its arrays.
+
+    Conductances are those of cubes of gaps over the widest gap: a face between square cells of that gap has 1.
+
+    Attributes
+    ----------
+    shape
+        Cells (along, across) the flow.
+    widest
+        The widest gap, m.
+    cells
+        Flat indices of the open cells that join both ends, ascending.
+    film
+        Gap of each of these cells over the widest gap.
+    first, second
+        The two cells of each face, as positions in `cells`.
+    along
+        Number of the faces that are crossed along the flow: they come first.
+    conductance
+        Conductance of each face.
+    inlet, outlet
+        Positions of the cells at both ends.
+    inlet_conductance, outlet_conductance
+        Conductances of the half cells between their centres and the border.
+    """
+
+    shape: tuple[int, int]
+    widest: float
+    cells: RealArray
+    film: Array
+    first: RealArray
+    second: RealArray
+    along: int
+    conductance: Array
+    inlet: RealArray
+    outlet: RealArray
+    inlet_conductance: Array
+    outlet_conductance: Array
+
+    def make_matrix(self) -> tuple[Any, Array]:
+        """Return the matrix of the flow balance of each cell, in CSR, and its right side for the inlet at 1."""
+        from scipy import sparse
+
+        c, right = self.conductance, self._gather((self.inlet, self.inlet_conductance))
+        diagonal = right + self._gather((self.first, c), (self.second, c), (self.outlet, self.outlet_conductance))
+        each = np.arange(self.cells.size, dtype=np.int32)
+        rows = np.concatenate((self.first, self.second, each))
+        columns = np.concatenate((self.second, self.first, each))
+        entries: Any = (np.concatenate((-c, -c, diagonal)), (rows, columns))
+        return sparse.csr_matrix(entries, shape=(each.size, each.size)), right
+
+    def _gather(self, *parts: tuple[RealArray, Array]) -> Array:
+        """Return the sum of values at positions for each cell."""
+        count = self.cells.size
+        sums = (np.bincount(where, values, count) for where, values in parts)
+        return np.asarray(sum(sums), dtype=np.float64)
+
+    def find_flow(self, pressure: Array) -> Array:
+        """Return the flow through each face, from its first to its second cell."""
+        return np.asarray(self.conductance * (pressure[self.first] - pressure[self.second]))
+
+    def find_ends(self, pressure: Array) -> tuple[float, float]:
+        """Return the flow in and the flow out."""
+        into = float(np.sum(self.inlet_conductance * (1.0 - pressure[self.inlet])))
+        return into, float(np.sum(self.outlet_conductance * pressure[self.outlet]))
+
+    def residual(self, pressure: Array) -> Array:
+        """Return the liquid that each cell gains."""
+        faces = self.find_flow(pressure)
+        into = self.inlet_conductance * (1.0 - pressure[self.inlet])
+        out = self.outlet_conductance * pressure[self.outlet]
+        return self._gather((self.second, faces), (self.first, -faces), (self.inlet, into), (self.outlet, -out))
+
+    def dissipation(self, pressure: Array) -> tuple[Array, Array]:
+        """Return the power lost in each face and in each cell: they sum to the flow at unit pressure.
+
+        A face is half of either cell in series, so that the tighter one takes the larger part.
+        """
+        faces = self.conductance * (pressure[self.first] - pressure[self.second]) ** 2
+        cubes = self.film**3
+        part = faces * cubes[self.second] / (cubes[self.first] + cubes[self.second])
+        into = self.inlet_conductance * (1.0 - pressure[self.inlet]) ** 2
+        out = self.outlet_conductance * pressure[self.outlet] ** 2
+        halves = (self.first, part), (self.second, faces - part)
+        lost = self._gather(*halves, (self.inlet, into), (self.outlet, out))
+        return faces, lost
+
+    def find_flow_of_cells(self, pressure: Array) -> tuple[Array, Array]:
+        """Return the flow through each cell along and across: the mean of those through its two faces."""
+        half, fields = 0.5 * self.find_flow(pressure), np.zeros((2, *self.shape))
+        one, other = slice(None, self.along), slice(self.along, None)
+        into = 0.5 * self.inlet_conductance * (1.0 - pressure[self.inlet])
+        out = 0.5 * self.outlet_conductance * pressure[self.outlet]
+        ends = (self.inlet, into), (self.outlet, out)
+        for field, part, extra in ((fields[0], one, ends), (fields[1], other, ())):
+            faces = (self.first[part], half[part]), (self.second[part], half[part])
+            field.reshape(-1)[self.cells] = self._gather(*faces, *extra)
+        return fields[0], fields[1]
+
+
+def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool) -> FlowNetwork | None:
+    """Return the network of the open cells, or None if no path of cell sides joins both ends.
+
+    Parameters
+    ----------
+    gap, open_cells
+        Gap, and the cells that are not in contact, shape (along, across) the flow.
+    aspect
+        Length of a cell across the flow over its length along it.
+    periodic
+        Whether the gap repeats across the flow.
+    """
+    widest = float(gap.max(where=open_cells, initial=0.0))
+    if widest <= 0.0:
+        return None
+    film = np.asarray(gap / widest)
+    kept = find_paths(open_cells & (film > _ROUNDING), periodic=periodic)
+    if not kept.any():
+        return None
+    cells = np.flatnonzero(kept)
+    number = np.full(gap.shape, -1, dtype=np.int32)
+    number[kept] = np.arange(cells.size, dtype=np.int32)
+    along, across = _pair(number[:-1], number[1:]), _pair(number[:, :-1], number[:, 1:])
+    if periodic and gap.shape[1] > 1:
+        around = _pair(number[:, -1], number[:, 0])
+        across = np.concatenate((across, around), axis=1)
+    film = film.reshape(-1)[cells]
+    cubes = film**3
+    conductance = np.concatenate([_join(cubes, along) * aspect, _join(cubes, across) / aspect])
+    first, second = np.concatenate((along, across), axis=1)
+    inlet, outlet = (row[row >= 0] for row in (number[0], number[-1]))
+    ends = (2.0 * aspect * cubes[end] for end in (inlet, outlet))
+    return FlowNetwork(gap.shape, widest, cells, film, first, second, along.shape[1], conductance, inlet, outlet, *ends)
+
+
+def find_paths(open_cells: Mask, *, periodic: bool, corners: bool = False) -> Mask:
+    """Return the open cells of paths that join the first and the last row.
+
+    Parameters
+    ----------
+    open_cells
+        Shape (along, across) the flow.
+    periodic
+        Whether paths go on across the border beside the flow.
+    corners
+        Whether a path may pass a corner, too.
+    """
+    from scipy import ndimage, sparse
+
+    labels, count = ndimage.label(open_cells, structure=np.ones((3, 3), dtype=bool) if corners else _SIDES)
+    piece: RealArray = np.arange(count + 1)
+    if periodic and count:
+        one, other = labels[:, -1], labels[:, 0]
+        if corners:
+            one, other = np.tile(one, 3), np.concatenate([other, _shifted(other, 1), _shifted(other, -1)])
+        both = (one > 0) & (other > 0)
+        links = sparse.coo_matrix((np.ones(both.sum()), (one[both], other[both])), shape=(count + 1, count + 1))
+        piece = sparse.csgraph.connected_components(links, directed=False)[1]
+    first, last = (np.unique(piece[row[row > 0]]) for row in (labels[0], labels[-1]))
+    joined = np.isin(piece, np.intersect1d(first, last))
+    joined[0] = False
+    return np.asarray(joined[labels])
+
+
+def _shifted(values: RealArray, step: int) -> RealArray:
+    """Return values moved along by one, with zero where none comes in."""
+    moved = np.roll(values, step)
+    moved[0 if step == 1 else -1] = 0
+    return moved
+
+
+def _pair(one: RealArray, other: RealArray) -> RealArray:
+    """Return the pairs of neighbours that are both in the network, shape (2, n)."""
+    both = (one >= 0) & (other >= 0)
+    return np.stack((one[both], other[both]))
+
+
+def _join(cubes: Array, pairs: RealArray) -> Array:
+    """Return the harmonic mean of both cells: the trapezoidal rule for the integral of 1/g^3 along the flow."""
+    one, other = cubes[pairs[0]], cubes[pairs[1]]
+    return np.asarray(2.0 * one * other / (one + other))

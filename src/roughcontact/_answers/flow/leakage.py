@@ -1,0 +1,227 @@
+"""The flow of a liquid through the gap."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import attrs
+import numpy as np
+
+from roughcontact._answers.flow.flow_network import FlowNetwork, find_paths, make_network
+from roughcontact._answers.flow.flow_solvers import solve_network
+from roughcontact._answers.flow.flow_uncertainty import estimate_uncertainty
+from roughcontact._answers.flow.throats import Throat, find_throat
+from roughcontact._base.checks import Array, Mask, integer, number, read_only
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._solve.solution import ContactSolution, Response, responses
+from roughcontact.errors import InputError, NotConverged
+
+# Cells across a throat below which it is not resolved, and the fraction of the drop from which it matters.
+_CELLS, _FRACTION = 3.0, 0.1
+# Relative uncertainty above which flows may err by more than 10 %: 92 % of the errors are below the uncertainty, and
+# none is above 9.8 % in 141 contacts without this warning (benchmarks/response_classes.py, three times its cases).
+_UNCERTAIN = 0.1
+# Gap below which a liquid does not flow as a continuum, m: some molecules of water.
+_MOLECULES = 1e-9
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Leakage:
+    """The flow of a liquid through the gap, driven by a pressure drop between two opposite sides.
+
+    Attributes
+    ----------
+    value
+        Volume flow, m3/s; exactly zero if no open path joins both sides.
+    uncertainty
+        One standard deviation, m3/s, of what the cells do not resolve.
+    connected
+        Whether an open path joins both sides.
+    flow_factor
+        The flow over that of a parallel gap of the same mean gap.
+    throat
+        The critical throat; None if no path is open.
+    inflow, outflow
+        Flow in at the one side and out at the other, m3/s: they differ by the error of the linear solve.
+    grid, axis
+        The cells, and the axis along which the liquid flows.
+    viscosity, pressure_drop
+        Viscosity, Pa s, and pressure drop, Pa.
+    warnings
+        Why the value must not be trusted, in sentences; empty without a reason.
+    """
+
+    value: float = 0.0
+    uncertainty: float = 0.0
+    connected: bool = False
+    flow_factor: float = 0.0
+    throat: Throat | None = None
+    inflow: float = 0.0
+    outflow: float = 0.0
+    grid: Grid
+    axis: int
+    viscosity: float
+    pressure_drop: float
+    warnings: tuple[str, ...] = ()
+    _network: FlowNetwork | None = attrs.field(default=None, repr=False)
+    _pressure: Array | None = attrs.field(default=None, repr=False)
+
+    @cached_property
+    def fluid_pressure(self) -> Array:
+        """Pressure of the liquid above that of the outlet, shape `grid.shape`, Pa; nan where nothing flows."""
+        field = np.full(self.grid.shape, np.nan)
+        if self._network is not None and self._pressure is not None:
+            oriented = field if self.axis == 0 else field.T
+            oriented[np.divmod(self._network.cells, oriented.shape[1])] = self.pressure_drop * self._pressure
+        return read_only(field)
+
+    @cached_property
+    def flux(self) -> Array:
+        """Flow over width along x and y at the cell centres, shape (2, nx, ny), m2/s; zero where nothing flows."""
+        if self._network is None or self._pressure is None:
+            return read_only(np.zeros((2, *self.grid.shape)))
+        unit = flow_unit(self.viscosity, self.pressure_drop, self._network.widest)
+        along, across = self._network.find_flow_of_cells(self._pressure)
+        dx, dy = self.grid.spacing
+        components = (along / dy, across / dx) if self.axis == 0 else (across.T / dy, along.T / dx)
+        return read_only(unit * np.stack(components))
+
+    def __str__(self) -> str:
+        axis = "xy"[self.axis]
+        doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
+        if not self.connected:
+            return f"no flow along {axis}: no open path joins the two sides{doubtful}"
+        spread = f"{100 * self.uncertainty / self.value:.2g} %" if self.value > 0.0 else si(self.uncertainty, "m3/s", 2)
+        return (
+            f"{si(self.value, 'm3/s', 5)} +- {spread} along {axis}, flow factor {self.flow_factor:.4g}; "
+            f"{self.throat}{doubtful}"
+        )
+
+
+def require_axis(value: int) -> int:
+    """Return an axis, or raise `InputError` if it is neither 0 nor 1."""
+    axis = integer(value, "The axis of the flow", at_least=0)
+    if axis > 1:
+        raise InputError.about("The axis of the flow", value, "0 (along x) or 1 (along y)")
+    return axis
+
+
+def _viscosity(value: float) -> float:
+    return number(value, "The viscosity", "Pa s", above=0.0)
+
+
+def _pressure_drop(value: float) -> float:
+    return number(value, "The pressure drop", "Pa", above=0.0)
+
+
+@responses.register("leakage")
+@attrs.frozen(kw_only=True)
+class GapFlow(Response[Leakage]):
+    r"""The slow flow of a liquid through the gap, by Reynolds' equation.
+
+    .. math:: \nabla \cdot \left(\frac{g^3}{12 \eta} \nabla p\right) = 0
+
+    with the gap g on the open cells (Reynolds 1886, doi:10.1098/rstl.1886.0005). The liquid does not move the bodies.
+
+    Parameters
+    ----------
+    axis
+        0: from the side of smallest x to the opposite one; 1: along y.
+    viscosity
+        Dynamic viscosity, Pa s.
+    pressure_drop
+        Pressure at the inlet minus that at the outlet, Pa.
+    """
+
+    axis: int = attrs.field(default=0, converter=require_axis)
+    viscosity: float = attrs.field(converter=_viscosity)
+    pressure_drop: float = attrs.field(converter=_pressure_drop)
+
+    def respond(self, solution: ContactSolution) -> Leakage:
+        """Return the flow; see `Response.respond`.
+
+        Raises
+        ------
+        InputError
+            If the gap is not finite.
+        MissingPackage
+            If more than 3 million open cells join the sides and pyamg is not installed.
+        NotConverged
+            If the flow does not converge.
+        """
+        gap, open_cells = solution.gap, find_open_cells(solution)
+        (along, across), periodic = solution.grid.spacing, solution.boundary is not Boundary.FREE
+        if self.axis == 1:
+            gap, open_cells, along, across = gap.T, open_cells.T, across, along
+        network = make_network(gap, open_cells, aspect=across / along, periodic=periodic)
+        if network is not None:
+            return self._measure(solution, network, open_cells, across / along)
+        warnings = _list_warnings(solution)
+        if find_paths(open_cells, periodic=periodic, corners=True).any():
+            warnings = (*warnings, "The two sides are joined through corners of cells alone: refine the grid.")
+        return Leakage(grid=solution.grid, **attrs.asdict(self), warnings=warnings)
+
+    def _measure(self, solution: ContactSolution, network: FlowNetwork, open_cells: Mask, aspect: float) -> Leakage:
+        """Return the flow through a network, with its uncertainty and its throat."""
+        grid, periodic = solution.grid, solution.boundary is not Boundary.FREE
+        pressure, converged = solve_network(network)
+        if not converged:
+            raise NotConverged("The flow through the gap did not converge.", solution)
+        faces, lost = network.dissipation(pressure)
+        flow, ends = float(lost.sum()), network.find_ends(pressure)
+        gap_error = solution.residuals.error * solution.residuals.scale / network.widest
+        relative = estimate_uncertainty(
+            network, faces, lost, open_cells, aspect=aspect, periodic=periodic, gap_error=gap_error
+        )
+        throat = find_throat(network, lost, open_cells, grid, self.axis, periodic=periodic)
+        warnings = (*_list_warnings(solution), *_judge_throat(throat, min(grid.shape)))
+        if not warnings and relative > _UNCERTAIN:
+            warnings = ("The grid hardly determines the flow, whose uncertainty is above 10 %: refine the grid.",)
+        unit = flow_unit(self.viscosity, self.pressure_drop, network.widest)
+        mean = float(np.mean(np.where(find_open_cells(solution), solution.gap, 0.0))) / network.widest
+        return Leakage(
+            grid=grid,
+            **attrs.asdict(self),
+            value=unit * flow,
+            uncertainty=unit * flow * relative,
+            connected=True,
+            flow_factor=flow / mean**3 * grid.size[self.axis] / grid.size[1 - self.axis],
+            throat=throat,
+            inflow=unit * ends[0],
+            outflow=unit * ends[1],
+            warnings=warnings,
+            network=network,
+            pressure=pressure,
+        )
+
+
+def flow_unit(viscosity: float, pressure_drop: float, gap: float) -> float:
+    """Return the flow, m3/s, through a square parallel gap."""
+    return gap * gap / (12.0 * viscosity) * gap * pressure_drop
+
+
+def find_open_cells(solution: ContactSolution) -> Mask:
+    """Return the cells through which liquid flows: without pressure and measured."""
+    if not np.isfinite(solution.gap).all():
+        raise InputError("The gap is not finite everywhere, so that no flow through it can be computed.")
+    open_cells = ~solution.contact & (solution.gap > 0.0)
+    return open_cells if solution.non_measured is None else open_cells & ~solution.non_measured
+
+
+def _list_warnings(solution: ContactSolution) -> tuple[str, ...]:
+    """Return why the gap must not be trusted."""
+    warnings = [] if solution.status.success else [f"The contact is {solution.status}."]
+    if solution.non_measured is not None and (count := int(np.count_nonzero(solution.non_measured))):
+        warnings.append(f"{count} non-measured cells are taken as closed: their gap is not known.")
+    return tuple(warnings)
+
+
+def _judge_throat(throat: Throat, cells: int) -> tuple[str, ...]:
+    """Return why the flow through a throat must not be trusted; cells is the shorter side of the domain."""
+    warnings = []
+    if throat.cells < min(_CELLS, cells) and throat.fraction >= _FRACTION:
+        warnings.append(f"The critical throat is {throat.cells:.3g} cells across, below {_CELLS:g}: refine the grid.")
+    if throat.gap < _MOLECULES:
+        warnings.append(f"The gap in the critical throat is {si(throat.gap, 'm', 3)}, of molecular size.")
+    return tuple(warnings)

@@ -1,0 +1,153 @@
+"""The load at which the contact closes the last open path through the gap."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+
+from roughcontact._answers.areas.curvature import curvature_resolution
+from roughcontact._answers.flow.flow_network import find_paths
+from roughcontact._answers.flow.leakage import find_open_cells, require_axis
+from roughcontact._base.checks import number
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Boundary
+from roughcontact._parts.load import Load
+from roughcontact._parts.surfaces.statistics import rms_slope
+from roughcontact._solve.problem import ContactProblem
+from roughcontact._solve.problem.sweep import predict_pressure
+from roughcontact._solve.problem.task import maximum_pressure
+from roughcontact._solve.solution import ContactSolution, Estimate
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+
+# Mean pressure over E* times the rms slope at which a rough contact has about two fifths of the nominal area, the
+# factor from one load to the next while only one side of the closing is known, and the range of these loads.
+_GUESS, _FACTOR, _RANGE = 0.25, 1.5, 1e6
+# Relative distance of two loads at which the search for other widths of paths ends.
+_COARSE = 0.01
+# The standard deviation of the load over the distance of those that close paths of blocks of cells and of corners, and
+# over the curvature resolution.
+_WIDTHS, _RESOLUTION = 0.5, 0.1
+# Widths of paths: two cells, one cell, and one point.
+_BLOCKS, _SIDES, _CORNERS = range(3)
+
+
+@attrs.frozen(eq=False)
+class Percolation:
+    """The load and the contact area at which the last open path through the gap closes.
+
+    Attributes
+    ----------
+    pressure
+        Nominal mean pressure, Pa.
+    area_fraction
+        Real over nominal contact area.
+    last_open, first_closed
+        The solutions that enclose it: the last with an open path, through sides of cells, and the first without any.
+    axis
+        0: the path joins the sides of smallest and largest x; 1: of y.
+    """
+
+    pressure: Estimate
+    area_fraction: Estimate
+    last_open: ContactSolution
+    first_closed: ContactSolution
+    axis: int
+
+    def __str__(self) -> str:
+        return f"closed along {'xy'[self.axis]} from {self.pressure} on; contact area over nominal {self.area_fraction}"
+
+
+@guarded
+def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 0.01) -> Percolation:
+    """Find the load at which the last open path between two opposite sides closes.
+
+    Liquid passes through sides of cells. Paths that are two cells wide close at a lighter load, those through corners
+    at a heavier one: the distance of these loads is what the grid leaves open.
+
+    Parameters
+    ----------
+    problem
+        The contact.
+    axis
+        0: between the sides of smallest and largest x; 1: of y.
+    within
+        Relative distance of two loads at which the search ends.
+
+    Raises
+    ------
+    InputError
+        If no load closes all paths, or no load leaves one open.
+    NotConverged
+        If a contact does not converge.
+    """
+    if not isinstance(problem, ContactProblem):
+        raise InputError.about("What is solved", problem, "a ContactProblem")
+    axis, within = require_axis(axis), number(within, "within=", above=0.0, at_most=1.0)
+    first, last = _enclose(problem, axis)
+    low, high = _bisect(problem, axis, first, last, within, _SIDES)
+    coarse = max(within, _COARSE)
+    narrowed, _ = _bisect(problem, axis, first, low, coarse, _BLOCKS)
+    _, passed = _bisect(problem, axis, high, last, coarse, _CORNERS)
+    value = math.sqrt(low.mean_pressure * high.mean_pressure)
+    unresolved = min(_RESOLUTION * curvature_resolution(low), 1.0)
+    std = math.hypot(_WIDTHS * (passed.mean_pressure - narrowed.mean_pressure), unresolved * value)
+    areas = [solution.area() for solution in (narrowed, low, high, passed)]
+    fraction, own = 0.5 * (areas[1].fraction + areas[2].fraction), areas[1].uncertainty / low.grid.area
+    spread = math.hypot(_WIDTHS * (areas[3].fraction - areas[0].fraction), unresolved * fraction, own)
+    warnings = tuple(dict.fromkeys(text for area in areas for text in area.warnings))
+    return Percolation(Estimate(value, std, "Pa"), Estimate(fraction, spread, "", warnings), low, high, axis)
+
+
+def _enclose(problem: ContactProblem, axis: int) -> tuple[ContactSolution, ContactSolution]:
+    """Return a solution with an open path through sides, and one at a larger load without any, of corners neither."""
+    maximum = maximum_pressure(problem.plan)
+    slope = rms_slope(problem.initial_gap, problem.plan.grid)
+    guess = pressure = min(_GUESS * problem.plan.modulus * slope, 0.5 * maximum)
+    low: ContactSolution | None = None
+    high: ContactSolution | None = None
+    while guess / _RANGE < pressure < min(guess * _RANGE, maximum):
+        solution = _solve(problem, pressure, [one for one in (low, high) if one is not None])
+        if _is_open(solution, axis, _SIDES):
+            low = solution
+        elif not _is_open(solution, axis, _CORNERS):
+            high = solution
+        if low is not None and high is not None:
+            return low, high
+        pressure = pressure * _FACTOR if high is None else pressure / _FACTOR
+    if low is None:
+        raise InputError(f"No path joins the two sides even at a mean pressure of {si(pressure * _FACTOR, 'Pa')}.")
+    raise InputError(f"The two sides are joined even at a mean pressure of {si(pressure / _FACTOR, 'Pa')}.")
+
+
+def _bisect(
+    problem: ContactProblem,
+    axis: int,
+    low: ContactSolution,
+    high: ContactSolution,
+    within: float,
+    width: int,
+) -> tuple[ContactSolution, ContactSolution]:
+    """Return an open and a closed solution whose loads differ by no more than `within`."""
+    while high.mean_pressure > (1.0 + within) * low.mean_pressure:
+        middle = _solve(problem, math.sqrt(low.mean_pressure * high.mean_pressure), [low, high])
+        low, high = (middle, high) if _is_open(middle, axis, width) else (low, middle)
+    return low, high
+
+
+def _solve(problem: ContactProblem, pressure: float, near: list[ContactSolution]) -> ContactSolution:
+    return problem.solve(pressure=pressure, start=predict_pressure(near, Load("pressure", pressure)))
+
+
+def _is_open(solution: ContactSolution, axis: int, width: int) -> bool:
+    """Return whether a path of a width joins the two sides."""
+    open_cells, periodic = find_open_cells(solution), solution.boundary is not Boundary.FREE
+    open_cells = open_cells if axis == 0 else open_cells.T
+    if width == _BLOCKS:
+        # Blocks of two by two cells, each at its first cell.
+        open_cells = open_cells[:-1] & open_cells[1:]
+        open_cells = open_cells & np.roll(open_cells, -1, axis=1)
+        open_cells = open_cells if periodic else open_cells[:, :-1]
+    return bool(find_paths(open_cells, periodic=periodic, corners=width == _CORNERS).any())

@@ -1,0 +1,226 @@
+"""A law of an interface: columns over the load, each with its uncertainty."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import attrs
+import numpy as np
+
+from roughcontact._answers.laws import abaqus, calculix, moose
+from roughcontact._answers.laws.fits import PowerFit, fit_power
+from roughcontact._base import checks
+from roughcontact._base.archive import replacing
+from roughcontact._base.checks import Array, read_only
+from roughcontact._base.tables import Table
+from roughcontact._base.units import counted, outlined, si
+from roughcontact.errors import InputError
+
+
+@attrs.frozen(eq=False)
+class LawColumn:
+    """A quantity over the load.
+
+    Attributes
+    ----------
+    name, unit
+        Its name, and its SI unit; empty for a ratio.
+    values
+        Shape (loads,), in the unit.
+    uncertainties
+        One standard deviation of each value, shape (loads,), in the unit.
+    """
+
+    name: str
+    unit: str
+    values: Array = attrs.field(converter=read_only, repr=outlined)
+    uncertainties: Array = attrs.field(converter=read_only, repr=outlined)
+
+
+@attrs.frozen(eq=False)
+class InterfaceLaw:
+    """What a nominally flat interface does, over the nominal mean pressure.
+
+    Attributes
+    ----------
+    pressures
+        Nominal mean pressures, shape (loads,), Pa, ascending.
+    columns
+        The quantities by name: ``"area"``, the real over the nominal contact area; ``"mean_gap"``, m; and what was
+        asked, over nominal area where it is in proportion to it.
+    description
+        What was solved, in sentences.
+    warnings
+        Why the law must not be trusted, in sentences with their loads; empty without a reason.
+    """
+
+    pressures: Array = attrs.field(converter=read_only)
+    columns: Mapping[str, LawColumn]
+    description: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    def __getitem__(self, name: str) -> LawColumn:
+        if name not in self.columns:
+            raise InputError.unknown("column of the law", name, self.columns)
+        return self.columns[name]
+
+    def fit(self, name: str) -> PowerFit | None:
+        """Return the power law of a column over the widest range of loads in which it holds; None without one.
+
+        It holds where all values are within their uncertainties, or 1 %, over a decade and four loads at least.
+        """
+        column = self[name]
+        return fit_power(self.pressures, column.values, column.uncertainties)
+
+    def __str__(self) -> str:
+        heads = [f"{name}{f', {column.unit}' if column.unit else ''}" for name, column in self.columns.items()]
+        table = [["pressure", *heads]]
+        for row, pressure in enumerate(self.pressures):
+            cells = (f"{column.values[row]:.4g} +- {column.uncertainties[row]:.1g}" for column in self.columns.values())
+            table.append([si(pressure, "Pa"), *cells])
+        widths = [max(map(len, cells)) for cells in zip(*table, strict=True)]
+        lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in table]
+        fits = {name: self.fit(name) for name in self.columns}
+        lines += [f"{name}: {found}" for name, found in fits.items() if found is not None]
+        return "\n".join([*self.description, *lines, *(f"warning: {text}" for text in self.warnings)])
+
+    def to_table(self) -> dict[str, Array]:
+        """Return all numbers by the names of their columns, ``pressure``, ``area``, ``area_uncertainty`` and so on."""
+        table = {"pressure": self.pressures}
+        for name, column in self.columns.items():
+            table |= {name: column.values, f"{name}_uncertainty": column.uncertainties}
+        return table
+
+    def to_pandas(self) -> Any:
+        """Return the table as a `pandas.DataFrame` in the units of ``frame.attrs["units"]`` (extra ``table``)."""
+        return self._table.to_pandas()
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the table to a CSV file in SI units, with all digits; it may replace a file."""
+        self._table.to_csv(path)
+
+    def __repr__(self) -> str:
+        low, high = (si(float(pressure), "Pa") for pressure in self.pressures[[0, -1]])
+        return f"<InterfaceLaw {counted(len(self.pressures), 'load')}, {low} to {high}: {', '.join(self.columns)}>"
+
+    def _repr_html_(self) -> str:
+        return self._table.to_html(*self.description, *(f"Warning: {text}" for text in self.warnings))
+
+    @property
+    def _table(self) -> Table:
+        return Table(self.to_table(), self._units)
+
+    @property
+    def _units(self) -> dict[str, str]:
+        units = {"pressure": "Pa"}
+        for name, column in self.columns.items():
+            units |= {name: column.unit, f"{name}_uncertainty": column.unit}
+        return units
+
+    def to_abaqus(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        name: str = "ROUGH",
+        conductance: str | None = "conductance",
+        electrical: bool = False,
+        units: str = "SI",
+    ) -> None:
+        """Write a surface interaction for Abaqus: pressure over closure and, if it is a column, the conductance.
+
+        Include the file in the model data, ``*INCLUDE, INPUT=...``, and name the interaction in ``*CONTACT PAIR``.
+
+        Parameters
+        ----------
+        path
+            The file; it may replace one.
+        name
+            Name of the surface interaction.
+        conductance
+            Column of the conductance; None: none, as where the law does not have the column ``"conductance"``.
+        electrical
+            Whether it is an electrical one, of conductivities in S/m.
+        units
+            ``"SI"``, or ``"mm"``: mm, N, tonne, s, K, in which a pressure is in MPa.
+        """
+        _write(path, abaqus.write_interaction(self, name, conductance, electrical, units))
+
+    def to_calculix(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        name: str = "ROUGH",
+        conductance: str | None = "conductance",
+        units: str = "SI",
+    ) -> None:
+        """Write a surface interaction for CalculiX; include it before the first step. See `to_abaqus`.
+
+        A row whose overclosure is less than 1e-10 above the one before is omitted: CalculiX would change it.
+        """
+        _write(path, calculix.write_interaction(self, name, conductance, units))
+
+    def to_moose(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        name: str = "rough",
+        conductance: str = "conductance",
+        min_gap: float = 1e-6,
+        units: str = "SI",
+    ) -> None:
+        """Write the conductance for MOOSE: a table of a `PiecewiseLinear` function, and the blocks that read it.
+
+        Parameters
+        ----------
+        path
+            The table, ``.csv``; the blocks are written beside it with the ending ``.i``. Both may replace files.
+        name
+            Name of the function, and of the contact.
+        conductance
+            Column of the thermal conductance.
+        min_gap
+            Distance below which MOOSE counts the gap as closed, m.
+        units
+            As of `to_abaqus`.
+        """
+        target = checks.path(path, "The table")
+        if target.suffix != ".csv":
+            raise InputError.about("The table of MOOSE", str(target), "a file that ends in .csv")
+        table, blocks = moose.write_function(self, target.name, name, conductance, min_gap, units)
+        _write(target, table)
+        _write(target.with_suffix(".i"), blocks)
+
+    def plot(self, column: str = "stiffness", axes: Any = None) -> Any:
+        """Draw a column over the pressure with a band of two standard deviations, and its power law (extra ``plot``).
+
+        Parameters
+        ----------
+        column
+            Name of the column.
+        axes
+            Matplotlib's axes to draw on; None: new ones.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        from roughcontact.plotting import draw_column
+
+        return draw_column(self.pressures, self[column], self.fit(column), axes)
+
+
+def interpolation_warning(pressures: Array, largest: float) -> tuple[str, ...]:
+    """Return a warning if neighbouring loads differ by more than a factor."""
+    ratio = float(np.max(pressures[1:] / pressures[:-1], initial=1.0))
+    if ratio <= largest * (1.0 + 1e-9):
+        return ()
+    text = f"Neighbouring loads differ by up to {ratio:.3g} times. Programs that draw straight lines between them"
+    return (f"{text} may be off by more than 1 %: take ratios of at most {largest:g}.",)
+
+
+def _write(path: str | os.PathLike[str], lines: list[str]) -> None:
+    with replacing(checks.path(path, "The file")) as partial:
+        partial.write_text("\n".join([*lines, ""]), encoding="ascii", errors="replace", newline="\n")

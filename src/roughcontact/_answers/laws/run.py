@@ -1,0 +1,164 @@
+"""Laws by solving at several loads."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, interpolation_warning
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Boundary
+from roughcontact._parts.load import FIRST_LOADING, Load
+from roughcontact._solve.problem import ContactProblem
+from roughcontact._solve.problem.sweep import order_of_solving, predict_pressure
+from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+
+# Units of what is in proportion to the nominal area, and of its ratio to it.
+_PER_AREA = {"N/m": "Pa/m", "W/K": "W/(m2 K)", "S": "S/m2"}
+# Units of the responses that do not say it, by their registered names.
+_UNITS = {"conductance": "W/K", "leakage": "m3/s"}
+_OWN_COLUMNS = ("pressure", "area", "mean_gap")
+# Ratio of neighbouring loads up to which a straight line between them is within 1 % of powers of 1/3 to 1.
+_LARGEST_RATIO = 1.6
+
+Rows = dict[str, list[Estimate]]
+
+
+@guarded
+def interface_law(
+    problem: ContactProblem,
+    pressure: Iterable[float],
+    responses: Sequence[str | Response[Any]] | Mapping[str, str | Response[Any]] = ("stiffness",),
+) -> InterfaceLaw:
+    """Return area, mean gap and responses of a periodic interface over the load, each with its uncertainty.
+
+    Solved from the largest load down; no solution is kept. With a hardness each load is a first loading: for the law
+    of surfaces that have been loaded before, give the problem that `run_in` returns.
+
+    Parameters
+    ----------
+    problem
+        The contact, on a periodic boundary: only there are mean gap, stiffness and conductance properties of the
+        interface, per nominal area. A measured map repeats if it is mirrored at its borders.
+    pressure
+        Nominal mean pressures, Pa; best a geometric row with ratios of at most 1.6.
+    responses
+        Registered names or instances of responses, or a mapping from names of columns to these. Stiffness and
+        conductance are divided by the nominal area. A conductance has the units of a thermal one; for conductivities in
+        S/m the numbers are in S/m2.
+
+    Raises
+    ------
+    InputError
+        If the boundary is not periodic, a load is given twice or cannot be carried, or a response means nothing here.
+    NotConverged
+        If a solution is not certified.
+    """
+    if not isinstance(problem, ContactProblem):
+        raise InputError.about("The problem of a law", problem, "a ContactProblem")
+    if problem.boundary is not Boundary.PERIODIC:
+        raise InputError(
+            f"A law per area needs boundary='periodic', but got '{problem.boundary}': mean gap and stiffness of a "
+            "cut-out are those of the cut. A map that does not repeat can be mirrored at its borders."
+        )
+    asked = _name_columns(responses)
+    loads = Load.sequence(pressure=pressure)
+    values = sorted(load.value for load in loads)
+    if len(set(values)) < len(values):
+        raise InputError("A pressure is given twice: give each load of a law once.")
+    problem.require_load(pressure=values[-1])
+    rows, texts = _solve(problem, [Load("pressure", value) for value in values], asked)
+    columns = {name: _make_column(name, row, problem.plan.grid.area) for name, row in rows.items()}
+    warnings = *interpolation_warning(np.array(values), _LARGEST_RATIO), *_collect(texts)
+    return InterfaceLaw(np.array(values), columns, _describe(problem), warnings)
+
+
+def _name_columns(chosen: object) -> dict[str, Response[Any]]:
+    """Return the responses by the names of their columns."""
+    what, allowed = "The responses", "a list of registered names or responses, or a mapping from names to them"
+    try:
+        items = tuple(chosen.items()) if isinstance(chosen, Mapping) else tuple((None, one) for one in chosen)  # type: ignore[attr-defined]
+    # A class of the caller's may fail in any way.
+    except Exception:
+        items = None
+    if items is None or isinstance(chosen, (str, bytes)):
+        raise InputError.about(what, chosen, allowed)
+    found: dict[str, Response[Any]] = {}
+    for given, one in items:
+        response = responses.resolve(one)
+        name = given or (one if isinstance(one, str) else responses.name_of(type(one)) or type(one).__name__)
+        if not isinstance(name, str) or name in found or name in _OWN_COLUMNS:
+            hint = "Give a mapping from names of columns to responses."
+            raise InputError.about("The name of a column", name, "a str that no other column has", hint)
+        found[name] = response
+    return found
+
+
+def _solve(
+    problem: ContactProblem, loads: list[Load], asked: dict[str, Response[Any]]
+) -> tuple[Rows, list[tuple[float, tuple[str, ...]]]]:
+    """Return the estimates of each column and the warnings, in the order of the loads."""
+    names = ("area", "mean_gap", *asked)
+    found: dict[int, tuple[dict[str, Estimate], tuple[str, ...]]] = {}
+    last: list[ContactSolution] = []
+    for index in order_of_solving(loads):
+        load = loads[index]
+        solution = problem.solve(pressure=load.value, start=predict_pressure(last, load))
+        last = [*last[-1:], solution]
+        area, nominal = solution.area(), solution.grid.area
+        row = {
+            "area": Estimate(area.fraction, area.uncertainty / nominal, "", area.warnings),
+            "mean_gap": solution.estimate("mean-gap"),
+        }
+        row |= {name: _read_estimate(solution.response(response), name, response) for name, response in asked.items()}
+        named = (f"{name}: {text}" for name in asked for text in row[name].warnings if text not in area.warnings)
+        found[index] = row, (*solution.warnings, *area.warnings, *named)
+    rows = {name: [found[index][0][name] for index in range(len(loads))] for name in names}
+    return rows, [(load.value, found[index][1]) for index, load in enumerate(loads)]
+
+
+def _read_estimate(found: object, name: str, response: Response[Any]) -> Estimate:
+    """Return the number that a response has found: its value, uncertainty and warnings, and their unit."""
+    value, spread = (getattr(found, part, None) for part in ("value", "uncertainty"))
+    if not isinstance(value, (int, float)) or not isinstance(spread, (int, float)) or math.isnan(value):
+        raise InputError(f"The response {name!r} is not a number with an uncertainty, and cannot be a column of a law.")
+    unit = getattr(found, "unit", None) or _UNITS.get(responses.name_of(type(response)) or "", "")
+    return Estimate(float(value), float(spread), unit, tuple(getattr(found, "warnings", ())))
+
+
+def _make_column(name: str, row: list[Estimate], nominal: float) -> LawColumn:
+    unit = row[0].unit
+    scale = 1.0 / nominal if unit in _PER_AREA else 1.0
+    values, spread = (np.array([getattr(one, part) * scale for one in row]) for part in ("value", "uncertainty"))
+    return LawColumn(name, _PER_AREA.get(unit, unit), values, spread)
+
+
+def _collect(texts: list[tuple[float, tuple[str, ...]]]) -> tuple[str, ...]:
+    """Return each warning once, with the loads at which it was given."""
+    loads: dict[str, list[float]] = {}
+    for load, warnings in texts:
+        for text in dict.fromkeys(warnings):
+            loads.setdefault(text, []).append(load)
+    found = []
+    for text, at in loads.items():
+        where = si(at[0], "Pa") if len(at) == 1 else f"{len(at)} loads from {si(at[0], 'Pa')} to {si(at[-1], 'Pa')}"
+        found.append(f"At {where}: {text}")
+    return tuple(found)
+
+
+def _describe(problem: ContactProblem) -> tuple[str, ...]:
+    """Return what was solved, in ASCII and plain numbers, for the comments of files."""
+    plan, grid = problem.plan, problem.plan.grid
+    limit = float(np.min(plan.pressure_limit))
+    capped = f"pressure limit {limit:g} Pa" if math.isfinite(limit) else "no pressure limit"
+    size, cells = " x ".join(f"{side:g}" for side in grid.size), " x ".join(map(str, grid.shape))
+    return (
+        "Law of a rough interface by roughcontact: all pressures are nominal, force over nominal area.",
+        f"Contact modulus E* {plan.modulus:g} Pa, {capped}, periodic domain of {size} m with {cells} cells.",
+        *([FIRST_LOADING] if math.isfinite(limit) else []),
+    )

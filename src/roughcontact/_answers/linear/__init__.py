@@ -1,0 +1,1 @@
+"""Responses to small changes: stiffness, conductance, gradients."""

@@ -1,0 +1,272 @@
+r"""The linear answer of a solved contact: one solve on its cells of contact.
+
+A small change of the load, the heights or a potential changes the pressure on the cells A in contact by
+
+.. math:: K_{AA}\, q = r, \qquad q = 0 \text{ elsewhere}
+
+with the kernel K and a right side r. To first order the cells in contact remain the same.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, Mask, RealArray, read_only
+from roughcontact._parts.grid import Boundary
+from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
+from roughcontact._solve.problem import problem_of
+from roughcontact._solve.problem.run import computing
+from roughcontact._solve.solution import ContactSolution
+from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCells, active_cells
+from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner
+from roughcontact._solve.solvers.projection import dot, total
+from roughcontact.errors import NotConverged
+
+# Relative residuals from here on are reached in float32, whose rounding is 6e-8 of the right side for each product.
+_SINGLE = 1e-4
+# Iterations after which a solve is given up, and those without a smaller residual after which only rounding is left.
+_ITERATIONS, _IDLE = 400, 15
+# Relative residual that counts as solved where rounding prevents a smaller one.
+_ROUNDING = 1e-8
+# Singular values of the products of two pressures, over the larger, below which they are one; float32 has 1e-7.
+_DISTINCT = 1e-6
+
+
+@attrs.frozen(eq=False)
+class LinearSolution:
+    """The solution of a linear system on the cells in contact.
+
+    Attributes
+    ----------
+    values
+        The solution q, shape (nx, ny), zero outside the cells, in Pa for a right side in m.
+    residual
+        The right side less K q, shape (nx, ny), zero outside the cells, in the unit of the right side.
+    error
+        Norm of the residual over that of the right side.
+    iterations, products
+        Iterations, and applications of the kernel and of its approximate inverse.
+    """
+
+    values: Array = attrs.field(converter=read_only)
+    residual: Array = attrs.field(converter=read_only)
+    error: float
+    iterations: int
+    products: int
+
+
+class Tangent:
+    """The kernel of a contact restricted to its cells in contact.
+
+    Parameters
+    ----------
+    solution
+        The contact.
+    saturated
+        Whether cells at the pressure limit belong to it: they do not under further load, and they do in unloading.
+    compliance
+        Displacement of each cell by its own pressure beside that of the kernel, m/Pa, such as that of a film.
+
+    Raises
+    ------
+    InputError
+        If the solution does not say which problem it solves.
+    """
+
+    def __init__(self, solution: ContactSolution, *, saturated: bool = False, compliance: float = 0.0) -> None:
+        self._solution = solution
+        self._problem = problem_of(solution)
+        # Displacement in m by a pressure of one Pa on all cells, if the dimensionless kernel were one.
+        self._unit = solution.grid.spacing[0] / solution.modulus
+        self._diagonal = compliance / self._unit
+        self.cells: Mask = solution.contact if saturated else read_only(solution.contact & ~solution.saturated)
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether uniform pressure displaces nothing: all cells of a periodic domain are in contact, without film.
+
+        A right side then determines the solution up to a constant only, and its mean has none.
+        """
+        return self._solution.boundary is Boundary.PERIODIC and self._diagonal == 0.0 and bool(self.cells.all())
+
+    def solve(self, right: Array, tolerance: float = 1e-12) -> LinearSolution:
+        """Solve for a right side by conjugate gradients, preconditioned by the inverse kernel.
+
+        Where `is_rigid`, the mean of the right side is omitted and the solution has the mean zero.
+
+        Parameters
+        ----------
+        right
+            Right side, shape (nx, ny), m; only its values on `cells` count.
+        tolerance
+            Norm of the residual over that of the right side at which it ends; from 1e-4 on in float32.
+
+        Raises
+        ------
+        NotConverged
+            If the residual cannot be made that small, nor 1e-8.
+        """
+        right = np.where(self.cells, right, 0.0)
+        if self.is_rigid:
+            right -= right.mean()
+        size = float(np.abs(right).max())
+        if size == 0.0:
+            return LinearSolution(np.zeros_like(right), np.zeros_like(right), 0.0, 0, 0)
+        with computing(self._problem):
+            found = self._solve(right / size, tolerance)
+        if not found.error <= max(tolerance, _ROUNDING):
+            raise NotConverged(
+                f"The linear answer of the contact was not found: after {found.iterations} iterations the residual is "
+                f"{found.error:.1e} of the right side.",
+                self._solution,
+            )
+        return attrs.evolve(found, values=found.values * (size / self._unit), residual=found.residual * size)
+
+    def _solve(self, right: Array, tolerance: float) -> LinearSolution:
+        """Solve in dimensionless variables: lengths in cells, E* = 1."""
+        operator, dtype = self._operator, np.float32 if tolerance >= _SINGLE else np.float64
+        flat = operator.from_numpy(right).astype(dtype).ravel()
+        mask = operator.from_numpy(self.cells.astype(np.float64)).ravel() > 0.0
+        active = active_cells(flat, lambda tile: mask[tile])
+        system = _System(operator, active, Preconditioner(self._inverse, operator, rigid=False))
+        values, residual, iterations, products = system.solve(active.gather(flat), tolerance, rigid=self.is_rigid)
+        found, left = (
+            operator.to_numpy(active.scatter(vector).astype(np.float64).reshape(right.shape))
+            for vector in (values, residual)
+        )
+        if self.is_rigid:
+            found -= found.mean()
+        error = float(np.linalg.norm(left) / np.linalg.norm(right))
+        return LinearSolution(found, left, error, iterations, products)
+
+    @cached_property
+    def _operator(self) -> PreparedConvolution:
+        convolution = self._problem.convolution
+        return convolution if self._diagonal == 0.0 else _WithCompliance(convolution, self._diagonal)
+
+    @cached_property
+    def _inverse(self) -> InverseConvolution:
+        return self._operator.inverse(np.float32)
+
+
+@attrs.frozen(eq=False)
+class _WithCompliance(PreparedConvolution):
+    """A convolution plus a compliance of each cell."""
+
+    kernel: PreparedConvolution
+    diagonal: float
+
+    @property
+    def setup(self) -> ConvolutionSetup:
+        return self.kernel.setup
+
+    def apply(self, pressure: RealArray) -> RealArray:
+        return self.kernel.apply(pressure) + self.diagonal * pressure
+
+    def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
+        # The stiffness of the mean remains zero: the correction for rigid motion supplies it.
+        inverse = self.kernel.inverse(dtype)
+        stiffness = inverse.stiffness / (1.0 + self.diagonal * inverse.stiffness)
+        return attrs.evolve(inverse, stiffness=stiffness, exact=False)
+
+    def from_numpy(self, values: Array) -> Array:
+        return self.kernel.from_numpy(values)
+
+    def to_numpy(self, values: Array) -> Array:
+        return self.kernel.to_numpy(values)
+
+
+@attrs.frozen(eq=False)
+class _System:
+    """The restricted kernel with its preconditioner, on vectors of the active cells in one precision."""
+
+    operator: PreparedConvolution
+    active: ActiveCells
+    preconditioner: Preconditioner
+
+    def solve(self, right: RealArray, tolerance: float, *, rigid: bool) -> tuple[RealArray, RealArray, int, int]:
+        """Return the solution, its residual, the iterations and the products."""
+        weights = self.preconditioner.weights(self.active)
+        space = _Space([], []) if rigid else self._find_space(weights.astype(right.dtype))
+        values, residual = space.start(right)
+        direction = response = right
+        curvature, best, idle, iterations = 0.0, math.inf, 0, 0
+        goal = tolerance**2 * _square(right)
+        while iterations < _ITERATIONS and (square := _square(residual)) > goal and idle < _IDLE:
+            best, idle = min(best, square), 0 if square < best else idle + 1
+            image = self._precondition(weights, residual, math.sqrt(square / right.size))
+            image = space.correct(image, residual)
+            # The preconditioner changes a little from step to step: the next direction is made conjugate to the last.
+            factor = -_dot(image, response) / curvature if iterations else 0.0
+            direction = image + factor * direction if factor > 0.0 else image
+            response = self._apply(direction)
+            curvature = _dot(direction, response)
+            if not curvature > 0.0:
+                break
+            step = _dot(direction, residual) / curvature
+            values += step * direction
+            residual -= step * response
+            iterations += 1
+        products = iterations + len(space.vectors) + self.preconditioner.products
+        if right.dtype == np.float64:
+            residual, products = right - self._apply(values), products + 1
+        return values, residual, iterations, products
+
+    def _find_space(self, weights: RealArray) -> _Space:
+        """Return the pressures that move the surface as a whole: under a flat punch and, if most touch, uniform."""
+        vectors = [weights]
+        if isinstance(self.active, MaskedCells):
+            vectors.append(self.active.ones.astype(weights.dtype))
+        return _Space(vectors, [self._apply(vector) for vector in vectors])
+
+    def _apply(self, vector: RealArray) -> RealArray:
+        shape = self.operator.setup.grid.shape
+        return self.active.gather(self.operator.apply(self.active.scatter(vector).reshape(shape)).ravel())
+
+    def _precondition(self, weights: RealArray, residual: RealArray, size: float) -> RealArray:
+        """Return the preconditioned residual; float32 holds it whatever its size."""
+        image = self.preconditioner.apply(self.active, weights, (residual / size).astype(np.float32))
+        return size * image.astype(residual.dtype)
+
+
+class _Space:
+    r"""A few pressures V in whose space a system is solved exactly, so that iterations need not find them.
+
+    .. math:: q_0 = V G V^T r, \quad z \leftarrow z + V G (V^T r - (K V)^T z), \quad G = (V^T K V)^{-1}
+    """
+
+    def __init__(self, vectors: list[RealArray], images: list[RealArray]) -> None:
+        self.vectors, self._images = vectors, images
+        products = [[_dot(one, other) for other in images] for one in vectors]
+        self._inverse = np.linalg.pinv(products, rcond=_DISTINCT) if vectors else np.zeros((0, 0))
+
+    def start(self, right: RealArray) -> tuple[RealArray, RealArray]:
+        """Return the solution in the space, and its residual."""
+        values, residual = np.zeros_like(right), right.copy()
+        for vector, image, part in zip(self.vectors, self._images, self._find_parts(right), strict=True):
+            values += float(part) * vector
+            residual -= float(part) * image
+        return values, residual
+
+    def correct(self, image: RealArray, residual: RealArray) -> RealArray:
+        """Return the preconditioned residual, changed in place, with its part in the space made exact."""
+        if self.vectors:
+            wrong = self._inverse @ [_dot(other, image) for other in self._images]
+            for vector, part in zip(self.vectors, self._find_parts(residual) - wrong, strict=True):
+                image += float(part) * vector
+        return image
+
+    def _find_parts(self, right: RealArray) -> Array:
+        return np.asarray(self._inverse @ [_dot(vector, right) for vector in self.vectors])
+
+
+def _square(vector: RealArray) -> float:
+    return _dot(vector, vector)
+
+
+def _dot(one: RealArray, other: RealArray) -> float:
+    return total(one * other) if one.dtype == np.float32 else dot(one, other)

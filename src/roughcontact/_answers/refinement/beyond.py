@@ -1,0 +1,188 @@
+"""How the contact area depends on the waves that a measured map does not resolve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from statistics import NormalDist
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, integer, number
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Grid
+from roughcontact._parts.load import Load
+from roughcontact._parts.surfaces.continuation import Continuation, cells_for, find_maps
+from roughcontact._parts.surfaces.statistics import rms_slope
+from roughcontact._solve.problem.body import Body
+from roughcontact._solve.problem.plan import require_memory_of_solve
+from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.solution import Area
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+
+# Cells of the longest wave that may be drawn last: the shortest that the grid of a map can hold.
+_NYQUIST = 2.0
+# Realizations beyond which their mean and spread gain nothing.
+_MOST = 1000
+# Standard deviations of a range that should hold.
+_HOLDS = 2.0
+
+
+@attrs.frozen(eq=False)
+class BeyondResolution:
+    """The contact area of a measured map with random short waves; `str` of it is a table.
+
+    Attributes
+    ----------
+    wavelengths
+        The shortest wave of each part of the ensemble, m, descending.
+    areas
+        The area of each realization, for each of the wavelengths.
+    rms_slopes
+        Mean rms slope of the gap, for each of the wavelengths.
+    measured
+        The area of the maps as they were given.
+    cell
+        Largest cell of the maps, m.
+    """
+
+    wavelengths: tuple[float, ...]
+    areas: tuple[tuple[Area, ...], ...]
+    rms_slopes: tuple[float, ...]
+    measured: Area
+    cell: float
+
+    @property
+    def means(self) -> Array:
+        """Mean area for each of the wavelengths, m2."""
+        return np.array([np.mean([area.value for area in areas]) for areas in self.areas])
+
+    @property
+    def stds(self) -> Array:
+        """Standard deviation of the area for each of the wavelengths, m2: realizations and uncertainty of each."""
+        spread = [np.std([area.value for area in areas], ddof=1) for areas in self.areas]
+        return np.hypot(spread, [np.sqrt(np.mean([area.uncertainty**2 for area in areas])) for areas in self.areas])
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """The area if the surface ends at one of the wavelengths or between, m2: from, to, by two deviations."""
+        low, high = self.means - _HOLDS * self.stds, self.means + _HOLDS * self.stds
+        return max(0.0, float(low.min())), float(high.max())
+
+    def __repr__(self) -> str:
+        return f"<BeyondResolution {str(self).splitlines()[-1]}>"
+
+    def __str__(self) -> str:
+        nominal = self.measured.value / self.measured.fraction if self.measured.fraction else 0.0
+        lines = ["   shortest wave   cells  rms slope         area         +-  of nominal, %"]
+        row = "{:>16} {:>7} {:>10} {:>12} {:>10} {:>14.4g}"
+        area, std = si(self.measured.value, "m2"), si(self.measured.uncertainty, "m2", 2)
+        lines.append(row.format("as measured", "", "", area, std, 100.0 * self.measured.fraction))
+        for wave, slope, mean, std in zip(self.wavelengths, self.rms_slopes, self.means, self.stds, strict=True):
+            texts = si(wave, "m"), f"{wave / self.cell:.3g}", f"{slope:.3g}", si(mean, "m2"), si(std, "m2", 2)
+            lines.append(row.format(*texts, 100.0 * mean / nominal))
+        low, high = self.range
+        return "\n".join([*lines, f"area from {si(low, 'm2')} to {si(high, 'm2')}"])
+
+
+@guarded
+def beyond_resolution(
+    problem: ContactProblem,
+    *,
+    pressure: float | None = None,
+    force: float | None = None,
+    cutoffs: Sequence[float] = (1.0, 0.5),
+    realizations: int = 4,
+    resolved: float | None = None,
+    seed: int = 0,
+) -> BeyondResolution:
+    """Return how the contact area depends on waves that the height maps of a problem do not resolve.
+
+    The power law of the spectrum is fitted over two octaves of the shortest resolved waves, and continued. In each
+    realization longer waves are as measured, shorter ones random; the power law varies by its standard error. The
+    grid has four cells on the shortest wave.
+
+    Parameters
+    ----------
+    problem
+        A problem with height maps.
+    pressure, force
+        Exactly one: nominal mean pressure, Pa; normal force, N.
+    cutoffs
+        Where the spectrum ends: shortest wavelengths in cells of the (coarsest) map, at most two.
+    realizations
+        Random surfaces for each cut-off, at least two.
+    resolved
+        Shortest wavelength that the maps resolve, m; by default four cells of each map: shorter waves are blurred,
+        or aliased, in most measurements.
+    seed
+        Seed of the random waves.
+
+    Raises
+    ------
+    InputError
+        If the problem has no height maps, their spectrum does not fall, or the finest grid does not fit into memory.
+    NotConverged
+        If a solution is not certified.
+
+    References
+    ----------
+    Persson, Surf. Sci. Rep. 61 (2006) 201, https://doi.org/10.1016/j.surfrep.2006.04.001 (area and magnification)
+
+    Jacobs, Junge, Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001, https://doi.org/10.1088/2051-672X/aa51f8
+    (spectra, and down to which wavelength they can be relied on)
+    """
+    if not isinstance(problem, ContactProblem):
+        raise InputError.about("The problem", problem, "a ContactProblem")
+    load = Load.of(pressure=pressure, force=force)
+    count = integer(realizations, "The number of realizations", at_least=2)
+    if count > _MOST:
+        raise InputError.about("The number of realizations", count, f"at most {_MOST}")
+    sides = problem.body.surface, problem.counterbody.surface
+    maps = [found for surface in sides for found in find_maps(surface)]
+    if not maps:
+        raise InputError("The problem has no height map: its surfaces are known at every point.")
+    cell = max(max(found.grid.spacing) for found in maps)
+    waves = _list_wavelengths(cutoffs, cell)
+    if resolved is not None:
+        resolved = number(resolved, "The shortest resolved wavelength", "m", at_least=_NYQUIST * cell)
+    seed = integer(seed, "The seed", at_least=0)
+    finest = Grid(cells_for(problem.plan.grid.size, waves[-1]), problem.plan.grid.size)
+    require_memory_of_solve(finest, problem.boundary, problem.memory_limit)
+    measured = problem.solve(**load.arguments).area()
+    # Deviations of the spectrum at equal probabilities, so that a few realizations have its standard deviation.
+    deviations = [NormalDist().inv_cdf((index + 0.5) / count) for index in range(count)]
+    areas, slopes = [], []
+    for wave in waves:
+        drawn = [
+            _extend(problem, Continuation(wave, waves[-1], resolved, (seed, index), deviation)).solve(**load.arguments)
+            for index, deviation in enumerate(deviations)
+        ]
+        areas.append(tuple(solution.area() for solution in drawn))
+        slopes.append(float(np.mean([rms_slope(solution.initial_gap, solution.grid) for solution in drawn])))
+    return BeyondResolution(waves, tuple(areas), tuple(slopes), measured, cell)
+
+
+def _list_wavelengths(cutoffs: Sequence[float], cell: float) -> tuple[float, ...]:
+    if not isinstance(cutoffs, (tuple, list, np.ndarray)) or np.ndim(cutoffs) != 1:
+        raise InputError.about("The cut-offs", cutoffs, "a list of wavelengths in cells of the map, such as [1, 0.5]")
+    cells = {number(value, "A cut-off", "cells of the map", above=0.0, at_most=_NYQUIST) for value in cutoffs}
+    if not cells:
+        raise InputError("The list of cut-offs is empty: give at least one.")
+    return tuple(sorted((value * cell for value in cells), reverse=True))
+
+
+def _extend(problem: ContactProblem, continuation: Continuation) -> ContactProblem:
+    """Return the problem with other maps, on the grid of their shortest wave."""
+    if problem.plan.pressure_limit.ndim:
+        raise InputError("The pressure limit is an array, which is not known between its cells.")
+    size = problem.plan.grid.size
+    first = continuation.extend(problem.body.surface)
+    second = continuation.extend(problem.counterbody.surface, len(find_maps(problem.body.surface)))
+    return attrs.evolve(
+        problem,
+        body=Body(first, problem.body.material),
+        counterbody=Body(second, problem.counterbody.material),
+        grid=Grid(cells_for(size, continuation.shortest), size),
+    )

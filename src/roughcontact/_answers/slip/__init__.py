@@ -1,0 +1,1 @@
+"""Partial slip under a tangential force."""

@@ -1,0 +1,167 @@
+"""The load at which a body first yields below its surface."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+
+from roughcontact._answers.subsurface.maximum import StressMaximum
+from roughcontact._answers.subsurface.stress import StressBelow, body_name
+from roughcontact._base.checks import number
+from roughcontact._base.units import si
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem import ContactProblem, problem_of
+from roughcontact._solve.problem.sweep import predict_pressure
+from roughcontact._solve.problem.task import maximum_pressure
+from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
+from roughcontact.errors import InputError
+
+# Relative distance from the yield stress at which the search ends, and number of solves in it.
+_CLOSE, _MAXIMUM_TRIES = 1e-4, 25
+# Slope of the stress over the load, both logarithmic: of a ball, and the smallest that is used.
+_SLOPE, _FLATTEST = 1.0 / 3.0, 0.05
+# Largest step of the load, and relative width of a bracket in which the stress jumps from cell to cell, both
+# logarithmic; distance of two loads from which their slope is used.
+_STEP, _NARROW, _APART = math.log(300.0), 1e-4, 1e-2
+# Largest part of the load that the bodies can carry.
+_CARRIED = 0.999
+
+
+@attrs.frozen(eq=False)
+class YieldPoint:
+    """The load of first yield.
+
+    Attributes
+    ----------
+    force
+        The normal force, N.
+    maximum
+        The von Mises stress at its maximum there, with the place.
+    solution
+        The elastic contact at that load.
+    """
+
+    force: Estimate
+    maximum: StressMaximum
+    solution: ContactSolution
+
+    @property
+    def mean_pressure(self) -> Estimate:
+        """The nominal mean pressure, Pa."""
+        area = self.solution.grid.area
+        return attrs.evolve(
+            self.force, value=self.force.value / area, uncertainty=self.force.uncertainty / area, unit="Pa"
+        )
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why the load must not be trusted, in sentences; empty without a reason."""
+        return self.force.warnings
+
+    def __str__(self) -> str:
+        place = f"x = {si(self.maximum.x, 'm')}, y = {si(self.maximum.y, 'm')}, depth {si(self.maximum.depth, 'm')}"
+        return f"first yield at {place}: {self.force}"
+
+
+def _strength(value: float) -> float:
+    return number(value, "The yield stress", "Pa", above=0.0)
+
+
+@responses.register("first-yield")
+@attrs.frozen
+class FirstYield(Response[YieldPoint]):
+    r"""Load at which the maximum von Mises stress below a surface reaches the yield stress; the contact is elastic.
+
+    On a ball :math:`F_Y = \pi^3 R^2 p_0^3 / 6 E^{*2}` with :math:`p_0 = 1.61\,Y` for :math:`\nu = 0.3`. The load is
+    searched by a secant over the logarithms of load and stress. Its relative uncertainty is that of the stress over
+    their slope, a third for a ball, less for rough surfaces.
+
+    Parameters
+    ----------
+    yield_stress
+        Yield stress of the body in tension, Pa.
+    body
+        ``"body"`` or ``"counterbody"``.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), sec. 6.1, https://doi.org/10.1017/CBO9781139171731
+    """
+
+    yield_stress: float = attrs.field(converter=_strength)
+    body: str = attrs.field(default="body", converter=body_name)
+
+    def respond(self, solution: ContactSolution) -> YieldPoint:
+        """Return the load of first yield, searched from that of the solution; see `Response.respond`."""
+        problem, trials = problem_of(solution), [self._measure(solution)]
+        carried = maximum_pressure(problem.plan) * solution.grid.area
+        heaviest = math.log(_CARRIED * carried) if math.isfinite(carried) else math.inf
+        while not trials[-1].close:
+            load = _choose_load(trials, heaviest)
+            if load is None:
+                break
+            if len(trials) == _MAXIMUM_TRIES or (trials[-1].load >= heaviest - _NARROW and trials[-1].excess < 0.0):
+                raise InputError(
+                    f"No load was found at which the von Mises stress reaches {si(self.yield_stress, 'Pa')}: "
+                    f"at {si(trials[-1].solution.force, 'N')} it is {si(trials[-1].maximum.value, 'Pa')}."
+                )
+            trials.append(self._measure(_solve(problem, trials, load)))
+        last = min(trials, key=lambda one: abs(one.excess))
+        slope = max(_find_slope(trials), _FLATTEST)
+        relative = math.hypot(last.maximum.uncertainty / last.maximum.value, last.excess) / slope
+        force = last.solution.force * math.exp(-last.excess / slope)
+        warnings = last.maximum.warnings
+        return YieldPoint(Estimate(force, relative * force, "N", warnings), last.maximum, last.solution)
+
+    def _measure(self, solution: ContactSolution) -> _Trial:
+        maximum = StressBelow(None, self.body).respond(solution).maximum
+        return _Trial(solution, maximum, math.log(maximum.value / self.yield_stress))
+
+
+@attrs.frozen(eq=False)
+class _Trial:
+    """A load that was tried, its maximum stress, and the logarithm of that over the yield stress."""
+
+    solution: ContactSolution
+    maximum: StressMaximum
+    excess: float
+
+    @property
+    def load(self) -> float:
+        """The logarithm of the force."""
+        return math.log(self.solution.force)
+
+    @property
+    def close(self) -> bool:
+        return abs(self.excess) <= _CLOSE
+
+
+def _solve(problem: ContactProblem, trials: list[_Trial], load: float) -> ContactSolution:
+    force = math.exp(load)
+    # The two nearest loads, the nearest last.
+    near = sorted(trials, key=lambda one: -abs(one.load - load))[-2:]
+    start = predict_pressure([one.solution for one in near], Load("force", force))
+    return problem.solve(force=force, start=start)
+
+
+def _find_slope(trials: list[_Trial]) -> float:
+    """Return the slope through the last load and the nearest one apart from it; a ball's where there is none."""
+    last = trials[-1]
+    apart = [one for one in trials if abs(one.load - last.load) >= _APART]
+    if not apart:
+        return _SLOPE
+    other = min(apart, key=lambda one: abs(one.load - last.load))
+    return (last.excess - other.excess) / (last.load - other.load)
+
+
+def _choose_load(trials: list[_Trial], heaviest: float) -> float | None:
+    """Return the logarithm of the next force to try, up to one; None where the stress jumps across the yield stress."""
+    last = trials[-1]
+    step = -last.excess / max(_find_slope(trials), _FLATTEST)
+    load = min(last.load + min(max(step, -_STEP), _STEP), heaviest)
+    low = max((one.load for one in trials if one.excess < 0.0), default=-math.inf)
+    high = min((one.load for one in trials if one.excess > 0.0), default=math.inf)
+    if 0.0 <= high - low <= _NARROW:
+        return None
+    return load if low < load < high or high < low else 0.5 * (low + high)

@@ -1,0 +1,1 @@
+"""What knows nothing of contacts: names of parts, numbers for people, checks, the machine, files."""

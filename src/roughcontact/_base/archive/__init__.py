@@ -1,0 +1,242 @@
+"""Arrays with a header in one file, sealed by a checksum; nothing of a file is used before it is checked.
+
+A file ends with its seal: the number of the format and the SHA-256 of every byte before it. The header,
+JSON as an array of bytes, lists the digest of each array. Arrays are read without pickles, after the sizes
+that a file declares have been compared with the size that it has.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import json
+import math
+import os
+import re
+import stat
+import zipfile
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import IO, Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact._base.archive.replacement import remove_stale as remove_stale
+from roughcontact._base.archive.replacement import replacing as replacing
+from roughcontact.errors import InputError
+
+RealArray: TypeAlias = npt.NDArray[Any]
+HEADER = "header"
+# Version of the file format; a change that older versions cannot read counts up.
+FORMAT = 1
+# How a file is opened; a pipe is not waited for.
+_READING = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+# Hexadecimal digits of a SHA-256 digest.
+_DIGITS = 64
+SEAL = f"roughcontact file, format {FORMAT}, sha256 ".encode() + _DIGITS * b"0"
+_SEALED = re.compile(rb"roughcontact file, format (\d{1,9}), sha256 [0-9a-f]{64}\Z")
+# Bytes of a header; that of a problem takes some thousands.
+_LONGEST_HEADER = 2**22
+# Bytes to which an npz file may expand, beside a multiple of its own size: heights deflate by 1 to 2, zeros by 1000.
+_EXPANDED, _EXPANSION = 2**24, 20
+# Levels of brackets in a header, of which a sum of surfaces takes three, and characters of a number; float64 takes 24.
+_DEPTH, _LONGEST_NUMBER = 150, 40
+# Bytes of the header of an npy file, of which numpy parses at most 10000.
+_NPY_HEADER = 2**14
+# Possessive: a text of a million letters must not take a million steps back.
+_TOKEN = re.compile(r'"(?:[^"\\]++|\\.)*+"?|[\[{]|[\]}]|[^\s"\[\]{},:]+')
+
+
+def write_archive(
+    path: str | os.PathLike[str],
+    arrays: Mapping[str, npt.ArrayLike],
+    header: Mapping[str, Any],
+    *,
+    flush: bool = True,
+) -> None:
+    """Write arrays and a header that JSON can hold into an npz file; see `replacing` and `pack`."""
+    packed = pack(arrays, header)
+    with replacing(path, flush=flush) as partial:
+        # As numpy.savez does, which in old versions does not close its file on a full disk.
+        with zipfile.ZipFile(partial, "w") as archive:
+            for name, array in packed.items():
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
+                    np.lib.format.write_array(file, array, allow_pickle=False)
+            archive.comment = SEAL
+        seal(partial)
+
+
+def read_archive(path: str | os.PathLike[str]) -> tuple[dict[str, RealArray], dict[str, Any]]:
+    """Return the arrays and the header of a file of `write_archive`; see `opened`."""
+    with opened(path) as file:
+        return unpack(read_npz(file))
+
+
+def read_some(path: str | os.PathLike[str], names: Iterable[str] = ()) -> tuple[dict[str, RealArray], dict[str, Any]]:
+    """Return the header of a file, all of which is compared with its checksum, and those arrays; see `opened`."""
+    with opened(path) as file:
+        return unpack(read_npz(file, {HEADER, *names}), complete=False)
+
+
+@contextlib.contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
+    """Open a file after comparing all of it with its seal; whatever fails inside becomes a sentence.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is damaged, of another kind or of another format.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise InputError(f"There is no file {str(file)!r}.")
+    try:
+        descriptor = os.open(file, _READING)
+    except OSError as error:
+        raise InputError(f"The file {file.name} cannot be read: {error.strerror}.") from error
+    try:
+        with os.fdopen(descriptor, "rb") as stream:
+            # A device or a pipe may have taken its place meanwhile.
+            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+                raise InputError(f"There is no file {str(file)!r}.")
+            found = _sealed_format(stream)
+            if found != FORMAT:
+                advice = f"this version of roughcontact reads format {FORMAT}: use the version that wrote it"
+                raise InputError(f"The file {file.name} has format {found}, but {advice}.")
+            yield stream
+    except (InputError, MemoryError):
+        raise
+    # Damaged files fail in as many ways as there are libraries that read them.
+    except Exception as error:
+        reason = " ".join(str(error).split())[:200].rstrip(".") or type(error).__name__
+        raise InputError(f"The file {file.name} is damaged, or was not written by roughcontact: {reason}.") from error
+
+
+def seal(path: Path) -> None:
+    """Put the checksum of a file that ends with `SEAL` into it."""
+    with path.open("r+b") as file:
+        end = file.seek(-_DIGITS, os.SEEK_END)
+        digest = _checksum(file, end)
+        file.seek(end)
+        file.write(digest)
+
+
+def pack(arrays: Mapping[str, npt.ArrayLike], header: Mapping[str, Any]) -> dict[str, RealArray]:
+    """Return the arrays, with a header that lists their digests; `InputError` if that could not be read again."""
+    values = {name: np.asarray(array) for name, array in arrays.items()}
+    try:
+        text = json.dumps({**header, "arrays": {name: digest_of(array) for name, array in values.items()}})
+        read_json(text)
+    except ValueError as error:
+        raise InputError(f"The solution cannot be kept in a file: {error}.") from error
+    return {HEADER: np.frombuffer(text.encode(), dtype=np.uint8), **values}
+
+
+def unpack(packed: Mapping[str, RealArray], *, complete: bool = True) -> tuple[dict[str, RealArray], dict[str, Any]]:
+    """Return the arrays and the header of `pack`; ValueError unless the arrays are those that the header lists."""
+    header = _header(packed)
+    arrays = {name: array for name, array in packed.items() if name != HEADER}
+    listed, found = header.pop("arrays"), {name: digest_of(array) for name, array in arrays.items()}
+    if not found.items() <= listed.items() or (complete and len(found) < len(listed)):
+        raise ValueError("its arrays are not those that its header lists")
+    return arrays, header
+
+
+def read_npz(file: IO[bytes], wanted: set[str] | None = None, *, deflated: bool = False) -> dict[str, RealArray]:
+    """Return all arrays of an npz file, or those wanted; ValueError if it declares what it cannot hold."""
+    size = file.seek(0, os.SEEK_END)
+    limit = _EXPANDED + _EXPANSION * size
+    arrays: dict[str, RealArray] = {}
+    with zipfile.ZipFile(file) as archive:
+        members = {member.filename.removesuffix(".npy"): member for member in archive.infolist()}
+        if len(members) < len(archive.infolist()):
+            raise ValueError("a name occurs twice in it")
+        require_expansion(archive, size, "write it again without compression (numpy.savez)", deflated=deflated)
+        for name in members if wanted is None else wanted & set(members):
+            with archive.open(members[name]) as stream:
+                # Bytes become float64 when they are used.
+                arrays[name] = read_npy(stream, members[name].file_size, most=limit // 8)
+    return arrays
+
+
+def require_expansion(archive: zipfile.ZipFile, size: int, advice: str, *, deflated: bool) -> None:
+    """Raise ValueError if an archive of `size` bytes expands to far more than that, or in a way without a bound."""
+    members = archive.infolist()
+    declared, stored = (sum(getattr(one, name) for one in members) for name in ("file_size", "compress_size"))
+    if stored > size or declared > _EXPANDED + _EXPANSION * size:
+        raise ValueError(
+            f"it declares {declared} bytes of data, more than a file of {size} bytes may hold; if that is right, "
+            f"{advice}"
+        )
+    # Of numpy's ways. The others expand without a limit, and their dictionaries take what a file declares.
+    ways = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED} if deflated else {zipfile.ZIP_STORED}
+    if any(member.compress_type not in ways for member in members):
+        raise ValueError("it is compressed in a way that is not read")
+
+
+def read_npy(file: IO[bytes], size: int, most: int | None = None) -> RealArray:
+    """Return the array of an npy file of `size` bytes; ValueError if it declares too many numbers."""
+    # The length of the header is declared too, and a file takes the memory before it is read.
+    start = io.BytesIO(file.read(_NPY_HEADER))
+    version = np.lib.format.read_magic(start)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, fortran_order, dtype = read(start)
+    count, left = math.prod(shape), size - file.seek(start.tell())
+    if dtype.kind not in "biufU" or min(shape, default=0) < 0 or count * dtype.itemsize > left:
+        raise ValueError(f"it declares an array of type {dtype} and shape {shape} in {left} bytes")
+    if most is not None and count > most:
+        raise ValueError(f"it declares {count} numbers, more than a file of its size may hold")
+    data = np.frombuffer(file.read(count * dtype.itemsize), dtype, count)
+    return data.reshape(shape, order="F" if fortran_order else "C")
+
+
+def read_json(text: str) -> Any:
+    """Return the content of JSON; ValueError if it is nested deeply, or a number is not finite or has no end."""
+    depth = 0
+    for token in map(re.Match.group, _TOKEN.finditer(text)):
+        depth += (token in "[{") - (token in "]}")
+        if depth > _DEPTH:
+            raise ValueError(f"its header has more than {_DEPTH} levels")
+        is_number = token[0] not in '"[]{}' and token not in ("true", "false", "null")
+        if is_number and (len(token) > _LONGEST_NUMBER or not math.isfinite(float(token))):
+            raise ValueError(f"its header has the number {token[:_LONGEST_NUMBER]}")
+    return json.loads(text)
+
+
+def digest_of(array: RealArray) -> str:
+    """Return 32 hexadecimal digits that identify an array by its type, shape and values."""
+    if array.dtype.kind not in "biufU":
+        raise InputError(f"An array of type {array.dtype} cannot be kept in a file: only numbers and texts can.")
+    head = f"{array.dtype.str}{array.shape}".encode()
+    return hashlib.sha256(head + np.ascontiguousarray(array).tobytes()).hexdigest()[:32]
+
+
+def _header(packed: Mapping[str, RealArray]) -> dict[str, Any]:
+    if HEADER not in packed or packed[HEADER].nbytes > _LONGEST_HEADER:
+        raise ValueError("it has no header, or one that is too long")
+    header = read_json(packed[HEADER].tobytes().decode())
+    if not isinstance(header, dict):
+        raise ValueError("its header is not a mapping")
+    return header
+
+
+def _sealed_format(file: IO[bytes]) -> int:
+    """Return the number of a file's format; ValueError if its content has another checksum than its seal."""
+    size = file.seek(0, os.SEEK_END)
+    file.seek(max(0, size - 2 * len(SEAL)))
+    found = _SEALED.search(file.read(2 * len(SEAL)))
+    if found is None:
+        raise ValueError("it does not end with a checksum")
+    if _checksum(file, size - _DIGITS) != found[0][-_DIGITS:]:
+        raise ValueError("its content has another checksum")
+    return int(found[1])
+
+
+def _checksum(file: IO[bytes], count: int) -> bytes:
+    digest = hashlib.sha256()
+    file.seek(0)
+    for start in range(0, count, 2**20):
+        digest.update(file.read(min(2**20, count - start)))
+    return digest.hexdigest().encode()

@@ -1,0 +1,281 @@
+"""Parts as plain data, and back: what files keep, and what keys are made from.
+
+A part is ``{"kind": ..., "name": ..., "fields": {...}}``. Its name is the one it is registered under, or
+``roughcontact:Grid`` for a public attrs class of this package; only such classes are built, each only where its
+base class is expected. A class that is not registered is named ``module:Class`` and never imported.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import math
+import sys
+from collections.abc import Iterator, Mapping
+from enum import Enum
+from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
+
+import attrs
+import numpy as np
+
+from roughcontact._base.archive import digest_of
+from roughcontact._base.archive.sources import programs
+from roughcontact._base.checks import RealArray
+from roughcontact._base.registry import Registry, path_of, registries
+from roughcontact.errors import InputError
+
+Described: TypeAlias = Any
+_PACKAGE = __name__.partition(".")[0]
+# Maximum length of the text that stands for a field which is not plain data.
+_TEXT = 200
+# Missing classes that are listed.
+_SHOWN = 5
+
+# Classes that plug-ins use in the fields of their parts, such as a layer of a coating.
+parts = Registry(object, "part", "roughcontact.parts")
+
+
+def describe(value: object, arrays: dict[str, RealArray]) -> Described:
+    """Return a value as data that JSON can hold; arrays go into `arrays` under the digest of their content.
+
+    Parameters
+    ----------
+    value
+        Numbers, texts, enumerations, arrays, lists, mappings, and parts made of them. The fields of a part
+        that is not an attrs class, or holds anything else, are kept as texts.
+    arrays
+        Receives the arrays.
+    """
+    if isinstance(value, (Enum, np.generic)):
+        return describe(value.value if isinstance(value, Enum) else value.item(), arrays)
+    if isinstance(value, float) and not math.isfinite(value):
+        return {"number": str(value)}
+    if isinstance(value, (bool, int, float, str, type(None))):
+        return value
+    if isinstance(value, np.ndarray):
+        name = digest_of(value)
+        arrays[name] = value
+        return {"array": name}
+    if isinstance(value, (list, tuple)):
+        return [describe(item, arrays) for item in value]
+    if isinstance(value, Mapping) and all(isinstance(key, str) for key in value):
+        return {"mapping": {key: describe(item, arrays) for key, item in value.items()}}
+    cls = type(value)
+    if not attrs.has(cls) and not isinstance(value, _plug_in_bases()):
+        raise InputError.about("A value kept in a file", value, "numbers, texts, arrays or attrs classes made of them")
+    part, fields = _kind_and_name(cls), _fields_of(value)
+    with contextlib.suppress(InputError):
+        if attrs.has(cls) or not fields:
+            return {**part, "fields": {key: describe(item, arrays) for key, item in fields.items()}}
+    return {**part, "texts": {key: repr(item)[:_TEXT] for key, item in fields.items()}}
+
+
+def rebuild(described: Described, arrays: Mapping[str, RealArray], bases: tuple[type, ...] | None = None) -> Any:
+    """Return the value that `describe` described.
+
+    Parameters
+    ----------
+    described, arrays
+        What `describe` returned, and filled.
+    bases
+        Base classes, one of which a part must have; by default those of all registries.
+
+    Raises
+    ------
+    InputError
+        If a class is not registered here, is not derived from the base that its place expects, or does not
+        take its fields.
+    """
+    match described:
+        case None | bool() | int() | float() | str():
+            return described
+        case list():
+            return tuple(rebuild(item, arrays, bases) for item in described)
+        case {"array": str(name)} if len(described) == 1 and name in arrays:
+            return arrays[name]
+        case {"number": "nan" | "inf" | "-inf" as text} if len(described) == 1:
+            return float(text)
+        case {"mapping": dict(items)} if len(described) == 1:
+            return {key: rebuild(item, arrays, bases) for key, item in items.items()}
+    cls, fields = rebuild_fields(described, arrays, bases)
+    try:
+        return cls(**fields)
+    # A registered class may refuse its fields with an error of any type.
+    except Exception as error:
+        raise InputError(
+            f"The {described['kind']} {described['name']!r} does not take its fields: {error!s:.{_TEXT}}"
+        ) from error
+
+
+def rebuild_fields(
+    described: Described, arrays: Mapping[str, RealArray], bases: tuple[type, ...] | None = None
+) -> tuple[type, dict[str, Any]]:
+    """Return the class of a part and the arguments to build it with; see `rebuild`."""
+    match described:
+        case {"kind": str(kind), "name": str(name), "fields": dict(given)} if len(described) == 3:
+            cls = _class_of(kind, name)
+        case _:
+            raise InputError(f"{str(described)[:80]} does not describe a part.")
+    if cls is None:
+        raise InputError(f"The {kind} {name} must be registered.")
+    bases = _plug_in_bases() if bases is None else bases
+    if not issubclass(cls, bases):
+        expected = " or ".join(base.__name__ for base in bases) or "plain data"
+        raise InputError(f"The {kind} {name!r} stands where {expected} must stand.")
+    fields = _arguments(cls)
+    needed = {key for key, field in fields.items() if field.default is attrs.NOTHING}
+    if not needed <= set(given) <= set(fields):
+        known, got = ", ".join(fields) or "nothing", f"{', '.join(given)!r:.{_TEXT}}" if given else "nothing"
+        raise InputError(f"The fields of the {kind} {name!r} are {known}, but the file gives {got}.")
+    hints = _hints(cls)
+    bases_of = {key: tuple(_bases_in(hints.get(field.name, Any))) for key, field in fields.items()}
+    return cls, {key: rebuild(item, arrays, bases_of[key]) for key, item in given.items()}
+
+
+def missing_classes(described: Described) -> str:
+    """Return in a sentence which classes must be registered to rebuild a part; empty if none must be."""
+    missing = []
+    for part in _parts_in(described):
+        cls = _class_of(part["kind"], part["name"])
+        if "texts" in part:
+            missing.append(f"the {part['kind']} {part['name']} must be an attrs class whose fields are plain data")
+        elif cls is None:
+            missing.append(f"the {part['kind']} {part['name']} must be registered")
+    found = [*dict.fromkeys(missing)]
+    shown = [*found[:_SHOWN], f"{len(found) - _SHOWN} others as well"] if len(found) > _SHOWN else found
+    return f"To solve it again, {', and '.join(shown)}." if missing else ""
+
+
+def arrays_in(described: Described) -> Iterator[str]:
+    """Yield the name of an array at each place where a value has it."""
+    if isinstance(described, dict):
+        if isinstance(described.get("array"), str):
+            yield described["array"]
+        described = list(described.values())
+    if isinstance(described, list):
+        for item in described:
+            yield from arrays_in(item)
+
+
+def programs_of(value: object) -> list[str]:
+    """Return which programs the parts of a value are, those chosen by a registered name too; see `programs`."""
+    return programs(_classes_in(value), _PACKAGE)
+
+
+def key_of(value: object, *more: str) -> str:
+    """Return a key that is the same for equal content and programs in any process.
+
+    Raises
+    ------
+    InputError
+        If the content is not known.
+    """
+    return key_of_description(describe(value, {}), *programs_of(value), *more)
+
+
+def key_of_description(described: Described, *more: str) -> str:
+    """Return the key of what `describe` returned; see `key_of`."""
+    for part in _parts_in(described):
+        if "texts" in part or "<locals>" in part["name"]:
+            advice = "make it an attrs class at the top level of a module, whose fields are plain data"
+            raise InputError(f"The content of the {part['kind']} {part['name']} is not known: {advice}.")
+    text = json.dumps([described, *more], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def _arguments(cls: Any) -> dict[str, attrs.Attribute[Any]]:
+    """Return the fields of an attrs class by the names of its arguments."""
+    return {str(field.alias): field for field in attrs.fields(cls) if field.init} if attrs.has(cls) else {}
+
+
+def _classes_in(value: object, place: str = "") -> Iterator[type]:
+    """Yield the class of every part of a value; a name stands for a class where the field is called after its kind."""
+    inner: Mapping[str, object] = {}
+    if isinstance(value, str) and place in registries() and value in registries()[place]:
+        yield registries()[place][value]
+    elif isinstance(value, Mapping):
+        inner = value
+    elif isinstance(value, (list, tuple)):
+        inner = {str(number): item for number, item in enumerate(value)}
+    elif attrs.has(type(value)) or isinstance(value, _plug_in_bases()):
+        yield type(value)
+        inner = _fields_of(value)
+    for name, item in inner.items():
+        yield from _classes_in(item, name)
+
+
+def _fields_of(value: object) -> dict[str, object]:
+    if attrs.has(type(value)):
+        return {name: getattr(value, field.name) for name, field in _arguments(type(value)).items()}
+    state = object.__getstate__(value)
+    return {} if state is None else {"state": state}
+
+
+def _kind_and_name(cls: type) -> dict[str, str]:
+    """Return the kind of a class, and its name in a description."""
+    found = (registry for registry in registries().values() if issubclass(cls, registry.base))
+    registry = next((registry for registry in found if registry.base is not object), parts)
+    path = f"{_PACKAGE}:{cls.__name__}" if public_class(cls.__name__) is cls else path_of(cls)
+    name = registry.name_of(cls) or path
+    return {"kind": registry.kind, "name": name}
+
+
+def _class_of(kind: str, name: str) -> type | None:
+    """Return the class of a part; None if it is of a plug-in and is not registered here or cannot be loaded."""
+    if len(kind + name) > 2 * _TEXT or not (kind + name).isprintable():
+        raise InputError(f"The name of a part must be at most {2 * _TEXT} printable characters.")
+    registry = registries().get(kind)
+    package, _, own = name.partition(":")
+    if registry is None or (package == _PACKAGE and own):
+        found = None if registry is None else public_class(own)
+        if found is None:
+            raise InputError(f"There is no {kind} named {name!r}.")
+        return found
+    with contextlib.suppress(InputError):
+        return registry[name] if name in registry else registry.defined_as(name)
+    return None
+
+
+def public_class(name: str) -> type | None:
+    """Return the attrs class that the package exports under a name."""
+    package: Any = sys.modules[_PACKAGE]
+    found = getattr(package, name, None) if name in package.__all__ else None
+    return found if isinstance(found, type) and attrs.has(found) else None
+
+
+def _plug_in_bases() -> tuple[type, ...]:
+    return tuple(registry.base for registry in registries().values() if registry.base is not object)
+
+
+def _hints(cls: type) -> dict[str, Any]:
+    try:
+        return get_type_hints(cls)
+    # Names that are imported for type checkers only: then a field may hold any plug-in.
+    except Exception:
+        return {}
+
+
+def _bases_in(hint: Any) -> Iterator[type]:
+    """Yield the classes that an annotation names; those of all plug-ins where it does not say which."""
+    if hint is Any or hint is object or getattr(hint, "_is_protocol", False):
+        yield from _plug_in_bases()
+    elif get_origin(hint) is None:
+        yield from (hint,) if isinstance(hint, type) else ()
+    elif get_origin(hint) is not np.ndarray:
+        for inner in get_args(hint):
+            yield from _bases_in(inner)
+
+
+def _parts_in(described: Described) -> Iterator[dict[str, Any]]:
+    """Yield every part, outer ones first."""
+    inner: Any = described if isinstance(described, list) else ()
+    match described:
+        case {"mapping": dict(items)}:
+            inner = items.values()
+        case {"kind": str(), "name": str()}:
+            yield described
+            fields = described.get("fields")
+            inner = fields.values() if isinstance(fields, dict) else ()
+    for item in inner:
+        yield from _parts_in(item)

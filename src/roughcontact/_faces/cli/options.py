@@ -1,0 +1,183 @@
+"""Options that several commands share, and converters of their texts."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import re
+from collections.abc import Callable
+from typing import Any
+
+from roughcontact._base.units.quantities import parse_quantity
+from roughcontact._parts.load import Load
+
+# Characters of a wrong argument that are shown.
+_SHOWN = 80
+
+
+def quantity(unit: str) -> Callable[[str], float]:
+    """Return a converter from text such as ``100MPa`` to a number in an SI unit, for argparse; see `parse_quantity`."""
+
+    def convert(text: str) -> float:
+        try:
+            return parse_quantity(text, unit)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
+
+    return convert
+
+
+def whole_number(text: str) -> int:
+    """Return text such as ``256`` as an int, for argparse."""
+    if not re.fullmatch(r"[-+]?[0-9]{1,18}", text):
+        raise argparse.ArgumentTypeError(f"{text[:_SHOWN]!r} is not a whole number; write it like 256")
+    return int(text)
+
+
+NUMBER = quantity("")
+METRE, _PASCAL, _NEWTON, _ANGLE = (quantity(unit) for unit in ("m", "Pa", "N", "rad"))
+
+
+def _unit(text: str) -> float:
+    """Return the length that a height of one means, for argparse: ``um`` alone is ``1um``."""
+    return METRE(f"1{text}" if text[:1].isalpha() else text)
+
+
+def _load(text: str) -> Load:
+    """Return a load whose unit says what it is, for argparse."""
+    for kind, unit in (("force", "N"), ("pressure", "Pa"), ("approach", "m")):
+        with contextlib.suppress(ValueError):
+            value = parse_quantity(text, unit)
+            return Load(kind, value)
+    shown = f"{text[:_SHOWN]!r} is not a force, a pressure or an approach"
+    raise argparse.ArgumentTypeError(f"{shown}; write it like 2.5N, 100MPa or 50nm")
+
+
+# The options of the readers of files, with their converters and what they mean.
+OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
+    "separator": (str, "separator in text: , ; tab blank (found)"),
+    "decimal": (str, "decimal mark in text: . or , (found)"),
+    "skip_rows": (whole_number, "lines of text above the heights (found)"),
+    "rows": (str, "x or y: what a file has a row for each of (x)"),
+    "variable": (str, "array of a .mat file (heights)"),
+    "page": (whole_number, "image of a TIFF file"),
+}
+
+
+def add_output(parser: argparse.ArgumentParser, folder: str) -> None:
+    """Declare the output folder."""
+    parser.add_argument("-o", "--output", default=folder, metavar="FOLDER", help=f"output folder ({folder})")
+
+
+def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None:
+    """Declare a contact problem of measured height maps, and its loads; or a study file, which needs neither."""
+    loads = "--pressure P | --force F | --approach D" + ("" if study else " | --loads L ...")
+    parser.usage = f"%(prog)s MAP [MAP] --young E [options]\n           ({loads})"
+    _add_maps(parser, study)
+    _add_pair(parser)
+    load = parser.add_argument_group("load, exactly one").add_mutually_exclusive_group(required=not study)
+    load.add_argument("--pressure", type=_PASCAL, metavar="P", help="nominal mean pressure, such as 100MPa")
+    load.add_argument("--force", type=_NEWTON, metavar="F", help="normal force, such as 2.5N")
+    load.add_argument("--approach", type=METRE, metavar="D", help="approach since first contact, such as 50nm")
+    if not study:
+        several = "several loads of one kind, each a first loading: 1N 2N 5N"
+        load.add_argument("--loads", type=_load, nargs="+", metavar="L", help=several)
+    _add_materials(parser, study)
+    method = parser.add_argument_group("method")
+    method.add_argument(
+        "--boundary", choices=("free", "periodic", "wrapped"), default="free", help="what lies beyond the domain (free)"
+    )
+    method.add_argument("--kernel", default="love", metavar="NAME", help="influence kernel (love)")
+    method.add_argument("--solver", default="auto", metavar="NAME", help="solver (auto)")
+    method.add_argument("--threads", type=_threads, default="auto", metavar="N", help="threads (as many as gain)")
+
+
+def add_accuracy(parser: argparse.ArgumentParser) -> None:
+    """Declare what a solve may aim at."""
+    accuracy = parser.add_argument_group("accuracy, with 95 %")
+    for name, what in (("area", "contact area"), ("peak", "maximum pressure")):
+        accuracy.add_argument(
+            f"--{name}-within", type=NUMBER, metavar="D", help=f"relative error of the {what}, such as 0.01 or 1%%"
+        )
+    accuracy.add_argument(
+        "--tolerance", type=NUMBER, metavar="T", help="tolerance of the solver (as the accuracy needs)"
+    )
+
+
+def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
+    for prefix, body, poisson in (("", "body", "0.3"), ("counterbody-", "counterbody", "the body's")):
+        group = parser.add_argument_group(f"material of the {body}")
+        modulus = "Young's modulus, such as 210GPa" + (" (rigid)" if prefix else "")
+        group.add_argument(f"--{prefix}young", type=_PASCAL, required=not (prefix or study), metavar="E", help=modulus)
+        group.add_argument(f"--{prefix}poisson", type=NUMBER, metavar="NU", help=f"Poisson's ratio ({poisson})")
+        group.add_argument(f"--{prefix}hardness", type=_PASCAL, metavar="H", help="hardness, such as 6GPa (elastic)")
+
+
+def _add_maps(parser: argparse.ArgumentParser, study: bool) -> None:
+    other = "; or a study file" if study else ""
+    parser.add_argument("surface", help=f"height map of the body: npz, npy, text or instrument file{other}")
+    parser.add_argument("counterbody", nargs="?", help="height map of the counterbody (a flat)")
+    maps = _add_treatment(parser)
+    maps.add_argument(
+        "--resample", type=whole_number, nargs=2, metavar=("NX", "NY"), help="number of cells, bilinearly"
+    )
+    for name, what in (("size", METRE), ("unit", _unit), ("detrend", _form)):
+        maps.add_argument(
+            f"--counterbody-{name}",
+            type=what,
+            nargs="+" if name == "size" else None,
+            metavar=name.upper(),
+            help=f"--{name} of the counterbody, if different",
+        )
+    maps.add_argument("--ball", type=METRE, metavar="R", help="add a sphere of this radius to the body")
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Declare a file that holds a height map or a solution."""
+    parser.add_argument("surface", metavar="FILE", help="height map (npz, npy, text or instrument file) or solution")
+    _add_treatment(parser)
+
+
+def _add_treatment(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Declare how a height map is read."""
+    maps = parser.add_argument_group("height maps")
+    maps.add_argument("--size", type=METRE, nargs="+", metavar="L", help="side lengths, one or x y (the file's)")
+    maps.add_argument("--unit", type=_unit, metavar="U", help="unit of the heights, such as 1um (the file's)")
+    treatments = ("refuse", "fill", "keep")
+    maps.add_argument("--non-measured", choices=treatments, default="refuse", help="non-measured points (refuse)")
+    for name, (convert, what) in OF_READERS.items():
+        maps.add_argument(f"--{name.replace('_', '-')}", type=convert, metavar=name[0].upper(), help=what)
+    maps.add_argument(
+        "--detrend", type=_form, metavar="FORM", help="mean, plane, sphere or degree of a polynomial to subtract"
+    )
+    return maps
+
+
+def _add_pair(parser: argparse.ArgumentParser) -> None:
+    pair = parser.add_argument_group("two height maps on different grids")
+    pair.add_argument(
+        "--match",
+        choices=("bilinear", "cubic", "fourier"),
+        help="interpolate both on a common grid, as fine as the finer of the two or as --resample says",
+    )
+    pair.add_argument(
+        "--offset", type=_place, metavar="X,Y", help="centre of the counterbody; if X is negative, --offset=-5um,2um"
+    )
+    pair.add_argument("--rotation", type=_ANGLE, metavar="A", help="rotation of the counterbody, such as 30deg")
+    pair.add_argument("--mirror", action="store_true", help="turn the counterbody over, x to -x")
+    pair.add_argument("--domain", type=METRE, nargs="+", metavar="L", help="side lengths, one or x y (the overlap)")
+
+
+def _place(text: str) -> tuple[float, float]:
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a position; write it like 5um,-2um")
+    return METRE(parts[0]), METRE(parts[1])
+
+
+def _threads(text: str) -> int | str:
+    return text if text == "auto" else whole_number(text)
+
+
+def _form(text: str) -> str | int:
+    return whole_number(text) if text.isdecimal() else text

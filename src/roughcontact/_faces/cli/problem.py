@@ -1,0 +1,131 @@
+"""The contact problem that the options of a command describe."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import roughcontact as rc
+from roughcontact._faces.cli.options import OF_READERS
+from roughcontact._parts.files.reading import options_of, read_raw
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem.plan import require_memory_of_solve
+
+
+def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
+    """Return the loads that the options state."""
+    several = getattr(options, "loads", None)
+    return several or (Load.of(pressure=options.pressure, force=options.force, approach=options.approach),)
+
+
+def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
+    """Return the problem that the options describe."""
+    surface, counterbody, grid = _surfaces(options)
+    if options.ball is not None:
+        surface = surface + rc.SphereSurface(options.ball)
+    return rc.ContactProblem(
+        rc.Body(surface, _material(options.young, options.poisson, options.hardness)),
+        rc.Body(counterbody, _counterbody_material(options)),
+        grid=grid,
+        boundary=options.boundary,
+        kernel=options.kernel,
+        solver=options.solver,
+        threads=options.threads,
+    )
+
+
+def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.Grid | None]:
+    """Return both surfaces, and their common grid if they were matched."""
+    if options.counterbody is None:
+        for name in ("match", "counterbody_size", "counterbody_unit", "counterbody_detrend"):
+            _refuse(options, name, "is for the second of two height maps: give its file too, or omit the option.")
+    if options.match is None:
+        for name in ("offset", "rotation", "domain", "mirror"):
+            _refuse(options, name, "is for two maps that are interpolated: give both, and --match bilinear.")
+    body = read_map(options)
+    if options.counterbody is None:
+        return _resample(body, options), rc.FlatSurface(), None
+    form = options.detrend if options.counterbody_detrend is None else options.counterbody_detrend
+    counterbody = _read(options.counterbody, options, *_counterbody_size_and_unit(options), form)
+    if options.match is None:
+        body, counterbody = _resample(body, options), _resample(counterbody, options)
+        if not body.grid.matches(counterbody.grid):
+            raise rc.InputError(
+                f"The height maps are given on {body.grid} and {counterbody.grid}: give --match bilinear, which "
+                "interpolates both on a common grid, or --resample NX NY where only their cells differ."
+            )
+        return body, counterbody, None
+    pair = rc.match(
+        body,
+        counterbody,
+        offset=options.offset or (0.0, 0.0),
+        rotation=options.rotation or 0.0,
+        mirrored=options.mirror,
+        method=options.match,
+        shape=options.resample,
+        size=_sides(options.domain),
+    )
+    return pair.body, pair.counterbody, pair.grid
+
+
+def _counterbody_size_and_unit(options: argparse.Namespace) -> tuple[list[float] | None, float | None]:
+    """Return size and unit of the second map: its own, or those of the first if its file does not state them."""
+    size, unit = options.counterbody_size, options.counterbody_unit
+    if size is None or unit is None:
+        raw = read_raw(Path(options.counterbody), **_options_of_reader(options, options.counterbody))
+        size = options.size if size is None and raw.size is None else size
+        unit = options.unit if unit is None and not raw.metric else unit
+    return size, unit
+
+
+def _refuse(options: argparse.Namespace, name: str, reason: str) -> None:
+    if getattr(options, name) not in (None, False):
+        raise rc.InputError(f"--{name.replace('_', '-')} {reason}")
+
+
+def read_map(options: argparse.Namespace) -> rc.HeightMap:
+    """Return the height map of the body, treated as the options say."""
+    return _read(options.surface, options, options.size, options.unit, options.detrend)
+
+
+def _read(
+    path: str, options: argparse.Namespace, size: list[float] | None, unit: float | None, form: str | int | None
+) -> rc.HeightMap:
+    treatment = {"non_measured": options.non_measured, **_options_of_reader(options, path)}
+    surface = rc.read_surface(path, size=_sides(size), unit=unit, **treatment)
+    # Detrended before it is interpolated, so that the fit uses every measured point.
+    return surface if form is None else surface.detrend(form)
+
+
+def _options_of_reader(options: argparse.Namespace, path: str) -> dict[str, Any]:
+    """Return the options for the reader of one map: all that are given, but those that are for the other map alone."""
+    given = {name: getattr(options, name) for name in OF_READERS if getattr(options, name) is not None}
+    maps = [Path(name) for name in (options.surface, getattr(options, "counterbody", None)) if name is not None]
+    others = {name for file in maps for name in options_of(file) if name not in options_of(Path(path))}
+    return {name: value for name, value in given.items() if name not in others}
+
+
+def _resample(surface: rc.HeightMap, options: argparse.Namespace) -> rc.HeightMap:
+    if options.resample is None:
+        return surface
+    require_memory_of_solve(rc.Grid(options.resample, surface.size), rc.Boundary(options.boundary))
+    return surface.resample(options.resample)
+
+
+def _sides(lengths: list[float] | None) -> float | list[float] | None:
+    return lengths[0] if lengths and len(lengths) == 1 else lengths
+
+
+def _counterbody_material(options: argparse.Namespace) -> rc.Material:
+    if options.counterbody_young is None:
+        for name in ("counterbody_hardness", "counterbody_poisson"):
+            _refuse(options, name, "needs --counterbody-young: without it the counterbody is rigid.")
+        return rc.RIGID_FLAT.material
+    poisson = options.poisson if options.counterbody_poisson is None else options.counterbody_poisson
+    return _material(options.counterbody_young, poisson, options.counterbody_hardness)
+
+
+def _material(young: float, poisson: float | None, hardness: float | None) -> rc.Material:
+    poisson = 0.3 if poisson is None else poisson
+    return rc.Elastic(young, poisson) if hardness is None else rc.ElasticPerfectlyPlastic(young, poisson, hardness)

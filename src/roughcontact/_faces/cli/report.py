@@ -1,0 +1,139 @@
+"""``roughcontact report`` and ``roughcontact stability``: how far to trust the answer of a solve."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import Any
+
+import roughcontact as rc
+from roughcontact._base import checks
+from roughcontact._base.archive import replacing
+from roughcontact._base.units.text import fit
+from roughcontact._faces.cli import Command
+from roughcontact._faces.cli.options import NUMBER, add_output, whole_number
+from roughcontact._faces.cli.progress import show_progress
+from roughcontact._faces.cli.scenes import Scene, add_scenes, read_scenes
+from roughcontact._faces.cli.wording import name_advice
+from roughcontact._faces.panels.theme import require_matplotlib
+from roughcontact._solve.solution import DEFAULT_AREA
+from roughcontact._work.reports.error import ErrorReport
+from roughcontact._work.reports.stability import Verdict
+
+
+class Report(Command):
+    """Compare grids, area estimators, kernels, solvers and tolerances: error against run time."""
+
+    epilog = """
+examples:
+  roughcontact report map.npz --pressure 10MPa --young 210GPa
+  roughcontact report map.npz --pressure 10MPa --young 210GPa \\
+      --cells 64 128 256 --areas blend cell-count -o comparison
+  roughcontact report study.toml --problem ball --force 5N
+"""
+
+    def declare(self, parser: argparse.ArgumentParser) -> None:
+        add_scenes(parser)
+        compared = parser.add_argument_group("choices to compare; every combination is solved")
+        compared.add_argument(
+            "--cells",
+            type=whole_number,
+            nargs="+",
+            metavar="N",
+            help="cells along x (an eighth, a quarter, half and all)",
+        )
+        compared.add_argument("--areas", nargs="+", metavar="NAME", help="area estimators (blend cell-count)")
+        compared.add_argument("--kernels", nargs="+", metavar="NAME", help="kernels (that of --kernel)")
+        compared.add_argument("--solvers", nargs="+", metavar="NAME", help="solvers (that of --solver)")
+        compared.add_argument("--tolerances", type=NUMBER, nargs="+", metavar="T", help="tolerances of the solvers")
+        compared.add_argument(
+            "--between",
+            choices=("bilinear", "fourier", "mean"),
+            default="bilinear",
+            help="interpolation of the maps on other grids (bilinear)",
+        )
+        compared.add_argument("--repeats", type=whole_number, default=3, metavar="R", help="timed solves per case (3)")
+        add_output(parser, "contact-report")
+
+    def run(self, options: argparse.Namespace) -> int:
+        """Solve all cases, print the table and the advice, write CSV, Markdown and picture; return 0."""
+        require_matplotlib()
+        output = checks.path(options.output, "The output folder")
+        for scene in read_scenes(options):
+            folder = output / scene.name
+            folder.mkdir(parents=True, exist_ok=True)
+            report = _compare(options, scene)
+            advice = report.advice()
+            print(f"{_heading(scene)}{fit(advice)}\n\n{report}")
+            report.to_csv(folder / "report.csv")
+            with replacing(folder / "report.md") as partial:
+                partial.write_text(f"{report.to_markdown()}\n{advice}\n", encoding="utf-8")
+            report.draw(folder / "report.png")
+            print(fit(f"\nWritten to {folder}: report.csv, report.md, report.png"))
+        return 0
+
+
+def _heading(scene: Scene) -> str:
+    return f"\n{scene.name}\n" if scene.name else ""
+
+
+def _compare(options: argparse.Namespace, scene: Scene) -> ErrorReport:
+    with show_progress("solving") as change:
+        return rc.error_vs_time(
+            scene.problem,
+            **scene.load,
+            cells=options.cells,
+            areas=options.areas or (DEFAULT_AREA, "cell-count"),
+            kernels=options.kernels,
+            solvers=options.solvers,
+            tolerances=options.tolerances,
+            between=options.between,
+            repeats=options.repeats,
+            on_case=lambda case, fraction: change(f"{case}, {100 * fraction:.0f} % done"),
+        )
+
+
+class Stability(Command):
+    """Test how the answer of a solve depends on rounding, cells and tolerances."""
+
+    epilog = """
+examples:
+  roughcontact stability map.npz --pressure 10MPa --young 210GPa
+  roughcontact stability study.toml --problem ball --force 5N
+  roughcontact stability --gallery
+"""
+
+    def declare(self, parser: argparse.ArgumentParser) -> None:
+        add_scenes(parser)
+        parser.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
+        parser.add_argument("--gallery", action=_Gallery, help="run the built-in extreme problems instead")
+
+    def run(self, options: argparse.Namespace) -> int:
+        """Return 0, or 1 if a check of any contact fails."""
+        estimator = None if options.area is None else rc.areas.resolve(options.area)
+        status = 0
+        for scene in read_scenes(options):
+            with show_progress("solving"):
+                report = rc.stability(scene.problem, **scene.load)
+            print(f"{_heading(scene)}{name_advice(str(report))}")
+            if estimator is not None:
+                print(fit(f"area: {report.solution.area(estimator)}"))
+            status = max(status, _status(report.verdict))
+        return status
+
+
+class _Gallery(argparse.Action):
+    """Run the built-in problems and exit: the arguments that describe a problem are not needed."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **others: Any) -> None:
+        super().__init__(option_strings, dest, nargs=0, **others)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        """Print the table and exit with its status."""
+        gallery = rc.stability_gallery()
+        print(name_advice(str(gallery)))
+        parser.exit(_status(gallery.verdict))
+
+
+def _status(verdict: Verdict) -> int:
+    return 1 if verdict is Verdict.FAIL else 0

@@ -1,0 +1,111 @@
+"""``roughcontact run``: a study described by a TOML file."""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import os
+import threading
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+
+from roughcontact._base.units import counted
+from roughcontact._base.units.text import fit
+from roughcontact._faces.cli import DOUBTFUL, Command
+from roughcontact._faces.cli.options import whole_number
+from roughcontact._faces.cli.progress import show_progress
+from roughcontact._faces.cli.wording import name_advice
+from roughcontact._solve.solution.several import kind_of
+from roughcontact._work.studies import Record, StudyResult
+from roughcontact.errors import InputError
+
+
+class Run(Command):
+    """Run a study from its TOML file, or continue it."""
+
+    epilog = """
+examples:
+  roughcontact run study.toml --dry-run
+  roughcontact run study.toml --workers 8 -o night
+"""
+
+    def declare(self, parser: argparse.ArgumentParser) -> None:
+        parser.add_argument("study", metavar="STUDY.toml", help="problems, loads, seeds and area estimators")
+        parser.add_argument("--dry-run", action="store_true", help="print the plan of every solve, and solve nothing")
+        parser.add_argument("--workers", type=whole_number, default=1, metavar="N", help="processes (1)")
+        parser.add_argument("-o", "--output", metavar="FOLDER", help="output folder (the name of the study)")
+
+    def run(self, options: argparse.Namespace) -> int:
+        """Return 0, 1 if a solve has no certified solution, or 3 if a solution has warnings."""
+        from roughcontact._work.studies.toml import read_study
+
+        study = read_study(options.study)
+        if options.dry_run:
+            print(fit(name_advice(study.explain())))
+            return 0
+        if options.workers < 1:
+            raise InputError.about("The number of workers", options.workers, "a whole number of at least 1")
+        folder = Path(options.output or Path(options.study).with_suffix(""))
+        total = len(study.problems) * max(1, len(study.seeds)) * len(study.loads)
+        done: list[Record] = []
+        with _start_workers(options.workers) as executor, show_progress(f"0 of {total} solves") as change:
+
+            def count(records: Sequence[Record]) -> None:
+                done.extend(records)
+                change(f"{len(done)} of {total} solves")
+
+            result = study.run(folder, executor=executor, on_records=count)
+        result.to_csv(folder / "records.csv")
+        print(fit(str(result)))
+        for record in result.failed:
+            print(fit(f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}"))
+        for text in list_warnings(result):
+            print(fit(name_advice(text)))
+        doubtful = DOUBTFUL if any(record.doubtful for record in result) else 0
+        return 1 if result.failed else doubtful
+
+
+def list_warnings(result: StudyResult) -> list[str]:
+    """Return each warning once, with the number of solves that have it; those that differ in numbers alone are one."""
+    found: dict[str, list[str]] = {}
+    for record in result:
+        kinds = {kind_of(text): text for text in record.warnings}
+        for kind, text in kinds.items():
+            found.setdefault(kind, []).append(text)
+    lines = []
+    for texts in found.values():
+        numbers = "" if len(set(texts)) == 1 else ", with other numbers"
+        lines.append(f"warning  {texts[0]} [{len(texts)} of {counted(len(result), 'solve')}{numbers}]")
+    return lines
+
+
+@contextmanager
+def _start_workers(count: int) -> Iterator[ProcessPoolExecutor | None]:
+    """Yield a pool of workers, or None for one; they end with the block."""
+    if count == 1:
+        yield None
+        return
+    # Spawned, because forked workers would inherit the threads of the FFT.
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_end_with_parent)
+    try:
+        yield pool
+    finally:
+        # One that was killed while it waited for a task has left a lock behind: the others would never end.
+        for worker in multiprocessing.active_children():
+            worker.terminate()
+        pool.shutdown(cancel_futures=True)
+
+
+def _end_with_parent() -> None:
+    """Let this worker end with the process that started it: if that is killed, a worker waits for tasks for ever."""
+    parent = multiprocessing.parent_process()
+
+    def follow() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()

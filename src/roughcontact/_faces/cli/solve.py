@@ -1,0 +1,162 @@
+"""``roughcontact solve``: the contact of measured height maps at one load or several."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import attrs
+
+import roughcontact as rc
+from roughcontact._base import checks
+from roughcontact._base.checks import Array
+from roughcontact._base.units.text import fit
+from roughcontact._faces.cli import DOUBTFUL, Command
+from roughcontact._faces.cli.answers import to_csv, to_json, to_text
+from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
+from roughcontact._faces.cli.outputs import plan_outputs, write_outputs
+from roughcontact._faces.cli.problem import loads_of, problem_of
+from roughcontact._faces.cli.progress import describe_steps, show_progress
+from roughcontact._faces.cli.wording import name_advice
+from roughcontact._parts.load import Load
+from roughcontact._parts.surfaces.continuation import find_maps
+from roughcontact._solve.problem.sweep import run_sweep
+
+
+class Solve(Command):
+    """Solve the contact of measured height maps."""
+
+    epilog = """
+examples:
+  roughcontact solve map.npz --pressure 10MPa --young 210GPa
+  roughcontact solve ball.npz ring.npz --force 5N --young 210GPa \\
+      --hardness 6GPa --counterbody-young 210GPa --detrend plane \\
+      -o contact.npz -o contact.png
+  roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
+  roughcontact solve map.npz --force 1N --young 210GPa --json | jq .area
+  roughcontact solve map.npz --force 1N --young 210GPa --report contact.html
+"""
+
+    def declare(self, parser: argparse.ArgumentParser) -> None:
+        add_problem(parser)
+        add_accuracy(parser)
+        accuracy = parser.add_argument_group("grids")
+        accuracy.add_argument(
+            "--refine",
+            type=whole_number,
+            nargs="?",
+            const=3,
+            metavar="N",
+            help="solve on N grids, each twice as fine as the last (3); the answer is that of the finest",
+        )
+        output = parser.add_argument_group("output")
+        output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
+        shape = output.add_mutually_exclusive_group()
+        shape.add_argument("--json", action="store_true", help="print one JSON object, in SI units")
+        shape.add_argument("--csv", action="store_true", help="print a header and a row for each load, in SI units")
+        shape.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+        output.add_argument("--explain", action="store_true", help="print the plan first: cells, memory, threads, ...")
+        output.add_argument("--dry-run", action="store_true", help="print the plan, and solve nothing")
+        output.add_argument(
+            "-o",
+            "--output",
+            action="append",
+            default=[],
+            metavar="FILE",
+            help="file to write, of the kind that its ending says: .npz, .nc, .html, .png, ...; or a folder for "
+            "solution.npz and solution.png; may be repeated",
+        )
+        output.add_argument("--report", metavar="FILE", help="report to write, one page of HTML")
+
+    def run(self, options: argparse.Namespace) -> int:
+        """Return 0, or 3 if a solution has warnings, or raise `NotConverged` after writing what was reached."""
+        if options.area is not None:
+            rc.areas.resolve(options.area)
+        piped = options.json or options.csv
+        if options.dry_run and piped:
+            raise rc.InputError("--dry-run prints the plan, which is text: omit --json or --csv.")
+        _refuse_for_several(options)
+        maps = [name for name in (options.surface, options.counterbody) if name is not None]
+        paths = [checks.path(name, "The map") for name in maps]
+        files = plan_outputs(options.output, options.report, paths, len(loads_of(options)))
+        with show_progress("reading the maps", quiet=options.quiet) as change:
+            problem = problem_of(options)
+        if options.explain or options.dry_run:
+            plan = fit(name_advice(problem.explain()))
+            print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
+        loads = tuple(problem.require_load(**load.arguments) for load in loads_of(options))
+        if options.dry_run:
+            return 0
+        with show_progress("solving", quiet=options.quiet) as change:
+            subject, solutions = _solve(options, problem, loads, change)
+        if not options.quiet:
+            write = to_json if options.json else to_csv if options.csv else to_text
+            print(write(solutions, options.area))
+        done = write_outputs(files, subject, solutions)
+        if done and not piped and not options.quiet:
+            print(done)
+        return _status(solutions, quiet=options.quiet)
+
+
+def _refuse_for_several(options: argparse.Namespace) -> None:
+    """Refuse what is for one grid or for one load."""
+    several = "--refine" if options.refine is not None else "--loads" if options.loads is not None else ""
+    for name in ("area_within", "peak_within"):
+        if several and getattr(options, name) is not None:
+            raise rc.InputError(
+                f"--{name.replace('_', '-')} chooses the grid of one solve: omit it, or {several}, which has several."
+            )
+    if options.refine is not None and options.loads is not None:
+        raise rc.InputError("--refine is for one load: omit it, or give one load instead of --loads.")
+    if len({load.kind for load in options.loads or ()}) > 1:
+        kinds = " and ".join(sorted({load.kind for load in options.loads}))
+        raise rc.InputError(f"The loads of --loads must be of one kind, but they are of {kinds}.")
+
+
+def _solve(
+    options: argparse.Namespace, problem: rc.ContactProblem, loads: tuple[Load, ...], change: Callable[[str], None]
+) -> tuple[Any, tuple[rc.ContactSolution, ...]]:
+    """Return what there is to be drawn, and the solutions at all loads."""
+    if options.refine is None and options.loads is None:
+        asked = {name: getattr(options, name) for name in ("area_within", "peak_within", "tolerance")}
+        solution = problem.solve(**loads[0].arguments, **asked, throw=False, on_step=describe_steps(change))
+        return solution, (solution,)
+    if options.tolerance is not None:
+        problem = attrs.evolve(problem, solver=problem.plan.solver.with_tolerance(options.tolerance))
+    if options.refine is not None:
+        _refuse_measured(problem)
+        ladder = rc.extrapolate(problem, **loads[0].arguments, levels=options.refine)
+        if not options.quiet:
+            print(f"{ladder}\n", file=sys.stderr if options.json or options.csv else None)
+        return ladder.solutions[-1], ladder.solutions[-1:]
+
+    def solve(load: Load, start: Array | None) -> rc.ContactSolution:
+        steps = describe_steps(change, f"solving at {load}")
+        return problem.solve(**load.arguments, start=start, throw=False, on_step=steps)
+
+    sweep = run_sweep(solve, loads)
+    return sweep, sweep.solutions
+
+
+def _refuse_measured(problem: rc.ContactProblem) -> None:
+    sides = problem.body.surface, problem.counterbody.surface
+    if any(not found.periodic for surface in sides for found in find_maps(surface)):
+        raise rc.InputError(
+            "--refine solves on finer grids, which add no heights to a map that is not periodic. Its "
+            "area is stated with an uncertainty without it; 'roughcontact report' compares coarser grids."
+        )
+
+
+def _status(solutions: tuple[rc.ContactSolution, ...], *, quiet: bool) -> int:
+    """Return the exit status; an answer that is not certified is raised."""
+    for solution in solutions:
+        if not solution.status.success:
+            raise rc.NotConverged(f"The contact is {solution.status}; what is shown is the last iterate.", solution)
+        if solution.accuracy is not None and not solution.accuracy.met:
+            raise rc.NotConverged(solution.accuracy.explain(), solution)
+    doubtful = any(solution.warnings for solution in solutions)
+    if doubtful and not quiet:
+        print("roughcontact: The solution is converged, but doubtful: see its warnings.", file=sys.stderr)
+    return DOUBTFUL if doubtful else 0

@@ -1,0 +1,187 @@
+"""The report of a solution or a sweep: one self-contained page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from datetime import date
+from pathlib import Path
+from typing import final
+
+import attrs
+
+from roughcontact._base.archive import replacing
+from roughcontact._base.units import counted
+from roughcontact._faces.html.citation import list_references, write_bibtex
+from roughcontact._faces.html.elements import element, escape, items, quantity, section, table, tag
+from roughcontact._faces.html.figures import can_draw, draw_panel, draw_panels
+from roughcontact._faces.html.inputs import find_problem, list_certificate, list_inputs, list_versions
+from roughcontact._faces.html.names import describe_scene
+from roughcontact._faces.html.parts import (
+    list_sweep_warnings,
+    loads_of,
+    make_curves,
+    make_figures,
+    make_rows,
+    make_verdict,
+    make_warnings,
+    note,
+)
+from roughcontact._faces.html.rerun import write_script
+from roughcontact._faces.html.style import CSS
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem import ContactProblem
+from roughcontact._solve.problem.sweep import Sweep
+from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution, SolutionWriter, areas
+from roughcontact._solve.solution.origin import versions
+from roughcontact._solve.solution.plausibility import exceeds_metals
+from roughcontact._solve.solution.several import name_load, note_loads
+from roughcontact._solve.solution.summary import MORE_THAN_METALS, describe_maps, list_all_warnings, list_answers
+
+# Nothing is fetched and nothing runs, whatever a text of the page holds.
+_POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
+_NO_FIGURES = "Figures need matplotlib: pip install 'roughcontact[plot]', then write the report again."
+_NOTE = note("Uncertainties are one standard deviation: the true value should lie within two of them.")
+# Cells up to which a notebook shows a picture unasked.
+_SMALL = 2**20
+
+
+@final
+@attrs.frozen
+class HtmlWriter(SolutionWriter):
+    """A report in HTML that opens without a network."""
+
+    @property
+    def suffixes(self) -> frozenset[str]:
+        """Html."""
+        return frozenset({".html"})
+
+    def write(self, solution: ContactSolution, path: Path) -> None:
+        """Write the page."""
+        with replacing(path) as partial:
+            partial.write_text(self.text(solution), encoding="utf-8")
+
+    def text(self, solution: ContactSolution) -> str:
+        """Return the page."""
+        problem, missing = find_problem(solution)
+        return _make_page(
+            list_answers(solution)["contact area"].partition(",")[0],
+            [
+                _make_head(solution, problem, loads_of([solution])),
+                make_verdict([solution]),
+                _make_answer(solution),
+                _NOTE,
+                make_warnings(list_all_warnings(solution)),
+                _make_figures(solution),
+                *_make_details(solution, problem, missing),
+            ],
+        )
+
+    def sweep_text(self, sweep: Sweep) -> str:
+        """Return the page of a sweep: all loads, then the largest in detail."""
+        largest = max(sweep.solutions, key=lambda solution: solution.force)
+        problem, missing = find_problem(largest)
+        return _make_page(
+            counted(len(sweep), "load"),
+            [
+                _make_head(largest, problem, loads_of(sweep.solutions)),
+                make_verdict(sweep.solutions),
+                make_rows(sweep),
+                _NOTE,
+                *map(note, note_loads(sweep.solutions)),
+                make_warnings(list_sweep_warnings(sweep)),
+                make_curves(sweep) if can_draw() else "",
+                section(f"The largest load, {name_load(largest)}", _make_answer(largest)),
+                _make_figures(largest),
+                *_make_details(largest, problem, missing),
+            ],
+        )
+
+    def table(self, solution: ContactSolution) -> str:
+        """Return answer, verdict and warnings for a notebook, and a picture where it takes a moment only."""
+        rows = {name: quantity(text) for name, text in list_answers(solution).items()}
+        status = {"status": escape(solution.status)}
+        rows = rows | status if solution.status.success else status | rows
+        warnings = list_all_warnings(solution)
+        if warnings:
+            rows["warnings"] = items(warnings)
+        # Notebooks set numbers on the right, which suits no words.
+        left = {"style": "text-align: left; vertical-align: top"}
+        shown = table(rows, f"{solution.grid}, boundary {solution.boundary}", left)
+        if can_draw() and solution.grid.cells <= _SMALL and solution.contact.any():
+            picture = draw_panel("solution", solution, "pressure")
+            shown += tag("img", src=picture, alt="The contact pressure", style="max-width: 24rem")
+        return shown
+
+
+def _make_page(title: str, parts: Iterable[str]) -> str:
+    head = (
+        '<meta charset="utf-8">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{quantity(f'Contact report: {title}')}</title>\n<style>{CSS}</style>"
+    )
+    body = element("body", element("main", "\n".join(filter(None, parts))))
+    return f"<!doctype html>\n{element('html', element('head', head) + body, lang='en')}\n"
+
+
+def _make_head(solution: ContactSolution, problem: ContactProblem | None, loads: Sequence[Load]) -> str:
+    scene = f"{describe_scene(solution, problem, loads)}; written on {date.today().isoformat()}"
+    return f"<h1>Contact report</h1>\n{element('p', escape(scene), class_='scene')}"
+
+
+def _make_answer(solution: ContactSolution) -> str:
+    answers = {name.capitalize(): quantity(text) for name, text in list_answers(solution).items()}
+    maps = () if solution.origin is None else [one for one in solution.origin.maps if not one.periodic]
+    if maps:
+        answers["Contact area"] += f"<br>{element('span', escape(describe_maps(maps)), class_='note')}"
+    materials = () if solution.origin is None else solution.origin.materials.values()
+    if exceeds_metals(solution, materials):
+        answers["Max pressure"] += f"<br>{element('span', escape(MORE_THAN_METALS), class_='note')}"
+    return table(answers, "The answer", class_="answer")
+
+
+def _make_figures(solution: ContactSolution) -> str:
+    if not can_draw():
+        return section("Figures", note(_NO_FIGURES))
+    answers = list_answers(solution)
+    answer = f"Contact area {answers['contact area']}; max pressure {answers['max pressure']}."
+    return make_figures("Figures", draw_panels("solution", solution), answer)
+
+
+def _make_details(solution: ContactSolution, problem: ContactProblem | None, missing: str) -> list[str]:
+    return [
+        section("Inputs", table(list_inputs(solution, problem), "What was solved"), note(missing)),
+        '<div class="columns">',
+        section("Certificate", table(list_certificate(solution), "How the solve ended")),
+        section("Versions", table(list_versions(solution), "The programs that made the solution")),
+        "</div>",
+        _make_script(solution, problem),
+        _make_citation(problem),
+        _make_plan(problem),
+    ]
+
+
+def _make_script(solution: ContactSolution, problem: ContactProblem | None) -> str:
+    if problem is None or solution.origin is None:
+        return ""
+    script = write_script(solution, problem, solution.origin.load)
+    remark = (
+        "With the same versions on the same kind of processor the pressure is the same to the last bit, unless the "
+        "solve started from another solution, as in a sweep; then it agrees within the tolerance."
+    )
+    return section("Run it again", element("pre", element("code", escape(script))), note(remark))
+
+
+def _make_citation(problem: ContactProblem | None) -> str:
+    made = versions()["roughcontact"]
+    methods = [] if problem is None else [problem.plan.kernel, problem.plan.solver]
+    references = list_references(made, [*methods, areas.resolve(DEFAULT_AREA)])
+    texts = (
+        element("li", f"{escape(one.text)} {element('a', escape(one.address), href=one.address)}") for one in references
+    )
+    bibtex = element("pre", element("code", escape(write_bibtex(made))))
+    return section("Cite", element("ul", "".join(texts)), bibtex)
+
+
+def _make_plan(problem: ContactProblem | None) -> str:
+    return "" if problem is None else section("Plan", element("pre", escape(problem.explain())))

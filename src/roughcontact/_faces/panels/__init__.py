@@ -1,0 +1,1 @@
+"""The panels that ship; drawn with matplotlib, extra ``plot``."""

@@ -1,0 +1,33 @@
+"""The base class of panels and their registry."""
+
+from __future__ import annotations
+
+import abc
+from typing import Any, ClassVar
+
+from roughcontact._base.registry import Registry
+
+
+class Panel(abc.ABC):
+    """One picture, drawn into axes of matplotlib. Subclass it, say what it draws, and define `draw`.
+
+    Attributes
+    ----------
+    subject
+        What it draws: ``"solution"``, ``"surface"`` (then `draw` gets a `SampledSurface`) or ``"sweep"``.
+    """
+
+    subject: ClassVar[str] = "solution"
+
+    @abc.abstractmethod
+    def draw(self, subject: Any, axes: Any) -> None:
+        """Draw a solution, a surface or a sweep into `matplotlib.axes.Axes`.
+
+        Raises
+        ------
+        InputError
+            If there is nothing to draw: the sentence says why.
+        """
+
+
+panels = Registry(Panel, "panel", "roughcontact.panels", in_files=False)

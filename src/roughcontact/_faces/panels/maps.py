@@ -1,0 +1,168 @@
+"""Fields over the plane as images: centred, in true proportions, in one unit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from roughcontact._base.checks import Array, Mask
+from roughcontact._base.units import prefixed
+from roughcontact._faces.panels.curves import add_key
+from roughcontact._faces.panels.theme import plain_logarithms, theme_of
+from roughcontact._parts.grid import Grid
+from roughcontact.errors.door import guarded
+
+# Ratio of the sides above which a domain is not drawn in true proportions: too narrow to be seen.
+_NARROW = 6.0
+# Percentiles between which the colours lie if a few pits or spikes would use most of them: where the range of all
+# values is more than so many times that between the percentiles.
+_ENDS, _FAR = (0.1, 99.9), 1.3
+# Width of a colour bar over the mean side of its map.
+_BAR = 0.05
+
+
+def length_scale(grid: Grid) -> tuple[float, str]:
+    """Return what lengths in the plane are multiplied by, and their unit: one for both axes."""
+    return prefixed(0.5 * max(grid.size), "m")
+
+
+def proportion(grid: Grid) -> float:
+    """Return width over height of a map as it is drawn."""
+    lx, ly = grid.size
+    ratio = lx / ly
+    return ratio if 1.0 / _NARROW <= ratio <= _NARROW else (2.0 if ratio > 1.0 else 0.5)
+
+
+def set_plane(axes: Any, grid: Grid) -> tuple[float, float, float, float]:
+    """Label axes as the plane of a grid, its origin at the centre, and return the extent of images on them."""
+    from matplotlib.ticker import MaxNLocator
+
+    (lx, ly), (factor, unit) = grid.size, length_scale(grid)
+    extent = (-0.5 * lx * factor, 0.5 * lx * factor, -0.5 * ly * factor, 0.5 * ly * factor)
+    ratio = proportion(grid)
+    true = ratio == lx / ly
+    axes.set(xlim=extent[:2], ylim=extent[2:], xlabel=f"x, {unit}", ylabel=f"y, {unit}")
+    axes.set_aspect("equal" if true else extent[1] / extent[3] / ratio)
+    for axis, bins in ((axes.xaxis, 6.0 * min(ratio, 1.0)), (axes.yaxis, 6.0 / max(ratio, 1.0))):
+        axis.set_major_locator(MaxNLocator(nbins=max(3, round(bins)), steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
+    return extent
+
+
+@guarded
+def draw_map(
+    axes: Any,
+    values: Array,
+    grid: Grid,
+    label: str,
+    unit: str,
+    *,
+    colors: str = "viridis",
+    limits: tuple[float, float] | None = None,
+    logarithmic: bool = False,
+) -> Any:
+    """Draw a field as an image with a colour bar, and return the image.
+
+    Parameters
+    ----------
+    axes
+        Axes of matplotlib.
+    values
+        Shape `grid.shape`, in the unit that is named; NaN where nothing is drawn.
+    grid
+        The cells.
+    label, unit
+        What it is, and the unit, such as ``"µm"``, for the colour bar; an empty unit is omitted.
+    colors
+        Name of a colour map.
+    limits
+        Values at the ends of the colours, in the same unit; None: those of nearly all values.
+    logarithmic
+        Whether the colours follow the logarithm of the values.
+    """
+    from matplotlib.colors import LogNorm, Normalize
+
+    low, high, extend = _find_limits(values, limits, logarithmic)
+    image = axes.imshow(
+        values.T.astype(np.float32),
+        origin="lower",
+        extent=set_plane(axes, grid),
+        cmap=colors,
+        norm=LogNorm(low, high) if logarithmic else Normalize(low, high),
+        aspect=axes.get_aspect(),
+        interpolation="auto",
+        interpolation_stage="rgba",
+    )
+    add_colorbar(axes, image, f"{label}, {unit}" if unit else label, extend)
+    return image
+
+
+def _find_limits(values: Array, limits: tuple[float, float] | None, logarithmic: bool) -> tuple[float, float, str]:
+    known = values[np.isfinite(values)]
+    if not known.size:
+        known = np.array((0.1, 1.0))
+    low, high = _spread(known) if limits is None else limits
+    extend = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
+    beyond = extend[bool(known.min() < low), bool(known.max() > high)]
+    if logarithmic and not high > 1.01 * low:
+        return 0.5 * low, 2.0 * high, beyond
+    if not high > low:
+        step = 0.5 * abs(high) or 1.0
+        return low - step, high + step, beyond
+    return float(low), float(high), beyond
+
+
+def _spread(known: Array) -> tuple[float, float]:
+    """Return the values between which colours lie: all of them, unless few reach far beyond the others."""
+    low, high = np.percentile(known, _ENDS)
+    full = float(known.min()), float(known.max())
+    return full if full[1] - full[0] <= _FAR * (high - low) else (float(low), float(high))
+
+
+def add_colorbar(axes: Any, image: Any, label: str, extend: str) -> None:
+    """Add a colour bar beside axes, as high as these where the figure has a layout that makes room for it."""
+    from matplotlib.colors import LogNorm
+    from matplotlib.ticker import MaxNLocator
+
+    figure, ink = axes.get_figure(), theme_of(axes).ink
+    if figure.get_layout_engine() is None:
+        bar = figure.colorbar(image, ax=axes, extend=extend, fraction=0.046, pad=0.03)
+    else:
+        (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+        ratio = (right - left) / (high - low) if axes.get_aspect() == 1.0 else 1.0
+        width = _BAR / ratio**0.5
+        bar = figure.colorbar(image, cax=axes.inset_axes((1.0 + 0.6 * width, 0.0, width, 1.0)), extend=extend)
+    if isinstance(image.norm, LogNorm):
+        bar.formatter = bar.minorformatter = plain_logarithms()
+    else:
+        bar.ax.yaxis.set_major_locator(MaxNLocator(nbins=6, min_n_ticks=3))
+    bar.set_label(label, color=ink)
+    bar.outline.set_edgecolor(ink)
+    bar.ax.tick_params(which="both", color=ink, labelcolor=ink)
+
+
+@guarded
+def draw_mask(axes: Any, mask: Mask, color: str) -> None:
+    """Draw marked cells, shape `grid.shape`, in one colour over a map."""
+    from matplotlib.colors import ListedColormap
+
+    shown = np.ma.masked_where(~mask.T, np.zeros(mask.T.shape, dtype=np.uint8))
+    axes.imshow(
+        shown,
+        origin="lower",
+        extent=(*axes.get_xlim(), *axes.get_ylim()),
+        cmap=ListedColormap([color]),
+        aspect=axes.get_aspect(),
+        interpolation="auto",
+        interpolation_stage="rgba",
+    )
+
+
+def name_colors(axes: Any, named: Sequence[tuple[str, str]]) -> None:
+    """Add a legend of colours above axes, so that it hides nothing: pairs of colour and name."""
+    from matplotlib.patches import Patch
+
+    if named:
+        handles = [Patch(facecolor=color, edgecolor="none", label=name) for color, name in named]
+        add_key(axes, handles)

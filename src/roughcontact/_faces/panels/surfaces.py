@@ -1,0 +1,157 @@
+"""Panels of a surface: map, bearing curve, autocorrelation."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import attrs
+import numpy as np
+import scipy.fft
+
+from roughcontact._base.checks import Array
+from roughcontact._base.units import prefixed, si
+from roughcontact._faces.panels.base import Panel
+from roughcontact._faces.panels.curves import add_key, scale_axes
+from roughcontact._faces.panels.maps import draw_map, draw_mask, name_colors
+from roughcontact._faces.panels.theme import theme_of
+from roughcontact._parts.surfaces.sampled import SampledSurface
+from roughcontact.errors import InputError
+from roughcontact.reference.bearing import bearing_area
+
+# Value of the autocorrelation at its length, ISO 25178-2.
+_DECAY = 0.2
+# Number of levels of a bearing curve.
+_LEVELS = 201
+# Rounding of distances, cells.
+_ROUNDING = 1e-9
+
+
+def _scale(sampled: SampledSurface) -> tuple[float, str]:
+    return prefixed(float(np.nanmax(np.abs(sampled.heights - np.nanmean(sampled.heights)))), "m")
+
+
+@final
+@attrs.frozen
+class MapPanel(Panel):
+    """The heights about their mean."""
+
+    subject = "surface"
+
+    def draw(self, subject: Any, axes: Any) -> None:
+        """Draw a surface; see `Panel.draw`."""
+        factor, unit = _scale(subject)
+        heights = factor * (subject.heights - np.nanmean(subject.heights))
+        draw_map(axes, heights, subject.grid, "height", unit, colors="cividis")
+        missing = np.isnan(heights)
+        if missing.any():
+            color = theme_of(axes).unknown
+            draw_mask(axes, missing, color)
+            name_colors(axes, [(color, "non-measured")])
+
+
+@final
+@attrs.frozen
+class BearingCurvePanel(Panel):
+    """The Abbott-Firestone curve: the fraction of the heights above a level, with their distribution."""
+
+    subject = "surface"
+
+    def draw(self, subject: Any, axes: Any) -> None:
+        """Draw a surface; see `Panel.draw`."""
+        theme, (factor, unit) = theme_of(axes), _scale(subject)
+        known = subject.heights[np.isfinite(subject.heights)]
+        heights = known - known.mean()
+        levels = np.linspace(heights.min(), heights.max(), _LEVELS)
+        if known.size == subject.heights.size and np.ptp(heights) > 0.0:
+            curve = bearing_area(subject.heights, levels)
+            fractions, deviations = curve.fractions, curve.uncertainties
+        else:
+            fractions = 1.0 - np.searchsorted(np.sort(heights), levels, side="right") / heights.size
+            deviations = np.zeros(levels.size)
+        counts, edges = np.histogram(factor * heights, 40)
+        largest = max(int(counts.max()), 1)
+        axes.barh(
+            edges[:-1], 40.0 * counts / largest, np.diff(edges), align="edge", color=theme.lines[1], alpha=0.45,
+            linewidth=0.0, label="distribution",
+        )  # fmt: skip
+        axes.plot(100.0 * fractions, factor * levels, color=theme.lines[0], label="material ratio")
+        low, high = (100.0 * np.clip(fractions + sign * 2.0 * deviations, 0.0, 1.0) for sign in (-1.0, 1.0))
+        axes.fill_betweenx(factor * levels, low, high, color=theme.lines[0], alpha=0.25, linewidth=0.0)
+        scale_axes(axes, x="material ratio, %", y=f"height, {unit}")
+        axes.set_xlim(0.0, 100.0)
+        add_key(axes)
+
+
+@final
+@attrs.frozen
+class AutocorrelationPanel(Panel):
+    """The autocorrelation of the heights along x and y, and its mean over all directions.
+
+    On a map that does not repeat each distance counts the pairs of points that lie on the map, and non-measured points
+    count in no pair. The length is that at which the mean first falls to 0.2.
+    """
+
+    subject = "surface"
+
+    def draw(self, subject: Any, axes: Any) -> None:
+        """Draw a surface; see `Panel.draw`."""
+        theme, (dx, dy) = theme_of(axes), subject.grid.spacing
+        if not np.nanmax(subject.heights) > np.nanmin(subject.heights):
+            raise InputError("The surface is flat, so that it has no autocorrelation to draw.")
+        correlation = correlate(subject.heights, subject.periodic)
+        nx, ny = correlation.shape
+        factor, unit = prefixed(0.5 * max(subject.grid.size), "m")
+        along = (np.arange(nx) * dx, correlation[:, 0]), (np.arange(ny) * dy, correlation[0])
+        for (distance, values), name, color in zip(along, ("along x", "along y"), theme.lines[:2], strict=True):
+            axes.plot(factor * distance, values, color=color, label=name)
+        distance, mean = average_radially(correlation, subject.grid.spacing)
+        axes.plot(factor * distance, mean, color=theme.lines[2], linestyle="--", label="all directions")
+        below = np.flatnonzero(mean <= _DECAY)
+        if below.size and below[0] > 0:
+            ends = [below[0], below[0] - 1]
+            length = float(np.interp(_DECAY, mean[ends], distance[ends]))
+            label = f"{_DECAY} at {si(length, 'm', 3)}"
+            axes.plot(factor * length, _DECAY, "o", color=theme.limit, label=label)
+        scale_axes(axes, x=f"distance, {unit}", y="autocorrelation")
+        axes.axhline(0.0, color=theme.ink, linewidth=0.5)
+        axes.set_xlim(0.0, factor * max(float(distance[-1]), dx))
+        add_key(axes)
+
+
+def correlate(heights: Array, periodic: bool) -> Array:
+    """Return the autocorrelation at distances of up to half the domain, shape (nx // 2 + 1, ny // 2 + 1).
+
+    It is one at zero distance and the mean over both signs of one of the distances.
+    """
+    known = np.isfinite(heights)
+    rough = np.where(known, heights - np.nanmean(heights), 0.0)
+    shape = tuple(n if periodic else 2 * n for n in heights.shape)
+
+    def pairs(values: Array) -> Array:
+        transformed = scipy.fft.rfft2(values, shape)
+        return np.asarray(scipy.fft.irfft2(np.abs(transformed) ** 2, shape))
+
+    counts = pairs(known.astype(np.float64))
+    full = np.divide(pairs(rough), counts, out=np.zeros(shape), where=counts > 0.5)
+    mirrored = 0.5 * (full + np.roll(full[::-1], 1, axis=0))
+    nx, ny = (n // 2 + 1 for n in heights.shape)
+    return np.asarray(mirrored[:nx, :ny] / full[0, 0])
+
+
+def average_radially(values: Array, spacing: tuple[float, float]) -> tuple[Array, Array]:
+    """Return distances, m, and the mean of values, shape (nx, ny), in complete rings one cell wide."""
+    nx, ny = values.shape
+    x, y = np.arange(nx) * spacing[0], np.arange(ny) * spacing[1]
+    step = max(spacing)
+    # Distances of a whole number of cells and a half lie in the outer ring, however they are rounded.
+    ring = np.floor(np.hypot(x[:, np.newaxis], y) / step + (0.5 + _ROUNDING)).astype(np.intp)
+    last = int(max(min(x[-1], y[-1]), step) / step + _ROUNDING)
+    # The values are those of a quarter: on the axes each stands for two points, inside for four.
+    weight = np.where(np.arange(nx) > 0, 2.0, 1.0)[:, np.newaxis] * np.where(np.arange(ny) > 0, 2.0, 1.0)
+    inside = ring <= last
+    total, count, radius = (
+        np.bincount(ring[inside], weights=(weight * one)[inside], minlength=last + 1)
+        for one in (values, np.ones_like(values), np.hypot(x[:, np.newaxis], y))
+    )
+    there = count > 0.0
+    return radius[there] / count[there], total[there] / count[there]

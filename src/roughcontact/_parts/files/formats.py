@@ -1,0 +1,214 @@
+"""The readers that ship: numpy's files and plain text (heights in metres, indexed [x, y]), and instruments' files."""
+
+from __future__ import annotations
+
+import warnings
+import zipfile
+from pathlib import Path
+
+import attrs
+import numpy as np
+
+from roughcontact._base.archive import read_npy, read_npz, require_expansion
+from roughcontact._base.checks import choice, integer
+from roughcontact._base.machine.memory import require_memory
+from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, put_x_first
+from roughcontact._parts.files.foreign import find_foreign
+from roughcontact._parts.files.gwyddion import read_header
+from roughcontact._parts.files.layout import SEPARATORS, WORDS
+from roughcontact._parts.files.margins import require_heights
+from roughcontact._parts.files.points import put_on_grid
+from roughcontact._parts.files.text import read_table
+from roughcontact._parts.surfaces.topography import read_topography
+from roughcontact.errors import InputError, MissingPackage
+
+# Endings of files that need no instrument's reader.
+_ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .mat"
+# Descriptions in the archives of instruments, and their bytes: elements of XML take twenty times as much memory.
+_TEXTS, _LONGEST_TEXT = (".xml", ".txt"), 2**22
+# Numbers in a row of a profile x z and of a list of points x y z; and rows from which on a table is one: 3 x 3 points.
+_COLUMNS_OF_PROFILES, _COLUMNS_OF_POINTS, _ROWS_OF_LISTS = 2, 3, 9
+
+
+@attrs.frozen
+class NpzReader(SurfaceReader):
+    """``numpy.savez(path, heights=..., size=(lx, ly), periodic=...)``; size and periodic are optional."""
+
+    @property
+    def suffixes(self) -> frozenset[str]:
+        """Npz."""
+        return frozenset({".npz"})
+
+    def read(self, path: Path) -> RawMap:
+        """Return the map."""
+        _require_memory(path, 2.0)
+        with path.open("rb") as file:
+            data = read_npz(file, {"heights", "size", "periodic"}, deflated=True)
+        if "heights" not in data:
+            raise InputError("it holds no array named 'heights'")
+        size, periodic = data.get("size"), data.get("periodic", np.array(False))
+        if size is not None and (size.dtype.kind not in "iuf" or size.shape not in ((), (1,), (2,))):
+            raise InputError(
+                f"its array 'size' must hold one length or two, m, but has {size.dtype} of shape {size.shape}"
+            )
+        if size is not None and size.size == 1 and len(set(data["heights"].shape)) > 1:
+            raise InputError(
+                f"its array 'size' must hold both sides, m, of a map of shape {data['heights'].shape}, but holds one"
+            )
+        if periodic.size != 1 or periodic.dtype.kind not in "biu":
+            raise InputError(
+                f"its 'periodic' must be True or False, but has {periodic.dtype} of shape {periodic.shape}"
+            )
+        lx, ly = np.broadcast_to(np.nan if size is None else size, 2).tolist()
+        return RawMap(data["heights"], None if size is None else (lx, ly), bool(periodic), metric=True)
+
+
+@attrs.frozen
+class NpyReader(SurfaceReader):
+    """``numpy.save(path, heights)``.
+
+    Parameters
+    ----------
+    rows
+        ``"x"`` or ``"y"``: which axis the first index is that of, the smallest first; by default x.
+    """
+
+    rows: str = attrs.field(default="auto", converter=check_rows)
+
+    @property
+    def suffixes(self) -> frozenset[str]:
+        """Npy."""
+        return frozenset({".npy"})
+
+    def read(self, path: Path) -> RawMap:
+        """Return the map."""
+        _require_memory(path, 2.0)
+        with path.open("rb") as file:
+            heights = read_npy(file, path.stat().st_size)
+        return RawMap(put_x_first(heights, self.rows), needs_rows=self.rows == "auto")
+
+
+def _separator(value: str) -> str:
+    return choice(value, "The separator of the numbers in a text file", ("auto", *SEPARATORS, *WORDS))
+
+
+def _decimal(value: str) -> str:
+    return choice(value, "The decimal mark of the numbers in a text file", ("auto", ".", ","))
+
+
+def _skip_rows(value: int) -> int:
+    return integer(value, "The number of lines to skip in a text file", at_least=0)
+
+
+@attrs.frozen
+class TextReader(SurfaceReader):
+    """A table of numbers, one row for each x; or lines of points x y z, in any order, on a regular grid.
+
+    Lines of words above the numbers and what follows ``#`` are skipped. Empty fields, ``nan``, ``***`` and ``BAD`` are
+    non-measured points; a separator at the end of rows adds none. Where the header states width and height of an image,
+    as Gwyddion writes them, it is read, and the rows are those of the image: y, downwards.
+
+    Parameters
+    ----------
+    separator
+        What separates numbers: ``","``, ``";"``, a tab (or ``"tab"``), white space (``" "`` or ``"blank"``); by default
+        it is found.
+    decimal
+        Decimal mark, ``"."`` or ``","``; by default it is found.
+    skip_rows
+        Lines at the beginning of the file that are not heights, where these are not skipped of themselves.
+    rows
+        ``"x"`` or ``"y"``: which axis a table has a row for each point of, the smallest first; by default x. An image
+        with a header, and points x y z, state their axes.
+    """
+
+    separator: str = attrs.field(default="auto", converter=_separator)
+    decimal: str = attrs.field(default="auto", converter=_decimal)
+    skip_rows: int = attrs.field(default=0, converter=_skip_rows)
+    rows: str = attrs.field(default="auto", converter=check_rows)
+
+    @property
+    def suffixes(self) -> frozenset[str]:
+        """Txt, csv, tsv, dat, asc and xyz."""
+        return frozenset({".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz"})
+
+    def read(self, path: Path) -> RawMap:
+        """Return the map."""
+        # A number takes 25 characters at most, as numpy.savetxt writes it.
+        _require_memory(path, 16.0 / 25.0)
+        table = read_table(path, self.separator, self.decimal, self.skip_rows)
+        heights, stated = table.numbers, read_header(table.header)
+        if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] == _COLUMNS_OF_PROFILES:
+            raise InputError(
+                f"each of its {heights.shape[0]} rows holds 2 numbers, as in a list of points x z of a profile, but a "
+                "height map has a row for each x and a number for each y"
+            )
+        if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] == _COLUMNS_OF_POINTS:
+            return put_on_grid(heights)
+        require_heights(heights)
+        if stated.unit is not None:
+            heights = heights * stated.unit
+        metric = stated.unit is not None
+        if stated.size is None:
+            return RawMap(put_x_first(heights, self.rows), metric=metric, needs_rows=self.rows == "auto")
+        if self.rows == "x":
+            raise InputError("its header states width and height of an image, whose rows are those of y: omit rows=")
+        # An image has y downwards.
+        return RawMap(put_x_first(heights[::-1], "y"), stated.size, metric=metric)
+
+
+def _require_memory(path: Path, multiple: float) -> None:
+    """Refuse a file whose map, held twice while it is checked, takes more memory than there is."""
+    require_memory(multiple * path.stat().st_size, "it", "cut it, or write it with fewer points")
+
+
+def _require_bounded_archive(path: Path) -> None:
+    """Refuse an archive that expands to far more than it has bytes: its reader would take the memory unasked."""
+    with path.open("rb") as file:
+        if not zipfile.is_zipfile(file):
+            return
+        with zipfile.ZipFile(file) as archive:
+            require_expansion(archive, path.stat().st_size, "export it without compression", deflated=True)
+            texts = [member.file_size for member in archive.infolist() if member.filename.lower().endswith(_TEXTS)]
+    if max(texts, default=0) > _LONGEST_TEXT:
+        raise InputError(f"a description in it has {max(texts)} bytes, more than {_LONGEST_TEXT}: it is damaged")
+
+
+@attrs.frozen
+class InstrumentReader(SurfaceReader):
+    """Some forty instruments' formats (Sensofar, Zygo, Wyko, X3P, SUR, ...), read by the package SurfaceTopography.
+
+    It is tried on every ending that no other reader claims. SurfaceTopography is not among the extras, because a
+    package it needs (igor2) is under the LGPL.
+    """
+
+    @property
+    def suffixes(self) -> frozenset[str]:
+        """None."""
+        return frozenset()
+
+    def read(self, path: Path) -> RawMap:
+        """Return the map; raise `MissingPackage` if SurfaceTopography is not installed."""
+        # SurfaceTopography would search all of a file that is none of its formats, for minutes if it is large.
+        if foreign := find_foreign(path):
+            raise InputError(foreign)
+        _require_bounded_archive(path)
+        try:
+            # Its imports warn of optional parallel packages.
+            with warnings.catch_warnings(action="ignore"):
+                from SurfaceTopography import read_topography as read_file
+                from SurfaceTopography.Exceptions import CannotDetectFileFormat
+        except ImportError:
+            raise MissingPackage(
+                f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
+                f"Files {_ENDINGS} are read without it, and .tif by tifffile: pip install 'roughcontact[files]'."
+            ) from None
+        try:
+            topography = read_file(str(path))
+        except CannotDetectFileFormat:
+            raise InputError(
+                f"its content fits none of the formats that are read, which are those of {_ENDINGS}, .tif and of "
+                "instruments (.al3d, .opd, .plu, .sur, .x3p, ...): it is of another kind, or damaged"
+            ) from None
+        heights, size, periodic = read_topography(topography)
+        return RawMap(heights, size, periodic, metric=True)

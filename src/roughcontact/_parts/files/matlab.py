@@ -1,0 +1,216 @@
+"""Arrays of .mat files: MATLAB's level 5 (as `save -v6`, `-v7` and scipy write it) and, by h5py, 7.3.
+
+Level 5 is read here and not by scipy.io, which allocates what a file declares and makes objects of what it names: of a
+file only real two-dimensional arrays of numbers are looked at. The format: MathWorks, *MAT-File Format*, 2019.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Pair, RealArray
+from roughcontact._base.machine.memory import require_memory
+from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, put_x_first
+from roughcontact.errors import InputError, MissingPackage
+
+# Bytes to which compressed arrays may expand, beside a multiple of the file: heights deflate by 1 to 2, zeros by 1000.
+_EXPANDED, _EXPANSION = 2**21, 20
+# Bytes of the head of a file, and of the flags, dimensions and name before the numbers of an array.
+_HEAD, _LONGEST_NAME = 128, 64
+# Types of data by number: integers and floats of MATLAB.
+_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+# Types of an array with its head, and of one that is deflated.
+_MATRIX, _COMPRESSED = 14, 15
+# Classes of arrays: 6 to 15, double to uint64; the flags of complex ones, and of those of true and false.
+_NUMBERS, _COMPLEX, _LOGICAL = range(6, 16), 0x0800, 0x0200
+# Arrays that give the sides of a map, and the longest side of one, m.
+_SIZES, _METRE = ("size", "lx", "ly", "dx", "dy"), 1.0
+# The signature of HDF5 behind the head of a file of MATLAB's.
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+# Filters of HDF5 that MATLAB uses: deflate and shuffle.
+_FILTERS = {1, 2}
+
+
+def read_mat(path: Path) -> dict[str, RealArray]:
+    """Return the real two-dimensional arrays of numbers in a .mat file by name, shape (rows, columns).
+
+    Raises
+    ------
+    InputError
+        If it is damaged, or of another kind.
+    MissingPackage
+        If it is of version 7.3, and h5py is not installed.
+    """
+    with path.open("rb") as file:
+        start = file.read(_HEAD)
+        if start.startswith(_HDF5) or file.read(len(_HDF5)) == _HDF5 or b"MATLAB 7.3" in start[:20]:
+            return _read_hdf5(path)
+        file.seek(len(start))
+        data = file.read()
+    if start[126:128] not in (b"IM", b"MI"):
+        raise InputError("it is not a .mat file of level 5 or 7.3: save it with save('map.mat', 'heights', '-v7')")
+    order = "<" if start[126:128] == b"IM" else ">"
+    arrays: dict[str, RealArray] = {}
+    # All arrays together may take so much.
+    left = _EXPANDED + _EXPANSION * len(data)
+    for kind, content in _elements(data, order):
+        if kind == _COMPRESSED:
+            content = _inflate(content, order, left)
+            left -= len(content)
+        elif kind != _MATRIX:
+            continue
+        arrays |= _read_matrix(content, order)
+    return arrays
+
+
+def _elements(data: bytes | memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
+    """Yield the type and the content of each data element, which are aligned to 8 bytes unless compressed."""
+    view, place = memoryview(data), 0
+    while place + 8 <= len(view):
+        kind, size = struct.unpack_from(f"{order}II", view, place)
+        if kind >> 16:
+            # Up to four bytes stand in the tag itself.
+            kind, size, start, end = kind & 0xFFFF, kind >> 16, place + 4, place + 8
+        else:
+            start = place + 8
+            end = start + size
+        if start + size > min(end, len(view)):
+            raise InputError(f"an element of type {kind} declares {size} bytes, more than it has: it is damaged")
+        yield kind, view[start : start + size]
+        place = end if kind == _COMPRESSED else -(-end // 8) * 8
+
+
+def _inflate(content: memoryview, order: str, most: int) -> memoryview:
+    """Return the matrix in a compressed element."""
+    stream = zlib.decompressobj()
+    data = stream.decompress(content, most)
+    if stream.unconsumed_tail or not stream.eof:
+        raise InputError(f"an array of it is damaged, or expands to more than {most} bytes: save it with '-v6'")
+    (kind, inner), *_ = [*_elements(data, order), (0, memoryview(b""))]
+    return inner if kind == _MATRIX else memoryview(b"")
+
+
+def _read_matrix(content: memoryview, order: str) -> dict[str, RealArray]:
+    """Return an array by its name, or nothing if it is of another kind."""
+    parts = _elements(content, order)
+    flags, dimensions, name, numbers = (next(parts, (0, memoryview(b""))) for _ in range(4))
+    if len(flags[1]) != 8 or len(dimensions[1]) != 8 or len(name[1]) > _LONGEST_NAME:
+        return {}
+    (flag,) = struct.unpack_from(f"{order}I", flags[1])
+    shape = struct.unpack(f"{order}ii", dimensions[1])
+    if flag & 0xFF not in _NUMBERS or flag & (_COMPLEX | _LOGICAL) or min(shape) < 1 or numbers[0] not in _TYPES:
+        return {}
+    text = bytes(name[1]).decode("ascii", "replace")
+    kind = np.dtype(f"{order}{_TYPES[numbers[0]]}")
+    if len(numbers[1]) != math.prod(shape) * kind.itemsize:
+        raise InputError(
+            f"its array {text!a} declares {shape[0]} x {shape[1]} numbers, but holds others: it is damaged"
+        )
+    # By columns, as Fortran keeps arrays.
+    return {text: np.frombuffer(numbers[1], dtype=kind).reshape(shape, order="F")}
+
+
+def _read_hdf5(path: Path) -> dict[str, RealArray]:
+    try:
+        import h5py
+    except ImportError:
+        raise MissingPackage(
+            "A .mat file of version 7.3 needs the package h5py: pip install 'roughcontact[store]', or save it with "
+            "save(file, 'heights', '-v7')."
+        ) from None
+    arrays: dict[str, RealArray] = {}
+    size = path.stat().st_size
+    left = _EXPANDED + _EXPANSION * size
+    with path.open("rb") as stream, h5py.File(stream, "r") as file:
+        for name in file:
+            link = file.get(name, getlink=True)
+            item = file[name] if isinstance(link, h5py.HardLink) else None
+            if not isinstance(item, h5py.Dataset) or len(item.shape) != 2 or not _is_plain(item, h5py):
+                continue
+            left -= math.prod(item.shape) * item.dtype.itemsize
+            if left < 0:
+                raise InputError(f"its arrays are larger than a file of {size} bytes can hold")
+            # HDF5 lists the dimensions of MATLAB backwards.
+            arrays[str(name)] = np.asarray(item[()]).T
+    return arrays
+
+
+def _is_plain(item: Any, h5py: Any) -> bool:
+    """Tell whether numbers are stored in the file itself; types, filters and attributes of others stay unread."""
+    if item.id.get_type().get_class() not in (h5py.h5t.INTEGER, h5py.h5t.FLOAT) or item.dtype.kind not in "iuf":
+        return False
+    stored = item.id.get_create_plist()
+    filters = {stored.get_filter(number)[0] for number in range(stored.get_nfilters())}
+    is_inside = stored.get_layout() in (h5py.h5d.COMPACT, h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED)
+    return is_inside and not stored.get_external_count() and filters <= _FILTERS
+
+
+def _find_size(arrays: dict[str, RealArray], shape: tuple[int, int]) -> tuple[Pair | None, str]:
+    """Return the sides of a map, m, by `size`, by `lx` and `ly`, or by the pitch `dx` and `dy`; and what is known."""
+    known = {name: arrays[name].ravel().astype(np.float64).tolist() for name in _SIZES if name in arrays}
+    known = {name: values for name, values in known.items() if len(values) <= 2}
+    words = ", ".join(f"its {name} is {' x '.join(f'{value:g}' for value in values)}" for name, values in known.items())
+    sides = known.get("size") or [*known.get("lx", []), *known.get("ly", [])]
+    if not sides and "dx" in known:
+        sides = [shape[0] * known["dx"][0], shape[1] * known.get("dy", known["dx"])[0]]
+    if len(sides) == 1 and shape[0] == shape[1]:
+        sides = 2 * sides
+    # One of more than a metre is in another unit.
+    if len(sides) != 2 or not all(0.0 < side <= _METRE for side in sides):
+        return None, words
+    return (sides[0], sides[1]), words
+
+
+def _variable(value: str | None) -> str | None:
+    if value is not None and (not isinstance(value, str) or not value):
+        raise InputError.about("The variable in a .mat file", value, "the name of an array in it")
+    return value
+
+
+@attrs.frozen
+class MatReader(SurfaceReader):
+    """``save('map.mat', 'heights', 'size')``: an array of numbers in a .mat file of MATLAB or scipy, first index x.
+
+    The sides of the map are read from `size`, from `lx` and `ly`, or by the pitch from `dx` and `dy`, where there are
+    such in metres. Version 7.3 needs h5py.
+
+    Parameters
+    ----------
+    variable
+        Name of the array; by default `heights`, or the only array of numbers with two dimensions.
+    rows
+        ``"x"`` or ``"y"``: which axis the first index is that of, the smallest first; by default x. MATLAB's `meshgrid`
+        makes rows of y.
+    """
+
+    variable: str | None = attrs.field(default=None, converter=_variable)
+    rows: str = attrs.field(default="auto", converter=check_rows)
+
+    @property
+    def suffixes(self) -> frozenset[str]:
+        """Mat."""
+        return frozenset({".mat"})
+
+    def read(self, path: Path) -> RawMap:
+        """Return the map."""
+        require_memory(2.0 * path.stat().st_size, "it", "cut it, or write it with fewer points")
+        arrays = read_mat(path)
+        maps = {name: array for name, array in arrays.items() if min(array.shape) > 1}
+        name = self.variable or ("heights" if "heights" in maps else min(maps, default=""))
+        if name not in maps or (self.variable is None and name != "heights" and len(maps) > 1):
+            found = ", ".join(sorted(maps)) or "none"
+            raise InputError(
+                "its array of heights is not known: give variable= with its name; its real arrays of two dimensions "
+                f"are: {found:.200}"
+            )
+        heights = put_x_first(np.array(maps[name], dtype=np.float64, order="C"), self.rows)
+        size, words = _find_size(arrays, (heights.shape[0], heights.shape[1]))
+        return RawMap(heights, size, hint=words, needs_rows=self.rows == "auto")

@@ -1,0 +1,189 @@
+"""`read_surface`: a height map from a file of any known kind."""
+
+from __future__ import annotations
+
+import contextlib
+import inspect
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+
+from roughcontact._base import checks
+from roughcontact._base.checks import Array, choice, number, pair
+from roughcontact._base.units import si
+from roughcontact._parts.files.base import RawMap, SurfaceReader, readers
+from roughcontact._parts.files.foreign import find_foreign
+from roughcontact._parts.surfaces import HeightMap
+from roughcontact._parts.surfaces.filling import TREATMENTS, complete
+from roughcontact.errors import InputError, RoughContactError, shorten
+from roughcontact.errors.door import guarded
+
+_FALLBACK = "instrument"
+# Characters of a reader's message that a sentence repeats.
+_REASON = 200
+# A given size agrees with that of the file to this fraction: six digits, as people type them.
+_SAME_SIZE = 1e-6
+# Cells are square to this fraction: sizes are given with three digits.
+_SQUARE = 5e-3
+
+
+@guarded
+def read_surface(
+    path: str | os.PathLike[str],
+    *,
+    size: float | Sequence[float] | None = None,
+    non_measured: str = "refuse",
+    unit: float | None = None,
+    reader: str | SurfaceReader = "auto",
+    **options: Any,
+) -> HeightMap:
+    """Return the height map in a file, m, positive outward.
+
+    Parameters
+    ----------
+    path
+        The file. npz, npy and text files are read by numpy, heights in m, first index x; all others
+        by the package SurfaceTopography, units converted to SI.
+    size
+        Sides of the domain (x, y) or of both, m; needed where the file does not state it, and checked
+        where it does.
+    non_measured
+        What to do with non-measured points: ``"refuse"`` the file; ``"fill"`` them with the harmonic surface
+        through their neighbours, which makes no new summit; or ``"keep"`` them: they never touch, and do not count
+        when form is fitted.
+    unit
+        What a height of one in the file means, m, where the file does not state it: 1e-6 for micrometres.
+    reader
+        Registered name or instance; ``"auto"`` chooses by the ending of the file name.
+    **options
+        Fields of the reader. Of text files ``separator=``, ``decimal=`` and ``skip_rows=``: what separates the numbers,
+        their decimal mark, and how many lines at the beginning are not heights, where these are not found rightly. Of
+        text, npy and mat files ``rows=``: whether they have a row for each ``"x"``, as is assumed, or for each ``"y"``.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it cannot be read, non-measured points are refused, the size is unknown, or the cells
+        would be square if the rows were those of y, and ``rows=`` is not given.
+    MissingPackage
+        If the package that reads such files is not installed.
+    """
+    choice(non_measured, "The treatment of non-measured points", TREATMENTS)
+    file = checks.path(path, "The height map")
+    raw = read_raw(file, reader, **options)
+    given = size if raw.size is None else raw.size
+    if given is None:
+        known = f" ({raw.hint})" if raw.hint else ""
+        raise InputError(
+            f"The file {file.name} does not state the size of its domain{known}: give size=(x, y), m (on the command "
+            "line --size)."
+        )
+    if size is not None and raw.size is not None:
+        sides = pair(size, "The size of the height map", "m", above=0.0)
+        if not np.allclose(sides, raw.size, rtol=_SAME_SIZE, atol=0.0):
+            raise InputError(
+                f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
+                f"which is not the size given: leave size= out."
+            )
+    if raw.needs_rows:
+        _require_rows(raw.heights, given, file)
+    heights, mask, done = complete(
+        raw.heights, f"the file {file.name}", non_measured, " (on the command line --non-measured)"
+    )
+    surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
+    scale = _unit(raw, unit, file)
+    in_units = "" if unit is None else f", heights in units of {si(unit, 'm')}"
+    # The heights as they were read are freed before others are made.
+    del raw, heights
+    values = surface.values if unit is None else surface.values * scale
+    return attrs.evolve(surface, heights=values, history=(f"read from {file.name}{done}: {surface.grid}{in_units}",))
+
+
+def read_raw(file: Path, reader: str | SurfaceReader = "auto", **options: Any) -> RawMap:
+    """Return the map as it stands in a file; see `read_surface`."""
+    if not file.is_file():
+        raise InputError(f"There is no file {str(file)!r}{' (it is a folder)' if file.is_dir() else ''}.")
+    chosen = _make_reader(_reader_for(file) if reader == "auto" else reader, file, options)
+    try:
+        raw = chosen.read(file)
+    # Readers fail in as many ways as there are broken files; the user needs one sentence.
+    except Exception as error:
+        explained = _explain(error, file)
+        if explained is error:
+            raise
+        raise explained from error
+    if not isinstance(raw, RawMap) or not isinstance(raw.heights, np.ndarray):
+        raise InputError(
+            f"The reader {chosen!r} must return a RawMap with an array of heights, but returned {raw!r:.80}."
+        )
+    return raw
+
+
+def _explain(error: Exception, file: Path) -> Exception:
+    """Return the sentence about a file that its reader could not read."""
+    foreign = find_foreign(file)
+    if foreign or isinstance(error, InputError):
+        return InputError(f"The file {file.name} cannot be used: {foreign or str(error).rstrip('.')}.")
+    if isinstance(error, RoughContactError):
+        return error
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return InputError(f"The file {file.name} cannot be read as a height map: {shorten(reason, _REASON).rstrip('.')}.")
+
+
+def options_of(file: Path, reader: str = "auto") -> tuple[str, ...]:
+    """Return the names of the options of the reader that reads a file."""
+    return tuple(inspect.signature(readers[_reader_for(file) if reader == "auto" else reader]).parameters)
+
+
+def _make_reader(choice: str | SurfaceReader, file: Path, options: dict[str, Any]) -> SurfaceReader:
+    """Return the reader with its options."""
+    if not options:
+        return readers.resolve(choice)
+    if not isinstance(choice, str):
+        raise InputError(f"Give {', '.join(options)} to the reader itself, or name the reader.")
+    known = options_of(file, choice)
+    if unknown := [name for name in options if name not in known]:
+        raise InputError.unknown(f"option of the reader {choice!r}, which reads {file.name},", unknown[0], known)
+    return readers.create(choice, **options)
+
+
+def _reader_for(file: Path) -> str:
+    suffix = file.suffix.lower()
+    for name in readers:
+        # A broken plug-in must not keep others from reading their files.
+        with contextlib.suppress(InputError):
+            if name != _FALLBACK and suffix in readers.create(name).suffixes:
+                return name
+    return _FALLBACK
+
+
+def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> None:
+    """Ask which axis the rows are those of where only the other one makes the cells square."""
+    sides = pair(size, "The size of the height map", "m", above=0.0)
+    if heights.ndim != 2 or not heights.size or np.size(size) == 1:
+        return
+    nx, ny = heights.shape
+    here, turned = (sides[0] / nx, sides[1] / ny), (sides[0] / ny, sides[1] / nx)
+    if abs(here[0] / here[1] - 1.0) > _SQUARE and abs(turned[0] / turned[1] - 1.0) <= _SQUARE:
+        raise InputError(
+            f"The file {file.name} has {nx} rows of {ny} numbers: on {si(sides[0], 'm')} x {si(sides[1], 'm')}, a row "
+            f"for each x makes cells of {si(here[0], 'm')} x {si(here[1], 'm')}, a row for each y square ones of "
+            f"{si(turned[0], 'm')}. Say which it is: rows='y', or rows='x'."
+        )
+
+
+def _unit(raw: RawMap, given: float | None, file: Path) -> float:
+    if given is None and raw.needs_unit:
+        raise InputError(
+            f"The heights in {file.name} are numbers without a unit: give what one of them means, m, such as unit=1e-9 "
+            "(on the command line --unit 1nm)."
+        )
+    if given is None:
+        return 1.0
+    if raw.metric:
+        raise InputError(f"The file {file.name} states its own unit of height: leave unit= out.")
+    return number(given, "The unit of the heights", "m, such as 1e-6 for µm", above=0.0)

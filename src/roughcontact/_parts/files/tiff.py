@@ -1,0 +1,145 @@
+"""Heights in TIFF images, read by the package tifffile."""
+
+from __future__ import annotations
+
+import logging
+import math
+import zlib
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, Pair, integer
+from roughcontact._base.machine.memory import require_memory
+from roughcontact._parts.files.base import RawMap, SurfaceReader
+from roughcontact._parts.files.gwyddion import metres
+from roughcontact.errors import InputError, MissingPackage
+
+# Tags: the value of points without data in geographic images.
+_NODATA = 42113
+# Bytes to which an image may expand, beside a multiple of those of its file.
+_EXPANDED, _EXPANSION = 2**22, 50
+# Compressions that are read: none, LZW, deflate by its two numbers, PackBits; others lose digits or are rare.
+_COMPRESSIONS, _DEFLATE = {1, 5, 8, 32773, 32946}, {8, 32946}
+# Pixels per metre above which a resolution is that of a measurement: printers and screens have 72 to 2400 to the inch.
+_MEASURED = 3000 / 0.0254
+# Metres in the units of resolution that TIFF has: inch and centimetre.
+_UNITS = {2: 0.0254, 3: 0.01}
+
+
+def _page(value: int | None) -> int | None:
+    return None if value is None else integer(value, "The page of a TIFF file", at_least=0)
+
+
+@attrs.frozen
+class TiffReader(SurfaceReader):
+    """An image of heights in one channel: x to the right, y upwards, so that its first row has the largest y.
+
+    Its numbers have no unit, which must be given. Its size is read from what ImageJ writes, or from a resolution that
+    is finer than that of printers.
+
+    Parameters
+    ----------
+    page
+        Which image of several, from 0.
+    """
+
+    page: int | None = attrs.field(default=None, converter=_page)
+
+    @property
+    def suffixes(self) -> frozenset[str]:
+        """Tif and tiff."""
+        return frozenset({".tif", ".tiff"})
+
+    def read(self, path: Path) -> RawMap:
+        """Return the map; raise `MissingPackage` if tifffile is not installed."""
+        try:
+            from tifffile import TiffFile
+        except ImportError:
+            raise MissingPackage(
+                f"Reading {path.name} needs the package tifffile: pip install 'roughcontact[files]'."
+            ) from None
+        # It logs what is odd in a file; what is wrong becomes a sentence.
+        logging.getLogger("tifffile").addHandler(logging.NullHandler())
+        with TiffFile(path) as file:
+            page = self._choose(file)
+            _require_heights(page, path.stat().st_size)
+            _require_honest(page, file.filehandle)
+            image = _read_pixels(page)
+            size, words = _find_size(page, file.imagej_metadata or {})
+        heights = np.ascontiguousarray(image[::-1].T, dtype=np.float64)
+        heights[~np.isfinite(heights)] = np.nan
+        return RawMap(heights, size, hint=words, needs_unit=True)
+
+    def _choose(self, file: Any) -> Any:
+        count = len(file.pages)
+        if self.page is None and count > 1:
+            raise InputError(f"it holds {count} images: choose one with page=, from 0 to {count - 1}")
+        if (self.page or 0) >= count:
+            raise InputError(f"it has no page {self.page}: its pages are 0 to {count - 1}")
+        return file.pages[self.page or 0]
+
+
+def _require_heights(page: Any, size: int) -> None:
+    """Refuse colours, and an image that its file cannot hold."""
+    shape, dtype = page.shape, page.dtype
+    if len(shape) != 2 or page.samplesperpixel != 1 or int(page.photometric) not in (0, 1):
+        channels = f"{page.samplesperpixel} channels" if page.samplesperpixel > 1 else f"shape {shape}"
+        raise InputError(
+            f"it is an image of {channels} ({page.photometric.name.lower()}), not of heights: export the heights as "
+            "one channel of numbers, in 32-bit floating point if that can be chosen"
+        )
+    if dtype is None or dtype.kind not in "iuf" or int(page.photometric) == 0:
+        raise InputError(f"its pixels ({dtype}, {page.photometric.name.lower()}) are not numbers of heights")
+    needed = math.prod(shape) * dtype.itemsize
+    if needed > _EXPANDED + _EXPANSION * size:
+        raise InputError(f"it declares {shape[1]} x {shape[0]} pixels, more than a file of {size} bytes can hold")
+    require_memory(3.0 * 8.0 * math.prod(shape), "it", "cut it, or write it with fewer points")
+
+
+def _require_honest(page: Any, stream: Any) -> None:
+    """Refuse compressions that are not of numbers, and parts of an image that expand to more than they are."""
+    if int(page.compression) not in _COMPRESSIONS:
+        raise InputError(f"its compression ({page.compression.name.lower()}) is not read: save it without compression")
+    if int(page.compression) not in _DEFLATE:
+        return
+    most = math.prod(page.chunks) * page.dtype.itemsize
+    for data, _ in stream.read_segments(page.dataoffsets, page.databytecounts):
+        if data and len(zlib.decompressobj().decompress(data, most + 1)) > most:
+            raise InputError(f"a part of it expands to more than its {most} bytes: it is damaged")
+
+
+def _read_pixels(page: Any) -> Array:
+    try:
+        image = np.asarray(page.asarray(maxworkers=1), dtype=np.float64)
+    except ValueError as error:
+        if "imagecodecs" in str(error):
+            name = page.compression.name.lower()
+            raise MissingPackage(
+                f"Its compression ({name}) needs the package imagecodecs: pip install imagecodecs, or save the image "
+                "without compression."
+            ) from None
+        raise
+    tag = page.tags.get(_NODATA)
+    if tag is not None:
+        image[image == float(str(tag.value).strip("\0 "))] = np.nan
+    return image
+
+
+def _find_size(page: Any, imagej: dict[str, Any]) -> tuple[Pair | None, str]:
+    """Return the sides (x, y), m, if they are certain, and what the tags say in words."""
+    per_unit = [page.tags.get(name) for name in ("XResolution", "YResolution")]
+    if any(tag is None or len(tag.value) != 2 or 0 in tag.value for tag in per_unit):
+        return None, ""
+    x, y = (tag.value[0] / tag.value[1] for tag in per_unit if tag is not None)
+    rows, columns = page.shape
+    stated = metres(str(imagej.get("unit", "")).replace("\\u00B5", "µ"))
+    tag = page.tags.get("ResolutionUnit")
+    unit = _UNITS.get(int(tag.value)) if stated is None and tag is not None else stated
+    if unit is None:
+        return None, ""
+    if stated is not None or min(x, y) / unit > _MEASURED:
+        return (columns / x * unit, rows / y * unit), ""
+    return None, f"its resolution of {x * 0.0254 / unit:.4g} dots per inch may be that of a screen or a printer"

@@ -1,0 +1,115 @@
+"""The grid of rectangular cells on which every field of a problem lives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, Pair, integer, pair
+from roughcontact._base.units import si
+from roughcontact.errors import InputError
+
+# Most cells of a grid: a solve keeps up to 18 arrays in float64, 36 GiB at this size (docs/studies/memory.py).
+_MAX_CELLS = 2**28
+
+
+class Boundary(StrEnum):
+    """What lies beyond the border of the grid."""
+
+    FREE = "free"
+    PERIODIC = "periodic"
+    WRAPPED = "wrapped"
+
+
+def _shape(value: Sequence[int]) -> tuple[int, int]:
+    if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != 2:
+        raise InputError.about("The shape of the grid", value, "two whole numbers, (cells in x, cells in y)")
+    nx, ny = (integer(n, "A cell count of the grid", at_least=1) for n in value)
+    if nx * ny < 2:
+        raise InputError.about("The grid", (nx, ny), "of at least two cells")
+    if nx * ny > _MAX_CELLS:
+        raise InputError.about("The grid", (nx, ny), "of at most 2^28 cells, so that a solve fits into memory")
+    return nx, ny
+
+
+def _size(value: float | Sequence[float]) -> Pair:
+    return pair(value, "The size of the domain", "m", above=0.0)
+
+
+@attrs.frozen
+class Grid:
+    """A rectangle of `shape` cells; fields are given at the cell centres and indexed [x, y].
+
+    Parameters
+    ----------
+    shape
+        Number of cells (nx, ny).
+    size
+        Lengths of the sides of the domain (x, y) or of both, m.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two cells or a side is not a positive finite length.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> grid = rc.Grid(shape=(4, 2), size=(8e-6, 6e-6))
+    >>> print(grid)
+    4 x 2 cells on 8 µm x 6 µm
+    >>> [f"{1e6 * x:g}" for x in grid.x.ravel()]
+    ['-3', '-1', '1', '3']
+    >>> rc.Grid((64, 64), 1e-3).size
+    (0.001, 0.001)
+    """
+
+    shape: tuple[int, int] = attrs.field(converter=_shape)
+    size: Pair = attrs.field(converter=_size, metadata={"unit": "m"})
+
+    @property
+    def spacing(self) -> Pair:
+        """Sides of a cell (dx, dy), m."""
+        return self.size[0] / self.shape[0], self.size[1] / self.shape[1]
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return self.shape[0] * self.shape[1]
+
+    @property
+    def cell_area(self) -> float:
+        """Area of a cell, m2."""
+        return self.spacing[0] * self.spacing[1]
+
+    @property
+    def area(self) -> float:
+        """Nominal area of the domain, m2."""
+        return self.size[0] * self.size[1]
+
+    @property
+    def x(self) -> Array:
+        """Cell centres along x, shape (nx, 1), m; the origin is the centre of the domain."""
+        return _centres(self.shape[0], self.size[0])[:, np.newaxis]
+
+    @property
+    def y(self) -> Array:
+        """Cell centres along y, shape (1, ny), m; the origin is the centre of the domain."""
+        return _centres(self.shape[1], self.size[1])[np.newaxis, :]
+
+    def matches(self, other: Grid) -> bool:
+        """Return whether both grids have the same cells, to a billionth of their size (rounding)."""
+        if not isinstance(other, Grid):
+            raise InputError.about("The grid", other, "a Grid(shape, size)")
+        return self.shape == other.shape and bool(np.allclose(self.size, other.size, rtol=1e-9, atol=0.0))
+
+    def __str__(self) -> str:
+        return f"{self.shape[0]} x {self.shape[1]} cells on {si(self.size[0], 'm')} x {si(self.size[1], 'm')}"
+
+
+def _centres(count: int, size: float) -> Array:
+    # Twice the offset is an integer, so that mirror images are exact.
+    return np.asarray((2 * np.arange(count) + 1 - count) * (0.5 * size / count), dtype=np.float64)

@@ -1,0 +1,21 @@
+"""Influence kernels: the displacement of the surface by a pressure."""
+
+from roughcontact._parts.kernels.base import (
+    BoundKernel,
+    InfluenceKernel,
+    SupportsCoefficients,
+    SupportsSpectrum,
+    kernels,
+)
+from roughcontact._parts.kernels.fourier import FourierHalfSpace
+from roughcontact._parts.kernels.love import Love
+
+__all__ = [
+    "BoundKernel",
+    "FourierHalfSpace",
+    "InfluenceKernel",
+    "Love",
+    "SupportsCoefficients",
+    "SupportsSpectrum",
+    "kernels",
+]

@@ -1,0 +1,189 @@
+"""The kernel interface: real-space coefficients, a spectrum, or both."""
+
+from __future__ import annotations
+
+import abc
+from typing import Any, ClassVar, Protocol, runtime_checkable
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, Pair
+from roughcontact._base.registry import Registry
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact.errors import InputError
+
+# Cells per wave number at which a spectrum is that of the body and not of the cells, and the relative change of the
+# modulus below which a body is homogeneous.
+_FINE, _EVEN = 1e-3, 1e-3
+
+
+class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method below, or both
+    """Linear elastic response of the surfaces to pressure.
+
+    A subclass defines `SupportsCoefficients.coefficients`, or `SupportsSpectrum.spectrum`, or both; a
+    convolver uses the one it needs. The response is even in x and in y, as that of any isotropic body.
+
+    Attributes
+    ----------
+    edge_shift
+        Distance, in cells, by which the edge of a discrete contact lies inside the true edge: 0.018 for
+        pressure that is constant on each cell, measured on Hertz's spheres (docs/area.md).
+    """
+
+    edge_shift: ClassVar[float] = 0.018
+
+    def effective_modulus(self, wavenumber: Array, compliance: float) -> Array | None:
+        """Return the contact modulus E*(q) = 2 / (q u(q)), u(q) the displacement by a unit pressure wave.
+
+        The area estimators need it at the edge of a contact and at the size of a contact patch. By default it follows
+        from the spectrum, on cells much smaller than each wave; kernels without one define it if it is not the same for
+        all waves.
+
+        Parameters
+        ----------
+        wavenumber
+            Wave numbers q, shape (n,), rad/m, above zero.
+        compliance
+            1/E* of the two half-spaces together, 1/Pa.
+
+        Returns
+        -------
+        Array or None
+            Moduli, shape (n,), Pa; None if all waves have E* = 1/compliance.
+        """
+        if not isinstance(self, SupportsSpectrum):
+            return None
+        none = np.zeros((1, 1))
+        cells = _FINE / wavenumber
+        waves = zip(wavenumber, cells, strict=True)
+        amplitudes = [self.spectrum(none + q, none, (cell, cell), compliance).item() for q, cell in waves]
+        with np.errstate(divide="ignore"):
+            moduli = 2.0 / (wavenumber * np.array(amplitudes))
+        even = bool(np.all(np.abs(moduli * compliance - 1.0) < _EVEN))
+        return None if even else np.asarray(moduli)
+
+
+kernels = Registry(InfluenceKernel, "kernel", "roughcontact.kernels")
+
+
+@runtime_checkable
+class SupportsCoefficients(Protocol):
+    """A kernel known in real space: needed on a free and on a wrapped boundary."""
+
+    def coefficients(self, shape: tuple[int, int], spacing: Pair, compliance: float) -> Array:
+        """Return the influence coefficients.
+
+        Parameters
+        ----------
+        shape
+            Number of offsets (nx, ny): 0 .. nx-1 cells along x, 0 .. ny-1 along y.
+        spacing
+            Sides of a cell (dx, dy), m.
+        compliance
+            1/E* of the two half-spaces together, 1/Pa.
+
+        Returns
+        -------
+        Array
+            Displacement at the centre of the cell (i, j) by unit pressure on the cell (0, 0), shape
+            (nx, ny), m/Pa.
+        """
+
+
+@runtime_checkable
+class SupportsSpectrum(Protocol):
+    """A kernel known in Fourier space: needed on a periodic boundary."""
+
+    def spectrum(self, qx: Array, qy: Array, spacing: Pair, compliance: float) -> Array:
+        """Return the amplitude of the displacement by a pressure wave of unit amplitude.
+
+        Parameters
+        ----------
+        qx, qy
+            Angular wave numbers along x, shape (m, 1), and along y, shape (1, n), rad/m, at most
+            half the sampling wave number. The value at qx = qy = 0 is not used.
+        spacing, compliance
+            As for `SupportsCoefficients.coefficients`.
+
+        Returns
+        -------
+        Array
+            Amplitudes at the cell centres, real, shape (m, n), m/Pa.
+        """
+
+
+_MISSING: dict[type, str] = {
+    SupportsCoefficients: "real-space coefficients, which this boundary needs: use boundary='periodic'",
+    SupportsSpectrum: "spectrum, which the periodic boundary needs: use boundary='wrapped' or 'free',",
+}
+
+
+def require_form(kernel: InfluenceKernel, form: type) -> InfluenceKernel:
+    """Return a kernel that has a form, `SupportsCoefficients` or `SupportsSpectrum`, or raise `InputError`."""
+    if not isinstance(kernel, form):
+        raise InputError(f"The kernel {kernel!r} has no {_MISSING[form]} or another kernel.")
+    return kernel
+
+
+@attrs.frozen
+class BoundKernel:
+    """A kernel with the compliance of the two bodies. `InputError` is raised if it lacks what is asked for.
+
+    Parameters
+    ----------
+    kernel
+        The kernel.
+    compliance
+        1/E*, 1/Pa.
+    unit
+        Displacement per pressure, m/Pa, in units of which all values are returned.
+    """
+
+    kernel: InfluenceKernel
+    compliance: float = 1.0
+    unit: float = 1.0
+
+    def coefficients(self, shape: tuple[int, int], spacing: Pair) -> Array:
+        """Return the influence coefficients, finite, shape (nx, ny); see `SupportsCoefficients`."""
+        kernel: Any = require_form(self.kernel, SupportsCoefficients)
+        return self._check(kernel.coefficients(shape, spacing, self.compliance), shape)
+
+    def spectrum(self, qx: Array, qy: Array, spacing: Pair) -> Array:
+        """Return the spectrum, finite, shape (m, n), zero at q = 0; see `SupportsSpectrum`.
+
+        A uniform pressure moves a periodic half-space by an arbitrary amount, here zero.
+        """
+        kernel: Any = require_form(self.kernel, SupportsSpectrum)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            values = np.array(kernel.spectrum(qx, qy, spacing, self.compliance), dtype=np.float64)
+        shape = (qx.shape[0], qy.shape[1])
+        if values.shape == shape:
+            values[np.broadcast_to((qx == 0.0) & (qy == 0.0), shape)] = 0.0
+        return self._check(values, shape)
+
+    def responses(self, grid: Grid, boundary: Boundary) -> Array:
+        """Return the displacement by unit pressure at each offset within a grid, shape (nx, ny).
+
+        On a periodic boundary by a sum of cosines: no transform is used, so that convolvers can be judged.
+        """
+        if boundary is not Boundary.PERIODIC:
+            return self.coefficients(grid.shape, grid.spacing)
+        waves = [2.0 * np.pi * np.asarray(np.fft.fftfreq(n), dtype=np.float64) for n in grid.shape]
+        qx, qy = (wave / step for wave, step in zip(waves, grid.spacing, strict=True))
+        amplitudes = self.spectrum(qx[:, np.newaxis], qy[np.newaxis, :], grid.spacing)
+        # The response is even, so that it has no sines.
+        x, y = (np.cos(np.outer(np.arange(wave.size), wave)) for wave in waves)
+        return np.asarray(x @ amplitudes @ y.T) / grid.cells
+
+    def _check(self, values: Array, shape: tuple[int, int]) -> Array:
+        values = np.asarray(values)
+        if values.shape != shape or values.dtype.kind != "f":
+            raise InputError(
+                f"The kernel {self.kernel!r} returned an array of shape {values.shape} and type {values.dtype}, "
+                f"where real numbers of shape {shape} are needed."
+            )
+        scaled = values / self.unit
+        if not np.isfinite(scaled).all() or not scaled.max() > 0.0:
+            raise InputError(f"The kernel {self.kernel!r} returned values that are not finite, or none above zero.")
+        return scaled

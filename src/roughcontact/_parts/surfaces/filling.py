@@ -1,0 +1,199 @@
+"""Heights at non-measured points: the harmonic surface through their neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from roughcontact._base.checks import Array, Mask
+from roughcontact._base.machine.memory import require_memory
+from roughcontact.errors import InputError
+
+_DONE = {"fill": "filled from their neighbours", "keep": "kept so"}
+# What can be done with non-measured points.
+TREATMENTS = ("refuse", *_DONE)
+# Up to so many points Laplace's equation is solved directly, in less than a second; that takes memory as n log n and
+# time as n^1.5, but iterations take both as n.
+_DIRECT = 2**15
+# Peak memory of the iterations, bytes for each point; measured.
+_PER_POINT = 500
+# Damping of Jacobi's iteration and of the smoothed aggregates: 2/3, because no eigenvalue of a row-scaled Laplacian
+# exceeds 2 (Vanek, Mandel, Brezina, Computing 56 (1996) 179, https://doi.org/10.1007/BF02238511).
+_DAMPING = 2.0 / 3.0
+# Added to the sums of squared second differences, in case that no known point is near.
+_RIDGE = 1e-12
+# Cells along the side of an aggregate.
+_SIDE = 3
+# Relative residual to which conjugate gradients go, and steps; 15 to 40 are needed.
+_TOLERANCE, _STEPS = 1e-13, 300
+
+
+def complete(heights: Array, where: str, treatment: str, option: str = "") -> tuple[Array, Mask | None, str]:
+    """Return heights at all points, the non-measured points if they are to be kept, and in words what was done.
+
+    Parameters
+    ----------
+    heights
+        Heights, NaN at non-measured points.
+    where
+        What has them, for sentences: ``"the file x.npz"``.
+    treatment, option
+        One of `TREATMENTS`; where else than by ``non_measured=`` it is chosen, for sentences.
+
+    Raises
+    ------
+    InputError
+        If there are non-measured points and these are refused, or no others.
+    """
+    if heights.dtype.kind != "f" or heights.ndim != 2:
+        return heights, None, ""
+    mask = ~np.isfinite(heights)
+    count = int(np.count_nonzero(mask))
+    if count == 0:
+        return heights, None, ""
+    found = f"{count} of {heights.size} points"
+    if count == heights.size:
+        raise InputError(f"{where[0].upper()}{where[1:]} holds no valid point at all.")
+    if treatment == "refuse":
+        raise InputError(
+            f"In {where} {found} were not measured: fill them from their neighbours with "
+            f"non_measured='fill', or keep them with non_measured='keep'{option}."
+        )
+    done = f", {found} non-measured and {_DONE[treatment]}"
+    return fill(heights), mask if treatment == "keep" else None, done
+
+
+def fill(heights: Array) -> Array:
+    """Return heights, shape (nx, ny), with non-measured points filled by the harmonic surface through their neighbours.
+
+    The filled heights solve Laplace's equation on the non-measured cells: they never exceed their surroundings, so
+    that no summit is added that could touch.
+
+    Parameters
+    ----------
+    heights
+        Heights, shape (nx, ny), NaN at non-measured points, but not everywhere.
+    """
+    from scipy.sparse.linalg import spsolve
+
+    unknown = ~np.isfinite(heights)
+    count = int(np.count_nonzero(unknown))
+    if count > _DIRECT:
+        require_memory(_PER_POINT * count, f"Filling {count} non-measured points", "keep them, or cut the map")
+    result = heights.copy()
+    if count <= _DIRECT:
+        matrix, right = _laplace(heights, unknown, count)
+        result[unknown] = spsolve(matrix.tocsc(), right)
+        return result
+    known = heights[~unknown]
+    # The mean is taken out, because its digits would be lost to those of the roughness.
+    mean = float(known.mean())
+    matrix, right = _laplace(heights - mean, unknown, count)
+    found = mean + _solve(matrix.tocsr(), right, np.stack(np.nonzero(unknown)))
+    result[unknown] = np.clip(found, known.min(), known.max())
+    return result
+
+
+def was_filled(history: Iterable[str]) -> bool:
+    """Return whether the history of a map says that non-measured points were filled."""
+    return any(_DONE["fill"] in text for text in history)
+
+
+def smooth_over(heights: Array, holes: Mask) -> Array:
+    """Return heights with the surface of minimum bending in holes, which has no kinks at their edges.
+
+    The sum of its squared second differences along both axes is a minimum; it may exceed its surroundings.
+
+    Parameters
+    ----------
+    heights, holes
+        Heights, and where they are replaced, shape (nx, ny).
+    """
+    from scipy.sparse import csr_array, eye_array, vstack
+    from scipy.sparse.linalg import spsolve
+
+    cells = np.arange(heights.size).reshape(heights.shape)
+    differences = []
+    for axis in (0, 1):
+        left, middle, right = (
+            np.take(cells, np.arange(k, heights.shape[axis] - 2 + k), axis).ravel() for k in range(3)
+        )
+        touching = holes.ravel()[left] | holes.ravel()[middle] | holes.ravel()[right]
+        columns = np.stack([left, middle, right])[:, touching].T
+        values, rows = np.tile([1.0, -2.0, 1.0], len(columns)), np.repeat(np.arange(len(columns)), 3)
+        differences.append(csr_array((values, (rows, columns.ravel())), shape=(len(columns), heights.size)))
+    bending = vstack(differences).tocsc()
+    known = np.where(holes, 0.0, heights)
+    inside = bending[:, holes.ravel()]
+    matrix = inside.T @ inside + _RIDGE * eye_array(inside.shape[1])
+    result = heights.copy()
+    result[holes] = spsolve(matrix.tocsc(), -(inside.T @ (bending @ known.ravel())))
+    return result
+
+
+def _laplace(heights: Array, unknown: Any, count: int) -> tuple[Any, Array]:
+    """Return the matrix of Laplace's equation on the unknown cells, and its right side."""
+    from scipy.sparse import coo_array
+
+    index = np.full(heights.shape, -1, dtype=np.int32)
+    index[unknown] = np.arange(count, dtype=np.int32)
+    neighbours, right = np.zeros(count), np.zeros(count)
+    rows: list[np.ndarray] = []
+    columns: list[np.ndarray] = []
+    every, first, last = slice(None), slice(None, -1), slice(1, None)
+    # Each cell with its next neighbour along x and along y.
+    for here, there in (((first, every), (last, every)), ((every, first), (every, last))):
+        for one, other in ((here, there), (there, here)):
+            known_beside = unknown[one] & ~unknown[other]
+            unknown_beside = unknown[one] & unknown[other]
+            # No cell occurs twice.
+            right[index[one][known_beside]] += heights[other][known_beside]
+            neighbours[index[one][known_beside | unknown_beside]] += 1.0
+            rows.append(index[one][unknown_beside])
+            columns.append(index[other][unknown_beside])
+    diagonal = np.arange(count, dtype=np.int32)
+    i, j = np.concatenate([diagonal, *rows]), np.concatenate([diagonal, *columns])
+    values = np.concatenate([neighbours, np.full(i.size - count, -1.0)])
+    return coo_array((values, (i, j)), shape=(count, count)), right
+
+
+def _solve(matrix: Any, right: Array, places: Array) -> Array:
+    """Return the solution by conjugate gradients with a multigrid cycle of smoothed aggregates."""
+    from scipy.sparse.linalg import LinearOperator, cg
+
+    cycle = _prepare(matrix, places)
+    preconditioner = LinearOperator(matrix.shape, matvec=cycle, dtype=np.float64)
+    found, failed = cg(matrix, right, rtol=_TOLERANCE, maxiter=_STEPS, M=preconditioner)
+    if failed:
+        raise InputError("The non-measured points cannot be filled: keep them, with non_measured='keep'.")
+    return np.asarray(found)
+
+
+def _prepare(matrix: Any, places: Array) -> Any:
+    """Return the multigrid cycle of a matrix whose unknowns lie at `places`, shape (2, n)."""
+    from scipy.sparse import csr_array, diags_array
+    from scipy.sparse.linalg import splu
+
+    count = matrix.shape[0]
+    if count <= _DIRECT // 4:
+        return splu(matrix.tocsc()).solve
+    blocks = places // _SIDE
+    keys, block = np.unique(blocks[0] * (int(blocks[1].max()) + 1) + blocks[1], return_inverse=True)
+    aggregates = csr_array((np.ones(count), (np.arange(count), block)), shape=(count, keys.size))
+    damped = diags_array(_DAMPING / matrix.diagonal())
+    step = (damped @ matrix).tocsr()
+    up = (aggregates - step @ aggregates).tocsr()
+    down = up.T.tocsr()
+    weight = damped.diagonal()
+    coarse_places = np.stack(np.divmod(keys, int(blocks[1].max()) + 1))
+    del step, aggregates, blocks, block
+    coarse = _prepare((down @ matrix @ up).tocsr(), coarse_places)
+
+    def cycle(residual: Array) -> Array:
+        found = weight * residual
+        found += up @ coarse(down @ (residual - matrix @ found))
+        return np.asarray(found + weight * (residual - matrix @ found))
+
+    return cycle

@@ -1,0 +1,300 @@
+"""Height maps: measured or computed heights on a grid of their own."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact._base.checks import Array, Mask, Pair, frozen_array, instance_of, integer, measured_heights, pair
+from roughcontact._base.checks.pickling import restore_state
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Grid
+from roughcontact._parts.surfaces import form as forms
+from roughcontact._parts.surfaces.base import Surface
+from roughcontact._parts.surfaces.filling import fill, was_filled
+from roughcontact._parts.surfaces.quality import find_period, list_map_warnings
+from roughcontact._parts.surfaces.resampling import check_method, resample, shift_by_half_cell
+from roughcontact._parts.surfaces.statistics import repeats
+from roughcontact._parts.surfaces.summary import check_history, summarize
+from roughcontact._parts.surfaces.topography import make_topography, read_map
+from roughcontact.errors import InputError
+
+# Beyond this degree a polynomial follows the roughness, and its normal equations lose their digits.
+_MAX_DEGREE = 30
+# Degree of the polynomial of each form that has a name of its own.
+_DEGREES = {"mean": 0, "plane": 1}
+
+
+def _size(value: float | Sequence[float], height_map: Any) -> Pair:
+    sides, (nx, ny) = pair(value, "The size of the height map", "m", above=0.0), height_map.values.shape
+    if nx != ny and np.size(value) == 1:
+        raise InputError(
+            f"A height map of {nx} x {ny} points needs both sides, size=(x, y), m (on the command line --size X Y), "
+            f"but got one: with square cells it is {si(sides[0], 'm')} x {si(sides[0] * ny / nx, 'm')} large."
+        )
+    return sides
+
+
+def _non_measured(value: npt.ArrayLike | None) -> Mask | None:
+    if value is None:
+        return None
+    what = "The non-measured points of a height map"
+    try:
+        mask = np.array(value)
+    except ValueError:
+        raise InputError(f"{what} must be a rectangular array, but their rows differ.") from None
+    if mask.dtype.kind != "b" or mask.ndim != 2:
+        raise InputError.about(what, mask, "an array of booleans of the map's shape")
+    if mask.all():
+        raise InputError("No point of the height map was measured: at least one is needed.")
+    mask.flags.writeable = False
+    return mask if mask.any() else None
+
+
+@attrs.frozen(eq=False)
+class HeightMap(Surface):
+    """Heights given as an array, one value for each cell.
+
+    Parameters
+    ----------
+    heights
+        Heights, shape (nx, ny), indexed [x, y], m, positive outward, NaN or masked where not measured; a copy is kept,
+        but of float64 ones mapped from a file for reading, ``np.load(path, mmap_mode="r")``, which must not change.
+    size
+        Sides of the measured domain (x, y), m; one number if the map has as many points along x as along y.
+    periodic
+        Whether the map repeats beyond its border.
+    non_measured
+        Points that were not measured, shape (nx, ny), true there, beside those without a height: they never touch, and
+        their heights, or those of a harmonic surface through their neighbours, only serve to interpolate nearby points.
+    history
+        How the heights were processed so far, in words; ``explain()`` of a problem prints it.
+
+    Raises
+    ------
+    InputError
+        If the heights are not a two-dimensional array of at least two numbers, one is infinite, no point was measured,
+        or the mask of non-measured points has another shape.
+    """
+
+    _heights: Array = attrs.field(converter=measured_heights, alias="heights")
+    # mypy does not know converters that take self.
+    size: Pair = attrs.field(converter=attrs.Converter(_size, takes_self=True))  # type: ignore[misc]
+    periodic: bool = attrs.field(
+        default=False, kw_only=True, validator=instance_of(bool, "Whether a map repeats", "True or False")
+    )
+    non_measured: Mask | None = attrs.field(default=None, kw_only=True, converter=_non_measured)
+    history: tuple[str, ...] = attrs.field(default=(), kw_only=True, converter=check_history)
+
+    def __attrs_post_init__(self) -> None:
+        if self.non_measured is not None and self.non_measured.shape != self._heights.shape:
+            raise InputError(
+                f"The mask of non-measured points has shape {self.non_measured.shape}, but the heights "
+                f"{self._heights.shape}."
+            )
+        if math.isnan(float(self._heights.min())):
+            lost = np.isnan(self._heights) | (False if self.non_measured is None else self.non_measured)
+            object.__setattr__(self, "non_measured", _non_measured(lost))
+            object.__setattr__(self, "_heights", frozen_array(fill(self._heights)))
+
+    __setstate__ = restore_state
+
+    @property
+    def grid(self) -> Grid:
+        """The grid on which the map is given."""
+        return Grid(self._heights.shape, self.size)
+
+    own_grid = grid
+
+    @property
+    def provenance(self) -> tuple[str, ...]:
+        """The history of the map."""
+        return self.history
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Signs of blur, interpolation, noise, steps or filled points in a map that is not periodic, in sentences."""
+        if self.periodic:
+            return ()
+        return list_map_warnings(self._heights, self.grid, self.non_measured, was_filled=was_filled(self.history))
+
+    @cached_property
+    def period(self) -> float:
+        """Distance of the points that the map looks interpolated between, cells; zero if it does not."""
+        return find_period(self._heights, self.non_measured)
+
+    @property
+    def values(self) -> Array:
+        """The heights as given, shape (nx, ny), m, read-only."""
+        return self._heights
+
+    def __repr__(self) -> str:
+        periodic = ", periodic" if self.periodic else ""
+        lost = "" if self.non_measured is None else f", {int(self.non_measured.sum())} points non-measured"
+        return f"<HeightMap {self.grid}{periodic}{lost}>"
+
+    def __str__(self) -> str:
+        return summarize(self)
+
+    @classmethod
+    def from_topography(cls, topography: Any, *, non_measured: str = "refuse") -> HeightMap:
+        """Return the map of a two-dimensional `SurfaceTopography.Topography`, its unit converted to m.
+
+        Parameters
+        ----------
+        topography
+            With its unit, size and periodicity.
+        non_measured
+            As of `read_surface`: ``"refuse"``, ``"fill"`` or ``"keep"``.
+
+        Raises
+        ------
+        InputError
+            If it is not one, has no unit, or has non-measured points that are refused.
+        """
+        return cls(**read_map(topography, non_measured))
+
+    def to_topography(self) -> Any:
+        """Return the map as a `SurfaceTopography.Topography` in m, masked at non-measured points."""
+        return make_topography(self)
+
+    def heights(self, grid: Grid) -> Array:
+        """Return the heights on the map's own grid, shape `grid.shape`, m: a map is resampled only on request."""
+        if not self.grid.matches(grid):
+            raise InputError(
+                f"The height map is given on {self.grid}, but was asked for on {grid}. "
+                f"Call .resample({grid.shape}) first, bring maps of two domains together with match(), or use the "
+                "map's own grid."
+            )
+        return self._heights
+
+    def non_measured_on(self, grid: Grid) -> Mask | None:
+        """Return the non-measured points on the map's own grid, shape (nx, ny); None if there are none."""
+        return self.non_measured
+
+    def resample(self, shape: Sequence[int], method: str = "bilinear") -> HeightMap:
+        """Return the map on another number of cells over the same domain.
+
+        Parameters
+        ----------
+        shape
+            Number of cells (nx, ny) of the new map.
+        method
+            ``"bilinear"``: interpolation between cell centres, as image scaling does it and as the
+            paper scaled its measured maps; it aliases when coarsening. ``"cubic"``: by cubic splines, smooth but
+            with the same aliasing. ``"fourier"``: exact for band-limited periodic maps. ``"mean"``: mean over
+            blocks of cells.
+
+        Raises
+        ------
+        InputError
+            If the method is unknown, is ``"fourier"`` on a map that is not periodic, or is
+            ``"mean"`` and the new cell counts do not divide the old ones.
+        """
+        target = Grid(shape, self.size).shape
+        check_method(method)
+        if method == "fourier" and not self.periodic:
+            raise InputError("Fourier resampling needs a periodic map: use 'bilinear', or periodic=True if it is one.")
+        if method == "mean" and any(old % new for old, new in zip(self._heights.shape, target, strict=True)):
+            raise InputError(
+                f"Block means need cell counts that divide {self._heights.shape}, but got {target}; use 'bilinear'."
+            )
+        non_measured = None
+        if self.non_measured is not None:
+            # A new point is non-measured if more than half of its weight lies on non-measured points.
+            weights, near = self.non_measured.astype(np.float64), "mean" if method == "mean" else "bilinear"
+            non_measured = resample(weights, target, near, periodic=self.periodic) > 0.5
+        pitch = " x ".join(si(step, "m") for step in Grid(target, self.size).spacing)
+        return attrs.evolve(
+            self,
+            heights=resample(self._heights, target, method, periodic=self.periodic),
+            non_measured=non_measured,
+            history=(*self.history, f"resampled ({method}) to {target[0]} x {target[1]} cells of {pitch}"),
+        )
+
+    def resample_to(self, grid: Grid, method: str | None = None) -> HeightMap:
+        """Return the map on the cells of another grid over the same domain; see `Surface.resample_to`."""
+        check_method(method)
+        if self.grid.matches(grid):
+            return self
+        if method is None and not self.periodic:
+            raise InputError(
+                "A height map that is not periodic is not known between its points: say between='bilinear' to "
+                "take it as linear there, or periodic=True if the map is."
+            )
+        return self.resample(grid.shape, method or "fourier")
+
+    def shift_half_cell(self, grid: Grid, *, periodic: bool) -> HeightMap:
+        """Return the periodic map moved by half a cell along both axes; see `Surface.shift_half_cell`."""
+        if not (self.periodic or (periodic and repeats(self._heights))):
+            raise InputError("A height map is not known between its points, unless it is periodic.")
+        if self.non_measured is not None:
+            raise InputError("A height map with non-measured points cannot be shifted by half a cell.")
+        return attrs.evolve(self, heights=shift_by_half_cell(self.heights(grid), self.grid))
+
+    def separate(self, form: str | int = "plane") -> Separated:
+        """Return form and roughness of the map, separated by least squares over the measured points.
+
+        Parameters
+        ----------
+        form
+            ``"mean"``, ``"plane"``, ``"sphere"``, or the total degree of a polynomial: 0 is the mean, 1
+            the plane, 2 has curvature and twist as well, ...
+
+        Raises
+        ------
+        InputError
+            If the form is unknown, or the map does not determine it.
+        """
+        degree = _DEGREES.get(form, form) if isinstance(form, str) else form
+        curvature = 0.0
+        if isinstance(degree, str) and degree == "sphere":
+            if min(self._heights.shape) < 3:
+                raise InputError("A sphere needs at least three cells along each axis.")
+            fitted, curvature = forms.sphere(self._heights, self.grid.x, self.grid.y, self.non_measured)
+            text = f"the best sphere subtracted, of radius {si(1 / curvature if curvature else math.inf, 'm', 4)}"
+        else:
+            if isinstance(degree, str):
+                raise InputError.about("The form", form, "'mean', 'plane', 'sphere' or the degree of a polynomial")
+            degree = integer(degree, "The degree of the form", at_least=0)
+            if degree > _MAX_DEGREE:
+                raise InputError.about("The degree of the form", degree, f"at most {_MAX_DEGREE}")
+            if min(self._heights.shape) <= degree:
+                raise InputError(f"A form of degree {degree} needs more than {degree} cells along each axis.")
+            fitted = forms.polynomial(self._heights, degree, self.non_measured)
+            text = f"the best {({0: 'mean', 1: 'plane'}).get(degree, f'polynomial of degree {degree}')} subtracted"
+        only_form = (*self.history, "form only")
+        return Separated(
+            form=attrs.evolve(self, heights=fitted, non_measured=None, periodic=False, history=only_form),
+            roughness=attrs.evolve(self, heights=self._heights - fitted, history=(*self.history, text)),
+            radius=1.0 / curvature if curvature else math.inf,
+        )
+
+    def detrend(self, form: str | int = 1) -> HeightMap:
+        """Return the map less its form; see `separate`."""
+        return self.separate(form).roughness
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Separated:
+    """Form and roughness of a height map; their sum is the map.
+
+    Attributes
+    ----------
+    form
+        The fitted form on the map's grid.
+    roughness
+        The heights less the form, with the non-measured points of the map.
+    radius
+        Radius of the sphere, m, negative for a bowl; infinite for other forms.
+    """
+
+    form: HeightMap
+    roughness: HeightMap
+    radius: float

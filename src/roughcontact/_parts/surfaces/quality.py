@@ -1,0 +1,190 @@
+"""Whether a measured height map shows its surface: interpolation, steps, filled points, blur and noise."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import scipy.fft
+
+from roughcontact._base.checks import Array, Mask
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Grid
+from roughcontact._parts.surfaces.filling import smooth_over
+from roughcontact._parts.surfaces.spectrum import mean_in_bands, power_spectrum
+
+# Sides of the part in the middle that is examined, and of the smallest map that is, cells: for each statistic enough.
+_PART, _SMALLEST = 256, 32
+# Edges of bands of a third of an octave, from waves of 16 cells to those of two, rad a cell.
+_EDGES = math.pi * 2.0 ** (np.arange(-9, 1) / 3.0)
+# Self-affine surfaces have slopes of -2 to -4, from means over cells to -5; a blur by s cells adds -2 (s q)^2. Long
+# waves are few, so that their slopes scatter.
+_BLURRED, _SCATTERED = -5.5, -6.5
+# A spectrum that drops by this factor within a third of an octave was computed, with a shortest wave.
+_COMPUTED = 1e-5
+# Point samples of a surface of Hurst exponent 0.3 have -1.8 over the upper octave, white noise 0.
+_WHITE = -1.0
+# Noise raises the slope by more than this over that of the longer waves; aliasing at most by about 1.
+_RISE = 1.3
+# Third differences and Laplacians below this fraction of their rms are zero: rounding.
+_ZERO = 1e-6
+# Fewer different third differences, evenly spaced within this fraction, mean steps of more than a twentieth of their
+# rms; shapes with flats have nine at most.
+_FEW, _EVEN, _FEWEST = 200, 0.1, 9
+# Third differences that agree within this fraction of their rms are equal, and the fraction of different ones above
+# which heights are not rounded.
+_LEVEL, _DISTINCT = 1e-5, 0.3
+# Fraction of non-measured points above which a map is not judged.
+_MOST_HOLES = 0.5
+# ... and above which it is not judged for noise: the surface through the holes has some.
+_FEW_HOLES = 0.05
+_NOISE = "the shortest waves of the map are mostly noise, which makes the area too small: filter it"
+# Fraction of points that are the mean of their neighbours above which they are filled in.
+_FILLED = 0.02
+# Amplitude of a periodic part of the differences in interpolated maps, over their mean and over the median amplitude.
+_PERIODIC, _PEAK = 0.1, 12.0
+# Waves that a map is made of, and cells for each, below which its differences are periodic without interpolation: sums
+# of 1 to 40 waves have up to 37, rough maps interpolated four times at least 57 on 160 x 160 cells, 20 on 64 x 64.
+_MANY_WAVES, _CELLS_PER_WAVE = 40, 300
+_ADVICE = "a finer grid adds no heights (rc.beyond_resolution gives the range of areas)"
+
+
+def list_map_warnings(
+    heights: Array, grid: Grid, non_measured: Mask | None = None, *, was_filled: bool = False
+) -> tuple[str, ...]:
+    """Return in which respects heights are not those of a measured surface, in sentences.
+
+    Parameters
+    ----------
+    heights
+        Heights, shape (nx, ny), m.
+    grid
+        Their cells.
+    non_measured
+        Points that are marked as non-measured, shape (nx, ny): they are not judged.
+    was_filled
+        Whether non-measured points are known to have been filled.
+    """
+    part = _take_middle(heights, non_measured)
+    if min(part.shape) < _SMALLEST or float(np.ptp(part)) == 0.0:
+        return ()
+    cell = max(grid.spacing)
+    period = _find_period(part)
+    if period > 0.0:
+        return (
+            f"the map looks interpolated (its differences repeat every {period:.2g} cells): use it as it was measured",
+        )
+    levels = _levels(part)
+    steps = np.diff(levels) / float(np.median(np.diff(levels)))
+    if _FEWEST < levels.size < _FEW and np.abs(steps - np.rint(steps)).max() < _EVEN:
+        return ("the heights of the map rise in steps as large as their differences: measure with finer steps",)
+    warnings = []
+    filled = _find_filled(part)
+    if levels.size <= _DISTINCT * part.size:
+        filled[...] = False
+    if filled.mean() > _FILLED:
+        share = f"about {100.0 * float(filled.mean()):.2g} % of the points of the map"
+        warnings.append(
+            f"{share} are filled from their neighbours, and may touch: keep them with non_measured='keep'"
+            if was_filled
+            else f"{share} look filled in: mark them non-measured"
+        )
+    # The edges of harmonic patches look like noise.
+    spectrum = _judge_spectrum(smooth_over(part, filled) if filled.any() else part, cell)
+    holes = filled if non_measured is None else filled | _middle(non_measured)
+    return (*warnings, *(text for text in spectrum if text != _NOISE or holes.mean() <= _FEW_HOLES))
+
+
+def _middle(values: Any) -> Any:
+    """Return the part that is examined."""
+    return values[tuple(slice(max(0, (n - _PART) // 2), (n + _PART) // 2) for n in values.shape)]
+
+
+def _take_middle(heights: Array, non_measured: Mask | None) -> Array:
+    """Return the part that is examined, smooth over non-measured points; nothing of it if these are the most."""
+    part, holes = _middle(heights), None if non_measured is None else _middle(non_measured)
+    if holes is not None and holes.any():
+        if holes.mean() > _MOST_HOLES:
+            return np.zeros((0, 0))
+        part = smooth_over(part, holes)
+    return np.asarray(part / (float(np.ptp(part)) or 1.0))
+
+
+def find_period(heights: Array, non_measured: Mask | None = None) -> float:
+    """Return the period of the differences between neighbouring points, cells; zero if the map is not interpolated."""
+    return _find_period(_take_middle(heights, non_measured))
+
+
+def _find_period(part: Array) -> float:
+    """Return the period of the differences in the part that is examined, cells; zero without one.
+
+    Variances of derivatives of interpolated samples are periodic in the position between the original points:
+    Gallagher, Proc. 2nd Canadian Conf. on Computer and Robot Vision (2005) 65, https://doi.org/10.1109/CRV.2005.33
+    """
+    if min(part.shape) < _SMALLEST:
+        return 0.0
+    for axis in (0, 1):
+        values = np.moveaxis(part, axis, 0)
+        for order in (2, 3, 4):
+            rms = np.std(np.diff(values, order, axis=0), axis=1)
+            if rms.mean() <= _ZERO**2:
+                continue
+            tone = np.abs(scipy.fft.rfft(rms / rms.mean() - 1.0)) / rms.size
+            # Originals of more than eight cells, and the constant part, are too few waves.
+            tone[: rms.size // 8] = 0.0
+            peak = int(np.argmax(tone))
+            if tone[peak] > _PERIODIC and tone[peak] > _PEAK * float(np.median(tone[rms.size // 8 :])):
+                enough = min(_MANY_WAVES, part.size / _CELLS_PER_WAVE)
+                return float(rms.size / peak) if _count_waves(part) >= enough else 0.0
+    return 0.0
+
+
+def _count_waves(part: Array) -> float:
+    """Return how many waves carry the curvature of heights, by the participation ratio of its spectrum."""
+    powers = (power_spectrum(np.diff(part, 2, axis=axis), steepness=2)[2] for axis in (0, 1))
+    # A wave has two modes.
+    return min(float(power.sum() ** 2 / (2.0 * (power**2).sum())) for power in powers)
+
+
+def _levels(part: Array) -> Array:
+    """Return the different third differences, which tilt and form do not change, over their rms, ascending."""
+    third = np.diff(part, 3, axis=0)
+    rms = float(np.sqrt(np.mean(third**2)))
+    if rms <= _ZERO**2:
+        return np.arange(2.0)
+    levels = np.sort(third, axis=None) / rms
+    return np.asarray(levels[np.diff(levels, prepend=-np.inf) > _LEVEL])
+
+
+def _find_filled(part: Array) -> Mask:
+    """Return which points are the mean of their neighbours, as harmonic ones are; not on the border."""
+    filled = np.zeros(part.shape, dtype=bool)
+    laplacian = part[1:-1, 2:] + part[1:-1, :-2] + part[2:, 1:-1] + part[:-2, 1:-1] - 4.0 * part[1:-1, 1:-1]
+    rms = float(np.sqrt(np.mean(laplacian**2)))
+    filled[1:-1, 1:-1] = np.abs(laplacian) <= max(_ZERO * rms, _ZERO**3)
+    return filled
+
+
+def _judge_spectrum(part: Array, cell: float) -> tuple[str, ...]:
+    qx, qy, power = power_spectrum(part)
+    bands = mean_in_bands(np.hypot(qx, qy), power, _EDGES)
+    if bands.max() * part.size < _ZERO**2:
+        return ()
+    drops = bands[1:] / bands[:-1]
+    # Over two thirds of an octave.
+    slopes = np.log(drops[1:] * drops[:-1]) / math.log(2.0 ** (2.0 / 3.0))
+    steep = np.flatnonzero((slopes[:-1] < _SCATTERED) & (slopes[1:] < _SCATTERED))
+    warnings = []
+    if steep.size or slopes[-1] < _BLURRED:
+        first = int(steep[0]) if steep.size else slopes.size - 1
+        if drops[first:].min() < _COMPUTED:
+            return ()
+        wave = 2.0 * math.pi / _EDGES[first + 1]
+        warnings.append(
+            f"waves below about {si(wave * cell, 'm', 2)} ({wave:.2g} cells) are faint in the map, as after optical "
+            f"blur or interpolation: {_ADVICE}"
+        )
+    if slopes[-1] > max(_WHITE, min(0.0, float(np.mean(slopes[2:5])) + _RISE)):
+        warnings.append(_NOISE)
+    return tuple(warnings)

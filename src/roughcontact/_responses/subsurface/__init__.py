@@ -1,8 +1,0 @@
-"""Stress below the surface: Love's cells, their transforms, the maximum, and the load of first yield."""
-
-from roughcontact._responses.subsurface.field import StressField
-from roughcontact._responses.subsurface.first_yield import FirstYield, YieldPoint
-from roughcontact._responses.subsurface.maximum import StressMaximum
-from roughcontact._responses.subsurface.stress import Stress, StressBelow
-
-__all__ = ["FirstYield", "Stress", "StressBelow", "StressField", "StressMaximum", "YieldPoint"]

@@ -1,0 +1,1 @@
+"""Displacement, pressure, problem and solution."""

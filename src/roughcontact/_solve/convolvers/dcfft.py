@@ -1,0 +1,80 @@
+"""Discrete convolution by FFT on a padded grid: the free boundary."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import attrs
+import numpy as np
+import scipy.fft
+
+from roughcontact._base.checks import Array, RealArray, Waves
+from roughcontact._base.machine.threads import threads_for
+from roughcontact._base.units import outlined
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.kernels import BoundKernel
+from roughcontact._solve.convolvers.base import ConvolutionSetup, Convolver, PreparedConvolution
+from roughcontact._solve.convolvers.waves import multiply_columns, transform_rows, transform_rows_back
+
+
+@attrs.frozen
+class DCFFT(Convolver):
+    """Linear convolution: zero-padded to at least 2n - 1 cells, so that no image acts.
+
+    The padded grid is never in memory: rows are padded along y only, and columns are padded,
+    multiplied and cut a few at a time.
+
+    References
+    ----------
+    Liu, Wang, Liu, Wear 243 (2000) 101-111, https://doi.org/10.1016/S0043-1648(00)00427-0
+    """
+
+    boundaries = frozenset({Boundary.FREE})
+
+    def transform_shape(self, grid: Grid, boundary: Boundary) -> tuple[int, int]:
+        """Return the smallest sizes from 2n - 1 on that are fast for real transforms."""
+        mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) for n in grid.shape)
+        return mx, my
+
+    def prepare(self, kernel: BoundKernel, grid: Grid, boundary: Boundary) -> PreparedConvolution:
+        setup = ConvolutionSetup(self, kernel, grid, boundary)
+        padded = self.transform_shape(grid, boundary)
+        coefficients = kernel.coefficients(grid.shape, grid.spacing)
+        half = _even_transform(coefficients.T, padded[1])
+        symbol = _even_transform(np.ascontiguousarray(half.T), padded[0])
+        return _PaddedConvolution(setup, symbol, padded)
+
+
+def _even_transform(values: Array, length: int) -> Array:
+    """Return the real transform along the first axis of the even extension to `length`."""
+    n = values.shape[0]
+    even = np.zeros((length, *values.shape[1:]))
+    even[:n] = values
+    even[length - n + 1 :] = values[:0:-1]
+    return np.ascontiguousarray(scipy.fft.rfft(even, axis=0, workers=threads_for(even.size)).real)
+
+
+@attrs.frozen(eq=False)
+class _PaddedConvolution(PreparedConvolution):
+    """Transform with padding, multiply, cut; the symbol is stored for half of the waves in x."""
+
+    setup: ConvolutionSetup
+    symbol: Array = attrs.field(repr=outlined)
+    padded: tuple[int, int]
+
+    @cached_property
+    def symbol_float32(self) -> RealArray:
+        """The symbol in float32."""
+        return self.symbol.astype(np.float32)
+
+    def apply(self, pressure: RealArray) -> RealArray:
+        symbol = self.symbol_float32 if pressure.dtype == np.float32 else self.symbol
+        mx, half = self.padded[0], self.symbol.shape[0]
+
+        def multiply(columns: Waves, block: slice) -> None:
+            columns[:half] *= symbol[:, block]
+            columns[half:] *= symbol[mx - half : 0 : -1, block]
+
+        waves = transform_rows(pressure, self.padded[1])
+        multiply_columns(waves, mx, multiply)
+        return transform_rows_back(waves, self.padded[1], pressure.shape[1])

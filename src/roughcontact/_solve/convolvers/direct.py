@@ -1,0 +1,61 @@
+"""The sum over all pairs of cells, without a transform."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, IntArray, RealArray
+from roughcontact._base.units import outlined
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.kernels import BoundKernel
+from roughcontact._solve.convolvers.base import ConvolutionSetup, Convolver, PreparedConvolution
+
+# Numbers of a Toeplitz matrix that is in memory at once: all of it up to 2048 cells along y.
+_LARGEST_MATRIX = 2**22
+
+
+@attrs.frozen
+class Direct(Convolver):
+    """Direct summation: the work grows as the square of the number of cells, the memory in proportion to it.
+
+    For very small grids, and to check the transforms, with which it shares no code.
+    """
+
+    boundaries = frozenset({Boundary.FREE, Boundary.WRAPPED})
+
+    def prepare(self, kernel: BoundKernel, grid: Grid, boundary: Boundary) -> PreparedConvolution:
+        setup = ConvolutionSetup(self, kernel, grid, boundary)
+        return _DirectSum(setup, kernel.coefficients(grid.shape, grid.spacing))
+
+
+@attrs.frozen(eq=False)
+class _DirectSum(PreparedConvolution):
+    """One Toeplitz matrix along y for each distance of rows along x."""
+
+    setup: ConvolutionSetup
+    coefficients: Array = attrs.field(repr=outlined)
+
+    def apply(self, pressure: RealArray) -> RealArray:
+        nx, ny = self.coefficients.shape
+        total = np.zeros((nx, ny), dtype=pressure.dtype)
+        step = max(1, _LARGEST_MATRIX // ny)
+        for part in (slice(start, start + step) for start in range(0, ny, step)):
+            self._add(total[:, part], pressure, np.abs(np.arange(ny)[:, np.newaxis] - np.arange(ny)[part]))
+        return total
+
+    def _add(self, total: RealArray, pressure: RealArray, offsets: IntArray) -> None:
+        """Add to some columns of the result; `offsets` are the distances of all columns from these."""
+        nx, ny = self.coefficients.shape
+        if self.setup.boundary is Boundary.WRAPPED:
+            # Each cell is acted on by the nearest image of every other.
+            offsets = np.minimum(offsets, ny - offsets)
+            for shift in range(nx):
+                row = self.coefficients[min(shift, nx - shift)]
+                total += np.roll(pressure, shift, axis=0) @ row[offsets]
+            return
+        for distance, row in enumerate(self.coefficients):
+            matrix = row[offsets]
+            total[distance:] += pressure[: nx - distance] @ matrix
+            if distance:
+                total[:-distance] += pressure[distance:] @ matrix

@@ -1,0 +1,249 @@
+"""Solves that aim at an accuracy: the grid and the tolerance follow from it."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import attrs
+import numpy as np
+import scipy.fft
+
+from roughcontact._base.checks import Array, number
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.load import Load
+from roughcontact._parts.surfaces.resampling import bilinear
+from roughcontact._solve.problem.plan import require_memory_of_solve
+from roughcontact._solve.problem.resolution import resample_problem
+from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution
+from roughcontact._solve.solution.accuracy import Accuracy, Trial
+from roughcontact._solve.solvers import Step
+from roughcontact.errors import InputError, NotEnoughMemory
+
+if TYPE_CHECKING:
+    from roughcontact._solve.problem.problem import ContactProblem
+
+# The algebraic error is at most this part of the standard deviation that is asked for, which is the rule of Ern and
+# Vohralik, SIAM J. Sci. Comput. 35 (2013) A1761, https://doi.org/10.1137/120896918.
+_ALGEBRAIC = 0.1
+# Relative change of area and maximum pressure by the tolerance, over the tolerance: at most 0.8 and 0.7 on 44 waves,
+# balls, rough and capped contacts at tolerances of 1e-4, 0.4 and 1.1 at 1e-3 (docs/studies/tolerance.py); and margin.
+_SENSITIVITY = 2.0
+# Tolerance above which the set of cells in contact is not settled: areas are off by up to 0.8 % at 1e-2.
+_LOOSEST = 1e-3
+# Fraction of the mean square curvature of the heights that a coarse grid must show: five cells to a wave.
+_CURVATURE = 0.75
+# ... and that of a grid of half the cells, beside the only one that was solved: three cells to a wave.
+_RESOLVED = 0.5
+# Fewest cells along an axis of the coarsest grid, and the number that those of others are multiples of.
+_COARSEST, _MULTIPLE = 64, 8
+# Order at which the uncertainty falls with the cell before two grids have shown it, bounds for what they show, and
+# bounds of the factor between the cells of two grids.
+_ORDER, _ORDERS, _FACTORS = 3.0, (1.0, 4.0), (1.15, 4.0)
+# Factor on the cells that the next grid seems to need, because the uncertainty scatters.
+_MARGIN = 1.05
+# Factor between the cells of two grids of which the first met the accuracy and disagreed with the one before.
+_AGAIN = 1.5
+# Cells to which a grid is refined without being asked, about ten seconds, and times the cells of the grid given.
+_UNASKED, _TIMES_GIVEN = 2**22, 64
+_NO_HEIGHTS = "the heights are known at the points of a map only, and a finer grid adds none: measure a finer map"
+
+
+@attrs.frozen
+class Target:
+    """Relative errors that area and maximum pressure may have, with 95 %; None where nothing is asked."""
+
+    area_within: float | None
+    peak_within: float | None
+
+    @classmethod
+    def of(cls, area_within: object, peak_within: object) -> Target | None:
+        """Return the target, or None if nothing is asked; `InputError` if a value is not between 0 and 1."""
+        given = [
+            None if value is None else number(value, f"The relative error {name}=", above=0.0, at_most=1.0)
+            for name, value in (("area_within", area_within), ("peak_within", peak_within))
+        ]
+        return None if given == [None, None] else cls(*given)
+
+    def tolerance(self, smallest: float) -> float:
+        """Return the tolerance of a solver, `smallest` at the smallest."""
+        within = min(value for value in (self.area_within, self.peak_within) if value is not None)
+        return max(min(0.5 * within * _ALGEBRAIC / _SENSITIVITY, _LOOSEST), smallest)
+
+    def measure(self, solution: ContactSolution) -> Trial:
+        """Return what a grid gives."""
+        area, peak = (math.nan, math.nan), (math.nan, math.nan)
+        if self.area_within is not None:
+            found = solution.area()
+            area = found.value, found.uncertainty
+        if self.peak_within is not None:
+            highest = solution.peak_pressure()
+            peak = highest.value, highest.uncertainty
+        return Trial(solution.grid.shape, *area, *peak, solution.convolutions, solution.seconds)
+
+    def excess(self, trial: Trial) -> float:
+        """Return two standard deviations over what is asked, the larger one of both: at most 1 where it is met."""
+        within = self.area_within, self.peak_within
+        return max(spread / value for spread, value in zip(trial.spreads, within, strict=True) if value is not None)
+
+
+def solve_within(
+    problem: ContactProblem,
+    load: Load,
+    target: Target,
+    tolerance: float | None,
+    on_step: Callable[[Step], None] | None,
+) -> ContactSolution:
+    """Return the solution on the coarsest grid found that meets a target, or the last one with the reason why not."""
+    if load.kind == "approach":
+        raise InputError(
+            "An accuracy needs pressure= or force=: an approach counts from first touch, which moves with the grid."
+        )
+    problem = _choose_tolerance(problem, target) if tolerance is None else with_tolerance(problem, tolerance)
+    trials: list[Trial] = []
+    rung, solution, shortfall = _coarsest(problem), None, ""
+    while True:
+        start = None
+        if solution is not None:
+            periodic = problem.boundary is not Boundary.FREE
+            start = bilinear(solution.pressure, rung.plan.grid.shape, periodic=periodic)
+        try:
+            solution = rung.solve(**load.arguments, start=start, throw=False, on_step=on_step)
+        except InputError as error:
+            # The memory is compared once more before a solve: the heights take some of it.
+            if solution is None:
+                raise
+            shortfall = _explain(error, rung.plan.grid.shape)
+            break
+        trials.append(target.measure(solution))
+        if not solution.status.success:
+            shortfall = "the solver did not converge"
+            break
+        if target.excess(trials[-1]) <= 1.0 and _is_confirmed(rung, problem, trials):
+            break
+        try:
+            rung = _refine(problem, trials, target)
+        except InputError as error:
+            shortfall = str(error).rstrip(".")
+            break
+    estimator = DEFAULT_AREA if target.area_within is not None else ""
+    within = target.area_within, target.peak_within
+    return attrs.evolve(
+        solution, accuracy=Accuracy(*within, rung.plan.solver.tolerance, estimator, tuple(trials), shortfall)
+    )
+
+
+def with_tolerance(problem: ContactProblem, tolerance: float) -> ContactProblem:
+    """Return the same problem with another tolerance of its solver; heights and kernel are not sampled anew."""
+    solver = problem.plan.solver.with_tolerance(tolerance)
+    plan = attrs.evolve(problem.plan, solver=solver)
+    changed = copy.copy(problem)
+    known = {"solver": solver, "plan": plan, "convolution": problem.convolution, "_gap": problem._gap}
+    for name, value in known.items():
+        object.__setattr__(changed, name, value)
+    return changed
+
+
+def _choose_tolerance(problem: ContactProblem, target: Target) -> ContactProblem:
+    """Return the problem with the tolerance that the target allows; a solver that was given keeps its own."""
+    if not isinstance(problem.solver, str):
+        return problem
+    with contextlib.suppress(InputError):
+        # That of a plug-in may be fixed.
+        problem = with_tolerance(problem, target.tolerance(problem.plan.solver.tolerance))
+    return problem
+
+
+def _has_map(problem: ContactProblem) -> bool:
+    return any(body.own_grid is not None for body in (problem.body, problem.counterbody))
+
+
+def _coarsest(problem: ContactProblem) -> ContactProblem:
+    """Return the problem on the coarsest grid that shows the curvature of its heights; a map is not coarsened."""
+    shape, stride = problem.plan.grid.shape, 1
+    if _has_map(problem):
+        return problem
+    all_of_it = _mean_square_curvature(problem.initial_gap, problem.plan.grid)
+    while min(shape) // (2 * stride) >= _COARSEST:
+        coarse = problem.initial_gap[:: 2 * stride, :: 2 * stride]
+        if _mean_square_curvature(coarse, Grid(coarse.shape, problem.plan.grid.size)) < _CURVATURE * all_of_it:
+            break
+        stride *= 2
+    try:
+        return problem if stride == 1 else resample_problem(problem, (shape[0] // stride, shape[1] // stride))
+    except InputError:
+        return problem
+
+
+def _mean_square_curvature(gap: Array, grid: Grid) -> float:
+    """Return the mean square second differences of the gap, 1/m2, where it is below its mean."""
+    low, total = gap < gap.mean(), 0.0
+    for values, there, step in zip((gap, gap.T), (low, low.T), grid.spacing, strict=True):
+        bends = np.diff(values, 2, axis=0)[there[1:-1]]
+        # Fewer than three cells show no curvature.
+        total += float(np.mean(bends**2)) / step**4 if bends.size else math.nan
+    return total
+
+
+def _is_confirmed(rung: ContactProblem, problem: ContactProblem, trials: list[Trial]) -> bool:
+    """Return whether a grid agrees with the one before, or a finer one shows no sharper heights."""
+    if len(trials) > 1:
+        one, other = trials[-2:]
+        area, peak = other.area - one.area, other.peak - one.peak
+        # Comparisons with nan, where nothing is asked, are false.
+        return not (
+            abs(area) > 2.0 * math.hypot(one.area_uncertainty, other.area_uncertainty)
+            or abs(peak) > 2.0 * math.hypot(one.peak_uncertainty, other.peak_uncertainty)
+        )
+    nx, ny = rung.plan.grid.shape
+    if rung is not problem or _has_map(problem):
+        return True
+    try:
+        finer = resample_problem(problem, (2 * nx, 2 * ny))
+    except InputError:
+        return True
+    sharp = _mean_square_curvature(finer.initial_gap, finer.plan.grid)
+    return _mean_square_curvature(problem.initial_gap, problem.plan.grid) >= _RESOLVED * sharp
+
+
+def _refine(problem: ContactProblem, trials: list[Trial], target: Target) -> ContactProblem:
+    """Return the problem on the grid that should meet the target; `InputError` with the reason if there is none."""
+    excess, order = target.excess(trials[-1]), _ORDER
+    cells = [math.sqrt(math.prod(trial.shape)) for trial in trials]
+    if len(trials) > 1 and math.isfinite(before := target.excess(trials[-2])) and excess > 0.0:
+        observed = math.log(before / excess) / math.log(cells[-1] / cells[-2])
+        order = min(max(observed, _ORDERS[0]), _ORDERS[1])
+    factor = min(max(_MARGIN * excess ** (1.0 / order), _FACTORS[0]), _FACTORS[1]) if excess > 1.0 else _AGAIN
+    nx, ny = (
+        _MULTIPLE * scipy.fft.next_fast_len(math.ceil(factor * n / _MULTIPLE), real=True) for n in trials[-1].shape
+    )
+    allowed = max(_UNASKED, _TIMES_GIVEN * problem.plan.grid.cells)
+    if nx * ny > allowed:
+        raise InputError(
+            f"it seems to need {nx} x {ny} cells, more than the {allowed} to which this grid of "
+            f"{problem.plan.grid.shape[0]} x {problem.plan.grid.shape[1]} is refined: allow a larger error, or give a "
+            "finer grid"
+        )
+    try:
+        require_memory_of_solve(Grid((nx, ny), problem.plan.grid.size), problem.boundary, problem.memory_limit)
+    except InputError as error:
+        raise InputError(_explain(error, (nx, ny))) from error
+    try:
+        return resample_problem(problem, (nx, ny))
+    except InputError as error:
+        if _has_map(problem):
+            raise InputError(_NO_HEIGHTS) from error
+        raise
+
+
+def _explain(error: InputError, shape: tuple[int, int]) -> str:
+    """Return why a grid, which nobody has asked for, is not solved: without the advice to choose another."""
+    if not isinstance(error, NotEnoughMemory):
+        return str(error).rstrip(".")
+    return (
+        f"it seems to need {shape[0]} x {shape[1]} cells, for which there is too little memory ({error.available}): "
+        "allow a larger error"
+    )

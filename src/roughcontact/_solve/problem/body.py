@@ -1,0 +1,125 @@
+"""Bodies, and the gap between two of them before they deform."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import LARGEST, Array, Mask, frozen_array, instance_of
+from roughcontact._base.units import outlined
+from roughcontact._parts.grid import Grid
+from roughcontact._parts.materials import Material, Rigid
+from roughcontact._parts.surfaces import FlatSurface, Surface
+from roughcontact.errors import InputError
+
+
+@attrs.frozen
+class Body:
+    """One of the two bodies in contact.
+
+    Parameters
+    ----------
+    surface
+        Its heights, positive towards the other body.
+    material
+        Its elastic constants and hardness.
+    """
+
+    surface: Surface = attrs.field(validator=instance_of(Surface, "The surface of a body", "a Surface"))
+    material: Material = attrs.field(validator=instance_of(Material, "The material of a body", "a Material"))
+
+    def heights(self, grid: Grid) -> Array:
+        """Return the heights of the surface at the cell centres, shape `grid.shape`, m.
+
+        Raises
+        ------
+        InputError
+            If the surface does not give finite real heights of that shape.
+        """
+        heights = np.asarray(self.surface.heights(grid))
+        name = type(self.surface).__name__
+        if heights.shape != grid.shape or heights.dtype.kind != "f":
+            raise InputError(
+                f"The surface {name} must give real heights of shape {grid.shape}, "
+                f"but gave an array of shape {heights.shape} and type {heights.dtype}."
+            )
+        # Without a temporary of the grid's size; a NaN fails both.
+        if not (heights.min() >= -LARGEST and heights.max() <= LARGEST):
+            raise InputError(f"The surface {name} gave heights that are not finite, or above {LARGEST:g} m.")
+        return heights
+
+    def non_measured(self, grid: Grid) -> Mask | None:
+        """Return which cells are non-measured points, shape `grid.shape`; None if all were measured."""
+        mask = self.surface.non_measured_on(grid)
+        if mask is not None and not (isinstance(mask, np.ndarray) and mask.dtype == bool and mask.shape == grid.shape):
+            name = type(self.surface).__name__
+            raise InputError.about(f"{name}.non_measured_on(grid)", mask, f"None or booleans of shape {grid.shape}")
+        return mask if mask is not None and mask.any() else None
+
+    @property
+    def own_grid(self) -> Grid | None:
+        """The only grid on which the surface is known; None if any grid is possible."""
+        grid = self.surface.own_grid
+        if grid is not None and not isinstance(grid, Grid):
+            raise InputError.about(f"{type(self.surface).__name__}.own_grid", grid, "a Grid or None")
+        return grid
+
+    @property
+    def provenance(self) -> tuple[str, ...]:
+        """Where the heights come from and how they were processed, in words."""
+        texts = self.surface.provenance
+        if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
+            raise InputError.about(f"{type(self.surface).__name__}.provenance", texts, "a tuple of texts")
+        return texts
+
+
+RIGID_FLAT = Body(FlatSurface(), Rigid())
+
+
+@attrs.frozen(eq=False)
+class InitialGap:
+    """The gap between two bodies whose summits just touch, before they deform.
+
+    Attributes
+    ----------
+    values
+        Gap, shape (nx, ny), m, at least zero; at non-measured points larger than anywhere else.
+    summit
+        Maximum of the sum of both heights, m.
+    non_measured
+        Points that were not measured on one of the bodies, shape (nx, ny); None if there are none.
+    """
+
+    values: Array = attrs.field(repr=outlined)
+    summit: float
+    non_measured: Mask | None = attrs.field(repr=outlined)
+
+    def sum_non_measured(self, pressure: Array) -> float:
+        """Return the sum of the pressure, shape (nx, ny), at non-measured points."""
+        return 0.0 if self.non_measured is None else float(pressure[self.non_measured].sum())
+
+    def with_depth(self, depth: float) -> InitialGap:
+        """Return the same gap with the non-measured points at `depth`, m."""
+        return attrs.evolve(self, values=frozen_array(np.where(np.asarray(self.non_measured), depth, self.values)))
+
+
+def find_initial_gap(body: Body, counterbody: Body, grid: Grid) -> InitialGap:
+    """Return the initial gap between two bodies on a grid.
+
+    Raises
+    ------
+    InputError
+        If a surface does not give heights on the grid, or no point was measured on both.
+    """
+    total = body.heights(grid) + counterbody.heights(grid)
+    masks = [mask for mask in (body.non_measured(grid), counterbody.non_measured(grid)) if mask is not None]
+    if not masks:
+        summit = float(total.max())
+        return InitialGap(frozen_array(np.subtract(summit, total, out=total)), summit, None)
+    non_measured = np.logical_or.reduce(masks)
+    if non_measured.all():
+        raise InputError("Nowhere do measured points of the two bodies face each other.")
+    summit = float(total[~non_measured].max())
+    gap = InitialGap(frozen_array(np.subtract(summit, total, out=total)), summit, non_measured)
+    deepest = float(gap.values[~non_measured].max())
+    return gap.with_depth(2.0 * deepest or min(grid.spacing))

@@ -1,0 +1,286 @@
+"""The plan of a solve: what will run, and what is omitted and why."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, Mask, number
+from roughcontact._base.machine.memory import available_memory, require_memory
+from roughcontact._base.machine.threads import choose_threads
+from roughcontact._base.units import PlainText, binary, si
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.kernels import InfluenceKernel
+from roughcontact._parts.load import FIRST_LOADING
+from roughcontact._parts.materials import Material, Rigid, combined_pressure_limit, contact_modulus
+from roughcontact._parts.surfaces import FlatSurface
+from roughcontact._solve.convolvers import Convolver, Direct
+from roughcontact._solve.problem.body import Body, InitialGap
+from roughcontact._solve.solution.plausibility import find_scene
+from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver
+from roughcontact.errors import InputError
+
+# Peak memory of a solve in float64 arrays of the grid's size, at fractions of the cells in contact below the
+# pressure limit, without and with a free boundary; measured by docs/studies/memory.py. Vectors hold
+# only the cells in contact; on a free boundary kernel and spectra are larger.
+_FRACTIONS = {False: (0.0, 0.1, 0.28, 0.36, 1.0), True: (0.0, 0.1, 0.4, 1.0)}
+# ... arrays at each fraction.
+_ARRAYS = {False: (8.0, 9.2, 10.3, 15.5, 16.6), True: (11.5, 12.7, 17.6, 17.8)}
+# ... and at least, where vectors hold all cells: other solvers, and the direct sum; measured by tests/test_memory.py.
+_UNRESTRICTED = 14.0
+# Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), to leave room for
+# coarser and finer grids.
+_LONGEST = 1e8
+# The sides of the largest grid that is proposed are multiples of this, so that they can be halved to coarser grids.
+_HALVED = 32
+# Lengths in m and moduli in Pa up to this, and their inverses, keep the products in forces, areas and curvatures
+# within the 1e308 of float64.
+_EXTREME = 1e40
+_IMAGES = {
+    Boundary.FREE: "images of the domain: the boundary is free",
+    Boundary.PERIODIC: "padding: the domain repeats, every image counts",
+    Boundary.WRAPPED: "padding and all but the nearest images: the boundary is wrapped",
+}
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class SolvePlan:
+    """What will run, and what is omitted and why; `str` of it is the text of ``explain()``.
+
+    Attributes
+    ----------
+    grid, boundary, kernel, convolver, solver
+        The parts that will run.
+    materials
+        Those of the two bodies.
+    modulus
+        Contact modulus E*, Pa.
+    initial_gap
+        Gap before deformation, shape (nx, ny), m.
+    peak_to_valley
+        Maximum of the initial gap, m.
+    pressure_limit
+        Maximum pressure, shape () or (nx, ny), Pa; `inf` where there is none.
+    omitted
+        What does not run, with the reason.
+    non_measured
+        Points that were not measured, shape (nx, ny); None if there are none.
+    histories
+        How the heights of each body were prepared, in words.
+    threads
+        The number of threads that is given, or ``"auto"``.
+    memory_limit
+        The memory that a solve may take, bytes; None for what the machine has.
+    """
+
+    grid: Grid
+    boundary: Boundary
+    kernel: InfluenceKernel
+    convolver: Convolver
+    solver: Solver
+    materials: tuple[Material, Material]
+    modulus: float
+    initial_gap: Array
+    peak_to_valley: float
+    pressure_limit: Array
+    omitted: tuple[str, ...]
+    non_measured: Mask | None
+    histories: tuple[tuple[str, ...], tuple[str, ...]]
+    threads: int | str = "auto"
+    memory_limit: int | None = None
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Likely mistakes in the problem, in sentences."""
+        findings = find_scene(self.initial_gap, self.grid, self.boundary, self.materials)
+        return tuple(finding.warning for finding in findings if finding.warning)
+
+    @property
+    def transform_shape(self) -> tuple[int, int]:
+        """Cells on which the convolver works, padding included."""
+        return self.convolver.transform_shape(self.grid, self.boundary)
+
+    @property
+    def thread_choice(self) -> tuple[int, str]:
+        """How many threads a solve takes here and now, and why."""
+        return choose_threads(self.threads, self.grid.cells)
+
+    @property
+    def memory(self) -> int:
+        """Peak memory of a solve with all cells in contact, beyond the problem itself, bytes."""
+        return self.memory_at(1.0)
+
+    def memory_at(self, contact_fraction: float) -> int:
+        """Return the peak memory of a solve, beyond the problem itself, bytes.
+
+        Parameters
+        ----------
+        contact_fraction
+            Fraction of the cells that are in contact below the pressure limit, 0 to 1.
+        """
+        contact_fraction = number(contact_fraction, "The contact fraction", at_least=0.0, at_most=1.0)
+        memory = memory_of_solve(self.grid, self.boundary, contact_fraction)
+        restricted = isinstance(self.solver, ProjectedConjugateGradient) and not isinstance(self.convolver, Direct)
+        return memory if restricted else max(memory, int(8 * self.grid.cells * _UNRESTRICTED))
+
+    def __str__(self) -> str:
+        nx, ny = self.transform_shape
+        histories = [(f"heights {number}", "; ".join(steps)) for number, steps in enumerate(self.histories, 1) if steps]
+        rows = [
+            ("grid", f"{self.grid}, boundary {self.boundary}"),
+            (
+                "bodies",
+                f"contact modulus {si(self.modulus, 'Pa')}, peak to valley {si(self.peak_to_valley, 'm')}, "
+                f"pressure limit {_format_range(self.pressure_limit)}",
+            ),
+            *histories,
+            ("kernel", repr(self.kernel)),
+            ("convolver", f"{self.convolver} on {nx} x {ny} cells"),
+            ("solver", repr(self.solver)),
+            ("precision", "fields and residuals in float64, whatever the solver uses inside"),
+            ("threads", "{}: {}".format(*self.thread_choice)),
+            ("memory", self._format_memory()),
+            *([("loads", FIRST_LOADING)] if np.isfinite(self.pressure_limit).any() else []),
+            *(("omitted", text) for text in self.omitted),
+            *(("warning", text) for text in self.warnings),
+        ]
+        return PlainText("\n".join(f"{label:<10} {text}" for label, text in rows))
+
+    def __repr__(self) -> str:
+        return str(self)
+
+    def _format_memory(self) -> str:
+        light, full = (
+            f"{size / 2**20:.3g} MiB ({size / (8 * self.grid.cells):.3g} arrays of the grid)"
+            for size in (self.memory_at(0.0), self.memory)
+        )
+        text = f"{light} at light contact, at most {full}"
+        limit = self.memory_limit if self.memory_limit is not None else available_memory()
+        if limit is None or self.memory <= limit:
+            return text
+        fits = max((k for k in range(101) if self.memory_at(0.01 * k) <= limit), default=0)
+        return f"{text}; the {binary(limit)} there are suffice for up to {fits} % of the cells in contact"
+
+
+def memory_of_solve(grid: Grid, boundary: Boundary, contact_fraction: float) -> int:
+    """Return the peak memory of a solve, beyond the problem itself, bytes; see `SolvePlan.memory_at`."""
+    free = boundary is Boundary.FREE
+    return int(8 * grid.cells * np.interp(contact_fraction, _FRACTIONS[free], _ARRAYS[free]))
+
+
+def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = None) -> None:
+    """Refuse a grid on which a solve does not fit into memory, even at light contact; before there are heights.
+
+    `limit` is the memory that it may take, bytes; None for what the machine has.
+    """
+    shape, needed = " x ".join(map(str, grid.shape)), memory_of_solve(grid, boundary, 0.0)
+
+    def advise(available: int) -> str:
+        sides = (_round_down(math.sqrt(available / needed) * n) for n in grid.shape)
+        padded = ", or a periodic boundary, which needs less" if boundary is Boundary.FREE else ""
+        return f"choose at most {' x '.join(map(str, sides))} cells{padded}"
+
+    require_memory(needed, f"A solve on {shape} cells, boundary {boundary},", advise, limit)
+
+
+def _round_down(side: float) -> int:
+    """Return a number of cells that can be halved a few times, at most `side` of them and at least one."""
+    return int(side) // _HALVED * _HALVED or max(1, int(side))
+
+
+def make_plan(
+    body: Body,
+    counterbody: Body,
+    gap: InitialGap,
+    *,
+    grid: Grid,
+    boundary: Boundary,
+    kernel: InfluenceKernel,
+    convolver: Convolver,
+    solver: Solver,
+    threads: int | str = "auto",
+    memory_limit: int | None = None,
+) -> SolvePlan:
+    """Return the plan of a problem, after a check that its parts fit together.
+
+    Raises
+    ------
+    InputError
+        If they do not.
+    """
+    convolver.require(kernel, boundary)
+    short, long = sorted(grid.spacing)
+    if not long <= _LONGEST * short:
+        raise InputError.about("The cells of the grid", grid.spacing, f"at most {_LONGEST:g} times as long as wide")
+    peak_to_valley = float(gap.values.max())
+    if peak_to_valley == 0.0:
+        raise InputError("Both surfaces are flat, so the pressure is uniform: give at least one of them heights.")
+    modulus = contact_modulus(body.material, counterbody.material)
+    _require_range(modulus, "Pa", "contact modulus")
+    for value, name in (
+        (peak_to_valley, "peak-to-valley height"),
+        *((side, "side of the cells") for side in grid.spacing),
+    ):
+        _require_range(value, "m", name)
+    limit = combined_pressure_limit(body.material, counterbody.material)
+    if limit.shape not in ((), grid.shape):
+        raise InputError(f"The pressure limit is an array of shape {limit.shape}, but the grid has {grid.shape} cells.")
+    capped = bool(np.isfinite(limit).any())
+    solver.require(capped=capped)
+    return SolvePlan(
+        grid=grid,
+        boundary=boundary,
+        kernel=kernel,
+        convolver=convolver,
+        solver=solver,
+        materials=(body.material, counterbody.material),
+        modulus=modulus,
+        initial_gap=gap.values,
+        peak_to_valley=peak_to_valley,
+        pressure_limit=limit,
+        omitted=(
+            *_list_omitted((body, counterbody), boundary, capped=capped),
+            *solver.omitted,
+            *_list_borders(solver, boundary),
+        ),
+        non_measured=gap.non_measured,
+        histories=(body.provenance, counterbody.provenance),
+        threads=threads,
+        memory_limit=memory_limit,
+    )
+
+
+def _require_range(value: float, unit: str, name: str) -> None:
+    if not 1.0 / _EXTREME < value < _EXTREME:
+        raise InputError(f"A {name} of {value:g} {unit} leaves the range of float64: check the units.")
+
+
+def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool) -> list[str]:
+    """Return what this problem does not need, with the reason."""
+    texts = [_IMAGES[boundary]]
+    if not capped:
+        texts.append("pressure limit: neither material has one")
+    if boundary is Boundary.PERIODIC:
+        texts.append("kernel in real space: its spectrum is used")
+    for body in bodies:
+        if isinstance(body.material, Rigid):
+            texts.append("deformation of one body: it is rigid")
+        if isinstance(body.surface, FlatSurface):
+            texts.append("heights of one body: it is flat")
+    return texts
+
+
+def _list_borders(solver: Solver, boundary: Boundary) -> list[str]:
+    if boundary is not Boundary.FREE or not isinstance(solver, ProjectedConjugateGradient):
+        return []
+    return ["the borders of the domain where they cannot touch: the solver works on the part between them"]
+
+
+def _format_range(limit: Array) -> str:
+    low, high = float(limit.min()), float(limit.max())
+    if math.isinf(low):
+        return "none"
+    return si(low, "Pa") if low == high else f"{si(low, 'Pa')} to {si(high, 'Pa')}"

@@ -1,0 +1,300 @@
+"""The contact problem: two bodies, a grid and the parts that solve it."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable, Iterable
+from functools import cached_property
+from typing import Any
+
+import attrs
+
+from roughcontact._base.checks import Array, callback, choice, flag, instance_of
+from roughcontact._base.machine.memory import limit_of_memory
+from roughcontact._base.machine.threads import thread_count
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, kernels
+from roughcontact._parts.load import Load
+from roughcontact._parts.surfaces.statistics import rms_slope
+from roughcontact._solve.convolvers import Convolver, PreparedConvolution, convolvers
+from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
+from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
+from roughcontact._solve.problem.certificate import verify_solution
+from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
+from roughcontact._solve.problem.run import computing, require_success, run_solve
+from roughcontact._solve.problem.sweep import Sweep, find_load_of_area, run_sweep
+from roughcontact._solve.problem.task import limit_load, maximum_pressure
+from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, Origin
+from roughcontact._solve.solvers import Solver, Step, solvers
+from roughcontact.errors import InputError
+
+_AUTO_CONVOLVER = {Boundary.FREE: "dc-fft", Boundary.PERIODIC: "circular-fft", Boundary.WRAPPED: "circular-fft"}
+_AUTO_SOLVER = "projected-cg"
+# Arguments that say how a machine computes: they change no bit of a solution, and are no part of what was solved.
+_OF_MACHINE = ("threads", "memory_limit")
+
+
+def _boundary(value: str) -> Boundary:
+    return Boundary(choice(value, "The boundary", [str(name) for name in Boundary]))
+
+
+_is_body = instance_of(Body, "Each side of a contact", "a Body(surface, material)")
+_is_grid = attrs.validators.optional(instance_of(Grid, "The grid", "a Grid(shape, size)"))
+
+
+@attrs.frozen(eq=False)
+class ContactProblem:
+    """Normal, frictionless contact of two rough bodies on half-spaces.
+
+    Parameters
+    ----------
+    body, counterbody
+        The two bodies; heights of both are positive towards the other.
+    grid
+        The grid; None if a surface has one of its own.
+    boundary
+        ``"free"``: nothing lies beyond the domain; ``"periodic"``: it repeats without end; ``"wrapped"``:
+        the nearest image only.
+    kernel, convolver, solver
+        Registered names or instances; ``"auto"`` chooses the convolver and the solver.
+    threads
+        Threads of a solve, at most as many as this process may use; ``"auto"``: as many as gain on this grid, and one
+        in a process of a pool. The solution is the same to the last bit.
+    memory_limit
+        Memory that a solve may take beyond the problem itself, bytes or a text such as ``"8 GiB"``; None: what this
+        process may still take. A grid that needs more is refused.
+
+    Raises
+    ------
+    InputError
+        If the parts do not fit together.
+    """
+
+    body: Body = attrs.field(validator=_is_body)
+    counterbody: Body = attrs.field(default=RIGID_FLAT, validator=_is_body)
+    grid: Grid | None = attrs.field(default=None, kw_only=True, validator=_is_grid)
+    boundary: Boundary = attrs.field(default=Boundary.FREE, converter=_boundary, kw_only=True)
+    kernel: str | InfluenceKernel = attrs.field(default="love", kw_only=True)
+    convolver: str | Convolver = attrs.field(default="auto", kw_only=True)
+    solver: str | Solver = attrs.field(default="auto", kw_only=True)
+    threads: int | str = attrs.field(default="auto", converter=thread_count, kw_only=True)
+    memory_limit: int | None = attrs.field(default=None, converter=limit_of_memory, kw_only=True)
+
+    def __attrs_post_init__(self) -> None:
+        # The plan checks that the parts fit together.
+        _ = self.plan
+
+    @cached_property
+    def plan(self) -> SolvePlan:
+        """What will run, and what is omitted."""
+        convolver = _AUTO_CONVOLVER[self.boundary] if self.convolver == "auto" else self.convolver
+        solver = _AUTO_SOLVER if self.solver == "auto" else self.solver
+        return make_plan(
+            self.body,
+            self.counterbody,
+            self._gap,
+            grid=self._grid,
+            boundary=self.boundary,
+            kernel=kernels.resolve(self.kernel),
+            convolver=convolvers.resolve(convolver),
+            solver=solvers.resolve(solver),
+            threads=self.threads,
+            memory_limit=self.memory_limit,
+        )
+
+    @cached_property
+    def convolution(self) -> PreparedConvolution:
+        """The prepared convolution in dimensionless variables: lengths in cells, E* = 1."""
+        plan = self.plan
+        # The memory is compared once more: this is the first solve, perhaps long after the problem was made.
+        require_memory_of_solve(plan.grid, plan.boundary, plan.memory_limit)
+        unit = plan.grid.spacing[0] / plan.modulus
+        bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit)
+        prepared = plan.convolver.prepare(bound, plan.grid, plan.boundary)
+        if not isinstance(prepared, PreparedConvolution):
+            raise InputError(f"The convolver {plan.convolver!r} must return a PreparedConvolution, not {prepared!r}.")
+        return prepared
+
+    @property
+    def initial_gap(self) -> Array:
+        """Gap before deformation when the summits just touch, shape (nx, ny), m, at least zero."""
+        return self._gap.values
+
+    @property
+    def summit(self) -> float:
+        """Maximum of the sum of both heights, m, where the bodies touch first."""
+        return self._gap.summit
+
+    @cached_property
+    def _gap(self) -> InitialGap:
+        # Before there are heights.
+        require_memory_of_solve(self._grid, self.boundary, self.memory_limit)
+        return find_initial_gap(self.body, self.counterbody, self._grid)
+
+    @cached_property
+    def _grid(self) -> Grid:
+        own = (body.own_grid for body in (self.body, self.counterbody))
+        grid = self.grid or next((grid for grid in own if grid is not None), None)
+        if grid is None:
+            raise InputError("The surfaces carry no grid of their own: give grid=Grid(shape, size).")
+        return grid
+
+    @property
+    def parts(self) -> dict[str, Any]:
+        """The arguments that determine its solutions, by name: all but `threads` and `memory_limit`."""
+        return attrs.asdict(self, recurse=False, filter=lambda field, _: field.name not in _OF_MACHINE)
+
+    def explain(self) -> str:
+        """Return in words what a solve will do, and what is omitted and why."""
+        return str(self.plan)
+
+    def __repr__(self) -> str:
+        bodies = " on ".join(type(body.surface).__name__ for body in (self.body, self.counterbody))
+        return f"<ContactProblem {self._grid}, {self.boundary}: {bodies}>"
+
+    def solve(
+        self,
+        *,
+        pressure: float | None = None,
+        force: float | None = None,
+        approach: float | None = None,
+        area_within: float | None = None,
+        peak_within: float | None = None,
+        tolerance: float | None = None,
+        start: Array | None = None,
+        throw: bool = True,
+        on_step: Callable[[Step], None] | None = None,
+    ) -> ContactSolution:
+        """Solve the contact at a given load.
+
+        Parameters
+        ----------
+        pressure
+            Nominal mean pressure, Pa.
+        force
+            Normal force, N.
+        approach
+            Approach of the bodies since first touch, m.
+        area_within, peak_within
+            Relative errors that the real contact area and the maximum pressure may have, with 95 %: two standard
+            deviations. The grid is then chosen, over the same domain, and the tolerance; `ContactSolution.accuracy`
+            tells which. A map is solved on its own grid where nothing says what lies between its points.
+        tolerance
+            The tolerance of the solver, instead of its own or the one that follows from the accuracy.
+        start
+            A contact pressure to start from, shape (nx, ny), Pa: that of a similar load.
+        on_step
+            Called with a `Step` after each iteration.
+        throw
+            Whether to raise when the solver does not converge, or to return the unfinished solution.
+
+        Returns
+        -------
+        ContactSolution
+            The fields, and their residuals verified in float64 (the certificate).
+
+        Raises
+        ------
+        InputError
+            If not exactly one load is given, or the bodies cannot carry it.
+        NotConverged
+            If the solution is not certified, or not as accurate as was asked, and `throw` is true; the error
+            carries it.
+        """
+        load = Load.of(pressure=pressure, force=force, approach=approach)
+        throw, on_step = flag(throw, "throw="), callback(on_step, "on_step=", "step")
+        target = Target.of(area_within, peak_within)
+        if target is None:
+            problem = self if tolerance is None else with_tolerance(self, tolerance)
+            return problem._solve(load, start, throw=throw, on_step=on_step)
+        if start is not None:
+            raise InputError("With area_within= or peak_within= the grid is chosen: omit start=, which needs one.")
+        solution = solve_within(self, load, target, tolerance, on_step)
+        return require_success(solution) if throw else solution
+
+    def require_load(
+        self, *, pressure: float | None = None, force: float | None = None, approach: float | None = None
+    ) -> Load:
+        """Return the one load that is given, after a check that the bodies can carry it; see `solve`."""
+        load = Load.of(pressure=pressure, force=force, approach=approach)
+        limit_load(self.plan, self.initial_gap, load)
+        return load
+
+    def sweep(
+        self,
+        *,
+        pressure: Iterable[float] | None = None,
+        force: Iterable[float] | None = None,
+        approach: Iterable[float] | None = None,
+    ) -> Sweep:
+        """Solve for several loads, from the largest down, each starting from the ones before.
+
+        Parameters
+        ----------
+        pressure, force, approach
+            Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. With a hardness each is a
+            first loading; loads after a larger one are those of ``run_in(problem, ...).problem.sweep(...)``.
+
+        Returns
+        -------
+        Sweep
+            The solutions in the order of the loads, and a table of their results.
+
+        Raises
+        ------
+        InputError
+            If not exactly one list is given, it is empty, or a load cannot be carried: then nothing is solved.
+        NotConverged
+            If a solution is not certified.
+        """
+        loads = Load.sequence(pressure=pressure, force=force, approach=approach)
+        for load in loads:
+            limit_load(self.plan, self.initial_gap, load)
+        return run_sweep(self._solve, loads)
+
+    def solve_area(self, fraction: float, estimator: str | AreaEstimator = DEFAULT_AREA) -> ContactSolution:
+        """Find the load at which the real contact area is a given fraction of the nominal area.
+
+        Parameters
+        ----------
+        fraction
+            Real over nominal contact area, above 0 and below 1.
+        estimator
+            Registered name or instance of the area estimator.
+
+        Raises
+        ------
+        InputError
+            If the fraction is out of bounds or no load gives it, on this grid and with this pressure limit.
+        """
+        typical_pressure = self.plan.modulus * rms_slope(self.initial_gap, self.plan.grid)
+        maximum = maximum_pressure(self.plan)
+        return find_load_of_area(self._solve, fraction, estimator, min(typical_pressure, maximum), maximum)
+
+    def verify(self, solution: ContactSolution) -> None:
+        """Recompute the displacement and residuals of a solution of this problem from its pressure: one convolution.
+
+        Parameters
+        ----------
+        solution
+            A solution whose `origin` states its load, such as one from a file.
+
+        Raises
+        ------
+        InputError
+            If it is not a solution of this problem, or its fields, residuals and status contradict each other.
+        """
+        with computing(self):
+            verify_solution(self.plan, self.convolution, self._gap, solution)
+
+    def _solve(
+        self,
+        load: Load,
+        start: Array | None = None,
+        *,
+        throw: bool = True,
+        on_step: Callable[[Step], None] | None = None,
+    ) -> ContactSolution:
+        origin = Origin(self.parts, load.arguments, source=weakref.ref(self))
+        solution = attrs.evolve(run_solve(self, self._gap, load, start, on_step), origin=origin)
+        return require_success(solution) if throw else solution

@@ -1,0 +1,285 @@
+"""Several loads in a row."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, overload
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, flag, item_of, number
+from roughcontact._base.units import counted, si
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem.sweep_table import make_table, to_dataset
+from roughcontact._solve.solution import AreaEstimator, ContactSolution, writers
+from roughcontact._solve.solution.several import note_loads
+from roughcontact._solve.solution.writers import page_or_file
+from roughcontact.errors import InputError
+
+# Relative error of the area at which the search for its load ends; where the area jumps from cell to cell,
+# the search ends at its uncertainty.
+_AREA_TOLERANCE = 1e-3
+# The search halves its bracket in the worst case: 40 halvings narrow any bracket below the criterion for jumps.
+_MAXIMUM_TRIES = 40
+# Relative width of the bracket at which the area is taken to jump.
+_NARROW = 1e-6
+# Mean pressure, over that of a large area, below which the area cannot follow the load: single cells are in contact.
+_LIGHTEST = 1e-20
+# Powers of the pressure (first) and of the overlap (last) that are extrapolated; maximum pressure, over the limit, of
+# a cell that is not saturated.
+_POWER, _BELOW, _OVERLAP = 1.75, 0.97, 2.0 / 3.0
+# Relative difference of two loads, or of their approaches, up to which they are one: rounding.
+_EQUAL = 1e-9
+# Ratio of two loads below which a solve from coarse grids is as fast as one from the other solution.
+_FARTHEST = 0.5
+
+
+@attrs.frozen(eq=False)
+class Sweep:
+    """Solutions at several loads, and their results as columns of a table: iterable, with `len` and ``[]``.
+
+    ``sweep[0]`` is a solution, ``sweep[:3]`` a sweep.
+
+    Attributes
+    ----------
+    solutions
+        In the order of the loads.
+    """
+
+    solutions: tuple[ContactSolution, ...]
+
+    def __iter__(self) -> Iterator[ContactSolution]:
+        return iter(self.solutions)
+
+    def __len__(self) -> int:
+        return len(self.solutions)
+
+    @overload
+    def __getitem__(self, index: int) -> ContactSolution: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sweep: ...
+
+    def __getitem__(self, index: int | slice) -> ContactSolution | Sweep:
+        chosen = item_of(self.solutions, index, "The index of a sweep")
+        return Sweep(chosen) if isinstance(chosen, tuple) else chosen
+
+    @property
+    def force(self) -> Array:
+        """Normal forces, N."""
+        return np.array([solution.force for solution in self.solutions])
+
+    @property
+    def mean_pressure(self) -> Array:
+        """Nominal mean pressures, Pa."""
+        return np.array([solution.mean_pressure for solution in self.solutions])
+
+    @property
+    def approach(self) -> Array:
+        """Approaches since first touch, m."""
+        return np.array([solution.approach for solution in self.solutions])
+
+    @property
+    def area(self) -> Array:
+        """Real contact areas by the default estimator, m2."""
+        return np.array([solution.area().value for solution in self.solutions])
+
+    @property
+    def area_uncertainty(self) -> Array:
+        """One standard deviation of each area, m2."""
+        return np.array([solution.area().uncertainty for solution in self.solutions])
+
+    @property
+    def secant_stiffness(self) -> Array:
+        """Slopes of the chords (F[k+1] - F[k-1]) / (d[k+1] - d[k-1]) of force over approach, N/m.
+
+        The loads are numbered from the smallest up, whatever their order in the sweep, and equal ones count once. At
+        the smallest and at the largest load the load itself takes the place of the neighbour that it does not have; of
+        a single load it is nan. The stiffness at a load, with its uncertainty, is `ContactSolution.stiffness`.
+        """
+        order = np.argsort(self.force, kind="stable")
+        force, approach = self.force[order], self.approach[order]
+        differ = [np.diff(one) > _EQUAL * np.abs(one[1:]) for one in (force, approach)]
+        is_new = np.append(True, differ[0] & differ[1])
+        force, approach, last = force[is_new], approach[is_new], int(is_new.sum()) - 1
+        slopes = np.full(last + 1, np.nan)
+        if last > 0:
+            place = np.arange(last + 1)
+            above, below = np.minimum(place + 1, last), np.maximum(place - 1, 0)
+            slopes = (force[above] - force[below]) / (approach[above] - approach[below])
+        secants = np.empty(len(order))
+        secants[order] = slopes[np.cumsum(is_new) - 1]
+        return secants
+
+    @property
+    def convolutions(self) -> int:
+        """Convolutions of all solves together."""
+        return sum(solution.convolutions for solution in self.solutions)
+
+    def plot(self, panel: Any = None, *, axes: Any = None, dark: bool = False) -> Any:
+        """Draw the results over the load (extra ``plot``); see `ContactSolution.plot`."""
+        from roughcontact.plotting import plot
+
+        return plot("sweep", self, panel, axes, flag(dark, "dark="))
+
+    def to_pandas(self) -> Any:
+        """Return the results as a `pandas.DataFrame`, a row for each load (extra ``table``).
+
+        Its columns are ``mean_pressure``, ``force``, ``approach``, ``area``, ``area_uncertainty``, ``area_fraction``,
+        ``peak_pressure``, ``peak_pressure_uncertainty`` and ``secant_stiffness``, in the units of
+        ``frame.attrs["units"]``.
+        """
+        return make_table(self).to_pandas()
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; it may replace a file."""
+        make_table(self).to_csv(path)
+
+    @overload
+    def to_html(self, path: None = None) -> str: ...
+
+    @overload
+    def to_html(self, path: str | os.PathLike[str]) -> None: ...
+
+    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
+        """Return a report of all loads, the largest in detail, or write it to a file; see `ContactSolution.to_html`."""
+        writer: Any = writers.create("html")
+        return page_or_file(lambda: writer.sweep_text(self), path)
+
+    def to_xarray(self) -> Any:
+        """Return the results and fields as an `xarray.Dataset` over the load, x and y, m (extra ``store``).
+
+        ``pressure`` and ``gap`` have the dimensions (load, x, y), ``initial_gap`` has (x, y), and the columns of
+        `to_pandas` have (load,); the coordinate ``load`` is what was asked, in its unit. The fields are copies.
+        """
+        return to_dataset(self)
+
+    def __repr__(self) -> str:
+        low, high = (si(float(bound), "Pa") for bound in (self.mean_pressure.min(), self.mean_pressure.max()))
+        return f"<Sweep {counted(len(self), 'load')}, mean pressure {low} to {high}, {self.solutions[0].grid}>"
+
+    def _repr_html_(self) -> str:
+        summary = f"{counted(len(self), 'load')}, {self.solutions[0].grid}"
+        return make_table(self).to_html(summary, *note_loads(self.solutions))
+
+    def __str__(self) -> str:
+        secants = self.secant_stiffness
+        rows = zip(
+            self.mean_pressure, self.force, self.approach, self.area, self.area_uncertainty, secants, strict=True
+        )
+        nominal = self.solutions[0].grid.area
+        lines = [f"{'mean pressure':>14} {'force':>11} {'approach':>11} {'area, %':>18} {'secant':>13}"]
+        for pressure, force, approach, area, uncertainty, stiffness in rows:
+            percent = f"{100 * area / nominal:.4g} +- {100 * uncertainty / nominal:.1g}"
+            lines.append(
+                f"{si(pressure, 'Pa'):>14} {si(force, 'N'):>11} {si(approach, 'm'):>11} {percent:>18} "
+                f"{'-' if math.isnan(stiffness) else si(stiffness, 'N/m'):>13}"
+            )
+        return "\n".join([*lines, *note_loads(self.solutions)])
+
+
+def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tuple[Load, ...]) -> Sweep:
+    """Return the solutions at all loads, solved from the largest down: each starts from those before."""
+    solutions: dict[int, ContactSolution] = {}
+    for index in order_of_solving(loads):
+        load = loads[index]
+        solutions[index] = solve(load, predict_pressure([*solutions.values()][-2:], load))
+    return Sweep(tuple(solutions[index] for index in range(len(loads))))
+
+
+def order_of_solving(loads: Sequence[Load]) -> list[int]:
+    """Return the positions of the loads from the largest down.
+
+    Cells that will leave the contact are known, with their pressures; those that will join it are not.
+    """
+    return sorted(range(len(loads)), key=lambda index: -loads[index].value)
+
+
+def find_load_of_area(
+    solve: Callable[[Load, Array | None], ContactSolution],
+    fraction: float,
+    estimator: str | AreaEstimator,
+    guess: float,
+    maximum: float,
+) -> ContactSolution:
+    """Return the solution at the mean pressure that gives an area; see `ContactProblem.solve_area`.
+
+    Parameters
+    ----------
+    solve
+        Solves for a load and a pressure to start from.
+    fraction, estimator
+        Real over nominal contact area, and the estimator of the area.
+    guess, maximum
+        A mean pressure that gives a large part of the area, and the maximum that can be carried, Pa.
+    """
+    fraction = number(fraction, "The fraction of the area", above=0.0)
+    if fraction >= 1.0:
+        raise InputError.about("The fraction of the area", fraction, "below 1", "Full contact is given by many loads.")
+    low, high = 0.0, maximum
+    pressure = min(0.5 * fraction * guess, 0.5 * maximum)
+    solutions: list[ContactSolution] = []
+    for _ in range(_MAXIMUM_TRIES):
+        load = Load("pressure", pressure)
+        solution = solve(load, predict_pressure(solutions, load))
+        solutions = [*solutions[-1:], solution]
+        area = solution.area(estimator)
+        if abs(area.fraction / fraction - 1.0) <= _AREA_TOLERANCE:
+            return solution
+        narrow = high - low <= _NARROW * low
+        if narrow and abs(area.fraction - fraction) * solution.grid.area <= area.uncertainty:
+            return solution
+        if narrow or pressure < _LIGHTEST * guess:
+            break
+        low, high = (pressure, high) if area.fraction < fraction else (low, pressure)
+        # At light load the area is nearly in proportion to the load.
+        pressure = pressure * fraction / area.fraction if area.fraction > 0.0 else 2.0 * pressure
+        if not low < pressure < high:
+            pressure = 0.5 * (low + high) if math.isfinite(high) else 2.0 * low
+    raise InputError(
+        f"No load gives an area of {fraction:g} of nominal: near {si(pressure, 'Pa')} the area jumps across it. "
+        "Refine the grid or choose another estimator."
+    )
+
+
+def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | None:
+    """Return a pressure to start from, shape (nx, ny), Pa; None where a solve without it is as fast.
+
+    Towards smaller loads the pressure of a cell falls nearly in proportion to the load inside a contact, and as a
+    square root to zero where the edge passes: a power between them is extrapolated over the logarithm of the load.
+    A saturated cell stays at the limit while its extrapolated gap is negative.
+
+    Parameters
+    ----------
+    solutions
+        Those found before, the last at the nearest load; better at a larger than at a smaller one.
+    load
+        The next load.
+    """
+    if not solutions:
+        return None
+    last, name = solutions[-1], {"pressure": "mean_pressure"}.get(load.kind, load.kind)
+    values = [float(getattr(solution, name)) for solution in solutions[-2:]]
+    if not _FARTHEST <= load.value / values[-1] <= 1.0 / _FARTHEST:
+        return None
+    if len(values) == 1 and last.saturated.any():
+        return None
+    if len(values) == 1 or values[0] == values[1]:
+        return np.asarray(np.minimum(last.pressure * (load.value / values[-1]), last.pressure_limit))
+    step, before = math.log(load.value / values[1]) / math.log(values[1] / values[0]), solutions[-2]
+    cells, peak = np.flatnonzero(last.contact), float(last.pressure.max())
+    # Powers take a tenth of the time in float32.
+    now, then = ((one.pressure.take(cells) / peak).astype(np.float32) ** _POWER for one in (last, before))
+    inside = peak * (np.maximum(now + np.float32(step) * (now - then), 0.0) ** (1.0 / _POWER)).astype(np.float64)
+    limit = np.broadcast_to(last.pressure_limit, last.pressure.shape).take(cells)
+    np.minimum(inside, _BELOW * limit, out=inside)
+    if last.saturated.any():
+        depth, earlier = (np.maximum(-one.gap.take(cells), 0.0) ** _OVERLAP for one in (last, before))
+        overlap = depth + step * (depth - earlier) > 0.0
+        np.copyto(inside, limit, where=last.saturated.take(cells) & overlap)
+    start = np.zeros_like(last.pressure)
+    start.reshape(-1)[cells] = inside
+    return start if inside.max(initial=0.0) > 0.0 else None

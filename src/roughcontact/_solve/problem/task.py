@@ -1,0 +1,126 @@
+"""The dimensionless task that a solver is given: pressures in E* times the peak-to-valley height over the cell."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from roughcontact._base.checks import Array
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Boundary
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._solve.solvers import Task
+from roughcontact.errors import InputError
+
+# Relative error of the load that counts as rounding.
+LOAD_TOLERANCE = 1e-12
+# Range of dimensionless loads and approaches: beyond 1e15 the displacement hides the heights from float64, and
+# float32, in which solvers iterate, holds 1e-38 to 1e38. Limits above the third number are not reached.
+_SMALLEST, _LARGEST, _UNLIMITED = 1e-30, 1e15, 1e30
+
+
+def pressure_unit(plan: SolvePlan) -> float:
+    """Return the pressure that counts as one in a `Task`, Pa."""
+    return plan.modulus * (plan.peak_to_valley / plan.grid.spacing[0])
+
+
+def make_task(plan: SolvePlan, initial_gap: Array, load: Load, start: Array | None = None) -> Task:
+    """Return the task of carrying a load.
+
+    Parameters
+    ----------
+    plan
+        The plan of the problem.
+    initial_gap
+        Gap before deformation, shape (nx, ny), m.
+    load
+        The load.
+    start
+        A contact pressure to start from, shape (nx, ny), Pa.
+
+    Raises
+    ------
+    InputError
+        If the bodies cannot carry the load.
+    """
+    load = limit_load(plan, initial_gap, load)
+    unit = pressure_unit(plan)
+    start = None if start is None else _limit_start(start, plan) / unit
+    if start is not None and load.kind == "pressure" and not start.max() > _SMALLEST:
+        # What carries no load cannot be scaled to one.
+        start = None
+    gap, measured = initial_gap / plan.peak_to_valley, None if plan.non_measured is None else ~plan.non_measured
+    return Task(
+        initial_gap=gap,
+        mean_pressure=load.value / unit if load.kind == "pressure" else None,
+        approach=load.value / plan.peak_to_valley if load.kind == "approach" else None,
+        pressure_limit=_dimensionless_limit(plan),
+        # The depth of non-measured points is arbitrary: it must not be what errors are compared with.
+        rms_gap=None if measured is None else float(gap[measured].std()),
+        start=start,
+    )
+
+
+def limit_load(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
+    """Return the load as the mean pressure or the approach that the bodies can carry; see `make_task`."""
+    if load.kind == "approach":
+        plan.solver.require(approach=True)
+        return _limit_approach(plan, initial_gap, load)
+    area = plan.grid.area if load.kind == "force" else 1.0
+    mean = load.value / area if area > 0.0 else float("inf")
+    unit = pressure_unit(plan)
+    if not _SMALLEST * unit < mean < _LARGEST * unit:
+        raise InputError(
+            f"The mean pressure of {mean:g} Pa leaves the range of float64 beside {unit:g} Pa, contact modulus times "
+            "peak-to-valley height over cell: check the units."
+        )
+    maximum = maximum_pressure(plan)
+    if mean > maximum * (1.0 + LOAD_TOLERANCE):
+        unloaded = "" if plan.non_measured is None else "; non-measured points carry nothing"
+        raise InputError(
+            f"The mean pressure of {si(mean, 'Pa')} is more than the bodies can carry: at most {si(maximum, 'Pa')}, "
+            f"that is {si(maximum * plan.grid.area, 'N')} on this domain{unloaded}."
+        )
+    return Load("pressure", min(mean, maximum))
+
+
+def _dimensionless_limit(plan: SolvePlan) -> Array:
+    unit = pressure_unit(plan)
+    return np.where(plan.pressure_limit < _UNLIMITED * unit, plan.pressure_limit, np.inf) / unit
+
+
+def maximum_pressure(plan: SolvePlan) -> float:
+    """Return the maximum mean pressure that the bodies can carry, Pa: at the limit wherever heights were measured."""
+    measured = True if plan.non_measured is None else ~plan.non_measured
+    return float(np.mean(np.where(measured, plan.pressure_limit, 0.0)))
+
+
+def _limit_approach(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
+    height, full = plan.peak_to_valley, float(initial_gap.mean())
+    if not _SMALLEST * height < load.value < _LARGEST * height:
+        raise InputError(
+            f"The approach of {load.value:g} m leaves the range of float64 beside the peak-to-valley height of "
+            f"{height:g} m: check the units."
+        )
+    unbounded = plan.boundary is Boundary.PERIODIC and bool(np.isinf(_dimensionless_limit(plan)).any())
+    if unbounded and load.value >= full:
+        raise InputError(
+            f"On a periodic boundary the approach must be below that of full contact, {si(full, 'm')}, but got "
+            f"{si(load.value, 'm')}: from there on it does not determine the pressure. Give pressure= instead."
+        )
+    return load
+
+
+def _limit_start(start: Array, plan: SolvePlan) -> Array:
+    """Return the pressure to start from, between zero and the pressure limit."""
+    try:
+        values = np.asarray(start)
+    except ValueError:
+        values = np.empty(0, dtype=object)
+    if values.dtype.kind not in "fiu" or values.shape != plan.grid.shape or not np.isfinite(values).all():
+        raise InputError(
+            f"The pressure to start from must be an array of {plan.grid.shape} finite numbers in Pa, "
+            f"but got {type(start).__name__} of shape {values.shape} and type {values.dtype}."
+        )
+    highest = np.minimum(plan.pressure_limit, _LARGEST * pressure_unit(plan))
+    return np.clip(np.asarray(values, dtype=np.float64), 0.0, highest)

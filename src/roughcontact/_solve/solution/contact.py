@@ -1,0 +1,301 @@
+"""What a solve returns: the fields, the certificate and the quantities derived from them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeVar, overload
+
+import attrs
+import numpy as np
+
+from roughcontact._base import checks
+from roughcontact._base.checks import Array
+from roughcontact._parts.materials import Material
+from roughcontact._parts.surfaces import HeightMap
+from roughcontact._solve.solution import storage
+from roughcontact._solve.solution.fields import ContactFields
+from roughcontact._solve.solution.healing import heal
+from roughcontact._solve.solution.plausibility import list_warnings
+from roughcontact._solve.solution.responses import Response, responses
+from roughcontact._solve.solution.results import (
+    DEFAULT_AREA,
+    Area,
+    AreaEstimator,
+    Estimate,
+    QuantityEstimator,
+    areas,
+    judge_maps,
+    quantities,
+    require_estimate,
+)
+from roughcontact._solve.solution.saturation import estimate_saturated_area
+from roughcontact._solve.solution.summary import abbreviate, summarize
+from roughcontact._solve.solution.theory import TheoryBeside, compare_with_theory
+from roughcontact._solve.solution.vti import to_pyvista
+from roughcontact._solve.solution.writers import page_or_file, write_solution, writers
+from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact.responses import Conductance, Leakage, PartialSlip, Stress, YieldPoint
+
+T = TypeVar("T")
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class ContactSolution(ContactFields):
+    """A solved contact: its fields, the certificate, and all that is asked of them."""
+
+    def area(self, estimator: str | AreaEstimator = DEFAULT_AREA) -> Area:
+        """Return the real contact area.
+
+        Parameters
+        ----------
+        estimator
+            Registered name or instance of an area estimator.
+
+        Raises
+        ------
+        InputError
+            If there is no such estimator.
+        """
+        # Every number and response asks for this one.
+        default = isinstance(estimator, str) and estimator == DEFAULT_AREA
+        return self._default_area if default else self._estimate_area(areas.resolve(estimator))
+
+    @cached_property
+    def _default_area(self) -> Area:
+        return self._estimate_area(areas.resolve(DEFAULT_AREA))
+
+    def _estimate_area(self, chosen: AreaEstimator) -> Area:
+        area = chosen.estimate(heal(self))
+        if not isinstance(area, Area) or not np.isfinite([area.value, area.uncertainty]).all():
+            raise InputError(
+                f"The area estimator {chosen!r} returned {area!r}, which is not an Area of finite numbers."
+            )
+        return judge_maps(area, self._maps, self.grid.cell_area)
+
+    @cached_property
+    def _maps(self) -> tuple[HeightMap, ...]:
+        return () if self.origin is None else self.origin.maps
+
+    def peak_pressure(self) -> Estimate:
+        """Return the maximum contact pressure between the cells, Pa; see `estimate`."""
+        return self.estimate("peak-pressure")
+
+    def estimate(self, quantity: str | QuantityEstimator, area: str | AreaEstimator = DEFAULT_AREA) -> Estimate:
+        """Return a number of the contact with its uncertainty, given an area estimator.
+
+        The names are ``"peak-pressure"``, ``"perimeter"``, ``"patches"``, ``"mean-gap"`` and ``"approach"``, since the
+        first touch of the summits between the cells.
+        """
+        chosen = quantities.resolve(quantity)
+        return require_estimate(chosen, chosen.estimate(heal(self), self.area(area)))
+
+    def response(self, response: str | Response[T]) -> T:
+        """Return what the contact does: its answer to a small change, a current, a flow.
+
+        Parameters
+        ----------
+        response
+            Registered name or instance of a response.
+
+        Raises
+        ------
+        InputError
+            If there is no such response, or it means nothing for this contact.
+        """
+        chosen: Response[T] = responses.resolve(response)
+        return chosen.respond(self)
+
+    def stiffness(self) -> Estimate:
+        """Return the normal stiffness dF/d(approach), N/m; see `roughcontact.responses.Stiffness`."""
+        return self.response("stiffness")
+
+    def conductance(self, conductivity: float | Sequence[float], film_resistance: float = 0.0) -> Conductance:
+        """Return the thermal or electrical contact conductance; see `roughcontact.responses.ContactConductance`."""
+        asked = responses.create("conductance", conductivity, film_resistance=film_resistance)
+        found: Conductance = self.response(asked)
+        return found
+
+    def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
+        """Return the stress below a surface, Pa, at depths, m; see `roughcontact.responses.StressBelow`."""
+        stress: Stress = self.response(responses.create("stress", depths, body=body))
+        return stress
+
+    def first_yield(self, yield_stress: float, body: str = "body") -> YieldPoint:
+        """Return the load at which a body first yields below its surface; see `roughcontact.responses.FirstYield`."""
+        found: YieldPoint = self.response(responses.create("first-yield", yield_stress, body=body))
+        return found
+
+    def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
+        """Return the flow of a liquid through the gap, m3/s; see `roughcontact.responses.GapFlow`."""
+        asked = responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop)
+        found: Leakage = self.response(asked)
+        return found
+
+    def gradient(self, of: str | Callable[[Array], Array], with_respect_to: str = "heights") -> Array:
+        """Return the derivatives of a number of the contact; see `roughcontact.responses.Gradient`."""
+        return self.response(responses.create("gradient", of, with_respect_to=with_respect_to))
+
+    def partial_slip(self, *, tangential_force: float, friction: float, axis: int = 0) -> PartialSlip:
+        """Return the contact under a tangential force, N, below that of sliding.
+
+        See `roughcontact.responses.CiavarellaJaeger`.
+        """
+        asked = responses.create("partial-slip", tangential_force=tangential_force, friction=friction, axis=axis)
+        found: PartialSlip = self.response(asked)
+        return found
+
+    def saturated_area(self, estimator: str | AreaEstimator = "level-set") -> Area:
+        """Return the part of the contact area where the pressure has reached the limit; zero without a limit.
+
+        limit - p and -gap satisfy the contact conditions, and the contact of that complementary problem is
+        the area that is not saturated; so the estimators of the contact's edge find this edge as well.
+
+        Parameters
+        ----------
+        estimator
+            Registered name or instance of an area estimator.
+
+        Raises
+        ------
+        InputError
+            If there is no such estimator.
+        """
+        return estimate_saturated_area(heal(self), estimator)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Likely mistakes, and why the model or the grid does not suit the contact, in sentences; empty if none.
+
+        They do not include those of the `area`.
+        """
+        return list_warnings(self, self._materials.values())
+
+    @cached_property
+    def theory(self) -> TheoryBeside | None:
+        """Persson's theory for the same surface and load; None where it does not hold.
+
+        It is given on periodic boundaries, without saturated cells, for nominally flat, isotropic, Gaussian roughness
+        of many waves, most of them longer than four cells, on at most 2048 x 2048 cells.
+        """
+        return compare_with_theory(self)
+
+    @property
+    def _materials(self) -> dict[str, Material]:
+        return {} if self.origin is None else self.origin.materials
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the solution to a file, completely or not at all.
+
+        Parameters
+        ----------
+        path
+            Its ending names one of the registered ``writers``; an existing file is replaced. ``.npz``, or ``.nc`` for
+            netCDF with units (extra ``store``), can be loaded again: they hold the fields, shape (nx, ny), under
+            their own names, the force, approach and area, the versions of the packages, and the problem: each part
+            by its registered name and fields. Python warns of a part whose class is not registered. ``.html`` is the
+            report, ``.vti`` image data for ParaView.
+
+        Raises
+        ------
+        InputError
+            If there is no such folder.
+        MissingPackage
+            If netCDF is asked for without its packages.
+        """
+        write_solution(self, checks.path(path, "The file"))
+
+    @overload
+    def to_html(self, path: None = None) -> str: ...
+
+    @overload
+    def to_html(self, path: str | os.PathLike[str]) -> None: ...
+
+    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
+        """Return a report, one page of HTML that opens without a network, or write it to a file if a path is given."""
+        writer: Any = writers.create("html")
+        return page_or_file(lambda: writer.text(self), path)
+
+    def plot(self, panel: Any = None, *, axes: Any = None, dark: bool = False) -> Any:
+        """Draw the contact (extra ``plot``).
+
+        Parameters
+        ----------
+        panel
+            Registered name or instance of one panel; None: the four that say most, side by side.
+        axes
+            Matplotlib's axes to draw one panel on; None: new ones.
+        dark
+            Whether the background is dark.
+
+        Returns
+        -------
+        matplotlib.axes.Axes or matplotlib.figure.Figure
+            The axes of one panel, or the figure of several.
+        """
+        from roughcontact.plotting import plot
+
+        return plot("solution", self, panel, axes, checks.flag(dark, "dark="))
+
+    def plot_3d(self, *, exaggeration: float | None = None, dark: bool = False) -> Any:
+        """Return a `pyvista.Plotter` of the combined heights in space, coloured by the pressure (extra ``vtk``).
+
+        Heights are drawn `exaggeration` times as high; None: 0.12 domains from peak to valley, at most.
+        """
+        from roughcontact.plotting import view_solution
+
+        return view_solution(self, exaggeration, dark)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], *, verify: bool = True) -> ContactSolution:
+        """Return the solution in a file that `save` has written.
+
+        Its problem can be solved again with ``ContactProblem(**solution.origin.problem)``, once the classes
+        that ``solution.origin.missing`` names are registered. A file cannot run code: only registered
+        classes and public ones of this package are built.
+
+        Parameters
+        ----------
+        path
+            The file.
+        verify
+            Whether to build the problem and recompute displacement and residuals from the pressure: the time of
+            one convolution. False takes them as the file gives them.
+
+        Raises
+        ------
+        InputError
+            If there is no such file, or it is damaged, of another kind or of another format; if its content
+            contradicts itself, or cannot be verified because a class of the problem is not registered.
+        """
+        file = checks.path(path, "The file")
+        solution = cls(**storage.read(file))
+        if checks.flag(verify, "verify="):
+            storage.verify(file, solution)
+        return solution
+
+    def to_xarray(self) -> Any:
+        """Return the solution as an `xarray.Dataset` over x and y, m, with units (extra ``store``)."""
+        return storage.to_xarray(self)
+
+    def to_pyvista(self) -> Any:
+        """Return the solution as `pyvista.ImageData`, for views in three dimensions (extra ``vtk``).
+
+        Its cells, in the plane z = 0 about the centre of the domain, have ``pressure``, Pa, ``gap``, ``initial_gap``,
+        ``displacement`` and the ``heights`` of the body, m, and ``contact``; the scalars, as ``force``, are field data.
+        """
+        return to_pyvista(self)
+
+    def __str__(self) -> str:
+        return summarize(self, [one for one in self._maps if not one.periodic], self._materials)
+
+    def __repr__(self) -> str:
+        return abbreviate(self)
+
+    def _repr_html_(self) -> str:
+        writer: Any = writers.create("html")
+        text: str = writer.table(self)
+        return text

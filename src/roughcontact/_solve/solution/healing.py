@@ -1,0 +1,157 @@
+r"""Gaps at non-measured points, from those of their neighbours.
+
+Near the contact the gap between the points that were measured is continued by the surface of minimum bending,
+
+.. math:: \min \sum g_{xx}^2 + 2 g_{xy}^2 + g_{yy}^2,
+
+with differences between neighbouring cells, and further away by the harmonic surface, which never exceeds its
+surroundings. Where the gap so found is open under the load, the point counts as measured.
+
+References
+----------
+Duchon, Splines minimizing rotation-invariant semi-norms in Sobolev spaces (1977), https://doi.org/10.1007/BFb0086566
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Literal
+from weakref import WeakKeyDictionary
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.surfaces.filling import fill
+
+if TYPE_CHECKING:
+    from roughcontact._solve.solution.contact import ContactSolution
+
+# Cells from the contact up to which its edge, ellipses and curvature depend on the gap, and cells from a measured
+# point up to which that of minimum bending is better than the harmonic one.
+_NEAR = 6
+# Weight of the harmonic surface in that of minimum bending, which two rows of points do not determine.
+_HARMONIC = 1e-9
+# Standard deviation of the mean gap in a hole, over the difference of both surfaces. Set on rough contacts and balls.
+_UNSURE = 0.5
+# Overlap of a point that touches over p h / E* of its surroundings: 1.1 for one cell in an even pressure (exact).
+_OVERLAP = 0.3
+# Second differences along x and y, and across a cell: steps from it along both axes, and weights.
+_DIFFERENCES = (
+    ((-1, 0, 1.0), (0, 0, -2.0), (1, 0, 1.0)),
+    ((0, -1, 1.0), (0, 0, -2.0), (0, 1, 1.0)),
+    ((0, 0, 1.0), (1, 0, -1.0), (0, 1, -1.0), (1, 1, 1.0)),
+)
+# Healed solutions of those that still exist: every number of a contact asks for one.
+_HEALED: WeakKeyDictionary[ContactSolution, ContactSolution] = WeakKeyDictionary()
+# The non-measured points of healed solutions, shape `grid.shape`.
+_MISSING: WeakKeyDictionary[ContactSolution, Mask] = WeakKeyDictionary()
+
+
+def heal(solution: ContactSolution) -> ContactSolution:
+    """Return the solution with gaps at its non-measured points; those that would touch stay non-measured.
+
+    Pressure, displacement and certificate are those of the solution: points that were not measured carry nothing.
+    """
+    if solution.non_measured is None or solution in _MISSING:
+        return solution
+    if solution not in _HEALED:
+        healed = _heal(solution, solution.non_measured)
+        _HEALED[solution] = healed
+        _MISSING[healed] = solution.non_measured
+    return _HEALED[solution]
+
+
+def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
+    harmonic = fill(np.where(missing, np.nan, solution.initial_gap))
+    gap = _bend_near(harmonic, missing, solution.contact, solution)
+    touching = missing & (_overlaps(gap, solution) | solution.contact)
+    return attrs.evolve(solution, initial_gap=gap, non_measured=touching if touching.any() else None)
+
+
+def _overlaps(gap: Array, solution: ContactSolution) -> Mask:
+    """Return where this initial gap is closed, for the pressure around it, and not only by its own error."""
+    from scipy import ndimage
+
+    around = ndimage.maximum_filter(solution.pressure, 3, mode="constant")
+    depth = around * math.sqrt(solution.grid.cell_area) / solution.modulus
+    return np.asarray(solution.approach - gap - solution.displacement > _OVERLAP * depth)
+
+
+def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
+    """Return the gap, shape `grid.shape`, with that at all non-measured points, and the error of its mean, m.
+
+    That is the standard deviation by these points; those that would touch have no gap.
+    """
+    from scipy import ndimage
+
+    solution = heal(solution)
+    missing = _MISSING.get(solution)
+    if missing is None:
+        return solution.gap, 0.0
+    harmonic = fill(np.where(missing, np.nan, solution.gap))
+    gap = _bend_near(harmonic, missing, ~missing, solution)
+    holes, _ = ndimage.label(missing)
+    differences = np.bincount(holes[missing], weights=(gap - harmonic)[missing])
+    std = _UNSURE * float(np.linalg.norm(differences)) / missing.size
+    return np.where(missing, np.maximum(gap, 0.0), gap), std
+
+
+def _bend_near(gap: Array, missing: Mask, places: Mask, solution: ContactSolution) -> Array:
+    """Return a gap with that of minimum bending at the missing points near others, both masks of the gap's shape."""
+    from scipy import ndimage
+
+    mode: Literal["constant", "wrap"] = "constant" if solution.boundary is Boundary.FREE else "wrap"
+    near = missing & ndimage.maximum_filter(places, 2 * _NEAR + 1, mode=mode)
+    if not near.any():
+        return gap
+    result = gap.copy()
+    result[near] = _minimise_bending(gap, near, solution.grid, solution.boundary)
+    return result
+
+
+def _minimise_bending(gap: Array, unknown: Mask, grid: Grid, boundary: Boundary) -> Array:
+    """Return the gaps at the unknown points, shape (n,), m, from those elsewhere, shape (nx, ny)."""
+    from scipy.sparse import csr_array, eye_array
+    from scipy.sparse.linalg import splu
+
+    count = int(np.count_nonzero(unknown))
+    number = np.full(gap.size, -1)
+    number[unknown.ravel()] = np.arange(count)
+    ratio = grid.spacing[0] / grid.spacing[1]
+    rows, columns, values, right = [], [], [], []
+    total = 0
+    for steps, weight in zip(_DIFFERENCES, (1.0 / ratio, ratio, math.sqrt(2.0)), strict=True):
+        cells = _find_cells(unknown, steps, boundary)
+        factors = weight * np.array([factor for *_, factor in steps])
+        which = number[cells]
+        here = which >= 0
+        right.append(-factors @ np.where(here, 0.0, gap.ravel()[cells]))
+        rows.append(np.broadcast_to(total + np.arange(cells.shape[1]), cells.shape)[here])
+        columns.append(which[here])
+        values.append(np.broadcast_to(factors[:, np.newaxis], cells.shape)[here])
+        total += cells.shape[1]
+    places = np.concatenate(rows), np.concatenate(columns)
+    bending = csr_array((np.concatenate(values), places), shape=(total, count))
+    matrix = bending.T @ bending + _HARMONIC * eye_array(count)
+    # Symmetric and positive definite.
+    options = {"SymmetricMode": True}
+    factored: Any = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    return np.asarray(factored.solve(bending.T @ np.concatenate(right) + _HARMONIC * gap[unknown]))
+
+
+def _find_cells(unknown: Mask, steps: tuple[tuple[int, int, float], ...], boundary: Boundary) -> IntArray:
+    """Return the flat indices of the cells of each difference in which an unknown point is, shape (steps, n)."""
+    nx, ny = unknown.shape
+    used = np.zeros_like(unknown)
+    for i, j, _ in steps:
+        used |= np.roll(unknown, (-i, -j), (0, 1))
+    if boundary is Boundary.FREE:
+        for axis in (0, 1):
+            lines = np.moveaxis(used, axis, 0)
+            lowest, highest = (end(step[axis] for step in steps) for end in (min, max))
+            lines[: -lowest or None] &= lowest == 0
+            lines[len(lines) - highest :] = False
+    rows, columns = np.nonzero(used)
+    return np.stack([(rows + a) % nx * ny + (columns + b) % ny for a, b, _ in steps])

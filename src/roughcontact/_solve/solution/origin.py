@@ -1,0 +1,180 @@
+"""Where a solution comes from: its problem, its load and the programs that made it, and the key made from them."""
+
+from __future__ import annotations
+
+import functools
+import platform
+from collections.abc import Callable, Mapping
+from importlib.metadata import version
+from typing import Any
+
+import attrs
+
+from roughcontact._base.archive.plain import (
+    Described,
+    describe,
+    key_of,
+    key_of_description,
+    missing_classes,
+    programs_of,
+    rebuild_fields,
+)
+from roughcontact._base.checks import RealArray
+from roughcontact._parts.grid import Grid
+from roughcontact._parts.materials import Material
+from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface, Surface
+from roughcontact._parts.surfaces.continuation import find_maps
+from roughcontact.errors import InputError
+
+_PROBLEM = {"kind": "part", "name": "roughcontact:ContactProblem"}
+# Heights and waves that the surfaces of a problem from a file may have, beside a multiple of its cells.
+_NUMBERS, _NUMBERS_PER_CELL = 2**20, 32
+
+
+def _forget() -> None:
+    """Return None, as a weak reference to what is gone does."""
+
+
+@attrs.frozen(eq=False)
+class Origin:
+    """What was solved: ``ContactProblem(**origin.problem).solve(**origin.load)`` does it again.
+
+    Attributes
+    ----------
+    problem
+        The arguments of the `ContactProblem`; `InputError` where `missing` says why it cannot be built.
+    load
+        The load, by the name of the argument it was given under.
+    versions
+        The versions of the packages that solved it, by name.
+    """
+
+    _problem: Mapping[str, Any] | None
+    load: Mapping[str, float]
+    _saved: tuple[Described, Mapping[str, RealArray]] = attrs.field(default=(None, {}), kw_only=True, repr=False)
+    _source: Callable[[], Any] = attrs.field(default=_forget, kw_only=True, repr=False)
+    versions: Mapping[str, str] = attrs.field(factory=lambda: versions(), kw_only=True)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore, (self._problem, self.load, self._saved, self.versions)
+
+    @property
+    def source(self) -> Any:
+        """The `ContactProblem` itself with all that it has prepared, as long as it is in use; else None."""
+        return self._source()
+
+    @property
+    def problem(self) -> Mapping[str, Any]:
+        if self._problem is not None:
+            return self._problem
+        described, arrays = self._saved
+        if self.missing:
+            raise InputError(self.missing)
+        if not isinstance(described, dict) or described | _PROBLEM != described:
+            raise InputError("What was solved must be described as a ContactProblem.")
+        return rebuild_fields(described, arrays, (object,))[1]
+
+    @property
+    def maps(self) -> tuple[HeightMap, ...]:
+        """The height maps of the bodies; empty where the problem cannot be built."""
+        try:
+            surfaces = [self.problem[name].surface for name in ("body", "counterbody")]
+        except InputError:
+            return ()
+        return tuple(found for surface in surfaces for found in find_maps(surface))
+
+    @property
+    def missing(self) -> str:
+        """Which classes must be registered to solve a loaded problem again, in a sentence; empty if none."""
+        return missing_classes(self._saved[0])
+
+    @property
+    def programs(self) -> list[str]:
+        """Which programs the parts of the problem are, those of this package excepted."""
+        return programs_of(self._problem)
+
+    @property
+    def materials(self) -> dict[str, Material]:
+        """The materials by body; empty if they are not known."""
+        try:
+            return {name: self.problem[name].material for name in ("body", "counterbody")}
+        except InputError:
+            return {}
+
+    def bound(self, grid: Grid) -> Mapping[str, Any]:
+        """Return the arguments of the problem with which a solution on a grid is verified.
+
+        `InputError` if it has another grid, or its heights take far more work than those cells: then a file of some
+        kilobytes could take the memory and hours of whoever loads it.
+        """
+        problem = self.problem
+        bodies = [problem[name] for name in ("body", "counterbody") if name in problem]
+        known = (problem.get("grid"), *(body.own_grid for body in bodies))
+        own = next((found for found in known if found is not None), None)
+        if own is None or not grid.matches(own):
+            raise InputError(f"It is not a solution on the grid of its problem, {own}.")
+        surfaces = [surface for body in bodies for surface in _list_surfaces(body.surface)]
+        waves = sum(surface.count_waves(grid) for surface in surfaces if isinstance(surface, SelfAffineSurface))
+        if waves + len(surfaces) * grid.cells > _NUMBERS + _NUMBERS_PER_CELL * grid.cells:
+            raise InputError(
+                f"The {len(surfaces)} surfaces of its problem have {waves} waves on {grid.cells} cells, too many "
+                "for a file: ContactSolution.load(..., verify=False) takes its fields and residuals as they are."
+            )
+        return problem
+
+    def describe(self, arrays: dict[str, RealArray]) -> Described:
+        """Return the problem as plain data; see `roughcontact._base.archive.plain.describe`."""
+        if self._problem is not None:
+            return {**_PROBLEM, "fields": {name: describe(part, arrays) for name, part in self._problem.items()}}
+        arrays.update(self._saved[1])
+        return self._saved[0]
+
+
+def _list_surfaces(surface: Surface) -> list[Surface]:
+    """Return a surface and all that it is made of."""
+    return [surface, *(found for part in surface.parts for found in _list_surfaces(part))]
+
+
+def _restore(
+    problem: Mapping[str, Any] | None,
+    load: Mapping[str, float],
+    saved: tuple[Described, Mapping[str, RealArray]],
+    made_by: Mapping[str, str],
+) -> Origin:
+    return Origin(problem, load, saved=saved, versions=made_by)
+
+
+# Parsing the metadata of a package takes a millisecond, and a study asks for them with each solve.
+_version = functools.cache(version)
+
+
+def versions() -> dict[str, str]:
+    """Return the versions that a result depends on."""
+    found = {name: _version(name) for name in ("roughcontact", "numpy", "scipy")}
+    return {**found, "python": platform.python_version()}
+
+
+def solution_key(problem_key: str, load: Mapping[str, float], made_by: Mapping[str, str] | None = None) -> str:
+    """Return the key of a solution: of its problem's key, its load and the versions that made it, by default these."""
+    numbers = versions() if made_by is None else made_by
+    return key_of([problem_key, load], *(f"{name} {number}" for name, number in numbers.items() if name != "python"))
+
+
+def key_of_origin(origin: Origin | None) -> str:
+    """Return the key of what was solved; empty where it is not known or has no key."""
+    try:
+        return "" if origin is None else solution_key(key_of(origin.problem), origin.load, origin.versions)
+    except InputError:
+        return ""
+
+
+def require_key(header: Mapping[str, Any], key: str | None = None) -> None:
+    """Raise `InputError` unless the key in a header is that of its problem, load and programs, and the one given."""
+    found = header["key"]
+    if found:
+        problem = key_of_description({"mapping": header["problem"]["fields"]}, *header["programs"])
+        made_by = (f"{name} {number}" for name, number in header["versions"].items() if name != "python")
+        if found != key_of_description([problem, header["load"]], *made_by):
+            raise InputError("Its key is not that of its problem.")
+    if key not in (None, found):
+        raise InputError(f"It is not the solution with the key {key}.")

@@ -1,0 +1,224 @@
+"""Likely mistakes in a contact, and where its model does not hold: whatever follows without another solve."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, Mask
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
+from roughcontact._parts.surfaces.statistics import border_jump, rms_slope
+from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
+
+if TYPE_CHECKING:
+    from roughcontact._solve.solution.contact import ContactSolution
+
+# Young's modulus of the softest rubbers, Pa, and Poisson's ratio from which on a softer solid is a gel, not a foam
+# (M. F. Ashby, Materials Selection in Mechanical Design); gels and tissues have at least some 100 Pa.
+_RUBBER, _GEL_POISSON, _GEL = 1e6, 0.45, 100.0
+# Young's modulus above which there is no material, Pa: diamond has 1.05 to 1.2e12.
+_DIAMOND = 1.3e12
+# Young's modulus above that of polymers, Pa, and pressure over it that metals do not bear: the hardness of the
+# hardest steels is 0.04 of it.
+_STIFF, _HARDEST = 10e9, 0.05
+# Diameter of an atom, m, and the side from which on a domain is longer than rough surfaces are measured on, m.
+_ATOM, _LONGEST = 1e-10, 1.0
+# Mean pressure, over E*, below which a load may be in another unit: 10 kPa on steel, 1 Pa on rubber of 10 MPa. Of
+# 100 MPa given as 100, 4e-10 on steel, all is on single cells on grids of up to 1024 x 1024 cells.
+_LIGHTEST = 1e-7
+# Mean pressure of the cells at the border, over the nominal one, below which they are just touched: the area of a ball
+# that is cut by a border is 2 % too small there (benchmarks/border_constants.py).
+_LIGHT = 0.25
+# Rms slope, 84 degrees, that no surface has; heights in units of 1e-3 m taken for m have some 10 to 1000.
+_STEEPEST = 10.0
+# Cells along an axis below which all of them are near the border.
+_NARROW = 16
+
+
+@attrs.frozen
+class Finding:
+    """What was measured for one of `PLAUSIBILITY_RULES`.
+
+    Attributes
+    ----------
+    rule
+        Name of the rule.
+    value
+        The measured value; nan where the rule does not apply.
+    text
+        The value in words, or why the rule does not apply.
+    """
+
+    rule: str
+    value: float
+    text: str
+
+    @property
+    def warning(self) -> str:
+        """What is doubtful, and what to do about it; empty if the value is admissible."""
+        rule = PLAUSIBILITY_RULES[self.rule]
+        return f"{self.text[0].upper()}{self.text[1:]}. {rule.advice}" if self.value > rule.admissible else ""
+
+
+def find_scene(initial_gap: Array, grid: Grid, boundary: Boundary, materials: Iterable[Material]) -> list[Finding]:
+    """Return what is known before a solve: implausible units, and a jump across a periodic border."""
+    implausible = [*_list_moduli(materials), *_list_lengths(initial_gap, grid)]
+    units = "; ".join(implausible) or "moduli, heights and sizes are plausible"
+    return [Finding("units", len(implausible), units), _find_jump(initial_gap, boundary)]
+
+
+def find_contact(solution: ContactSolution) -> list[Finding]:
+    """Return where the model of a half-space, the domain or the grid does not suit a contact."""
+    names = ("edge contact", "tilt", "cells per contact", "slope", "peak pressure", "approach", "theory")
+    if not solution.contact.any():
+        return [Finding(name, math.nan, "there is no contact") for name in names]
+    peak, approach = float(solution.pressure.max()) / solution.modulus, solution.approach / min(solution.grid.size)
+    edge = _find_edge_contact(solution)
+    return [
+        edge,
+        _find_tilt(solution, edge),
+        _find_single_cells(solution),
+        _find_slope(solution),
+        Finding("peak pressure", peak, f"the maximum pressure is {peak:.3g} times the contact modulus E*"),
+        Finding("approach", approach, f"the approach is {approach:.3g} times the shorter side of the domain"),
+        _find_departure(solution),
+    ]
+
+
+def list_warnings(solution: ContactSolution, materials: Iterable[Material]) -> tuple[str, ...]:
+    """Return the warnings of a solution, likely causes first; of a failed solve only those of its scene."""
+    findings = find_scene(solution.initial_gap, solution.grid, solution.boundary, materials)
+    explained: set[str] = set()
+    if findings[0].warning:
+        explained |= {"slope", "peak pressure", "approach"}
+    if solution.status.success:
+        findings += find_contact(solution)
+        if any(finding.rule == "tilt" and finding.warning for finding in findings):
+            explained.add("edge contact")
+    return tuple(finding.warning for finding in findings if finding.rule not in explained and finding.warning)
+
+
+def exceeds_metals(solution: ContactSolution, materials: Iterable[Material]) -> bool:
+    """Return whether stiff bodies without a hardness bear more than metals do, which may be meant."""
+    softest = min((one.young for one in materials if isinstance(one, Elastic)), default=0.0)
+    return not solution.capped and softest >= _STIFF and float(solution.pressure.max()) > _HARDEST * softest
+
+
+def _list_moduli(materials: Iterable[Material]) -> list[str]:
+    texts = []
+    for material in materials:
+        if not isinstance(material, (Elastic, ElasticPerfectlyPlastic)):
+            continue
+        young = f"a Young's modulus of {si(material.young, 'Pa')}"
+        if material.young < (_RUBBER if material.poisson < _GEL_POISSON else _GEL):
+            texts.append(f"{young} is that of a foam or a gel")
+        elif material.young > _DIAMOND:
+            texts.append(f"{young} is more than that of diamond")
+    return list(dict.fromkeys(texts))
+
+
+def _list_lengths(initial_gap: Array, grid: Grid) -> list[str]:
+    texts = []
+    largest, side, cell = float(initial_gap.max()), max(grid.size), min(grid.spacing)
+    heights = float(initial_gap.max(where=_measured(initial_gap), initial=0.0))
+    slope = rms_slope(np.minimum(initial_gap, heights), grid)
+    if heights > side or slope > _STEEPEST:
+        texts.append(f"the heights differ by {si(heights, 'm')}, with an rms slope of {slope:.2g}")
+    elif largest < _ATOM:
+        texts.append(f"the heights differ by {si(largest, 'm')}, less than an atom")
+    if side >= _LONGEST:
+        texts.append(f"the domain is {si(side, 'm')} long")
+    elif cell < _ATOM:
+        texts.append(f"the cells are {si(cell, 'm')} wide, less than an atom")
+    return texts
+
+
+def _measured(initial_gap: Array) -> Mask:
+    """Return the points above the lowest ones, where those that were not measured lie."""
+    return np.asarray(initial_gap < initial_gap.max())
+
+
+def _find_jump(initial_gap: Array, boundary: Boundary) -> Finding:
+    name = "border jump"
+    if boundary is Boundary.FREE:
+        return Finding(name, math.nan, "the boundary is free: nothing lies beyond it")
+    jump = max(border_jump(initial_gap, axis) for axis in (0, 1))
+    return Finding(name, jump, f"the heights jump across the border by {jump:.3g} times the step between cells")
+
+
+def _find_edge_contact(solution: ContactSolution) -> Finding:
+    """Return the fraction of the load that patches at a free border carry."""
+    name, patches = "edge contact", solution.patches
+    if solution.boundary is not Boundary.FREE:
+        return Finding(name, math.nan, f"the boundary is {solution.boundary}: the domain has no border")
+    if min(solution.grid.shape) < _NARROW:
+        return Finding(name, math.nan, f"with fewer than {_NARROW} cells along an axis all cells are near the border")
+    labels, pressure = (
+        np.concatenate((field[0], field[-1], field[1:-1, 0], field[1:-1, -1]))
+        for field in (patches.labels, solution.pressure)
+    )
+    touching = np.unique(labels[labels > 0]) - 1
+    fraction = float(patches.forces[touching].sum() / patches.forces.sum())
+    if pressure.mean() < _LIGHT * solution.pressure.mean():
+        fraction = 0.0
+    return Finding(name, fraction, f"{_percent(fraction)} of the load is on contacts that reach the free border")
+
+
+def _find_tilt(solution: ContactSolution, edge: Finding) -> Finding:
+    """Return the fraction of the variance of the heights that is a plane, where contacts at a free border count."""
+    name, initial_gap = "tilt", solution.initial_gap
+    if not edge.value > PLAUSIBILITY_RULES["edge contact"].admissible:
+        return Finding(name, math.nan, "the load is not at a free border")
+    measured = np.nonzero(_measured(initial_gap))
+    if len(measured[0]) < _NARROW:
+        return Finding(name, math.nan, f"fewer than {_NARROW} points are above the lowest")
+    values = initial_gap[measured]
+    places = [(index - index.mean()) / n for index, n in zip(measured, initial_gap.shape, strict=True)]
+    slopes = np.linalg.lstsq(np.stack(places, axis=1), values - values.mean(), rcond=None)[0]
+    plane = slopes[0] * places[0] + slopes[1] * places[1]
+    fraction = float(plane.var() / values.var()) if values.max() > values.min() else 0.0
+    across = si(float(plane.max() - plane.min()), "m", 3)
+    text = f"the load is at the border, and {_percent(fraction)} of the variance of the heights is a tilt of {across}"
+    return Finding(name, fraction, text)
+
+
+def _find_single_cells(solution: ContactSolution) -> Finding:
+    """Return the fraction of the load on single cells, and where all of it may be in another unit, that."""
+    name, forces = "cells per contact", solution.patches.forces
+    single = float(forces[solution.patches.cells == 1].sum() / forces.sum())
+    ratio = solution.mean_pressure / solution.modulus
+    text = f"{_percent(single)} of the load is on contacts of a single cell"
+    if ratio < _LIGHTEST and single > PLAUSIBILITY_RULES[name].admissible:
+        light = f"the mean pressure is {si(solution.mean_pressure, 'Pa')}, {ratio:.2g} of E*"
+        text = f"{light} (loads are in Pa and N, lengths in m: 100 MPa is 100e6, 1 mm is 1e-3), and {text}"
+    return Finding(name, single, text)
+
+
+def _find_slope(solution: ContactSolution) -> Finding:
+    """Return the rms slope of the initial gap between cells that are both in contact."""
+    name, total, contact = "slope", 0.0, solution.contact
+    for axis, spacing in enumerate(solution.grid.spacing):
+        first, second = (np.take(contact, range(k, n - 1 + k), axis) for n in (contact.shape[axis],) for k in (0, 1))
+        steps = np.diff(solution.initial_gap, axis=axis)[first & second] / spacing
+        total += float(np.mean(steps**2)) if steps.size else 0.0
+    slope = math.sqrt(total)
+    return Finding(name, slope, f"the rms slope of both surfaces together is {slope:.3g} in contact")
+
+
+def _find_departure(solution: ContactSolution) -> Finding:
+    """Return by how many standard deviations the area is outside the range that Persson's theory allows."""
+    name, theory = "theory", solution.theory
+    if theory is None:
+        return Finding(name, math.nan, "Persson's theory does not hold for this contact")
+    text = f"the area of Persson's theory is {theory.area_ratio:.2f} of the solved one"
+    return Finding(name, theory.departure, text)
+
+
+def _percent(fraction: float) -> str:
+    return f"{100.0 * fraction:.3g} %"

@@ -1,0 +1,33 @@
+"""What a contact does, asked of its solution: the base class and the registry."""
+
+from __future__ import annotations
+
+import abc
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from roughcontact._base.registry import Registry
+
+if TYPE_CHECKING:
+    from roughcontact._solve.solution.contact import ContactSolution
+
+T_co = TypeVar("T_co", covariant=True)
+
+
+class Response(abc.ABC, Generic[T_co]):
+    """What a contact does: its answer to a small change, a current, a flow. Subclass it and define `respond`.
+
+    What is asked beside the contact, a conductivity or depths, are fields of the subclass.
+    """
+
+    @abc.abstractmethod
+    def respond(self, solution: ContactSolution) -> T_co:
+        """Return the response: an `Estimate`, or an object that says its uncertainty and warnings.
+
+        Raises
+        ------
+        InputError
+            If it means nothing for this contact: the sentence says why.
+        """
+
+
+responses: Registry[Response[Any]] = Registry(Response, "response", "roughcontact.responses")

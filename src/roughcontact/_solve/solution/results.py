@@ -1,0 +1,208 @@
+"""Status and residuals of a solve, areas and their estimators."""
+
+from __future__ import annotations
+
+import abc
+import math
+from collections.abc import Iterable, Sequence
+from enum import Enum
+from typing import TYPE_CHECKING
+
+import attrs
+
+from roughcontact._base.checks import Array, read_only
+from roughcontact._base.registry import Registry
+from roughcontact._base.units import Estimate as Estimate
+from roughcontact._base.units import prefixed, with_spread
+from roughcontact._parts.surfaces import HeightMap
+from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact._solve.solution.contact import ContactSolution
+
+DEFAULT_AREA = "blend"
+# Error by rounding, over the scale, above which float64 does not resolve the gap: docs/conventions.md states it.
+_RESOLVED = 1e-5
+# Standard deviation of the position of edges on the facets of an interpolated map, cells: set on maps of 4 and 8 cells
+# a wave interpolated two and four times, bilinearly, in benchmarks/area_classes.py.
+_FACETS = 0.04
+
+
+class Status(Enum):
+    """How a solve ended, in a sentence."""
+
+    CONVERGED = "converged: the conditions of contact hold within the tolerance"
+    CONVERGED_TO_ROUNDING = "converged to rounding: the conditions of contact hold as well as float64 can tell"
+    RESCUED = (
+        "converged: the conditions of contact hold within the tolerance, by a second method after the first stalled"
+    )
+    UNRESOLVED = "not converged: the displacement or the pressure is too large for float64 to resolve the gap"
+    MAXIMUM_ITERATIONS = "not converged: the maximum number of iterations was reached"
+    STALLED = "not converged: no step reduces the error further"
+    NOT_FINITE = "not converged: a value that is not finite appeared"
+    UNCONFIRMED = "not converged: the residuals recomputed from the pressure do not confirm the solver"
+
+    @property
+    def success(self) -> bool:
+        """Whether the solution is certified."""
+        return self in (Status.CONVERGED, Status.CONVERGED_TO_ROUNDING, Status.RESCUED)
+
+    def within(self, floor: float, tolerance: float) -> Status:
+        """Return this status, if it is a success as far as rounding in float64 lets it be one.
+
+        Parameters
+        ----------
+        floor
+            The error that rounding may cause (see `Violation`).
+        tolerance
+            The error at which the solver counts a pressure as converged.
+        """
+        if not self.success or floor <= min(tolerance, _RESOLVED):
+            return self
+        return Status.CONVERGED_TO_ROUNDING if floor <= _RESOLVED else Status.UNRESOLVED
+
+    def __str__(self) -> str:
+        return self.value
+
+
+@attrs.frozen
+class Residuals:
+    """The violations of the conditions of contact, recomputed in float64 from the pressure alone.
+
+    Attributes
+    ----------
+    complementarity
+        Pressure-weighted mean of the gap in the contact, divided by `scale`.
+    penetration
+        Deepest overlap outside the saturated cells, divided by `scale`. Neither is stated below the error that
+        rounding in float64 may cause.
+    load
+        Relative error of the load.
+    scale
+        Height, m: the smaller of the standard deviation of the initial gap and the range of the displacement.
+    """
+
+    complementarity: float = attrs.field(converter=float)
+    penetration: float = attrs.field(converter=float)
+    load: float = attrs.field(converter=float)
+    scale: float = attrs.field(converter=float)
+
+    @property
+    def error(self) -> float:
+        """The larger of complementarity and penetration."""
+        return max(self.complementarity, self.penetration)
+
+    def __str__(self) -> str:
+        return f"complementarity {self.complementarity:.1e}, penetration {self.penetration:.1e}, load {self.load:.1e}"
+
+
+def _shape(value: Sequence[int]) -> tuple[int, int]:
+    nx, ny = value
+    return int(nx), int(ny)
+
+
+@attrs.frozen
+class GridLevel:
+    """The work on one grid of a nested iteration.
+
+    Attributes
+    ----------
+    shape
+        Cells of the grid.
+    iterations
+        Iterations on it.
+    double, single
+        Convolutions in float64 and in float32.
+    inverse
+        Applications of the approximate inverse, each as costly as a convolution.
+    """
+
+    shape: tuple[int, int] = attrs.field(converter=_shape)
+    iterations: int = attrs.field(converter=int)
+    double: int = attrs.field(converter=int)
+    single: int = attrs.field(default=0, converter=int)
+    inverse: int = attrs.field(default=0, converter=int)
+
+
+@attrs.frozen
+class Area:
+    """Real contact area with its uncertainty.
+
+    Attributes
+    ----------
+    value
+        Area, m2.
+    fraction
+        Area over nominal area.
+    uncertainty
+        One standard deviation, m2: the true area should lie within two of them.
+    estimator
+        Name of the estimator.
+    perimeter
+        Length of the edge of the contact, m; nan where the estimator does not give it.
+    warnings
+        Why the value must not be trusted, in sentences; empty without a reason.
+    patches
+        Area of each of the solution's patches, shape (count,), m2, without summits in contact between the cells; None
+        where the estimator does not give them.
+    """
+
+    value: float
+    fraction: float
+    uncertainty: float
+    estimator: str
+    perimeter: float = attrs.field(default=math.nan, kw_only=True)
+    warnings: tuple[str, ...] = attrs.field(default=(), kw_only=True)
+    patches: Array | None = attrs.field(
+        default=None, converter=attrs.converters.optional(read_only), kw_only=True, eq=False, repr=False
+    )
+
+    def __str__(self) -> str:
+        factor, unit = prefixed(max(self.value, self.uncertainty), "m", 2)
+        plain_unit = unit.replace("²", "2")
+        texts = [f"{with_spread(factor * self.value, factor * self.uncertainty)} {plain_unit}"]
+        if self.value > 0.0:
+            percent = 100.0 * self.fraction
+            # In points of percent like the fraction: a relative uncertainty in percent would be taken for points.
+            texts.append(f"{with_spread(percent, percent * self.uncertainty / self.value)} % of nominal")
+        doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
+        return f"{', '.join(texts)} [{self.estimator}]{doubtful}"
+
+
+def judge_maps(area: Area, maps: Iterable[HeightMap], cell_area: float) -> Area:
+    """Return an area with the warnings of the maps, and the uncertainty by the facets of interpolated ones."""
+    warnings = dict.fromkeys(text for one in maps for text in one.warnings)
+    facets = 0.0
+    if area.perimeter > 0.0 and any(one.period > 0.0 for one in maps):
+        facets = _FACETS * area.perimeter * math.sqrt(cell_area)
+    if not warnings and facets == 0.0:
+        return area
+    uncertainty = math.hypot(area.uncertainty, facets)
+    return attrs.evolve(area, uncertainty=uncertainty, warnings=(*area.warnings, *warnings))
+
+
+class AreaEstimator(abc.ABC):
+    """A rule for the real contact area. Subclass it and define `estimate`."""
+
+    @abc.abstractmethod
+    def estimate(self, solution: ContactSolution) -> Area:
+        """Return the real contact area and its uncertainty."""
+
+
+class QuantityEstimator(abc.ABC):
+    """A rule for a number of the contact. Subclass it and define `estimate`."""
+
+    @abc.abstractmethod
+    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the number and its uncertainty, given the real contact area of the same solution."""
+
+
+def require_estimate(estimator: QuantityEstimator, found: object) -> Estimate:
+    """Return what an estimator has returned, if it is an `Estimate` of finite numbers."""
+    if not isinstance(found, Estimate) or not (math.isfinite(found.value) and found.uncertainty >= 0.0):
+        raise InputError(f"The estimator {estimator!r} returned {found!r}, which is not an Estimate of finite numbers.")
+    return found
+
+
+areas = Registry(AreaEstimator, "area estimator", "roughcontact.areas")
+quantities = Registry(QuantityEstimator, "estimator of a quantity", "roughcontact.quantities")

@@ -1,0 +1,273 @@
+"""Solutions in files, npz and netCDF, and where a solution comes from."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact._base.archive import digest_of, pack, read_archive, read_some, write_archive
+from roughcontact._base.archive.plain import (
+    Described,
+    arrays_in,
+    describe,
+    missing_classes,
+    public_class,
+    rebuild,
+)
+from roughcontact._base.checks import Array, Mask, RealArray, frozen_array, read_only
+from roughcontact._base.tables import make_dataset
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._solve.solution.netcdf import read_netcdf, write_netcdf
+from roughcontact._solve.solution.origin import Origin, key_of_origin, require_key, versions
+from roughcontact._solve.solution.results import GridLevel, Residuals, Status
+from roughcontact.errors import InputError
+from roughcontact.errors.door import warn
+
+if TYPE_CHECKING:
+    from roughcontact._solve.solution.contact import ContactSolution
+
+T = TypeVar("T")
+_KIND = "solution"
+_PART = "part_"
+_FIELDS = {
+    "pressure": ("contact pressure", "Pa"),
+    "displacement": ("elastic displacement of both surfaces", "m"),
+    "initial_gap": ("gap before deformation", "m"),
+    "gap": ("gap", "m"),
+}
+_SCALARS = {
+    "modulus": ("contact modulus", "Pa"),
+    "maximum_pressure": ("maximum contact pressure", "Pa"),
+    "force": ("normal force", "N"),
+    "mean_pressure": ("nominal mean pressure", "Pa"),
+    "approach": ("approach since first touch", "m"),
+    "area": ("real contact area", "m2"),
+    "area_uncertainty": ("standard deviation of the real contact area", "m2"),
+    "saturated_area": ("area at the pressure limit", "m2"),
+    "saturated_area_uncertainty": ("standard deviation of the saturated area", "m2"),
+}
+# Bytes that the arrays of a problem may take beside a multiple of their own; masks of bytes are read as they are.
+_COPIED, _COPIES = 2**26, 16
+_REALS = ("modulus", "approach", "seconds", "edge_shift")
+_COUNTS = ("iterations", "convolutions")
+
+
+def write(path: Path, solution: ContactSolution, *, flush: bool = True) -> None:
+    """Write a solution; see `ContactSolution.save` and, for `flush`, `replacing`."""
+    if path.suffix not in (".npz", ".nc"):
+        raise InputError.about("The name of a solution's file", path.name, "one ending in .npz or .nc")
+    arrays, header = _disassemble(solution)
+    if missing := missing_classes(header["problem"]):
+        warn(f"{path.name} keeps the fields of the solution. {missing}")
+    if path.suffix == ".nc":
+        write_netcdf(path, _dataset(solution, pack(arrays, header)))
+    else:
+        write_archive(
+            path, {**arrays, "size": np.array(solution.grid.size), "status": solution.status.name}, header, flush=flush
+        )
+
+
+def read(path: Path, key: str | None = None) -> dict[str, Any]:
+    """Return the arguments of a `ContactSolution`, of the one with a key if it is given; see `ContactSolution.load`."""
+    arrays, header = read_netcdf(path) if path.suffix == ".nc" else read_archive(path)
+    if header.get("kind") != _KIND:
+        raise InputError(f"The file {path.name} does not hold a solution.")
+    with _usable(path, "its header is wrong"):
+        require_key(header, key)
+        fields = _assemble(arrays, header)
+        _require_sound(fields, arrays)
+        return fields
+
+
+def read_figures(path: Path, key: str) -> dict[str, Any]:
+    """Return status, cost and scalars of the solution with a key; all of its file is compared with its checksum."""
+    arrays, header = read_some(path, _SCALARS)
+    with _usable(path, "its header is wrong"):
+        require_key(header, key)
+        numbers = {name: float(arrays[name]) for name in _SCALARS}
+        stated = {name: rebuild(header[name], {}) for name in ("status", "seconds", *_COUNTS)}
+        return {**numbers, **stated}
+
+
+def verify(path: Path, solution: ContactSolution) -> None:
+    """Raise `InputError` unless the residuals recomputed from a solution's pressure confirm it."""
+    origin = solution.origin
+    missing = "It does not name its problem." if origin is None else origin.missing
+    if origin is None or missing:
+        raise InputError(
+            f"The file {path.name} cannot be verified. {missing} ContactSolution.load(..., verify=False) takes its "
+            "fields and residuals as they are."
+        )
+    with _usable(path, "its problem cannot be verified"):
+        problem: Any = public_class("ContactProblem")
+        problem(**origin.bound(solution.grid)).verify(solution)
+
+
+@contextlib.contextmanager
+def _usable(path: Path, trouble: str) -> Iterator[None]:
+    """Turn whatever fails on the content of a file into a sentence."""
+    try:
+        # Numbers of a file may overflow: what becomes infinite is refused.
+        with np.errstate(all="ignore"):
+            yield
+    except MemoryError:
+        raise
+    except InputError as error:
+        raise InputError(f"The file {path.name} cannot be used: {' '.join(str(error).split())}") from error
+    # Classes of plug-ins refuse their fields in as many ways as there are plug-ins.
+    except Exception as error:
+        raise InputError(f"The file {path.name} cannot be used: {trouble} ({error!r:.200}).") from error
+
+
+def _require_sound(fields: Mapping[str, Any], arrays: Mapping[str, RealArray]) -> None:
+    """Raise `InputError` if the figures and fields of a file contradict each other; no convolution is needed."""
+    pressure, status, residuals = fields["pressure"], fields["status"], fields["residuals"]
+    gap = fields["initial_gap"] + fields["displacement"] - fields["approach"]
+    if not np.array_equal(arrays["gap"], gap, equal_nan=True):
+        raise InputError("Its gap is not the initial gap plus displacement minus approach.")
+    if min(fields[name] for name in _COUNTS) < 0 or not fields["seconds"] >= 0.0 or not fields["modulus"] > 0.0:
+        raise InputError("A number of iterations or convolutions, the time or the contact modulus is negative.")
+    force = float(np.add.reduce(pressure, axis=None)) * fields["grid"].cell_area
+    if not np.allclose([arrays["force"], arrays["mean_pressure"] * fields["grid"].area], force, equal_nan=True):
+        raise InputError("Its force is not that of its pressure.")
+    finite = all(np.isfinite(fields[name]).all() for name in ("pressure", "displacement", "initial_gap", *_REALS))
+    residuals_hold = all(0.0 <= value < math.inf for value in attrs.astuple(residuals))
+    bounded = finite and pressure.min() >= 0.0 and (pressure <= fields["pressure_limit"]).all()
+    if status.success and not (bounded and residuals_hold):
+        raise InputError(f"Its status is {status.name}, but values are not finite or the pressure leaves its bounds.")
+
+
+def to_xarray(solution: ContactSolution) -> Any:
+    """Return the solution as an xarray dataset; see `ContactSolution.to_xarray`."""
+    arrays, _ = _disassemble(solution)
+    # Without the arrays of its problem, which only a file needs.
+    return _dataset(
+        solution, {name: np.asarray(values) for name, values in arrays.items() if not name.startswith(_PART)}
+    )
+
+
+def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
+    grid, variables = solution.grid, {}
+    for name, values in packed.items():
+        axes = ("x", "y") if name in _FIELDS else tuple(f"{name}_{axis}" for axis in range(values.ndim))
+        words, unit = {**_FIELDS, **_SCALARS}.get(name, (None, None))
+        variables[name] = (axes, values, {"long_name": words, "units": unit} if words else {})
+    places = {"x": ("x", grid.x[:, 0], {"units": "m"}), "y": ("y", grid.y[0], {"units": "m"})}
+    made_with = versions() if solution.origin is None else solution.origin.versions
+    made_by = ", ".join(f"{name} {number}" for name, number in made_with.items())
+    title = {"title": "contact of rough surfaces", "status": str(solution.status), "versions": made_by}
+    return make_dataset(variables, places, title)
+
+
+def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
+    """Return all arrays by name, and everything else as data that JSON can hold."""
+    parts: dict[str, RealArray] = {}
+    origin, limit = solution.origin, solution.pressure_limit
+    described = ("moduli", "history", "boundary", *_REALS, *_COUNTS)
+    tables = {name: attrs.asdict(getattr(solution, name)) for name in ("grid", "residuals")}
+    header = {
+        "kind": _KIND,
+        "key": key_of_origin(origin),
+        "versions": versions() if origin is None else dict(origin.versions),
+        "programs": [] if origin is None else origin.programs,
+        "status": solution.status.name,
+        "pressure_limit": describe(limit if limit.ndim else float(limit), parts),
+        "non_measured": describe(solution.non_measured, parts),
+        **{name: describe(getattr(solution, name), parts) for name in described},
+        **{name: describe(table, parts) for name, table in tables.items()},
+        "levels": [describe(attrs.asdict(level), parts) for level in solution.levels],
+        "problem": None if origin is None else origin.describe(parts),
+        "load": None if origin is None else describe(origin.load, parts),
+    }
+    fields = {name: getattr(solution, name) for name in _FIELDS}
+    return {**fields, **scalars_of(solution), **{_PART + name: values for name, values in parts.items()}}, header
+
+
+def scalars_of(solution: ContactSolution) -> dict[str, float]:
+    """Return the numbers that files state beside the fields, by name, in SI units."""
+    figures = {
+        "maximum_pressure": float(solution.pressure.max()),
+        **_estimate(solution, "area"),
+        **_estimate(solution, "saturated_area"),
+    }
+    return {name: figures.get(name, getattr(solution, name, math.nan)) for name in _SCALARS}
+
+
+def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:
+    """Return an area and its uncertainty, not a number where it fails: no solution is lost because of its area."""
+    try:
+        area = getattr(solution, what)()
+        value, uncertainty = float(area.value), float(area.uncertainty)
+    except Exception:
+        value = uncertainty = math.nan
+    return {what: value, f"{what}_uncertainty": uncertainty}
+
+
+def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dict[str, Any]:
+    parts = {name.removeprefix(_PART): values for name, values in arrays.items() if name.startswith(_PART)}
+
+    def build(cls: type[T], described: Described) -> T:
+        return cls(**rebuild(described, parts))
+
+    if any(digest_of(values) != name for name, values in parts.items()):
+        raise InputError("An array of its problem is not the one that it is named after.")
+    _require_few(header["problem"], parts)
+    grid = build(Grid, header["grid"])
+    limit, moduli = (rebuild(header[name], parts) for name in ("pressure_limit", "moduli"))
+    origin = None
+    if header["problem"] is not None:
+        load = {name: float(value) for name, value in rebuild(header["load"], parts).items()}
+        made_by = {str(name): str(number) for name, number in header["versions"].items()}
+        origin = Origin(None, load, saved=(header["problem"], parts), versions=made_by)
+        origin = origin if origin.missing else Origin(origin.problem, load, versions=made_by)
+    return {
+        **{name: float(rebuild(header[name], parts)) for name in _REALS},
+        **{name: int(header[name]) for name in _COUNTS},
+        **{name: _field(arrays[name], grid) for name in ("pressure", "displacement", "initial_gap")},
+        "grid": grid,
+        "pressure_limit": _field(limit, grid) if isinstance(limit, np.ndarray) else float(limit),
+        "residuals": build(Residuals, header["residuals"]),
+        "levels": tuple(build(GridLevel, level) for level in header["levels"]),
+        "moduli": None if moduli is None else _table(moduli),
+        "non_measured": _mask(rebuild(header["non_measured"], parts), grid),
+        "boundary": Boundary(header["boundary"]),
+        "status": Status[header["status"]],
+        "history": tuple(map(float, rebuild(header["history"], parts))),
+        "origin": origin,
+    }
+
+
+def _require_few(described: Described, parts: Mapping[str, RealArray]) -> None:
+    """Raise `InputError` if a problem names its arrays so often that their copies take far more than the file."""
+    # Each copy may be of float64; a sum of two surfaces may name a map twice.
+    taken = sum(8 * parts[name].size for name in arrays_in(described) if name in parts)
+    if taken > _COPIED + _COPIES * sum(values.nbytes for values in parts.values()):
+        raise InputError(f"The arrays that its problem names take {taken} bytes, more than it may hold.")
+
+
+def _table(rows: Any) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    lengths, moduli = (tuple(map(float, row)) for row in rows)
+    if len(lengths) != len(moduli) or not moduli:
+        raise InputError(f"It has {len(moduli)} moduli at {len(lengths)} wave numbers.")
+    return lengths, moduli
+
+
+def _mask(values: Any, grid: Grid) -> Mask | None:
+    if values is None:
+        return None
+    if not isinstance(values, np.ndarray) or values.shape != grid.shape or values.dtype != np.bool_:
+        raise InputError(f"Its non-measured points are not booleans on a grid of {grid}.")
+    return read_only(values)
+
+
+def _field(values: RealArray, grid: Grid) -> Array:
+    if values.shape != grid.shape or values.dtype != np.float64:
+        raise InputError(f"It has an array of {values.shape} values of type {values.dtype} on a grid of {grid}.")
+    return frozen_array(values)

@@ -1,0 +1,150 @@
+"""A solution as text: the answer first, then how far it can be trusted, then the work."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import TYPE_CHECKING, TypeVar
+
+from roughcontact._base.units import Estimate, counted, prefixed, si, with_spread
+from roughcontact._parts.materials import Material
+from roughcontact._parts.surfaces import HeightMap
+from roughcontact._solve.solution.plausibility import exceeds_metals
+from roughcontact._solve.solution.results import Area
+
+if TYPE_CHECKING:
+    from roughcontact._solve.solution.contact import ContactSolution
+
+S = TypeVar("S")
+T = TypeVar("T")
+_UNKNOWN = "not determined"
+# What is said below a maximum pressure that no metal bears.
+MORE_THAN_METALS = "more than metals bear: unless it is meant, give a hardness"
+# Columns of a printed solution, and those of the labels.
+_WIDTH, _LABEL = 80, 15
+# Cells up to which the area is estimated unasked for the one line of `repr`: 0.1 s.
+_SMALL = 2**20
+
+
+def list_answers(solution: ContactSolution) -> dict[str, str]:
+    """Return the answer in words by name: the contact area, the load, the maximum pressure and the approach."""
+    peak = _attempt(solution.peak_pressure, None)
+    answers = {
+        "contact area": _format_area(_attempt(solution.area, None), solution),
+        "force": si(solution.force, "N", 6),
+        "mean pressure": si(solution.mean_pressure, "Pa", 6),
+        "max pressure": _UNKNOWN if peak is None else _format_estimate(peak),
+        "approach": si(solution.approach, "m", 6),
+    }
+    if solution.capped:
+        answers["saturated"] = _format_area(_attempt(solution.saturated_area, None), solution)
+    return answers
+
+
+def list_all_warnings(
+    solution: ContactSolution, known: Mapping[str, Area | Estimate] = MappingProxyType({})
+) -> list[str]:
+    """Return the warnings of a solution, those of what `list_answers` estimates, and those of estimates by name.
+
+    What is `known` is not estimated again.
+    """
+    gathered = dict.fromkeys(_attempt(lambda: solution.warnings, ()))
+    asked: dict[str, Callable[[], Area | Estimate]] = {
+        "contact area": solution.area,
+        "maximum pressure": solution.peak_pressure,
+    }
+    if solution.capped:
+        asked["saturated area"] = solution.saturated_area
+    estimates: dict[str, Area | Estimate | None] = {
+        name: known[name] if name in known else _attempt(estimate, None) for name, estimate in asked.items()
+    }
+    seen: set[str] = set()
+    for name, found in (estimates | dict(known)).items():
+        # The others have the warnings of the area too.
+        texts = () if found is None else tuple(text for text in found.warnings if text not in seen)
+        seen.update(texts)
+        gathered.update(dict.fromkeys(f"The {name} is doubtful: {text}" for text in texts))
+    return list(gathered)
+
+
+def describe_work(solution: ContactSolution) -> str:
+    """Return what a solve took."""
+    counts = counted(solution.iterations, "iteration"), counted(solution.convolutions, "convolution")
+    return f"{', '.join(counts)}, {solution.seconds:.2g} s"
+
+
+def describe_maps(maps: Sequence[HeightMap]) -> str:
+    """Return what the area of measured maps does not know; empty without maps."""
+    if not maps:
+        return ""
+    shortest = si(2.0 * max(max(one.grid.spacing) for one in maps), "m", 3)
+    return f"of the map as interpolated: waves below {shortest} are not in it"
+
+
+def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: Mapping[str, Material]) -> str:
+    """Return the answer, how the solve ended, the warnings and the work, line by line; a failure first of all."""
+    status = ("status", str(solution.status))
+    rows = [*list_answers(solution).items()]
+    if exceeds_metals(solution, materials.values()):
+        rows.insert([label for label, _ in rows].index("max pressure") + 1, ("", MORE_THAN_METALS))
+    if maps:
+        rows.insert(1, ("", describe_maps(maps)))
+    rows.insert(len(rows) if solution.status.success else 0, status)
+    rows += [("warning", text) for text in list_all_warnings(solution)]
+    if solution.theory is not None:
+        rows.append(("Persson", str(solution.theory)))
+    if solution.accuracy is not None:
+        rows.append(("accuracy", str(solution.accuracy)))
+    rigid = [name for name, material in materials.items() if material.compliance == 0.0]
+    alone = f": the {rigid[0]} is rigid" if rigid else ""
+    rows += [
+        ("modulus E*", f"{si(solution.modulus, 'Pa', 6)}{alone}"),
+        ("residuals", str(solution.residuals)),
+        ("work", describe_work(solution)),
+    ]
+    return "\n".join(line for label, text in rows for line in _wrap(label, text))
+
+
+def abbreviate(solution: ContactSolution) -> str:
+    """Return the solution in one line; the area is in it where it takes a moment only."""
+    shape, (verdict, _, _) = " x ".join(map(str, solution.grid.shape)), str(solution.status).partition(":")
+    texts = [verdict, si(solution.mean_pressure, "Pa")]
+    area = _attempt(solution.area, None) if solution.grid.cells <= _SMALL and solution.status.success else None
+    if area is not None:
+        texts.append(f"contact area {with_spread(*_percentages(area, solution.grid.area))} %")
+    return f"<ContactSolution {shape}, {solution.boundary}: {', '.join(texts)}>"
+
+
+def _percentages(area: Area, nominal: float) -> tuple[float, float]:
+    return 100.0 * area.fraction, 100.0 * area.uncertainty / nominal
+
+
+def _format_estimate(one: Estimate) -> str:
+    factor, unit = prefixed(abs(one.value), one.unit)
+    return f"{with_spread(one.value * factor, one.uncertainty * factor)} {unit}"
+
+
+def _format_area(area: Area | None, solution: ContactSolution) -> str:
+    # Of a pressure that is not a number no cell is in contact.
+    if area is None or not math.isfinite(solution.force):
+        return _UNKNOWN
+    percent = with_spread(*_percentages(area, solution.grid.area))
+    return f"{percent} % of nominal, {si(area.value, 'm2')} [{area.estimator}]"
+
+
+def _attempt(estimate: Callable[[], T], otherwise: S) -> T | S:
+    """Return an estimate, or something else where it fails: what did not converge is printed as well."""
+    try:
+        return estimate()
+    # Estimators are plug-ins.
+    except Exception:
+        return otherwise
+
+
+def _wrap(label: str, text: str) -> Iterator[str]:
+    indent = f"{label:<{_LABEL}}"
+    for line in text.splitlines():
+        yield from textwrap.wrap(line, _WIDTH, initial_indent=indent, subsequent_indent=_LABEL * " ") or [indent]
+        indent = ""

@@ -1,0 +1,103 @@
+"""Persson's theory beside a solution, where it holds."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact.reference.persson import PerssonContact, evaluate_persson
+from roughcontact.reference.roughness import find_lay, find_shape
+from roughcontact.reference.waves import Waves, transform_waves
+
+if TYPE_CHECKING:
+    from roughcontact._solve.solution.contact import ContactSolution
+
+# Theory over solved area on isotropic Gaussian surfaces below this fraction of contact, from 1 % on; Hurst exponents
+# 0.3 to 0.8, docs/studies/persson.py.
+_RATIO, _CONTACT = (0.65, 0.9), (0.01, 0.4)
+# Surfaces that the theory describes: relative sampling error of the mean square height and slope, ratio of the rms
+# slopes along two directions, skewness, kurtosis, and the part of the mean square slope from waves below four cells.
+_FEW_HEIGHTS, _FEW_SLOPES, _LAY, _SKEWNESS, _KURTOSIS, _UNRESOLVED = 0.35, 0.15, 1.5, 0.6, (2.0, 4.5), 0.3
+# Relative standard deviation of the area of one patch at a given load, from random scenes.
+_SCATTER = 0.25
+# Cells of the largest grid whose spectrum is taken unasked: 0.6 s.
+_LARGEST = 2**22
+
+
+@attrs.frozen(eq=False)
+class TheoryBeside:
+    """Persson's theory for the surface and load of a solution.
+
+    Attributes
+    ----------
+    contact
+        What the theory gives at the mean pressure of the solution.
+    area_ratio
+        Its area over the solved one.
+    gap_ratio
+        Its mean gap over the solved one; nan in full contact.
+    departure
+        By how much `area_ratio` is outside the range of 0.65 to 0.9, in standard deviations of sampling, of few patches
+        and of the solved area; zero inside, and where the range does not apply.
+    """
+
+    contact: PerssonContact
+    area_ratio: float
+    gap_ratio: float
+    departure: float
+
+    def __str__(self) -> str:
+        area, gap = float(self.contact.area_fraction), float(self.contact.mean_gap)
+        beside = "" if math.isnan(self.gap_ratio) else f" ({self.gap_ratio:.2f} of the solved)"
+        return f"area {100.0 * area:.3g} % ({self.area_ratio:.2f} of the solved), mean gap {si(gap, 'm')}{beside}"
+
+
+def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
+    """Return the theory beside a solution, or None where it does not hold: see `ContactSolution.theory`."""
+    applies = (
+        solution.boundary is Boundary.PERIODIC
+        and solution.status.success
+        and solution.moduli is None
+        and solution.non_measured is None
+        and solution.grid.cells <= _LARGEST
+        and solution.initial_gap.any()
+        and solution.contact.any()
+        and not solution.saturated.any()
+    )
+    waves = _find_waves(solution.initial_gap, solution.grid) if applies else None
+    if waves is None:
+        return None
+    contact = evaluate_persson(waves, solution.modulus, np.asarray(solution.mean_pressure))
+    area = solution.area()
+    ratio = float(contact.area_fraction) / area.fraction
+    departure = 0.0
+    if _CONTACT[0] <= area.fraction <= _CONTACT[1]:
+        nearest = min(max(ratio, _RATIO[0]), _RATIO[1])
+        square = waves.square
+        sampling = waves.spread(square) / waves.sum(square)
+        few = _SCATTER / math.sqrt(solution.patches.count)
+        departure = abs(ratio - nearest) / (nearest * math.hypot(sampling, few, area.uncertainty / area.value))
+    gap = float(np.mean(solution.gap))
+    gap_ratio = float(contact.mean_gap) / gap if gap > solution.residuals.scale * 1e-3 else math.nan
+    return TheoryBeside(contact, ratio, gap_ratio, departure)
+
+
+def _find_waves(initial_gap: Array, grid: Grid) -> Waves | None:
+    """Return the waves of isotropic Gaussian roughness that the grid resolves; None of anything else."""
+    # Of the heights, which are the gap with the other sign, the skewness has the other sign.
+    skewness, kurtosis = find_shape(initial_gap)
+    if abs(skewness) > _SKEWNESS or not _KURTOSIS[0] <= kurtosis <= _KURTOSIS[1]:
+        return None
+    waves = transform_waves(initial_gap, grid)
+    square = waves.square
+    slope = waves.sum(square)
+    cell = max(grid.spacing) / grid.spacing[0]
+    short = waves.sum(np.where(square > (0.5 * np.pi / cell) ** 2 * (1.0 + 1e-9), square, 0.0))
+    few = waves.spread(1.0) > _FEW_HEIGHTS * waves.sum(1.0) or waves.spread(square) > _FEW_SLOPES * slope
+    return None if few or short > _UNRESOLVED * slope or find_lay(waves) > _LAY else waves

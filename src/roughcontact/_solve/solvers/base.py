@@ -1,0 +1,244 @@
+"""The solver interface: a dimensionless task in, a pressure out."""
+
+from __future__ import annotations
+
+import abc
+import math
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, integer, number
+from roughcontact._base.registry import Registry
+from roughcontact._solve.convolvers import PreparedConvolution
+from roughcontact._solve.solution import GridLevel, Status
+from roughcontact._solve.solution.conditions import ContactConditions, Violation
+from roughcontact._solve.solvers.projection import LOAD_ROUNDING, project_to_load, rescale_to_load
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+
+# Error (see `Violation`) at which solvers end by default: areas and maximum pressures move by 3e-5 at most
+# (docs/studies/tolerance.py), a tenth of the smallest uncertainty that an area is given.
+DEFAULT_TOLERANCE = 1e-5
+
+
+@attrs.frozen
+class Step:
+    """The progress of a solver after one iteration.
+
+    Attributes
+    ----------
+    shape
+        Cells of the grid on which it iterates.
+    iteration
+        Iterations on that grid so far.
+    error
+        Error (see `Violation`), estimated or verified.
+    """
+
+    shape: tuple[int, int]
+    iteration: int
+    error: float
+
+
+def _as_limit(value: Any) -> Array:
+    # An array of another kind than numpy's stays one.
+    like = value if hasattr(value, "__array_function__") else None
+    return np.asarray(value, dtype=np.float64, like=like)
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Task:
+    """A dimensionless contact problem: lengths in cells, gaps in peak-to-valley heights, pressures in E* height / cell.
+
+    Attributes
+    ----------
+    initial_gap
+        Gap before deformation, shape (nx, ny), 0 to 1.
+    mean_pressure
+        Mean pressure, above zero and at most the mean of the limit; None if the approach is given.
+    approach
+        Approach since first touch, above zero; None if the mean pressure is given.
+    pressure_limit
+        Maximum pressure, an array that broadcasts to (nx, ny): one value, or one per cell; `inf` where
+        there is none. A number is converted.
+    rms_gap
+        The standard deviation of the initial gap at the measured points; None if that is of all cells.
+    start
+        Pressure to start from, shape (nx, ny), within the bounds; None if there is none.
+    on_step
+        Called after each iteration, on coarse grids too.
+    """
+
+    initial_gap: Array
+    mean_pressure: float | None = None
+    approach: float | None = None
+    pressure_limit: Array = attrs.field(default=math.inf, converter=_as_limit)
+    rms_gap: float | None = None
+    start: Array | None = None
+    on_step: Callable[[Step], None] | None = None
+
+    @cached_property
+    def capped(self) -> bool:
+        """Whether the pressure of any cell is limited."""
+        return bool(np.isfinite(self.pressure_limit).any())
+
+    def convert(self, convert: Callable[[Array], Array]) -> Task:
+        """Return the same task with each of its arrays converted to another kind."""
+        start = None if self.start is None else convert(self.start)
+        gap, limit = convert(self.initial_gap), convert(self.pressure_limit)
+        return attrs.evolve(self, initial_gap=gap, pressure_limit=limit, start=start)
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Outcome:
+    """The result of a solver.
+
+    Attributes
+    ----------
+    pressure
+        Pressure, shape (nx, ny), between zero and the limit.
+    status
+        How the solve ended.
+    iterations, convolutions
+        Numbers of iterations, and of convolutions on the finest grid or of the same cost.
+    history
+        Error (see `Violation`) at the start of each iteration.
+    levels
+        The work on each grid, from coarse to fine; may be empty.
+    """
+
+    pressure: Array
+    status: Status
+    iterations: int
+    convolutions: int
+    history: tuple[float, ...]
+    levels: tuple[GridLevel, ...] = ()
+
+
+class Solver(abc.ABC):
+    """A method to find the contact pressure, from a prepared convolution alone."""
+
+    omitted: ClassVar[tuple[str, ...]] = ()
+    """What its solves omit and why, for ``explain()``."""
+
+    @property
+    @abc.abstractmethod
+    def tolerance(self) -> float:
+        """The error (see `Violation`) below which a pressure counts as converged; a field may define it."""
+
+    def require(self, *, capped: bool = False, approach: bool = False) -> None:
+        """Raise `InputError` if this solver cannot treat a pressure limit, or a given approach; by default it can."""
+        return
+
+    def with_tolerance(self, tolerance: float) -> Solver:
+        """Return the same solver with another tolerance; override it where that is not a field of an attrs class."""
+        solver: Any = self
+        if not (attrs.has(type(self)) and "tolerance" in attrs.fields_dict(type(solver))):
+            raise InputError(f"The tolerance of the solver {self!r} cannot be set.")
+        changed: Solver = attrs.evolve(solver, tolerance=tolerance)
+        return changed
+
+    @abc.abstractmethod
+    def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
+        """Return the contact pressure at the load or approach of the task.
+
+        Raises
+        ------
+        InputError
+            If this solver cannot treat such a task.
+        """
+
+
+solvers = Registry(Solver, "solver", "roughcontact.solvers")
+
+
+class Monitor:
+    """Measures the iterates of one solve, decides when it ends and records their errors.
+
+    Parameters
+    ----------
+    task
+        The task being solved.
+    tolerance
+        Error (see `Violation`) to be reached.
+    max_iterations
+        Iterations after which the solve is given up.
+    """
+
+    def __init__(self, task: Task, tolerance: float, max_iterations: int) -> None:
+        self._conditions = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms_gap)
+        self.tolerance = tolerance
+        self._max_iterations = max_iterations
+        self._task = task
+        self.history: list[float] = []
+
+    def judge(self, pressure: Array, displacement: Array) -> tuple[Violation, Status | None]:
+        """Return the violation by an iterate, and the status: None while the solver should continue."""
+        violation = self._conditions.measure(pressure, displacement)
+        self.record(violation.error)
+        return violation, self._status(violation)
+
+    def record(self, error: float) -> None:
+        """Record the error of an iterate, and report it to `Task.on_step`."""
+        self.history.append(error)
+        if self._task.on_step is not None:
+            self._task.on_step(Step(self._task.initial_gap.shape, len(self.history) - 1, error))
+
+    @property
+    def has_iterations_left(self) -> bool:
+        """Whether the maximum number of iterations is not reached."""
+        return len(self.history) <= self._max_iterations
+
+    def _status(self, violation: Violation) -> Status | None:
+        if not (math.isfinite(violation.error) and math.isfinite(violation.approach)):
+            return Status.NOT_FINITE
+        if violation.error > max(self.tolerance, violation.floor):
+            return None if self.has_iterations_left else Status.MAXIMUM_ITERATIONS
+        return Status.CONVERGED.within(violation.floor, self.tolerance)
+
+    def outcome(self, pressure: Array, status: Status, convolutions: int) -> Outcome:
+        """Return the outcome of the solve, with the recorded errors as its history."""
+        return Outcome(
+            pressure=pressure,
+            status=status,
+            iterations=len(self.history) - 1,
+            convolutions=convolutions,
+            history=tuple(self.history),
+        )
+
+
+@guarded
+def starting_pressure(task: Task) -> Array:
+    """Return the start of a task, or a uniform pressure within the limit, at the load; zero for an approach."""
+    shape, limit = task.initial_gap.shape, task.pressure_limit
+    if task.mean_pressure is None:
+        return np.zeros(shape, like=limit) if task.start is None else task.start
+    start = np.minimum(np.full(shape, task.mean_pressure, like=limit), limit) if task.start is None else task.start
+    load = task.mean_pressure * start.size
+    if task.mean_pressure >= (1.0 - LOAD_ROUNDING) * float(limit.mean()):
+        return np.broadcast_to(limit, shape).copy()
+    if abs(float(np.add.reduce(start, axis=None)) - load) <= LOAD_ROUNDING * load:
+        return start
+    return rescale_to_load(start.copy(), load, limit)
+
+
+@guarded
+def nearest_pressure(values: Array, task: Task) -> Array:
+    """Return the pressure nearest to any finite field, within the bounds and, if it is given, of the task's load."""
+    if task.mean_pressure is None:
+        return np.clip(values, 0.0, task.pressure_limit)
+    return project_to_load(values, task.mean_pressure, task.pressure_limit)
+
+
+def positive_tolerance(value: float) -> float:
+    """Return a tolerance, checked to be above zero."""
+    return number(value, "The tolerance of the solver", above=0.0, at_most=1.0)
+
+
+def iteration_limit(value: int) -> int:
+    """Return a maximum number of iterations, checked to be at least one."""
+    return integer(value, "The maximum number of iterations", at_least=1)

@@ -1,0 +1,203 @@
+"""The active cells, whose pressure may change, and vectors on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import TypeAlias
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact._base.checks import Array, IntArray, Mask, RealArray
+from roughcontact._base.machine.threads import map_tiles, tiles_of
+
+# Fraction of active cells above which fields with zeros are faster than lists of cells; 0.2 and 0.8 change the
+# CPU time by less than 3 % (docs/studies/solver_constants.py).
+_DENSE = 0.4
+# Fraction of rows with active cells below which transforms leave the others out; above, it costs memory and saves
+# little.
+_SPARSE = 0.5
+
+
+@attrs.frozen(eq=False)
+class Partition:
+    """A division of cells (nx, ny) into rectangular blocks (bx, by) of nearly equal size, by rows and columns."""
+
+    shape: tuple[int, int]
+    blocks: tuple[int, int]
+    rows: npt.NDArray[np.int32]
+    columns: npt.NDArray[np.int32]
+
+
+@attrs.frozen(eq=False)
+class ListedCells:
+    """Few active cells, by a flat mask and by their indices: a vector has one entry for each."""
+
+    mask: Mask
+    cells: IntArray
+
+    @property
+    def count(self) -> int:
+        """Number of active cells."""
+        return self.cells.size
+
+    @cached_property
+    def ones(self) -> RealArray:
+        """The vector of ones, float32."""
+        return np.ones(self.cells.size, dtype=np.float32, like=self.cells)
+
+    def gather(self, field: RealArray) -> RealArray:
+        """Return the vector of a flat field."""
+        vector = np.empty(self.cells.size, dtype=field.dtype, like=field)
+
+        def take(part: slice) -> None:
+            # All cells lie within the field; of the modes of numpy this one checks it fastest.
+            field.take(self.cells[part], mode="wrap", out=vector[part])
+
+        map_tiles(take, tiles_of(self.cells))
+        return vector
+
+    def scatter(self, vector: RealArray) -> RealArray:
+        """Return the flat field that is the vector on the active cells and zero elsewhere."""
+        field = np.zeros(self.mask.size, dtype=vector.dtype, like=vector)
+        self.store(field, vector)
+        return field
+
+    def store(self, field: RealArray, vector: RealArray) -> None:
+        """Set a flat field on the active cells."""
+
+        def put(part: slice) -> None:
+            field[self.cells[part]] = vector[part]
+
+        map_tiles(put, tiles_of(self.cells))
+
+    def limits(self, limit: Array) -> Array:
+        """Return the pressure limits, one entry or a flat field, in a form that broadcasts to vectors."""
+        return limit if limit.size == 1 else self.gather(limit)
+
+    def mark(self, mask: Mask) -> Mask:
+        """Return a mask of vectors, false where it is not active."""
+        return mask
+
+    def few_rows(self, length: int) -> IntArray | None:
+        """Return the rows of the given length that have an active cell; None if those are most."""
+        counts = self._count_in_rows(length)
+        rows = np.flatnonzero(counts)
+        return rows if rows.size < _SPARSE * counts.size else None
+
+    def _count_in_rows(self, length: int) -> IntArray:
+        # Cells are in the order of rows: this takes half of the time of dividing.
+        ends = np.arange(length, self.mask.size + 1, length)
+        return np.diff(np.searchsorted(self.cells, ends), prepend=0)
+
+    def blocks(self, partition: Partition) -> _ListedBlocks:
+        """Return the active cells by blocks of a partition."""
+        nx, ny = partition.shape
+        counts = self._count_in_rows(ny)
+        firsts = np.arange(0, nx * ny, ny, like=self.cells)
+        rows, columns = (np.asarray(part, like=self.cells) for part in (partition.rows, partition.columns))
+        columns = columns.take(self.cells - np.repeat(firsts, counts), mode="wrap")
+        return _ListedBlocks(np.repeat(rows * partition.blocks[1], counts) + columns, partition)
+
+
+@attrs.frozen(eq=False)
+class MaskedCells:
+    """Many active cells: vectors are flat fields, zero on all others; see `ListedCells`."""
+
+    mask: Mask
+    count: int
+
+    @cached_property
+    def ones(self) -> RealArray:
+        """The vector of ones, which is the mask, float32."""
+        return self.mask.astype(np.float32)
+
+    def gather(self, field: RealArray) -> RealArray:
+        """Return the field, zero where it is not active."""
+        factor = self.ones if field.dtype == np.float32 else self.mask
+        return np.multiply(field, factor, dtype=field.dtype)
+
+    def scatter(self, vector: RealArray) -> RealArray:
+        """Return the vector itself."""
+        return vector
+
+    def store(self, field: RealArray, vector: RealArray) -> None:
+        """Set a flat field on the active cells."""
+        np.copyto(field, vector, where=self.mask)
+
+    def limits(self, limit: Array) -> Array:
+        """Return the limit itself: where a cell is not active the pressure in a vector is zero."""
+        return limit
+
+    def mark(self, mask: Mask) -> Mask:
+        """Return the mask, false where it is not active."""
+        return mask & self.mask
+
+    def few_rows(self, length: int) -> None:
+        """Return None: many cells are in most rows."""
+
+    def blocks(self, partition: Partition) -> _MaskedBlocks:
+        """Return the active cells by blocks of a partition."""
+        return _MaskedBlocks(self, partition)
+
+
+ActiveCells: TypeAlias = ListedCells | MaskedCells
+
+
+@attrs.frozen(eq=False)
+class _ListedBlocks:
+    """Listed cells with the number of the block of each."""
+
+    numbers: IntArray
+    partition: Partition
+
+    def sums(self, vector: RealArray) -> RealArray:
+        """Return the sum over each block, shape (bx, by)."""
+        bx, by = self.partition.blocks
+        return np.bincount(self.numbers, weights=vector, minlength=bx * by).reshape(bx, by)
+
+    def spread(self, values: RealArray) -> RealArray:
+        """Return the vector that has the value of its block, shape (bx, by), on each cell."""
+        return values.ravel().take(self.numbers, mode="wrap")
+
+
+@attrs.frozen(eq=False)
+class _MaskedBlocks:
+    """Masked cells by blocks; see `_ListedBlocks`."""
+
+    active: MaskedCells
+    partition: Partition
+
+    def sums(self, vector: RealArray) -> RealArray:
+        """Return the sum over each block, shape (bx, by)."""
+        numbers = (self.partition.rows, self.partition.columns)
+        rows, columns = (np.flatnonzero(np.diff(axis, prepend=-1)) for axis in numbers)
+        # Sums along the first axis add rows at a time; for the second axis the array is transposed.
+        parts = np.split(vector.reshape(self.partition.shape), rows[1:])
+        strips = np.stack([np.add.reduce(part, axis=0) for part in parts], axis=1)
+        found = np.add.reduceat(strips, columns, axis=0).T
+        # A padded domain has blocks beyond the last cell, which stay empty.
+        sums = np.zeros(self.partition.blocks, dtype=vector.dtype, like=vector)
+        sums[: rows.size, : columns.size] = found
+        return sums
+
+    def spread(self, values: RealArray) -> RealArray:
+        """Return the vector that has the value of its block on each cell."""
+        return self.active.gather(np.take(values[self.partition.rows], self.partition.columns, axis=1).ravel())
+
+
+def active_cells(field: RealArray, mark: Callable[[slice], Mask]) -> ActiveCells:
+    """Return the active cells of a flat field, in the form that is faster; `mark` returns the mask of a tile."""
+    mask = np.empty(field.shape, dtype=bool, like=field)
+
+    def find(tile: slice) -> IntArray:
+        mask[tile] = mark(tile)
+        cells: IntArray = np.flatnonzero(mask[tile])
+        cells += tile.start
+        return cells
+
+    found = map_tiles(find, tiles_of(field))
+    count = sum(cells.size for cells in found)
+    return MaskedCells(mask, count) if count > _DENSE * mask.size else ListedCells(mask, np.concatenate(found))

@@ -1,0 +1,268 @@
+"""Preconditioned conjugate-gradient descent in float32, with one convolution for each iteration."""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, IntArray, Mask, RealArray
+from roughcontact._base.machine.threads import map_tiles, tiles_of
+from roughcontact._solve.solvers.conjugate.active import ActiveCells, active_cells
+from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot
+
+# Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient,
+# which is also the factor that shortens a rejected step.
+_FIRST, _LONGEST, _CAREFUL = 0.65, 1.5, 0.3
+# Rejected steps before the descent ends: 0.3^40 = 1e-21 of the first is below any rounding.
+_BACKTRACKS = 40
+# A clipped step on which the energy has its minimum at a part above the first is taken in full, above the second
+# up to the minimum; else it is rejected.
+_FULL, _SHORTENED = 0.75, 0.1
+# Slope along the conjugate direction over that along the preconditioned gradient, below which only rounding is left of
+# the former: they are equal but for cells that are released or clipped.
+_DOWNHILL = 0.01
+_NO_CELLS: IntArray = np.zeros(0, dtype=np.intp)
+
+
+@attrs.frozen(eq=False)
+class ActiveState:
+    """The active cells with vectors on them: pressure, gap from any datum, and flat-punch weights."""
+
+    active: ActiveCells
+    pressure: Array
+    gap: RealArray
+    weights: RealArray
+
+
+class Operator(Protocol):
+    """A symmetric linear map of fields."""
+
+    def apply(self, values: RealArray, /) -> RealArray:
+        """Return the image of a field, both of one shape and precision."""
+
+
+class SupportsPreconditioning(Protocol):
+    """An approximate inverse of an operator on the active cells."""
+
+    def weights(self, active: ActiveCells) -> RealArray:
+        """Return the vector of the metric, above zero."""
+
+    def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
+        """Return the vector of the preconditioned residual."""
+
+
+class Descent:
+    """Lowers the energy p.Kp/2 + h.p within the bounds by preconditioned conjugate gradients.
+
+    K p is the displacement by the pressure p, h the initial gap. The step length is guessed, the
+    displacement by the step is computed once, and the length is then corrected: exactly, because the
+    energy is quadratic along the step. Fields are flat; the limit may have one entry.
+    """
+
+    def __init__(
+        self,
+        operator: Operator,
+        shape: tuple[int, int],
+        preconditioner: SupportsPreconditioning,
+        control: Control,
+        limit: Array,
+    ) -> None:
+        self._operator = operator
+        self._preconditioner = preconditioner
+        self._control = control
+        self._limit = limit
+        self._capped = bool(np.isfinite(limit).any())
+        self._shape = shape
+        self._length = _FIRST
+        self._step: RealArray | None = None
+        self._change: RealArray | None = None
+        self._curvature = 1.0
+        self.products = 0
+        self.met_limit = False
+
+    def start(self, pressure: Array, gap: RealArray) -> None:
+        """Continue from a pressure and its gap, both flat; the gap, float32, is updated in place."""
+        self.pressure, self.gap, self._level = pressure, gap, 0.0
+        active = active_cells(pressure, lambda tile: self._inside(pressure[tile], self._limits(tile)))
+        weights = self._preconditioner.weights(active) if active.count else active.ones
+        self._state = ActiveState(active, active.gather(pressure), active.gather(gap), weights)
+
+    def stop(self) -> RealArray:
+        """Return the gap from its level, flat, and free the arrays that the next start sets."""
+        gap = self.gap
+        gap -= np.float32(self._level)
+        del self.gap, self._state
+        return gap
+
+    def iterate(self) -> bool:
+        """Make one step; return whether the energy fell."""
+        active = self._find_active()
+        if active.count == 0:
+            return False
+        weights = self._preconditioner.weights(active)
+        state = ActiveState(active, active.gather(self.pressure), active.gather(self.gap), weights)
+        residual = np.float32(self._control.level(state.gap, weights)) * active.ones - state.gap
+        direction = self._find_direction(state, self._find_released(state), residual)
+        return direction is not None and self._move(state, residual, direction)
+
+    def error(self) -> float:
+        """Return the error of the descent's own gap, as in `Violation` but not divided by the scale."""
+        state = self._state
+        limit = state.active.limits(self._limit)
+        elastic = np.where(state.pressure < limit, state.pressure, 0.0) if self._capped else state.pressure
+        self._level = level = self._control.level(state.gap, elastic)
+        gap = state.gap - np.float32(level)
+        if self._capped:
+            np.maximum(gap, 0.0, out=gap, where=state.pressure >= limit)
+        load = float(np.add.reduce(state.pressure))
+        open_gap = dot(state.pressure, np.abs(gap, out=gap)) / load if load > 0.0 else 0.0
+        minimum = min(map_tiles(self._find_minimum, tiles_of(self.gap)))
+        return max(open_gap, level - minimum)
+
+    def _find_minimum(self, tile: slice) -> float:
+        """Return the minimum gap of the cells of a tile that may not overlap: of those that are not saturated."""
+        outside = self.pressure[tile] < self._limits(tile) if self._capped else True
+        return float(np.minimum.reduce(self.gap[tile], where=outside, initial=np.inf))
+
+    def _find_active(self) -> ActiveCells:
+        """Return the cells inside the bounds, and those that the sign of their gap releases from a bound."""
+        state = self._state
+        inside = self._inside(state.pressure, state.active.limits(self._limit))
+        level = np.float32(self._find_level(inside))
+
+        def mark(tile: slice) -> Mask:
+            pressure, gap = self.pressure[tile], self.gap[tile]
+            contact, low = pressure > 0.0, gap < level
+            if not self._capped:
+                return contact | low
+            high = gap > level
+            high |= pressure < self._limits(tile)
+            return np.where(contact, high, low)
+
+        return active_cells(self.gap, mark)
+
+    def _find_released(self, state: ActiveState) -> ReleasedCells:
+        """Return the active cells on a bound."""
+        low = np.flatnonzero(state.active.mark(state.pressure <= 0.0))
+        if not self._capped:
+            return ReleasedCells(low, _NO_CELLS)
+        return ReleasedCells(low, np.flatnonzero(state.active.mark(state.pressure >= state.active.limits(self._limit))))
+
+    def _limits(self, tile: slice) -> Array:
+        """Return the pressure limits of a tile, one entry or a flat field."""
+        return self._limit if self._limit.size == 1 else self._limit[tile]
+
+    def _find_level(self, inside: Mask) -> float:
+        """Return the gap below which open cells, and above which saturated ones, are released."""
+        if self._capped and not inside.any():
+            contact = self.pressure > 0.0
+            if contact.any() and not contact.all():
+                # A level that releases saturated cells must release open ones too, or nothing can move.
+                saturated, opened = self.gap[contact].max(), self.gap[~contact].min()
+                return self._control.level_between(float(saturated), float(opened))
+        return self._control.level(self._state.gap, self._state.weights * inside)
+
+    def _inside(self, pressure: Array, limit: Array) -> Mask:
+        """Return the mask of the pressures strictly inside the bounds."""
+        inside = pressure > 0.0
+        if self._capped:
+            inside &= pressure < limit
+        return inside
+
+    def _find_direction(self, state: ActiveState, released: ReleasedCells, residual: RealArray) -> RealArray | None:
+        """Return the first direction that lowers the energy: conjugate, preconditioned or plain gradient; else None."""
+        preconditioned = self._preconditioner.apply(state.active, state.weights, residual)
+        steepness = _DOWNHILL * dot(residual, preconditioned)
+        candidates = (
+            (self._conjugate(preconditioned, state.active), steepness),
+            (preconditioned, 0.0),
+            (state.weights * residual, 0.0),
+        )
+        for candidate, minimum in candidates:
+            direction = self._control.admissible(candidate, state.weights, released)
+            if dot(residual, direction) > max(minimum, 0.0):
+                return direction
+            self._length = _CAREFUL
+        return None
+
+    def _conjugate(self, preconditioned: RealArray, active: ActiveCells) -> RealArray:
+        if self._step is None or self._change is None:
+            return preconditioned
+        factor = -dot(preconditioned, active.gather(self._change)) / self._curvature
+        return preconditioned + np.float32(factor) * active.gather(self._step) if factor > 0.0 else preconditioned
+
+    def _move(self, state: ActiveState, residual: RealArray, direction: RealArray) -> bool:
+        limit = state.active.limits(self._limit)
+        # Free the last step: memory peaks here.
+        self._step = self._change = None
+        for _ in range(_BACKTRACKS):
+            trial = state.pressure + np.float32(self._length) * direction
+            clipped = self._is_outside(trial, limit)
+            if clipped:
+                trial = self._control.feasible(trial, state.pressure, state.weights, limit)
+            step = (trial - state.pressure).astype(np.float32)
+            field = state.active.scatter(step)
+            change = self._operator.apply(field.reshape(self._shape)).ravel()
+            self.products += 1
+            curvature = dot(step, state.active.gather(change))
+            if not math.isfinite(curvature):
+                return False
+            part = dot(residual, step) / curvature if curvature > 0.0 else 0.0
+            part, pressure = self._take_part(part, state.pressure, trial, limit, clipped=clipped)
+            if part > 0.0:
+                state.active.store(self.pressure, pressure)
+                self._add_to_gap(change, np.float32(part))
+                self._step, self._change, self._curvature = field, change, part * curvature
+                self._state = ActiveState(state.active, pressure, state.active.gather(self.gap), state.weights)
+                return True
+            self._length *= _CAREFUL
+        return False
+
+    def _add_to_gap(self, change: RealArray, part: np.float32) -> None:
+        """Add a part of a change, flat, of which that part is left."""
+        gap = self.gap
+
+        def add(tile: slice) -> None:
+            change[tile] *= part
+            gap[tile] += change[tile]
+
+        map_tiles(add, tiles_of(gap))
+
+    def _take_part(
+        self, part: float, before: Array, trial: Array, limit: Array, *, clipped: bool
+    ) -> tuple[float, Array]:
+        """Return the part of the step to be taken, zero for none, and the pressure there; set the next length.
+
+        `part` is where along the step the energy has its minimum.
+        """
+        if not clipped:
+            self._length = min(_LONGEST, self._length * min(max(part, 0.25), 4.0))
+            full = _between(before, trial, part)
+            if not self._is_outside(full, limit):
+                return part, full
+            part = min(part, 1.0)
+        elif part > _FULL:
+            self._length = min(_LONGEST, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
+            return 1.0, trial
+        elif part > _SHORTENED:
+            self._length *= max(part, 0.5)
+        else:
+            return 0.0, before
+        shortened = _between(before, trial, part)
+        return part, np.clip(shortened, 0.0, limit, out=shortened)
+
+    def _is_outside(self, pressure: Array, limit: Array) -> bool:
+        above = self._capped and bool((pressure > limit).any())
+        self.met_limit |= above
+        return above or bool(pressure.min() < 0.0)
+
+
+def _between(before: Array, trial: Array, part: float) -> Array:
+    """Return before + part * (trial - before), with one array in memory."""
+    point = trial - before
+    point *= part
+    point += before
+    return point

@@ -1,0 +1,283 @@
+"""Smaller grids: nested iteration from coarse grids to fine ones, and the part of a free domain that can touch."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, IntArray, Mask, RealArray
+from roughcontact._base.machine.threads import map_tiles, tiles_of
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._solve.convolvers import PreparedConvolution
+from roughcontact._solve.solution import GridLevel
+from roughcontact._solve.solvers.base import Monitor, Task, starting_pressure
+from roughcontact._solve.solvers.conjugate.openings import NearlyFull
+from roughcontact._solve.solvers.conjugate.refinement import Refinement
+
+# Axes are halved down to this many cells, and to the second number where only the approach is wanted.
+_COARSEST, _ESTIMATE = 32, 64
+# Error and iterations at which a coarse solve ends: its grid makes it no better than that.
+_TOLERANCE, _ITERATIONS = 4e-2, 5
+# ... and one from which an approach is estimated.
+_ESTIMATED, _ESTIMATES = 1e-2, 60
+# Factor on the estimated approach, for its error; a window that proves too small is enlarged.
+_MARGIN = 1.02
+# Sides of a window are multiples of so many cells, so that they can be halved.
+_ROUND = 32
+# Fraction of the domain above which a window saves nothing.
+_WORTH = 0.7
+# Fraction of the coarser grid in contact above which the gap is sought instead of the pressure.
+_NEARLY_FULL = 0.6
+
+
+@attrs.frozen(eq=False)
+class InitialGuess:
+    """A pressure to start from, within the bounds, shape (nx, ny), and the work on coarser grids.
+
+    Attributes
+    ----------
+    products
+        Cost in convolutions on the grid of the pressure.
+    closed
+        Whether the pressure closes every gap, so that it is the solution.
+    met_limit
+        Whether the pressure limit shortened a step on any coarser grid.
+    nearly_full
+        The same start by its gap, near full contact.
+    """
+
+    pressure: Array
+    products: float
+    levels: tuple[GridLevel, ...] = ()
+    closed: bool = False
+    met_limit: bool = False
+    nearly_full: NearlyFull | None = None
+
+
+def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGuess:
+    """Return the pressure of the next coarser grid, itself solved so, interpolated to the grid of the task."""
+    halved = coarsen(convolution.setup.grid, task)
+    if halved is None:
+        return _guess_without_grids(convolution, task)
+    coarse, coarse_task = convolution.on(halved[0]), halved[1]
+    guess = nested_iteration(coarse, coarse_task)
+    gap = np.zeros(guess.pressure.shape, dtype=np.float32, like=guess.pressure)
+    if not guess.closed:
+        monitor = Monitor(coarse_task, _TOLERANCE, _ITERATIONS)
+        refinement = Refinement(coarse, coarse_task, monitor, guess.nearly_full)
+        pressure, gap = refinement.approximate(guess.pressure)
+        guess = attrs.evolve(
+            guess,
+            pressure=pressure,
+            products=guess.products + refinement.products,
+            levels=(*guess.levels, refinement.level),
+            met_limit=guess.met_limit or refinement.met_limit,
+        )
+    gap -= coarse_task.initial_gap
+    return _refine(convolution, task, coarse_task, guess, gap)
+
+
+def start_from(convolution: PreparedConvolution, task: Task, start: Array) -> InitialGuess:
+    """Return the pressure of a start, copied; near full contact the gap that it leaves too, as from a coarser grid."""
+    guess, bearing = InitialGuess(start.copy(), 0.0), start > 0.0
+    if task.capped or np.count_nonzero(bearing) <= _NEARLY_FULL * start.size:
+        return guess
+    full = _close(convolution, task)
+    if full is None or not full.inverse.exact:
+        return attrs.evolve(guess, products=0 if full is None else 1)
+    if full.is_closed(task.pressure_limit):
+        return InitialGuess(full.closing, 1, closed=True)
+    gap = convolution.apply(start.astype(np.float32))
+    gap += task.initial_gap
+    gap -= np.float32(float(np.einsum("ij,ij->", start, gap)) / float(start.sum()))
+    nearly_full = attrs.evolve(full, gap=np.where(bearing, np.float32(0.0), np.maximum(gap, np.float32(0.0))))
+    return attrs.evolve(guess, products=2, nearly_full=nearly_full)
+
+
+def _refine(
+    convolution: PreparedConvolution, task: Task, coarse: Task, guess: InitialGuess, displacement: RealArray
+) -> InitialGuess:
+    """Return a guess on a grid from that on the coarser one and its displacement.
+
+    The pressure is interpolated where it bears on the coarse grid, or where it must because the gap is negative.
+    """
+    pressure, shape = guess.pressure, task.initial_gap.shape
+    fx, fy = (n // m for n, m in zip(shape, pressure.shape, strict=True))
+    products, nearly_full = guess.products / (fx * fy), None
+    gap = _interpolate(displacement, fx, fy)
+    gap += task.initial_gap
+    is_open = (gap >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)
+    contact = np.count_nonzero(pressure) / pressure.size
+    if contact == 1.0 or (contact > _NEARLY_FULL and not task.capped):
+        full = _close(convolution, task)
+        products += 0 if full is None else 1
+        if full is not None and full.is_closed(task.pressure_limit):
+            return InitialGuess(full.closing, products, guess.levels, closed=True)
+        if full is not None and full.inverse.exact and not task.capped:
+            nearly_full = attrs.evolve(full, gap=np.where(is_open, gap, np.float32(0.0)))
+    fine = np.maximum(_interpolate(pressure, fx, fy), 0.0)
+    fine[is_open] = 0.0
+    met_limit = guess.met_limit
+    if task.capped:
+        # Parabolas overshoot.
+        met_limit = met_limit or bool((fine > task.pressure_limit).any())
+        np.copyto(fine, task.pressure_limit, where=_repeat(pressure >= coarse.pressure_limit, fx, fy))
+        np.minimum(fine, task.pressure_limit, out=fine)
+    return InitialGuess(fine, products, guess.levels, met_limit=met_limit, nearly_full=nearly_full)
+
+
+def _repeat(mask: Mask, fx: int, fy: int) -> Mask:
+    """Return the mask on the finer grid, in which a cell is fx x fy."""
+    return np.repeat(np.repeat(mask, fy, axis=1), fx, axis=0)
+
+
+def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
+    """Return the grid with every axis halved that is even and long enough, and its task; None if there is none."""
+    shape = tuple(n // 2 if n % 2 == 0 and n // 2 >= _COARSEST else n for n in grid.shape)
+    if shape == grid.shape:
+        return None
+    half = Grid(shape, grid.size)
+    gap, limit = (_average(values, half.shape) for values in (task.initial_gap, task.pressure_limit))
+    return half, attrs.evolve(task, initial_gap=gap, pressure_limit=limit)
+
+
+def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[float | None, bool]:
+    """Return the approach at the load of a task, from a coarse grid, and whether the limit shortened a step.
+
+    The approach is None if there is no coarse grid.
+    """
+    if task.approach is not None:
+        return task.approach, False
+    half = coarsen(convolution.setup.grid, attrs.evolve(task, start=None))
+    if half is None:
+        return None, False
+    while max(half[0].shape) > _ESTIMATE and (coarser := coarsen(*half)) is not None:
+        half = coarser
+    coarse, coarse_task = convolution.on(half[0]), half[1]
+    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _ESTIMATED, _ESTIMATES))
+    _, violation, _ = refinement.run(_guess_without_grids(coarse, coarse_task).pressure)
+    return violation.approach, refinement.met_limit
+
+
+def _close(convolution: PreparedConvolution, task: Task) -> NearlyFull | None:
+    """Return the pressure that closes every gap of a periodic surface at a load, whatever its bounds."""
+    if convolution.setup.boundary is not Boundary.PERIODIC or task.mean_pressure is None:
+        return None
+    inverse = convolution.inverse()
+    closing = task.mean_pressure - inverse.apply(task.initial_gap)
+    return NearlyFull(inverse, closing, np.zeros(closing.shape, dtype=np.float32, like=closing))
+
+
+def _guess_without_grids(convolution: PreparedConvolution, task: Task) -> InitialGuess:
+    full = _close(convolution, task)
+    if full is None or not full.is_closed(task.pressure_limit):
+        return InitialGuess(starting_pressure(task), 0 if full is None else 1)
+    return InitialGuess(full.closing, 1, closed=True)
+
+
+def _average(values: Array, shape: tuple[int, int]) -> Array:
+    """Return the means of fine cells on a grid of `shape`, with one or both axes halved; one entry stays."""
+    if values.size == 1:
+        return values
+    cells = values.size
+    if values.shape[0] > shape[0]:
+        values = values[0::2] + values[1::2]
+    if values.shape[1] > shape[1]:
+        values = values[:, 0::2] + values[:, 1::2]
+    return values / (cells // values.size)
+
+
+def _interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
+    """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
+    # The second axis first, while there are fewer rows: its steps are not contiguous.
+    if fy == 2:
+        coarse, fine = values, np.empty((values.shape[0], 2 * values.shape[1]), dtype=values.dtype, like=values)
+        map_tiles(lambda rows: _double(coarse[rows].T, fine[rows].T), tiles_of(coarse))
+        values = fine
+    if fx == 2:
+        rough, smooth = values, np.empty((2 * values.shape[0], values.shape[1]), dtype=values.dtype, like=values)
+        map_tiles(lambda columns: _double(rough[:, columns], smooth[:, columns]), tiles_of(rough.T))
+        values = smooth
+    return values
+
+
+def _double(coarse: RealArray, fine: RealArray) -> None:
+    """Interpolate along the first axis, a quarter of a coarse cell to both sides of its centre."""
+    middle, near, far = 0.9375 * coarse, 0.15625 * coarse, 0.09375 * coarse
+    lower, upper = fine[0::2], fine[1::2]
+    lower[:] = upper[:] = middle
+    lower[1:] += near[:-1]
+    lower[0] += near[-1]
+    lower[:-1] -= far[1:]
+    lower[-1] -= far[0]
+    upper[:-1] += near[1:]
+    upper[-1] += near[0]
+    upper[1:] -= far[:-1]
+    upper[0] -= far[-1]
+
+
+@attrs.frozen(eq=False)
+class Window:
+    """A rectangle of cells outside which a free domain cannot touch.
+
+    Pressure displaces every other cell away: with K and p not negative the gap is at least h - approach,
+    so that contact lies where the initial gap h is below the approach.
+    """
+
+    rows: slice
+    columns: slice
+
+    def restrict(self, values: Array) -> Array:
+        """Return the part of a field inside the window."""
+        return values[self.rows, self.columns].copy()
+
+    def embed(self, values: Array, shape: tuple[int, int]) -> Array:
+        """Return a field of the grid's shape that is zero outside the window."""
+        field = np.zeros(shape, like=values)
+        field[self.rows, self.columns] = values
+        return field
+
+    def task(self, task: Task) -> Task:
+        """Return the same task for the cells inside: the same load, limit and start."""
+        inside, mean, limit = self.restrict(task.initial_gap), task.mean_pressure, task.pressure_limit
+        return attrs.evolve(
+            task,
+            initial_gap=inside,
+            mean_pressure=None if mean is None else mean * (task.initial_gap.size / inside.size),
+            pressure_limit=limit if limit.size == 1 else self.restrict(limit),
+            start=None if task.start is None else self.restrict(task.start),
+        )
+
+    def convolution(self, convolution: PreparedConvolution) -> PreparedConvolution:
+        """Return the convolution of the cells inside."""
+        (dx, dy), (nx, ny) = convolution.setup.grid.spacing, (s.stop - s.start for s in (self.rows, self.columns))
+        return convolution.on(Grid((nx, ny), (nx * dx, ny * dy)))
+
+    def contains_contact(self, initial_gap: Array, approach: float) -> bool:
+        """Return whether no cell outside can touch at an approach."""
+        touching = initial_gap < approach
+        inside = np.count_nonzero(touching[self.rows, self.columns])
+        return bool(np.count_nonzero(touching) == inside)
+
+
+def find_window(convolution: PreparedConvolution, task: Task, approach: float) -> Window | None:
+    """Return the window of the cells that can touch at about this approach; None if it saves nothing."""
+    if convolution.setup.boundary is not Boundary.FREE:
+        return None
+    touching = task.initial_gap <= _MARGIN * approach
+    if not touching.any():
+        return None
+    rows, columns = (_extent(np.flatnonzero(touching.any(axis=axis)), touching.shape[1 - axis]) for axis in (1, 0))
+    if touching[rows, columns].size > _WORTH * touching.size:
+        return None
+    capacity = np.sum(np.broadcast_to(task.pressure_limit, touching.shape)[rows, columns])
+    mean = task.mean_pressure
+    return Window(rows, columns) if mean is None or mean * task.initial_gap.size <= capacity else None
+
+
+def _extent(marked: IntArray, count: int) -> slice:
+    """Return a range that contains the marked of `count` cells and is a multiple of `_ROUND` long."""
+    first, last = int(marked[0]), int(marked[-1]) + 1
+    length = min(-(-(last - first + 2) // _ROUND) * _ROUND, count)
+    start = min(max(first - (length - (last - first)) // 2, 0), count - length)
+    return slice(start, start + length)

@@ -1,0 +1,124 @@
+"""The solver of the paper: constrained conjugate gradients after Polonsky and Keer."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+
+from roughcontact._base.checks import Array, Mask
+from roughcontact._solve.convolvers import PreparedConvolution
+from roughcontact._solve.solution import Status
+from roughcontact._solve.solvers.base import (
+    DEFAULT_TOLERANCE,
+    Monitor,
+    Outcome,
+    Solver,
+    Task,
+    iteration_limit,
+    positive_tolerance,
+    starting_pressure,
+)
+from roughcontact.errors import InputError
+
+
+@attrs.frozen
+class PolonskyKeer(Solver):
+    """Conjugate gradients on the cells in contact, equations 9 to 24 of the paper; without a pressure limit.
+
+    Two convolutions an iteration. Three misprints are corrected: the gap is K p + h (eq. 9 has its
+    sign reversed, against eq. 19 to 21), the load is the sum times the area of a cell (eq. 22), and
+    the pressure is scaled by F/F' (eq. 23). It stops on the conditions of contact themselves (see
+    `Violation`) and not on the change of the pressure (eq. 24), which can be small far from the
+    solution.
+
+    Parameters
+    ----------
+    tolerance
+        Error (see `Violation`) to be reached.
+    max_iterations
+        Iterations after which the solve is given up.
+
+    References
+    ----------
+    Polonsky, Keer, Wear 231 (1999) 206-219, https://doi.org/10.1016/S0043-1648(99)00113-1
+    """
+
+    tolerance: float = attrs.field(converter=positive_tolerance, default=DEFAULT_TOLERANCE)
+    max_iterations: int = attrs.field(converter=iteration_limit, default=10_000)
+
+    def require(self, *, capped: bool = False, approach: bool = False) -> None:
+        """Refuse both; see `Solver.require`."""
+        if capped:
+            raise InputError(
+                "The solver 'polonsky-keer' has no pressure limit, but a material has one: use solver='auto'."
+            )
+        if approach:
+            raise InputError("The solver 'polonsky-keer' needs a load, not an approach: use solver='auto'.")
+
+    def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
+        """Return the contact pressure; see `Solver.solve`.
+
+        Raises
+        ------
+        InputError
+            If the pressure is limited or the approach is given.
+        """
+        self.require(capped=task.capped, approach=task.mean_pressure is None)
+        monitor = Monitor(task, self.tolerance, self.max_iterations)
+        pressure = starting_pressure(task)
+        search = _Search(np.zeros_like(pressure))
+        load = (task.mean_pressure or 0.0) * pressure.size
+        convolutions = 0
+        # In a contact of one cell there is no descent: a start that leads there is dropped, once.
+        dropped = task.start is None
+        while True:
+            displacement = convolution.apply(pressure)
+            convolutions += 1
+            _, status = monitor.judge(pressure, displacement)
+            if status is not None:
+                return monitor.outcome(pressure, status, convolutions)
+            contact = pressure > 0.0
+            gap = _subtract_mean(displacement + task.initial_gap, contact, convolution)
+            step = search.step(gap, contact, convolution)
+            convolutions += 1
+            if step is None and not dropped:
+                dropped, pressure = True, starting_pressure(attrs.evolve(task, start=None))
+                search = _Search(np.zeros_like(pressure))
+                continue
+            if step is None:
+                return monitor.outcome(pressure, Status.STALLED, convolutions)
+            pressure = np.maximum(pressure - step * search.direction, 0.0)
+            overlap = (pressure == 0.0) & (gap < 0.0)
+            search.restart = bool(overlap.any())
+            pressure[overlap] = -step * gap[overlap]
+            pressure *= load / convolution.sum(pressure)
+
+
+class _Search:
+    """The conjugate direction t of equations 12 to 18."""
+
+    def __init__(self, direction: Array) -> None:
+        self.direction = direction
+        self.restart = True
+        self._square = 1.0
+
+    def step(self, gap: Array, contact: Mask, convolution: PreparedConvolution) -> float | None:
+        """Update the direction and return the step length; None if there is no descent."""
+        residual = np.where(contact, gap, 0.0)
+        square = convolution.dot(residual, residual)
+        if self.restart:
+            self.direction = residual
+        else:
+            self.direction = residual + np.where(contact, square / self._square * self.direction, 0.0)
+        self._square = square
+        change = _subtract_mean(convolution.apply(self.direction), contact, convolution)
+        curvature = convolution.dot(change, self.direction)
+        if not curvature > 0.0:
+            return None
+        return convolution.dot(gap, self.direction) / curvature
+
+
+def _subtract_mean(values: Array, contact: Mask, convolution: PreparedConvolution) -> Array:
+    """Return `values` less their mean over the contact."""
+    count = int(np.count_nonzero(contact))
+    return values - convolution.sum(np.where(contact, values, 0.0)) / count

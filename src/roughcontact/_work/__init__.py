@@ -1,0 +1,1 @@
+"""Many problems: studies, processes, reports."""

@@ -1,0 +1,1 @@
+"""Repeated loading that changes the surfaces."""

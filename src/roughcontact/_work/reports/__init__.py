@@ -1,0 +1,1 @@
+"""Error against run time, and stability of an answer."""

@@ -1,0 +1,189 @@
+"""The reference of a report: a closed form, or a solution on finer grids with error bounds."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import attrs
+
+from roughcontact._answers.refinement import on_grid, solve_ladder
+from roughcontact._base.checks import number
+from roughcontact._parts.grid import Grid
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+from roughcontact.extrapolation import richardson
+
+UNITS = {"area": "m2", "p_max": "Pa", "approach": "m"}
+QUANTITIES = tuple(UNITS)
+_ALLOWED = "a Reference, or an object or dict with at least one of area (m2), p_max (Pa) and approach (m)"
+# The reference has this many times the cells a side of the finest case, up to 4096 x 4096 cells in all.
+_FINER, _MAX_CELLS = 2, 2**24
+# Grids of the reference: three give a limit and an order, the fourth tests both.
+_GRIDS = 4
+
+
+def _value(name: str) -> Any:
+    check = partial(number, what=f"The reference {name}", unit=UNITS[name], above=0.0)
+    return attrs.field(default=None, converter=attrs.converters.optional(check))
+
+
+def _bound(name: str) -> Any:
+    check = partial(number, what=f"The error bound of the reference {name}", unit=UNITS[name], at_least=0.0)
+    return attrs.field(default=0.0, converter=check)
+
+
+def _shape(value: Sequence[int]) -> tuple[int, int]:
+    return Grid(value, 1.0).shape
+
+
+@guarded
+@attrs.frozen(kw_only=True)
+class Reference:
+    """A reference solution with error bounds.
+
+    Parameters
+    ----------
+    area, p_max, approach
+        Real contact area, m2; maximum pressure, Pa; approach since first touch, m; at least one of them.
+    area_error, p_max_error, approach_error
+        Their error bounds, in the same units: smaller errors are not resolved.
+    source
+        Where it comes from, in words.
+    shape
+        Cells (nx, ny) of the solution that it is, if it is one: that is not compared with itself.
+
+    Raises
+    ------
+    InputError
+        If it is empty, or a value is not positive and finite.
+    """
+
+    area: float | None = _value("area")
+    p_max: float | None = _value("p_max")
+    approach: float | None = _value("approach")
+    area_error: float = _bound("area")
+    p_max_error: float = _bound("p_max")
+    approach_error: float = _bound("approach")
+    source: str = "given"
+    shape: tuple[int, int] | None = attrs.field(default=None, converter=attrs.converters.optional(_shape))
+
+    def __attrs_post_init__(self) -> None:
+        if not self.quantities:
+            raise InputError("The reference is empty: give at least one of area=, p_max= and approach=.")
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """The names of the quantities that it has."""
+        return tuple(name for name in QUANTITIES if getattr(self, name) is not None)
+
+    def relative_uncertainty(self, quantity: str) -> float:
+        """Return the error bound of a quantity over its value; nan if there is none."""
+        value = getattr(self, quantity)
+        return float("nan") if value is None else float(getattr(self, f"{quantity}_error") / value)
+
+    def error(self, quantity: str, value: float) -> float:
+        """Return the relative error of a value, with its sign; nan if the reference does not have the quantity."""
+        known = getattr(self, quantity)
+        return float("nan") if known is None else float(value / known - 1.0)
+
+
+def read_reference(given: object) -> Reference:
+    """Return a `Reference` from what a user gave: one, a dict, or an object such as `reference.Hertz`.
+
+    Raises
+    ------
+    InputError
+        If it has none of the quantities.
+    """
+    if isinstance(given, Reference):
+        return given
+    if isinstance(given, Mapping):
+        if not given or not set(given) <= set(attrs.fields_dict(Reference)):
+            raise InputError.about("The reference", given, _ALLOWED)
+        return Reference(**given)
+    known = {name: getattr(given, name) for name in QUANTITIES if hasattr(given, name)}
+    if not known:
+        raise InputError.about("The reference", given, _ALLOWED)
+    return Reference(**known, source=type(given).__name__)
+
+
+def solve_reference(problem: ContactProblem, load: Load, finest: tuple[int, int], between: str | None) -> Reference:
+    """Return a reference from solutions on up to four grids.
+
+    Surfaces that are smooth between the cells are solved on grids up to twice as fine as the finest case,
+    and extrapolated where the grids agree on an order. A map that is not smooth is solved on its own grid.
+    The error bound of the area is two standard deviations; that of pressure and approach is the step to the
+    extrapolated value, or else the last change between grids, half the one before, and so on, whichever is
+    largest.
+
+    Raises
+    ------
+    InputError
+        If the surfaces are not known on the finest grid.
+    NotConverged
+        If a solution is not verified.
+    """
+    smooth = _is_smooth(problem, between)
+    ladder = solve_ladder(_make_problems(attrs.evolve(problem, solver="auto"), finest, between, smooth), load)
+    solutions, last = ladder.solutions, ladder.solutions[-1]
+    area = ladder.area
+    known: dict[str, Any] = {"area": area.value, "area_error": 2.0 * area.uncertainty}
+    values = {"p_max": [float(solution.pressure.max()) for solution in solutions]}
+    if load.kind != "approach":
+        values["approach"] = [solution.approach for solution in solutions]
+    if len(solutions) > 1:
+        cells = [solution.grid.shape[0] for solution in solutions]
+        for name, series in values.items():
+            known[name], known[f"{name}_error"] = _extrapolate(cells, series, smooth)
+    nx, ny = last.grid.shape
+    what = "a solution on" if smooth else "the map solved on its own"
+    return Reference(**known, source=f"{what} {nx} x {ny} cells (area by {area.estimator})", shape=(nx, ny))
+
+
+def _make_problems(
+    problem: ContactProblem, finest: tuple[int, int], between: str | None, smooth: bool
+) -> list[ContactProblem]:
+    """Return the problem on the grids of the reference, from coarse to fine; only the finest must be possible."""
+    nx, ny = finest if smooth else problem.plan.grid.shape
+    if smooth and nx * ny * _FINER**2 <= _MAX_CELLS:
+        nx, ny = _FINER * nx, _FINER * ny
+    problems = [problem if (nx, ny) == problem.plan.grid.shape else on_grid(problem, (nx, ny), between)]
+    for level in range(1, _GRIDS):
+        if nx % 2**level or ny % 2**level or min(nx, ny) < 2 ** (level + 1):
+            break
+        try:
+            problems.insert(0, on_grid(problem, (nx >> level, ny >> level), between))
+        except InputError:
+            break
+    return problems
+
+
+def _is_smooth(problem: ContactProblem, between: str | None) -> bool:
+    """Return whether the surfaces are smooth between the cells: bilinear ones have a ridge at each of them."""
+    surfaces = [problem.body.surface, problem.counterbody.surface]
+    if not all(surface.is_smooth for surface in surfaces):
+        return False
+    if all(surface.own_grid is None for surface in surfaces):
+        return problem.plan.pressure_limit.ndim == 0
+    nx, ny = problem.plan.grid.shape
+    try:
+        on_grid(problem, (max(nx // 2, 2), max(ny // 2, 2)), between)
+    except InputError:
+        return False
+    return between in (None, "fourier")
+
+
+def _extrapolate(cells: list[int], values: list[float], smooth: bool) -> tuple[float, float]:
+    """Return the value at infinite resolution, and its error bound."""
+    if smooth and len(values) == _GRIDS:
+        limit = richardson(cells, values)
+        if limit.trustworthy and limit.value > 0.0:
+            return limit.value, abs(limit.value - values[-1])
+    # Each step halves the cell, and with it at least the error.
+    steps = [abs(after - before) for before, after in itertools.pairwise(values)]
+    return values[-1], max(step / 2**back for back, step in enumerate(reversed(steps)))

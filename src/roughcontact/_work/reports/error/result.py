@@ -1,0 +1,211 @@
+"""A report: rows, what follows from them, and tables for people and for programs."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from collections.abc import Iterator
+
+import attrs
+
+from roughcontact._base import checks
+from roughcontact._base.archive import replacing
+from roughcontact._base.checks import choice
+from roughcontact._base.tables import Table
+from roughcontact._base.units import counted, si
+from roughcontact._base.units.text import fit, split_columns
+from roughcontact._work.reports.error.reference import QUANTITIES, UNITS, Reference
+from roughcontact._work.reports.error.row import ReportRow, Timing, advise, find_varying_parts, format_percent
+
+_LABELS = {"area": "area", "p_max": "maximum pressure", "approach": "approach"}
+_ERRORS = {"area": "error", "p_max": "pressure error", "approach": "approach error"}
+# Errors whose ratio is above this count as equal, so that chance does not decide between them.
+_EQUAL = 0.99
+# Errors below this part of the reference's error bound are printed as zero: their digits mean nothing.
+_NEGLIGIBLE = 0.01
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class ErrorReport:
+    """Errors against run time; `str` of it is a table.
+
+    Attributes
+    ----------
+    rows
+        Each case with each estimator, the grids of one setup from coarse to fine.
+    reference
+        The reference solution.
+    nominal
+        Nominal area of the domain, m2.
+    description
+        The problem, in words.
+    repeats
+        How often each case was timed.
+    """
+
+    rows: tuple[ReportRow, ...]
+    reference: Reference
+    nominal: float
+    description: str
+    repeats: int
+
+    def front(self, quantity: str = "area") -> tuple[ReportRow, ...]:
+        """Return the Pareto front of ``"area"``, ``"p_max"`` or ``"approach"``, from cheap to accurate.
+
+        No other row is both cheaper and more accurate. Errors below the error bound of the reference count as
+        that bound, and errors within a hundredth of each other as equal.
+        """
+        choice(quantity, "The quantity", QUANTITIES)
+        bound = self.reference.relative_uncertainty(quantity)
+        known = [row for row in self.rows if math.isfinite(row.error(quantity))]
+        best, front = math.inf, []
+        for row in sorted(known, key=lambda row: (row.cost(quantity), row.error(quantity))):
+            error = max(row.error(quantity), bound)
+            if error < _EQUAL * best:
+                best = error
+                front.append(row)
+        return tuple(front)
+
+    def advice(self, area: float = 0.005) -> str:
+        """Return in a sentence which case reaches a relative error of the area at the lowest cost.
+
+        It adds what the other estimators need. A case counts only if all finer grids of the report are accurate
+        enough too: a coarse grid may be right by chance.
+        """
+        advice = advise(self.rows, self.reference, area)
+        if not any(row.of_reference for row in self.rows):
+            return advice
+        return (
+            f"{advice} The errors are those of coarser grids, against {self.reference.source}; not of the measurement."
+        )
+
+    def __repr__(self) -> str:
+        return f"<ErrorReport {counted(len(self.rows), 'row')}: {self.description}>"
+
+    def _repr_html_(self) -> str:
+        headings, body, notes = self._make_table()
+        columns = dict(zip(headings, zip(*body, strict=True), strict=True))
+        return Table(columns).to_html(*self._make_head(), *notes)
+
+    def __str__(self) -> str:
+        headings, body, footnotes = self._make_table()
+        lines = split_columns([headings, *body], keys=2 + len(find_varying_parts(self.rows)))
+        return fit("\n".join([*self._make_head(), "", *lines, "", *footnotes]))
+
+    def to_markdown(self) -> str:
+        """Return the table and its notes as Markdown."""
+        headings, body, footnotes = self._make_table()
+        table = [headings, ["---:" for _ in headings], *body]
+        lines = [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in table]
+        head = ["# Error against run time", "", *(f"{line}  " for line in self._make_head())]
+        return "\n".join([*head, "", *lines, "", *(f"- {note}" for note in footnotes), ""])
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write all rows to a CSV file, in SI units, with relative errors and all digits; it may replace a file."""
+        with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows(self._make_records())
+
+    def draw(self, path: str | os.PathLike[str]) -> None:
+        """Draw errors against CPU time, hollow where not resolved, with the Pareto front; the ending gives the format.
+
+        Needs matplotlib, and raises `MissingPackage` without it.
+        """
+        from roughcontact.plotting import draw_report
+
+        draw_report(self, checks.path(path, "The picture"))
+
+    def _make_head(self) -> list[str]:
+        """Return what was solved, and the reference."""
+        known = []
+        for name in self.reference.quantities:
+            value = getattr(self.reference, name)
+            text = si(value, UNITS[name], 5)
+            bound = format_percent(self.reference.relative_uncertainty(name)).removeprefix("+")
+            known.append(f"{_LABELS[name]} {text} +- {bound} %")
+        row, varying = self.rows[0], find_varying_parts(self.rows)
+        common = [getattr(row, name) for name in ("kernel", "convolver", "solver") if name not in varying]
+        if len({row.tolerance for row in self.rows}) == 1:
+            common.append(f"tolerance {row.tolerance:.0e}")
+        return [f"{self.description}; {', '.join(common)}", f"Reference: {self.reference.source}: {'; '.join(known)}"]
+
+    def _make_table(self) -> tuple[list[str], list[list[str]], list[str]]:
+        """Return the headings, the cells of the table, and the footnotes."""
+        parts, known = find_varying_parts(self.rows), self.reference.quantities
+        headings = [
+            "cells",
+            *parts,
+            "estimator",
+            "area, %",
+            *(f"{_ERRORS[name]}, %" for name in known),
+        ]
+        headings += ["CPU, s (min..max)", "area, s", "wall, s (min..max)", "iter.", "conv.", "float32", "peak, MiB"]
+        front = {id(row) for row in self.front()}
+        failures = list(dict.fromkeys(row.failure for row in self.rows if row.failure))
+        body = []
+        for row in self.rows:
+            names = [f"{row.tolerance:.0e}" if part == "tolerance" else getattr(row, part) for part in parts]
+            line = [f"{row.shape[0]} x {row.shape[1]}", *names, row.estimator]
+            if row.failure:
+                line += [f"failed [{failures.index(row.failure) + 1}]", *["-"] * (len(headings) - len(line) - 1)]
+            else:
+                line += [f"{100 * row.area / self.nominal:.4g}"]
+                line += [
+                    ("* " if id(row) in front and name == "area" else "") + self._error(row, name) for name in known
+                ]
+                line += [_format_timing(row.cpu), f"{row.area_cpu.median:.2g}", _format_timing(row.wall)]
+                line += [str(row.iterations), str(row.convolutions), str(row.float32_convolutions)]
+                line += [f"{row.peak_bytes / 2**20:.3g}"]
+            body.append(line)
+        reasons = [f"[{number}] {reason}" for number, reason in enumerate(failures, start=1)]
+        return headings, body, [*reasons, *self._make_notes(bool(front))]
+
+    def _error(self, row: ReportRow, name: str) -> str:
+        if name in row.of_reference:
+            return "reference"
+        error = getattr(row, f"{name}_error")
+        if name not in row.unresolved:
+            return format_percent(error)
+        negligible = abs(error) <= _NEGLIGIBLE * self.reference.relative_uncertainty(name)
+        return f"({'0' if negligible else format_percent(error)})"
+
+    def _make_notes(self, front: bool) -> list[str]:
+        """Return how to read the table."""
+        notes = ["* on the Pareto front: no other case is both cheaper and more accurate."] if front else []
+        if any(row.unresolved for row in self.rows):
+            notes.append("(in brackets) not resolved: the error is below the error bound of the reference.")
+        if any(row.of_reference for row in self.rows):
+            notes.append("reference: this case is the reference; the errors of the others are those of coarser grids.")
+        return [
+            *notes,
+            "area: in % of nominal; errors of it, of the maximum pressure and of the approach are relative.",
+            f"CPU (all threads) and wall time: median (min..max) of {self.repeats} after a warm-up, from the heights "
+            "to the area; 'area, s' is the CPU time of the estimator.",
+            "conv.: convolutions of the solve; float32: how many convolutions, on all grids, ran in float32.",
+            "peak: memory of numpy's arrays, by tracemalloc in a separate run; without the work space of transforms.",
+        ]
+
+    def _make_records(self) -> Iterator[list[object]]:
+        """Return the headings, then every row with all digits."""
+        timings, front = ("cpu", "wall", "solve_cpu", "area_cpu"), {id(row) for row in self.front()}
+        yield [
+            *("nx", "ny", "kernel", "convolver", "solver", "tolerance", "estimator"),
+            *("area_m2", "area_uncertainty_m2", "p_max_Pa", "approach_m"),
+            *(f"{name}_error" for name in QUANTITIES),
+            *(f"{name}_resolved" for name in QUANTITIES),
+            *("pareto", *(f"{name}_s{end}" for name in timings for end in ("", "_min", "_max"))),
+            *("iterations", "convolutions", "float32_convolutions", "peak_bytes", "failure"),
+        ]
+        for row in self.rows:
+            errors = {name: getattr(row, f"{name}_error") for name in QUANTITIES}
+            yield [
+                *(*row.shape, row.kernel, row.convolver, row.solver, row.tolerance, row.estimator),
+                *(row.area, row.area_uncertainty, row.p_max, row.approach, *errors.values()),
+                *(int(math.isfinite(error) and name not in row.unresolved) for name, error in errors.items()),
+                *(int(id(row) in front), *(time for name in timings for time in attrs.astuple(getattr(row, name)))),
+                *(row.iterations, row.convolutions, row.float32_convolutions, row.peak_bytes, row.failure),
+            ]
+
+
+def _format_timing(timing: Timing) -> str:
+    return f"{timing.median:.2g} ({timing.minimum:.2g}..{timing.maximum:.2g})"

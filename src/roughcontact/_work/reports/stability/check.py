@@ -1,0 +1,123 @@
+"""Checks and their verdicts, and the solved problem that they examine."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from enum import StrEnum
+from functools import cached_property
+
+import attrs
+
+from roughcontact._base.units.text import WIDTH
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.solution import ContactSolution
+from roughcontact._work.reports.stability.rules import RULES
+
+# Where the text of a check begins, below its name.
+_INDENT = 11 * " "
+# Factor by which the solver's tolerance is lowered.
+_TIGHTER = 1000.0
+
+
+class Verdict(StrEnum):
+    """The result of a check; of several checks, the last one in this order counts."""
+
+    SKIPPED = "skipped"
+    PASS = "pass"
+    ATTENTION = "attention"
+    FAIL = "fail"
+
+
+def find_worst(verdicts: Iterable[Verdict]) -> Verdict:
+    """Return the worst verdict."""
+    return max(verdicts, key=list(Verdict).index, default=Verdict.SKIPPED)
+
+
+def summarize(verdicts: Sequence[Verdict]) -> str:
+    """Return the worst verdict and how often each was given, in a line."""
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in Counter(verdicts).most_common())
+    return f"overall: {find_worst(verdicts)} ({counts})"
+
+
+@attrs.frozen
+class Check:
+    """One property of a solution, measured and compared with its thresholds.
+
+    Attributes
+    ----------
+    name
+        The property.
+    verdict
+        The result.
+    value
+        The measured value; nan where the check was skipped.
+    finding
+        What was measured, or why the check was skipped.
+    advice
+        What to do; empty where nothing needs to be done.
+    """
+
+    name: str
+    verdict: Verdict
+    value: float
+    finding: str
+    advice: str = ""
+
+    def __str__(self) -> str:
+        value = "" if math.isnan(self.value) else f"{self.value:.3g}"
+        text = f"{self.finding}. {self.advice}" if self.advice else self.finding
+        return format_row(self.verdict, self.name, value, text)
+
+
+def format_row(verdict: str, name: str, value: str, text: str) -> str:
+    """Return a verdict, a name and a value in a line, and a text that is wrapped below them."""
+    below = textwrap.wrap(text, WIDTH, initial_indent=_INDENT, subsequent_indent=_INDENT)
+    return "\n".join([f"{verdict:<10} {name:<44} {value:>9}".rstrip(), *below])
+
+
+def assess(name: str, value: float, finding: str) -> Check:
+    """Return the check of this name with the verdict of its rule; nan fails."""
+    rule = RULES[name]
+    sign = 1.0 if rule.good <= rule.admissible else -1.0
+    if sign * value <= sign * rule.good:
+        return Check(name, Verdict.PASS, value, finding)
+    verdict = Verdict.ATTENTION if sign * value <= sign * rule.admissible else Verdict.FAIL
+    return Check(name, verdict, value, finding, rule.advice)
+
+
+def skip(name: str, reason: str) -> Check:
+    """Return the check of this name as one that cannot be made."""
+    return Check(name, Verdict.SKIPPED, math.nan, reason)
+
+
+@attrs.frozen(eq=False)
+class SolvedProblem:
+    """A problem, the load, and the solution, converged or not."""
+
+    problem: ContactProblem
+    solution: ContactSolution
+    load: Load
+
+    @cached_property
+    def tighter(self) -> tuple[ContactProblem, ContactSolution]:
+        """The problem with a thousandth of the tolerance, and its solution, or the errors of `solve_variant`.
+
+        `InputError` too where the solver has no tolerance to be set.
+        """
+        solver = self.problem.plan.solver
+        problem = attrs.evolve(self.problem, solver=solver.with_tolerance(solver.tolerance / _TIGHTER))
+        return problem, self.solve_variant(problem)
+
+    def solve_variant(self, variant: ContactProblem) -> ContactSolution:
+        """Return the solution of a variant of the problem at the same load, or the same position of the bodies.
+
+        It raises `InputError` where the variant cannot carry the load, and `NotConverged`.
+        """
+        load = self.load
+        if load.kind == "approach":
+            load = attrs.evolve(load, value=load.value + (variant.summit - self.problem.summit))
+        return variant.solve(**load.arguments)

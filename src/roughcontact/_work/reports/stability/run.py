@@ -1,0 +1,106 @@
+"""All checks of one contact."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import attrs
+
+from roughcontact._base.checks import choice
+from roughcontact._base.tables import Table
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.solution import ContactSolution
+from roughcontact._work.reports.stability import field_checks, kernel_checks, repeat_checks
+from roughcontact._work.reports.stability.check import Check, SolvedProblem, Verdict, find_worst, skip, summarize
+from roughcontact._work.reports.stability.rules import RULES
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+
+
+@attrs.frozen(eq=False)
+class StabilityReport:
+    """The checks of a solution, with their results; `str` of it is a table."""
+
+    checks: tuple[Check, ...]
+    solution: ContactSolution
+
+    @property
+    def verdict(self) -> Verdict:
+        """The worst of all verdicts."""
+        return find_worst(check.verdict for check in self.checks)
+
+    def __getitem__(self, name: str) -> Check:
+        """Return the check of this name, or raise `InputError`."""
+        names = [check.name for check in self.checks]
+        return self.checks[names.index(choice(name, "The check", names))]
+
+    @property
+    def _worst_first(self) -> list[Check]:
+        """The checks as they are shown: a notebook omits rows in the middle of a long table."""
+        return sorted(self.checks, key=lambda check: list(Verdict).index(check.verdict), reverse=True)
+
+    def __repr__(self) -> str:
+        return f"<StabilityReport {summarize([check.verdict for check in self.checks])}>"
+
+    def _repr_html_(self) -> str:
+        checks = self._worst_first
+        texts = [f"{check.finding}. {check.advice}" if check.advice else check.finding for check in checks]
+        columns: dict[str, list[Any]] = {
+            "verdict": [check.verdict for check in checks],
+            "check": [check.name for check in checks],
+            "value": [check.value for check in checks],
+            "what was measured; what to do": texts,
+        }
+        return Table(columns).to_html(summarize([check.verdict for check in self.checks]))
+
+    def __str__(self) -> str:
+        lines, before = [summarize([check.verdict for check in self.checks]), ""], ""
+        for check in self._worst_first:
+            lines.append(str(attrs.evolve(check, finding="as above") if check.finding == before else check))
+            before = check.finding
+        return "\n".join(lines)
+
+
+@guarded
+def stability(
+    problem: ContactProblem,
+    *,
+    pressure: float | None = None,
+    force: float | None = None,
+    approach: float | None = None,
+) -> StabilityReport:
+    """Return how far a solution depends on rounding, grid and tolerance, and whether the model holds.
+
+    Four more solves: in float64 throughout, on half as many cells a side, on a grid shifted by half a
+    cell, and to a thousandth of the tolerance.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    pressure, force, approach
+        Exactly one: nominal mean pressure, Pa; normal force, N; approach since first touch, m.
+
+    Returns
+    -------
+    StabilityReport
+        Checks with measured values and verdicts; those that cannot be made are skipped, with the reason.
+
+    Raises
+    ------
+    InputError
+        If `problem` is not a `ContactProblem`, not exactly one load is given, or it cannot be carried.
+    """
+    if not isinstance(problem, ContactProblem):
+        raise InputError.about("The problem", problem, "a ContactProblem")
+    solution = problem.solve(pressure=pressure, force=force, approach=approach, throw=False)
+    solved = SolvedProblem(problem, solution, Load.of(pressure=pressure, force=force, approach=approach))
+    checks = field_checks.check_residuals(solved)
+    if solution.status.success:
+        checks += [*kernel_checks.check_kernel(solved), *field_checks.check_model(solved)]
+        checks += [repeat_checks.check_precision(solved), *repeat_checks.check_variants(solved)]
+        checks += field_checks.check_area(solution)
+    else:
+        checks += [skip(name, "the solution is not converged") for name in list(RULES)[len(checks) :]]
+    return StabilityReport(tuple(checks), solution)

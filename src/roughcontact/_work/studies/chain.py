@@ -1,0 +1,264 @@
+"""The loads of one problem, solved one after another by one worker."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from roughcontact._base.archive.plain import key_of
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem.body import Body
+from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem.sweep import order_of_solving, predict_pressure
+from roughcontact._solve.solution import ContactSolution
+from roughcontact._solve.solution.origin import solution_key
+from roughcontact._solve.solution.storage import read_figures, write
+from roughcontact._solve.solution.summary import list_all_warnings
+from roughcontact._work.studies.failures import name_exception, name_full_disk, status_of
+from roughcontact._work.studies.record import Record, read_solution, solution_path
+from roughcontact.errors import InputError, NotWritten
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Point:
+    """One problem of a study, and its loads.
+
+    Attributes
+    ----------
+    name, seed, parameters
+        The name of the problem in the study, its seed, and the value on each axis.
+    loads
+        Its loads.
+    """
+
+    name: str
+    seed: int | None = None
+    parameters: Mapping[str, Any] = attrs.Factory(dict)
+    loads: tuple[Load, ...]
+
+    def record(self, key: str, load: Load, status: str = "FAILED", message: str = "") -> Record:
+        """Return the record of a load that has no solution."""
+        return Record(
+            problem=self.name,
+            seed=self.seed,
+            parameters=self.parameters,
+            control=load.kind,
+            load=load.value,
+            key=key,
+            status=status,
+            message=message,
+        )
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Unbuilt(Point):
+    """A problem that could not be built.
+
+    Attributes
+    ----------
+    message
+        Why not, in a sentence.
+    """
+
+    message: str
+
+    def refused(self) -> ChainResult:
+        """Return its records. What was not built has no key: theirs is made from the name and the load."""
+        keys = [key_of([self.name, load.arguments]) for load in self.loads]
+        return ChainResult(
+            [self.record(key, load, "REFUSED", self.message) for key, load in zip(keys, self.loads, strict=True)]
+        )
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Chain(Point):
+    """One problem at all loads of a study, each solve starting from those before.
+
+    Attributes
+    ----------
+    problem
+        The problem, before it is given the seed.
+    areas
+        Area estimators.
+    folder
+        The folder of the solutions, on a disk that every worker sees.
+    known
+        Earlier records, by key.
+    """
+
+    problem: ContactProblem
+    areas: tuple[str, ...]
+    folder: Path
+    known: Mapping[str, Record] = attrs.Factory(dict)
+
+    def bodies(self) -> dict[str, Any]:
+        """Return the bodies with the seed added to those of their surfaces."""
+        bodies = {"body": self.problem.body, "counterbody": self.problem.counterbody}
+        if self.seed is None:
+            return bodies
+        try:
+            return {
+                name: Body(one.surface.reseed(self.seed) or one.surface, one.material) for name, one in bodies.items()
+            }
+        except Exception as error:
+            what = f"The problem {self.name!r} cannot be given the seed {self.seed}"
+            raise InputError(f"{what}: {error!r:.200}.") from error
+
+    def alone(self) -> Chain:
+        """Return the chain without what its problem has computed, which takes the memory of its fields."""
+        return attrs.evolve(self, problem=copy.copy(self.problem))
+
+    @cached_property
+    def seeded(self) -> ContactProblem:
+        """Return the problem with its seed; a surface is first evaluated when its problem is made."""
+        return self.problem if self.seed is None else attrs.evolve(self.problem, **self.bodies())
+
+    def solution_keys(self) -> tuple[str, ...]:
+        """Return the key of each load."""
+        content = key_of({**self.problem.parts, **self.bodies()})
+        return tuple(solution_key(content, load.arguments) for load in self.loads)
+
+    def path(self, key: str) -> Path:
+        """Return the file of the solution with a key."""
+        return self.folder / f"{key}.npz"
+
+    def failed(self, message: str) -> ChainResult:
+        """Return the records of a chain that could not be run at all."""
+        keys = self.solution_keys()
+        return ChainResult(
+            [self.record(key, load, message=message) for key, load in zip(keys, self.loads, strict=True)]
+        )
+
+
+@attrs.frozen(eq=False)
+class ChainResult:
+    """What came of a chain.
+
+    Attributes
+    ----------
+    records
+        In the order of the loads; without those that were not reached.
+    computed
+        How many were solved now.
+    stopped, lost
+        Why its solutions could not be written; why no worker has returned its records. Empty if all went well.
+    """
+
+    records: list[Record]
+    computed: int = 0
+    stopped: str = ""
+    lost: str = ""
+
+
+def run_chain(chain: Chain) -> ChainResult:
+    """Return the records of a chain; each solution is written before anything is computed from it.
+
+    The loads are solved from the largest down. Whatever fails at one load is in its record, and the others are solved.
+    Only what cannot be written ends the chain.
+    """
+    records: dict[int, Record] = {}
+    solutions: list[ContactSolution] = []
+    computed = 0
+    # A copy, whose problem goes with it.
+    chain = attrs.evolve(chain)
+    keys = chain.solution_keys()
+    for index in order_of_solving(chain.loads):
+        key, load = keys[index], chain.loads[index]
+        try:
+            record, solution = _find(chain, key, load)
+            if record is None:
+                computed += 1
+                solution = chain.seeded.solve(**load.arguments, start=predict_pressure(solutions, load))
+                # The list of records is flushed once for the chain, and with it the names of all its files.
+                write(chain.path(key), solution, flush=False)
+                record = _measure(chain, chain.record(key, load), solution)
+            elif solution is None and len(records) + 1 < len(chain.loads):
+                solution = _load(chain, key)
+        except NotWritten as error:
+            return ChainResult(_in_order(records), computed - 1, name_full_disk(chain.folder, error))
+        except Exception as error:
+            record, solution = chain.record(key, load, *status_of(error)), None
+        records[index] = record
+        if solution is not None:
+            solutions = [*solutions[-1:], solution]
+    return ChainResult(_in_order(records), computed)
+
+
+def _in_order(records: Mapping[int, Record]) -> list[Record]:
+    """Return the records in the order of their loads."""
+    return [records[index] for index in sorted(records)]
+
+
+def _find(chain: Chain, key: str, load: Load) -> tuple[Record | None, ContactSolution | None]:
+    """Return the record of a solution on disk, and the solution if it was read; None if there is no intact one."""
+    known = chain.known.get(key)
+    if known is not None:
+        place: dict[str, Any] = {"problem": chain.name, "seed": chain.seed, "parameters": chain.parameters}
+        known = attrs.evolve(known, **place, control=load.kind, load=load.value)
+    try:
+        figures = read_figures(solution_path(chain.folder, key), key)
+        if known is None or not known.agrees_with(figures):
+            known = chain.record(key, load)
+        elif set(chain.areas) <= set(known.areas):
+            return attrs.evolve(known, message=""), None
+        solution = read_solution(chain.folder, key)
+        chain.seeded.verify(solution)
+    # Damaged files fail in many ways: what cannot be read is solved again.
+    except Exception:
+        return None, None
+    return _measure(chain, known, solution), solution
+
+
+def _load(chain: Chain, key: str) -> ContactSolution | None:
+    try:
+        return read_solution(chain.folder, key)
+    except Exception:
+        # Only a start for the next load.
+        return None
+
+
+def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
+    """Return the record of a solution, with the areas that the one before does not have."""
+    areas, failures = dict(record.areas), []
+    for name in chain.areas:
+        if name not in areas:
+            try:
+                area = solution.area(name)
+                areas[name] = float(area.value), float(area.uncertainty)
+            except Exception as error:
+                failures.append(name_exception(f"The area estimator {name!r}", error))
+    return attrs.evolve(
+        record,
+        status=solution.status.name,
+        message=" ".join(failures),
+        force=solution.force,
+        mean_pressure=solution.mean_pressure,
+        approach=solution.approach,
+        p_max=solution.pressure.max(),
+        saturated=solution.saturated_area().value,
+        areas=areas,
+        iterations=solution.iterations,
+        convolutions=solution.convolutions,
+        seconds=solution.seconds,
+        # What is known is not estimated again.
+        **({} if record.success else _judge(solution)),
+    )
+
+
+def _judge(solution: ContactSolution) -> dict[str, Any]:
+    """Return the maximum pressure and the warnings, as fields of a record; without what fails."""
+    found: dict[str, Any] = {}
+    known = {}
+    # Estimators and parts of the problem are plug-ins.
+    with contextlib.suppress(Exception):
+        found["doubtful"] = bool(solution.warnings)
+    with contextlib.suppress(Exception):
+        known["maximum pressure"] = peak = solution.peak_pressure()
+        found |= {"peak_pressure": peak.value, "peak_pressure_uncertainty": peak.uncertainty}
+    return {**found, "warnings": list_all_warnings(solution, known)}

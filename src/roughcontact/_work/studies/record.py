@@ -1,0 +1,188 @@
+"""The records of a study, and the file that lists them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from roughcontact._base.archive import replacing
+from roughcontact._base.archive.plain import describe, rebuild
+from roughcontact._base.units.text import printable
+from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution, Status
+from roughcontact._solve.solution.storage import read
+from roughcontact.errors import InputError
+
+_FORMAT = "roughcontact study, format 1"
+# What a record and the file of its solution both state, under the same name.
+_FIGURES = ("status", "force", "mean_pressure", "approach", "iterations", "convolutions", "seconds")
+# Columns of a table that are named as those of a sweep.
+_COLUMNS = {"saturated": "saturated_area"}
+# Characters of the list of records and of one, which takes some 500 and its warnings; and the end of the list.
+_LONGEST_INDEX, _LONGEST_RECORD, _END = 2**28, 2**16, "\n]}\n"
+
+
+def _key(value: str) -> str:
+    if re.fullmatch("[0-9a-f]{32}", value) is None:
+        raise InputError.about("The key of a record", value, "32 hexadecimal digits")
+    return value
+
+
+def _warnings(value: Sequence[str]) -> tuple[str, ...]:
+    return tuple(map(printable, value))
+
+
+def _areas(value: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+    return {name: (float(area), float(uncertainty)) for name, (area, uncertainty) in value.items()}
+
+
+@attrs.frozen(kw_only=True)
+class Record:
+    """One solve of a study.
+
+    Attributes
+    ----------
+    problem, seed
+        The name of the problem, and the seed; None without seeds.
+    control, load
+        The kind of load (pressure, Pa; force, N; approach, m), and its value.
+    key
+        The name of its file without ending, made from the problem, the load and the versions of the packages.
+    status
+        The name of the status; ``"REFUSED"`` where the problem or the load cannot be solved at all, ``"FAILED"``
+        where an exception ended the solve.
+    message
+        Why it was not solved, or which areas are missing and why.
+    force, mean_pressure, approach, saturated
+        N; Pa; m; saturated area, m2, ``saturated_area`` in tables.
+    p_max
+        Maximum pressure of a cell, Pa.
+    peak_pressure, peak_pressure_uncertainty
+        Maximum pressure between the cells and its standard deviation, Pa; see `ContactSolution.peak_pressure`.
+    areas
+        Area and standard deviation, m2, by the name of the estimator.
+    iterations, convolutions, seconds
+        Cost of the solve.
+    warnings
+        All that ``print(solution)`` warns of, in sentences.
+    doubtful
+        Whether they concern the solution itself, as `ContactSolution.warnings`, not only its area or maximum pressure.
+    parameters
+        The value on each axis of the study; empty without axes.
+    """
+
+    problem: str = attrs.field(converter=str)
+    seed: int | None
+    control: str = attrs.field(converter=str)
+    load: float = attrs.field(converter=float)
+    key: str = attrs.field(converter=_key)
+    status: str = attrs.field(converter=printable)
+    message: str = attrs.field(default="", converter=printable)
+    force: float = attrs.field(default=math.nan, converter=float)
+    mean_pressure: float = attrs.field(default=math.nan, converter=float)
+    approach: float = attrs.field(default=math.nan, converter=float)
+    p_max: float = attrs.field(default=math.nan, converter=float)
+    saturated: float = attrs.field(default=math.nan, converter=float)
+    areas: Mapping[str, tuple[float, float]] = attrs.field(factory=dict, converter=_areas)
+    iterations: int = attrs.field(default=0, converter=int)
+    convolutions: int = attrs.field(default=0, converter=int)
+    seconds: float = attrs.field(default=math.nan, converter=float)
+    peak_pressure: float = attrs.field(default=math.nan, converter=float)
+    peak_pressure_uncertainty: float = attrs.field(default=math.nan, converter=float)
+    warnings: tuple[str, ...] = attrs.field(default=(), converter=_warnings)
+    doubtful: bool = attrs.field(default=False, converter=bool)
+    parameters: Mapping[str, Any] = attrs.field(factory=dict, converter=dict)
+
+    def agrees_with(self, figures: Mapping[str, Any]) -> bool:
+        """Tell whether it states the figures of its file; the areas of other estimators are not in the file."""
+        names = {"p_max": "maximum_pressure", "saturated": "saturated_area"}
+        stated = (*_FIGURES, *names)
+        blend = self.areas.get(DEFAULT_AREA, (figures["area"], figures["area_uncertainty"]))
+        return all(getattr(self, name) == figures[names.get(name, name)] for name in stated) and blend == (
+            figures["area"],
+            figures["area_uncertainty"],
+        )
+
+    @property
+    def success(self) -> bool:
+        """Whether the solution is certified."""
+        return self.status in Status.__members__ and Status[self.status].success
+
+    def row(self) -> dict[str, Any]:
+        """Return the figures by name, one for each column of a table; the parameters come first."""
+        figures = attrs.asdict(self, recurse=False)
+        areas, parameters = figures.pop("areas"), figures.pop("parameters")
+        figures = {_COLUMNS.get(name, name): value for name, value in figures.items()}
+        figures["warnings"] = " ".join(self.warnings)
+        if parameters:
+            del figures["seed"]
+            figures = {**parameters, **figures}
+        for name, (value, uncertainty) in areas.items():
+            figures[f"area {name}"], figures[f"uncertainty {name}"] = value, uncertainty
+        return figures
+
+
+def solution_path(folder: Path, key: str) -> Path:
+    """Return the file of the solution with a key; `InputError` if it is a symbolic link, which leads elsewhere."""
+    path = folder / f"{key}.npz"
+    if path.is_symlink():
+        raise InputError(f"The file {path.name} is a symbolic link, which a study does not follow.")
+    return path
+
+
+def read_solution(folder: Path, key: str) -> ContactSolution:
+    """Return the solution with a key after a check of its digests and its key; residuals are not recomputed.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is a link, damaged or of another solution.
+    """
+    return ContactSolution(**read(solution_path(folder, key), key))
+
+
+def read_index(path: Path) -> dict[str, Record]:
+    """Return the records of a file of `write_index` by key; none if there is no such file, or it is damaged."""
+    try:
+        if path.is_symlink() or not path.is_file() or path.stat().st_size > _LONGEST_INDEX:
+            return {}
+        text = path.read_text(encoding="utf-8")
+        lines = text.partition("\n")[2].removesuffix(_END)
+        # Before anything of it is used.
+        if _sealed(lines) != text:
+            return {}
+        texts = lines.split(",\n") if lines else []
+        if max(map(len, texts), default=0) > _LONGEST_RECORD:
+            return {}
+        records = [Record(**rebuild(json.loads(one), {})) for one in texts]
+    # It only saves time: whatever is wrong with it, it is made again.
+    except Exception:
+        return {}
+    return {record.key: record for record in records} if _index(records) == lines else {}
+
+
+def write_index(path: Path, records: Sequence[Record]) -> None:
+    """Write the records with a checksum, completely or not at all."""
+    with replacing(path) as partial:
+        partial.write_text(_sealed(_index(records)), encoding="utf-8")
+
+
+def _stated(record: Record) -> dict[str, Any]:
+    """Return the fields of a record; without parameters it reads as in a list of a version that had none."""
+    return {name: value for name, value in attrs.asdict(record).items() if name != "parameters" or value}
+
+
+def _index(records: Sequence[Record]) -> str:
+    return ",\n".join(json.dumps(describe(_stated(record), {})) for record in records)
+
+
+def _sealed(lines: str) -> str:
+    """Return the content of the list of records, with the checksum of its lines."""
+    digest = hashlib.sha256(lines.encode()).hexdigest()
+    return f'{{"format": "{_FORMAT}", "sha256": "{digest}", "records": [\n{lines}{_END}'

@@ -1,0 +1,286 @@
+"""Studies: every problem with every seed at every load; one problem and seed at all loads is a chain."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from roughcontact._base import checks
+from roughcontact._base.archive import remove_stale
+from roughcontact._base.archive.plain import key_of
+from roughcontact._base.checks import callback, integer
+from roughcontact._base.units import counted
+from roughcontact._parts.load import Load
+from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.solution import DEFAULT_AREA, areas
+from roughcontact._work.studies.axes import BuiltProblems
+from roughcontact._work.studies.chain import Chain, Unbuilt
+from roughcontact._work.studies.chains import Chains
+from roughcontact._work.studies.failures import name_full_disk
+from roughcontact._work.studies.plan import describe_study
+from roughcontact._work.studies.record import Record, read_index, write_index
+from roughcontact._work.studies.result import StudyResult
+from roughcontact._work.studies.tasks import run_chains
+from roughcontact.errors import InputError, NotWritten, StudyStopped
+
+_ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds")
+# Units in which texts of a study file are read.
+_PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
+
+
+def _problems(value: object) -> Mapping[str, ContactProblem]:
+    if isinstance(value, BuiltProblems):
+        return value
+    if isinstance(value, ContactProblem):
+        value = {"problem": value}
+    if not isinstance(value, Mapping) or not value:
+        allowed = "a ContactProblem, a mapping of names to them, or a function that builds one"
+        raise InputError.about("The problems of a study", value, allowed)
+    for name, problem in value.items():
+        if not isinstance(name, str) or not isinstance(problem, ContactProblem):
+            raise InputError.about(f"The problem {name!r} of a study", problem, "a ContactProblem under a name")
+    return dict(value)
+
+
+def _as_tuple(value: object) -> object:
+    # What is not a list is refused by `Load.sequence`, in words.
+    try:
+        return tuple(value) if isinstance(value, Iterable) and not isinstance(value, (str, bytes)) else value
+    except Exception:
+        return value
+
+
+def _as_list(value: object, what: str) -> tuple[Any, ...]:
+    items = _as_tuple(value)
+    if not isinstance(items, tuple):
+        raise InputError.about(what, value, "a list")
+    return items
+
+
+def _names(value: str | Sequence[str]) -> tuple[str, ...]:
+    names = (value,) if isinstance(value, str) else _as_list(value, "The area estimators of a study")
+    for name in names:
+        if not isinstance(name, str):
+            raise InputError.about("An area estimator of a study", name, "a registered name")
+        areas.resolve(name)
+    return names
+
+
+def _seeds(value: Iterable[int]) -> tuple[int, ...]:
+    return tuple(integer(seed, "A seed of the study", at_least=0) for seed in _as_list(value, "The seeds of a study"))
+
+
+@attrs.frozen(eq=False, init=False)
+class Study:
+    """Every problem with every seed at every load, and every estimator's area of each.
+
+    Parameters
+    ----------
+    problems
+        A `ContactProblem`, or several by name; or a function that returns one, called with a value of each axis by
+        name when its solves begin. What it cannot build is in the records, with the reason.
+    pressure, force, approach
+        Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. Each solve starts from
+        the solutions at the loads before. With a hardness each load is a first loading; for loads after a larger one
+        give a problem that `run_in` returns.
+    areas
+        Names of area estimators.
+    seeds
+        Added to the seed of each random surface of each problem; if empty, the surfaces are used as they are. A
+        function has an axis instead, ``seed=[...]``.
+    **axes
+        Values of the parameters of the function, numbers or texts: ``hurst=[0.3, 0.8], seed=range(8)``. All
+        combinations are solved, and the records state them as `Record.parameters`.
+
+    Raises
+    ------
+    InputError
+        If an argument is of a wrong type, there is not exactly one list of loads, a load cannot be carried,
+        or seeds are given for a problem without random surfaces; if the axes are not parameters of the function, or
+        it does not build its first problem.
+    """
+
+    problems: Mapping[str, ContactProblem] = attrs.field(converter=_problems)
+    pressure: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_PASCAL)
+    force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_NEWTON)
+    approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_METRE)
+    areas: tuple[str, ...] = attrs.field(default=(DEFAULT_AREA,), converter=_names, kw_only=True)
+    seeds: tuple[int, ...] = attrs.field(default=(), converter=_seeds, kw_only=True)
+
+    def __init__(
+        self,
+        problems: ContactProblem | Mapping[str, ContactProblem] | Callable[..., ContactProblem],
+        *,
+        pressure: Iterable[float] | None = None,
+        force: Iterable[float] | None = None,
+        approach: Iterable[float] | None = None,
+        areas: str | Sequence[str] = (DEFAULT_AREA,),
+        seeds: Iterable[int] = (),
+        **axes: Iterable[Any],
+    ) -> None:
+        made: Any = problems
+        if callable(problems):
+            made = BuiltProblems.over(problems, axes, _ARGUMENTS)
+        elif axes:
+            raise InputError.unknown("argument of Study", min(axes), _ARGUMENTS)
+        self.__attrs_init__(made, pressure=pressure, force=force, approach=approach, areas=areas, seeds=seeds)
+
+    def __attrs_post_init__(self) -> None:
+        if isinstance(self.problems, BuiltProblems) and self.seeds:
+            raise InputError("A function takes its seed as a parameter: give seed=[...] instead of seeds=.")
+        for name, problem in self._known_problems:
+            if self.seeds and not _has_random_surface(problem):
+                raise InputError(f"Seeds are given, but no surface of the problem {name!r} has one: leave seeds= out.")
+            for load in self.loads:
+                try:
+                    problem.require_load(**load.arguments)
+                except InputError as error:
+                    raise InputError(f"Problem {name!r}: {error}") from error
+
+    @property
+    def _known_problems(self) -> list[tuple[str, ContactProblem]]:
+        """All problems, or the first of those that are built one by one."""
+        names = list(self.problems)[:1] if isinstance(self.problems, BuiltProblems) else self.problems
+        return [(name, self.problems[name]) for name in names]
+
+    @property
+    def loads(self) -> tuple[Load, ...]:
+        """The loads, of one kind."""
+        return Load.sequence(pressure=self.pressure, force=self.force, approach=self.approach)
+
+    @property
+    def key(self) -> str:
+        """A name for the study, made from its content; with a function, from its name and the axes."""
+        described: Any = {}
+        if isinstance(self.problems, BuiltProblems):
+            described = [self.problems.name, dict(self.problems.axes)]
+        else:
+            described = {name: problem.parts for name, problem in self.problems.items()}
+        return key_of([described, [load.arguments for load in self.loads], self.seeds])[:12]
+
+    def chains(self, folder: Path = Path()) -> Iterator[Chain]:
+        """Yield each problem with each seed, at all loads."""
+        for chain in self._points(folder, {}):
+            if isinstance(chain, Unbuilt):
+                raise InputError(chain.message)
+            yield chain
+
+    def _points(self, folder: Path, known: Mapping[str, Record]) -> Chains:
+        return Chains(self.problems, self.seeds, self.loads, self.areas, folder, known)
+
+    def explain(self) -> str:
+        """Return in words the plan of every problem, or of the first that is built, the axes, and work and time."""
+        axes = self.axes or {"problem": tuple(self.problems), **({"seed": self.seeds} if self.seeds else {})}
+        known = self._known_problems
+        return describe_study(known, axes, self.loads, sampled=len(known) < len(self.problems))
+
+    def run(
+        self,
+        folder: str | Path,
+        *,
+        executor: Executor | None = None,
+        on_records: Callable[[Sequence[Record]], None] | None = None,
+    ) -> StudyResult:
+        """Solve what is not in the folder yet.
+
+        Parameters
+        ----------
+        folder
+            The folder of the solutions, one npz file each, and of the list of records; made if it is missing.
+            Workers on other machines must see the same folder.
+        executor
+            Any `concurrent.futures.Executor`, such as a process pool or that of a dask client, which gets one
+            task for each problem and seed; in this process if None.
+        on_records
+            Called with the records of each problem and seed as soon as they are known.
+
+        Returns
+        -------
+        StudyResult
+            The records in the order of the study.
+
+        Raises
+        ------
+        StudyStopped
+            If the disk is full, the executor broke or a problem ended every worker that it was given to; solutions on
+            disk are safe, and the next run continues.
+        """
+        if executor is not None and not callable(getattr(executor, "submit", None)):
+            raise InputError.about("The executor", executor, "a concurrent.futures.Executor, or None")
+        on_records = callback(on_records, "on_records=", "records")
+        target = _make_folder(folder)
+        remove_stale(target)
+        index = target / f"study-{self.key}.json"
+        known = read_index(index)
+        chains = self._points(target, known)
+        done: dict[int, list[Record]] = {}
+        computed = 0
+        stops: list[str] = []
+        # Closed, so that an exception of `on_records` cancels the tasks that wait.
+        with contextlib.closing(run_chains(chains, executor)) as results:
+            for position, result in results:
+                done[position], computed = result.records, computed + result.computed
+                stops += [reason for reason in (result.stopped, result.lost) if reason]
+                if any(known.get(record.key) != record for record in result.records):
+                    stops += _list_records(index, _in_order(done, known))
+                if on_records is not None:
+                    on_records(result.records)
+                if executor is None and stops:
+                    break
+        if stops:
+            raise _stop_error(stops[0], done, len(chains) * len(self.loads))
+        return StudyResult(folder=target, records=tuple(_in_order(done, {})), computed=computed)
+
+    def __repr__(self) -> str:
+        axes = ", ".join(f"{counted(len(values), 'value')} of {name}" for name, values in self.axes.items())
+        loads = self.loads
+        what = axes or counted(len(self.problems), "problem")
+        return f"<Study {what}, {counted(len(loads), 'load')} of {loads[0].kind}>"
+
+    @property
+    def axes(self) -> Mapping[str, tuple[Any, ...]]:
+        """The values of each parameter of the function; empty without one."""
+        return self.problems.axes if isinstance(self.problems, BuiltProblems) else {}
+
+
+def _make_folder(folder: str | Path) -> Path:
+    target = checks.path(folder, "The folder of the study")
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"The folder {str(target)!r} of the study cannot be made: {error.strerror or error}."
+        ) from error
+    return target
+
+
+def _list_records(index: Path, records: Sequence[Record]) -> list[str]:
+    try:
+        write_index(index, records)
+    except NotWritten as error:
+        return [name_full_disk(index.parent, error)]
+    return []
+
+
+def _in_order(done: Mapping[int, list[Record]], known: Mapping[str, Record]) -> list[Record]:
+    """Return the records of this run in the order of the study, then earlier ones."""
+    found = [record for position in sorted(done) for record in done[position]]
+    keys = {record.key for record in found}
+    return found + [record for key, record in known.items() if key not in keys]
+
+
+def _stop_error(reason: str, done: Mapping[int, list[Record]], total: int) -> StudyStopped:
+    count = sum(len(records) for records in done.values())
+    return StudyStopped(
+        f"{reason}: {count} of {total} solves are reported, and every finished solution is on disk. "
+        "Correct this and run the study again: it solves only what is missing."
+    )
+
+
+def _has_random_surface(problem: ContactProblem) -> bool:
+    return any(body.surface.reseed(0) is not None for body in (problem.body, problem.counterbody))

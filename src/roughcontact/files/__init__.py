@@ -1,6 +1,0 @@
-"""Files: height maps from numpy, text and instruments' files."""
-
-from roughcontact.files.base import RawMap, SurfaceReader, readers
-from roughcontact.files.reading import read_surface
-
-__all__ = ["RawMap", "SurfaceReader", "read_surface", "readers"]

@@ -1,0 +1,38 @@
+"""Figures of solutions, surfaces and sweeps: the base class of panels, their look, and the functions that draw them.
+
+Nothing of matplotlib is loaded until something is drawn.
+"""
+
+from roughcontact._faces.panels.base import Panel, panels
+from roughcontact._faces.panels.curves import add_key, draw_band, scale_axes
+from roughcontact._faces.panels.error_report import draw_report
+from roughcontact._faces.panels.figures import make_figure, plot, save_figure
+from roughcontact._faces.panels.law import draw_column
+from roughcontact._faces.panels.maps import draw_map, draw_mask, name_colors
+from roughcontact._faces.panels.solid import view_solution, view_surface
+from roughcontact._faces.panels.theme import DARK, LIGHT, Theme, style, theme_of
+from roughcontact._parts.surfaces.sampled import SampledSurface
+
+__all__ = [
+    "DARK",
+    "LIGHT",
+    "Panel",
+    "SampledSurface",
+    "Theme",
+    "add_key",
+    "draw_band",
+    "draw_column",
+    "draw_map",
+    "draw_mask",
+    "draw_report",
+    "make_figure",
+    "name_colors",
+    "panels",
+    "plot",
+    "save_figure",
+    "scale_axes",
+    "style",
+    "theme_of",
+    "view_solution",
+    "view_surface",
+]

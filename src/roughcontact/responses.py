@@ -1,0 +1,41 @@
+"""What a contact does: stiffness, conductance, gradients, stress below the surface, flow, partial slip."""
+
+from roughcontact._answers.flow.leakage import GapFlow, Leakage
+from roughcontact._answers.flow.percolation import Percolation, find_percolation
+from roughcontact._answers.flow.throats import Throat
+from roughcontact._answers.linear.conductance import Conductance, ContactConductance
+from roughcontact._answers.linear.gradients import Gradient
+from roughcontact._answers.linear.stiffness import Stiffness
+from roughcontact._answers.linear.tangential_stiffness import TangentialStiffness
+from roughcontact._answers.slip.fretting_loop import FrettingLoop
+from roughcontact._answers.slip.partial_slip import CiavarellaJaeger, PartialSlip
+from roughcontact._answers.subsurface import (
+    FirstYield,
+    Stress,
+    StressBelow,
+    StressField,
+    StressMaximum,
+    YieldPoint,
+)
+
+__all__ = [
+    "CiavarellaJaeger",
+    "Conductance",
+    "ContactConductance",
+    "FirstYield",
+    "FrettingLoop",
+    "GapFlow",
+    "Gradient",
+    "Leakage",
+    "PartialSlip",
+    "Percolation",
+    "Stiffness",
+    "Stress",
+    "StressBelow",
+    "StressField",
+    "StressMaximum",
+    "TangentialStiffness",
+    "Throat",
+    "YieldPoint",
+    "find_percolation",
+]

@@ -1,0 +1,134 @@
+"""The house: a module imports only from its own storey or from lower ones, and nothing imports in a circle.
+
+The table of docs/architecture.md is the one that is held: it is read here, not typed again.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import roughcontact
+
+ROOT = Path(roughcontact.__file__).parent
+PAGE = Path(__file__).parent.parent / "docs" / "architecture.md"
+# These open the figures above them when they are called.
+DRAWING = ("plot", "plot_3d", "draw")
+# What the methods of a solution return is named in its annotations.
+ANNOTATED = {("roughcontact._solve.solution.contact", "roughcontact.responses")}
+
+
+class Import(NamedTuple):
+    """A module that another one imports: inside which function, and whether for annotations alone."""
+
+    name: str
+    function: str
+    is_annotation: bool
+
+
+def read_storeys(text):
+    """Return the folder of each storey, its rooms and the public modules beside it, from the lowest storey on."""
+    rows = re.findall(r"^\| (\d) \|(.*?)\|(.*?)\|(.*?)\|", text, flags=re.MULTILINE)
+    assert [int(row[0]) for row in rows] == list(range(len(rows) - 1, -1, -1))
+    return [tuple(re.findall(r"`(\w+)`", cell) for cell in row[1:]) for row in reversed(rows)]
+
+
+STOREYS = read_storeys(PAGE.read_text(encoding="utf-8"))
+LEVEL = {name: level for level, (folder, _, public) in enumerate(STOREYS) for name in (*folder, *public)}
+ROOMS = {f"{folder}.{room}": place for (folder,), rooms, _ in STOREYS[1:] for place, room in enumerate(rooms)}
+
+
+def name_of(path):
+    parts = path.relative_to(ROOT.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+NAMES = {name_of(path): path for path in sorted(ROOT.rglob("*.py")) if path.parent != ROOT or path.stem[0] != "_"}
+
+
+def room_of(name):
+    """Return storey and room of a module, or the public module that it belongs to."""
+    first, *rest = name.split(".")[1:]
+    return f"{first}.{rest[0]}" if first.startswith("_") and rest else first
+
+
+def imported_modules(path):
+    """Yield the modules of the package that a file imports, at its top, inside a function or for annotations."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    inside, annotations = {}, set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef):
+            inside |= dict.fromkeys(map(id, ast.walk(node)), node.name)
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            annotations.update(map(id, ast.walk(node)))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "roughcontact":
+            for alias in node.names:
+                inner = f"{node.module}.{alias.name}"
+                name = inner if inner in NAMES else node.module
+                yield Import(name, inside.get(id(node), ""), id(node) in annotations)
+
+
+def opens_figures(one):
+    return one.name == "roughcontact.plotting" and one.function in DRAWING
+
+
+IMPORTS = {
+    name: {one for one in imported_modules(path) if one.name != "roughcontact" and not opens_figures(one)}
+    for name, path in NAMES.items()
+}
+
+
+def test_the_folders_are_the_storeys():
+    assert [folder[0] for folder, _, _ in STOREYS[1:]] == ["_base", "_parts", "_solve", "_answers", "_work", "_faces"]
+    assert {room_of(name) for name in NAMES} == {*ROOMS, *LEVEL}
+    assert len(ROOMS) <= 30
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_imports_go_down(name):
+    here = room_of(name)
+    for other in {one.name for one in IMPORTS[name]}:
+        there = room_of(other)
+        if there == here or (name, other) in ANNOTATED:
+            continue
+        above, below = LEVEL[here.split(".")[0]], LEVEL[there.split(".")[0]]
+        assert below <= above, f"{name} imports {other}"
+        if here in ROOMS and there in ROOMS and above == below:
+            assert ROOMS[there] < ROOMS[here], f"{name} imports {other}"
+
+
+def test_only_the_command_line_imports_the_whole_package():
+    whole = {name for name, path in NAMES.items() if "roughcontact" in {one.name for one in imported_modules(path)}}
+    assert {room_of(name) for name in whole} <= {"_faces.cli"}
+
+
+def find_circle(graph):
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return " -> ".join(error.args[1])
+    return ""
+
+
+def test_rooms_import_each_other_in_no_circle_annotations_included():
+    graph = {}
+    for name, imports in IMPORTS.items():
+        others = {room_of(one.name) for one in imports if (name, one.name) not in ANNOTATED}
+        graph.setdefault(room_of(name), set()).update(others - {room_of(name)})
+    assert find_circle(graph) == ""
+
+
+def test_files_import_each_other_in_no_circle():
+    # A package stands for the files that its __init__ imports, so a file that imports its own package is a circle.
+    assert find_circle({name: {one.name for one in IMPORTS[name] if not one.is_annotation} for name in NAMES}) == ""
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_module_holds_one_subject(name):
+    assert NAMES[name].read_text(encoding="utf-8").count("\n") <= 500
