@@ -22,8 +22,8 @@ import pytest
 import roughcontact as rc
 import roughcontact._faces.cli
 from damage import right_key
-from roughcontact import archive
 from roughcontact.__main__ import main
+from roughcontact._base import archive
 from roughcontact._base.archive import SEAL, pack, read_archive, seal, write_archive
 from roughcontact._work.studies import record
 from roughcontact._work.studies.record import read_index

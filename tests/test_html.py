@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact import archive
+from roughcontact._base import archive
 from roughcontact._faces.html import citation, figures, rerun
 from roughcontact._faces.html.elements import escape, quantity
 from roughcontact._faces.html.wording import name_advice

@@ -18,7 +18,8 @@ HEAVY = {
     "scipy.sparse.linalg",
     "pandas",
     "roughcontact.paper",
-    "roughcontact._faces.cli",
+    "argparse",
+    "roughcontact._faces.html",
     "roughcontact.testing",
     "hypothesis",
 }

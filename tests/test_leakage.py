@@ -12,8 +12,8 @@ import pytest
 from scipy import integrate
 
 import roughcontact as rc
+from roughcontact._answers.flow import flow_solvers
 from roughcontact._answers.flow.flow_network import make_network
-from roughcontact.responses import flow_solvers
 from roughcontact.typing import Residuals
 
 RIDGE = rc.HeightMap(np.tile(1e-4 * np.cos(np.arange(16) * np.pi / 8.0), (16, 1)), size=1.0, periodic=True)

@@ -13,6 +13,7 @@ import roughcontact as rc
 from exact_contacts import MODULUS, ball, with_fields
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.quantities import find_shift
+from roughcontact._answers.flow import percolation
 from roughcontact._answers.flow.flow_network import find_paths
 from roughcontact._answers.linear.conductance import Conductance
 from roughcontact._answers.linear.tangential_compliance import _find_deviation, _find_displacements, _WavesAlong
@@ -25,7 +26,6 @@ from roughcontact._answers.slip.partial_slip import (
     _dissipate,
 )
 from roughcontact._parts.kernels import Love
-from roughcontact.responses import percolation
 
 GRID = rc.Grid((60, 50), (60e-6, 75e-6))
 RADIUS = 1e-3

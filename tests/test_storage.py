@@ -18,7 +18,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact import archive
+from roughcontact._base import archive
 from roughcontact._base.archive.plain import describe, key_of, rebuild
 from roughcontact._base.registry import registries
 from strategies import problems
@@ -258,7 +258,7 @@ def test_a_solution_is_read_after_a_tidy_up(tmp_path):
         "import sys, numpy as np, roughcontact as rc\n"
         "loaded = rc.ContactSolution.load(sys.argv[1])\n"
         "again = rc.ContactProblem(**loaded.origin.problem).solve(**loaded.origin.load)\n"
-        "assert type(again.origin.problem['body']).__module__ == 'roughcontact._problem_tidy.body'\n"
+        "assert type(again.origin.problem['body']).__module__ == 'roughcontact._solve_tidy.problem.body'\n"
         "assert (again.pressure == loaded.pressure).all()\n"
         "np.save(sys.argv[2], [loaded.pressure, loaded.displacement, loaded.initial_gap, loaded.gap])\n"
     )

@@ -19,7 +19,7 @@ from roughcontact._answers.subsurface.field import StressField, maximum_shear
 from roughcontact._answers.subsurface.free import FreePlanes
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
 from roughcontact._answers.subsurface.planes import find_steps
-from roughcontact._base.checks import memory
+from roughcontact._base.machine import memory
 from roughcontact.reference import hertz_sphere
 
 NU = 0.3

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from roughcontact._base.archive.plain import key_of
-from roughcontact._base.checks import threads
+from roughcontact._base.machine import threads
 from roughcontact._base.machine.threads import available_threads, choose_threads, map_tiles, split, use_threads
 from roughcontact._solve.convolvers.inverse import approximate_inverse
 from roughcontact._solve.problem import run as run_module

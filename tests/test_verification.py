@@ -15,8 +15,8 @@ from hypothesis import HealthCheck, given, settings
 
 import roughcontact as rc
 from damage import right_key, write_forged
-from roughcontact._base.archive import read_archive
-from roughcontact._base.archive.plain import key_of, programs_of, sources
+from roughcontact._base.archive import read_archive, sources
+from roughcontact._base.archive.plain import key_of, programs_of
 from roughcontact._solve.solution import storage
 from roughcontact._work.studies import record
 from strategies import wild_problems

@@ -16,9 +16,9 @@ from pathlib import Path
 import attrs
 from doc_tables import DocTable, write_tables
 from matplotlib.figure import Figure
-from roughcontact._work.reports.error.picture import draw_errors
 
 import roughcontact as rc
+from roughcontact._faces.panels.error_report import draw_errors
 from roughcontact.extrapolation import exponential, power_law
 from roughcontact.plotting import style
 from roughcontact.typing import ErrorReport

@@ -23,6 +23,7 @@ from roughcontact._answers.laws import InterfaceLaw, LawColumn, PowerFit
 from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.archive import replacing
 from roughcontact._base.checks import Array, IntArray, Mask, Pair, RealArray
+from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap
 from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._parts.load import Load
@@ -68,6 +69,7 @@ __all__ = [
     "BeyondResolution",
     "BoundKernel",
     "Check",
+    "Command",
     "Conductance",
     "ContactConditions",
     "ContactFields",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from roughcontact._faces.cli import Command
+from roughcontact.typing import Command
 
 
 class Paper(Command):

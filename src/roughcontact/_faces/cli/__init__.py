@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from roughcontact._base.registry import Registry
+
+if TYPE_CHECKING:
+    import argparse
 
 # The exit status of a converged solution that has warnings.
 DOUBTFUL = 3

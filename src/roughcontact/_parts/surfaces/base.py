@@ -168,9 +168,11 @@ class Surface(abc.ABC):
 
     def _sample(self, grid: Any) -> SampledSurface:
         """Return the heights on a grid, or on that of its own, with NaN at non-measured points."""
-        chosen = grid or self.own_grid
+        chosen = self.own_grid if grid is None else grid
         if chosen is None:
             raise InputError("The surface has no grid of its own: give one, rc.Grid(shape, size), first.")
+        if not isinstance(chosen, Grid):
+            raise InputError.about("The grid", grid, "rc.Grid(shape, size)")
         heights, missing = np.array(self.heights(chosen)), self.non_measured_on(chosen)
         if missing is not None:
             heights[missing] = np.nan
