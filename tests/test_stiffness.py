@@ -210,6 +210,17 @@ def test_rough_contact_converges_within_its_uncertainty(boundary):
     assert abs(found[128].value / fine.value - 1) < 8e-3
 
 
+@pytest.mark.parametrize("seed", [14, 17, 19])
+def test_a_spot_of_contact_that_the_grid_does_not_show(seed):
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=6.0, longest=24.0, seed=seed)
+    body = rc.Body(surface, rc.Elastic(1.0, 0.0))
+    grids = [rc.Grid((n, n), 48.0) for n in (48, 192)]
+    coarse, fine = (rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=5e-4) for grid in grids)
+    assert fine.patches.count == coarse.patches.count + 1
+    for estimate, true in ((coarse.stiffness(), fine.stiffness()), (coarse.conductance(1.0), fine.conductance(1.0))):
+        assert 0.04 * true.value < true.value - estimate.value < 2.5 * math.hypot(estimate.uncertainty, true.uncertainty)
+
+
 def test_bounds_on_a_rough_ball():
     grid = rc.Grid((96, 96), 96.0)
     ball = -(grid.x**2 + grid.y**2) / 2000.0
