@@ -125,6 +125,20 @@ def test_a_hole_that_covers_a_corner_and_whole_rows_is_filled():
     assert math.isfinite(found.uncertainty)
 
 
+@pytest.mark.parametrize("make", [make_ball, make_rough, make_wave])
+def test_holes_of_any_size_are_filled_alike(make, monkeypatch):
+    # Bands of the matrix are as wide as the largest hole; wide ones are factored with another order.
+    heights, boundary, load = make((61, 40), (1.0, 3.0))
+    mask = lose_points(press(heights, (1.0, 3.0), boundary, load).contact, 0.1, True, 5)
+    found = []
+    for widest in (40, 0):
+        monkeypatch.setattr("roughcontact._solve.solution.healing.WIDEST", widest)
+        monkeypatch.setattr("roughcontact._parts.surfaces.filling.WIDEST", widest)
+        solution = press(heights, (1.0, 3.0), boundary, load, mask)
+        found.append([solution.estimate(name).value for name in ("mean-gap", "approach", "perimeter")])
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
+
+
 @pytest.mark.parametrize("shape", [(1, 40), (2, 20), (3, 3), (5, 1)])
 def test_narrow_grids_with_missing_points(shape):
     heights = (

@@ -218,7 +218,9 @@ def test_a_spot_of_contact_that_the_grid_does_not_show(seed):
     coarse, fine = (rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=5e-4) for grid in grids)
     assert fine.patches.count == coarse.patches.count + 1
     for estimate, true in ((coarse.stiffness(), fine.stiffness()), (coarse.conductance(1.0), fine.conductance(1.0))):
-        assert 0.04 * true.value < true.value - estimate.value < 2.5 * math.hypot(estimate.uncertainty, true.uncertainty)
+        assert (
+            0.04 * true.value < true.value - estimate.value < 2.5 * math.hypot(estimate.uncertainty, true.uncertainty)
+        )
 
 
 def test_bounds_on_a_rough_ball():

@@ -23,7 +23,7 @@ import numpy as np
 
 from roughcontact._base.checks import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.surfaces.filling import fill
+from roughcontact._parts.surfaces.filling import WIDEST, fill, solve_in_bands
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
@@ -113,45 +113,54 @@ def _bend_near(gap: Array, missing: Mask, places: Mask, solution: ContactSolutio
 
 def _minimise_bending(gap: Array, unknown: Mask, grid: Grid, boundary: Boundary) -> Array:
     """Return the gaps at the unknown points, shape (n,), m, from those elsewhere, shape (nx, ny)."""
-    from scipy.sparse import csr_array, eye_array
+    from scipy.sparse import csr_array
     from scipy.sparse.linalg import splu
 
-    count = int(np.count_nonzero(unknown))
-    number = np.full(gap.size, -1)
-    number[unknown.ravel()] = np.arange(count)
-    ratio = grid.spacing[0] / grid.spacing[1]
-    rows, columns, values, right = [], [], [], []
-    total = 0
-    for steps, weight in zip(_DIFFERENCES, (1.0 / ratio, ratio, math.sqrt(2.0)), strict=True):
-        cells = _find_cells(unknown, steps, boundary)
-        factors = weight * np.array([factor for *_, factor in steps])
-        which = number[cells]
-        here = which >= 0
-        right.append(-factors @ np.where(here, 0.0, gap.ravel()[cells]))
-        rows.append(np.broadcast_to(total + np.arange(cells.shape[1]), cells.shape)[here])
-        columns.append(which[here])
-        values.append(np.broadcast_to(factors[:, np.newaxis], cells.shape)[here])
-        total += cells.shape[1]
-    places = np.concatenate(rows), np.concatenate(columns)
-    bending = csr_array((np.concatenate(values), places), shape=(total, count))
-    matrix = bending.T @ bending + _HARMONIC * eye_array(count)
-    # Symmetric and positive definite.
-    options = {"SymmetricMode": True}
-    factored: Any = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
-    return np.asarray(factored.solve(bending.T @ np.concatenate(right) + _HARMONIC * gap[unknown]))
-
-
-def _find_cells(unknown: Mask, steps: tuple[tuple[int, int, float], ...], boundary: Boundary) -> IntArray:
-    """Return the flat indices of the cells of each difference in which an unknown point is, shape (steps, n)."""
     nx, ny = unknown.shape
-    used = np.zeros_like(unknown)
-    for i, j, _ in steps:
-        used |= np.roll(unknown, (-i, -j), (0, 1))
-    if boundary is Boundary.FREE:
-        for axis in (0, 1):
-            lines = np.moveaxis(used, axis, 0)
-            lowest, highest = (end(step[axis] for step in steps) for end in (min, max))
-            lines[: -lowest or None] &= lowest == 0
-            lines[len(lines) - highest :] = False
-    rows, columns = np.nonzero(used)
-    return np.stack([(rows + a) % nx * ny + (columns + b) % ny for a, b, _ in steps])
+    i, j = (place.astype(np.int32) for place in np.nonzero(unknown))
+    diagonal = np.arange(i.size, dtype=np.int32)
+    number = np.full(gap.size, -1, dtype=np.int32)
+    number[i * ny + j] = diagonal
+    right = _HARMONIC * gap[unknown]
+    rows = [diagonal]
+    columns = [diagonal]
+    values = [np.full(i.size, _HARMONIC)]
+    for (along, across), weights in _weigh_neighbours(i, j, grid, boundary).items():
+        place = (i + along) % nx * ny + (j + across) % ny
+        column = number[place]
+        right -= np.where(column < 0, weights * gap.ravel()[place], 0.0)
+        inside = (column >= 0) & (weights != 0.0)
+        rows.append(diagonal[inside])
+        columns.append(column[inside])
+        values.append(np.broadcast_to(weights, i.shape)[inside])
+    places = np.concatenate(rows), np.concatenate(columns)
+    matrix = csr_array((np.concatenate(values), places), shape=(i.size, i.size))
+    found = solve_in_bands(matrix, right, 2 * WIDEST)
+    if found is None:
+        # Symmetric and positive definite.
+        options = {"SymmetricMode": True}
+        factored: Any = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+        found = factored.solve(right)
+    return np.asarray(found)
+
+
+def _weigh_neighbours(i: IntArray, j: IntArray, grid: Grid, boundary: Boundary) -> dict[tuple[int, int], Array]:
+    """Return the derivative of the bending by the points (i, j), half of it: weights of the points around, by steps.
+
+    Differences that cross a free border do not count.
+    """
+    ratio = grid.spacing[0] / grid.spacing[1]
+    weights: dict[tuple[int, int], Array] = {}
+    for steps, square in zip(_DIFFERENCES, (ratio**-2, ratio**2, 2.0), strict=True):
+        for along, across, factor in steps:
+            own = np.asarray(square * factor)
+            if boundary is Boundary.FREE:
+                inside = np.ones(i.shape, dtype=bool)
+                for axis, first in ((0, i - along), (1, j - across)):
+                    offsets = [step[axis] for step in steps]
+                    inside &= (first + min(offsets) >= 0) & (first + max(offsets) < grid.shape[axis])
+                own = np.where(inside, own, 0.0)
+            for other in steps:
+                step = (other[0] - along, other[1] - across)
+                weights[step] = weights.get(step, 0.0) + own * other[2]
+    return weights
