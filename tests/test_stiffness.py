@@ -211,7 +211,7 @@ def test_rough_contact_converges_within_its_uncertainty(boundary):
 
 
 @pytest.mark.parametrize("seed", [14, 17, 19])
-def test_a_spot_of_contact_that_the_grid_does_not_show(seed):
+def test_a_contact_patch_that_the_grid_does_not_show(seed):
     surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=6.0, longest=24.0, seed=seed)
     body = rc.Body(surface, rc.Elastic(1.0, 0.0))
     grids = [rc.Grid((n, n), 48.0) for n in (48, 192)]

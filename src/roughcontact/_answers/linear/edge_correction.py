@@ -40,7 +40,7 @@ _TRUSTED = 0.9
 _CELLS, _COMMON = 0.03, 0.02
 # ... and the fraction of the correction.
 _UNSURE = 0.25
-# Radius over the resolution ratio, in cells, of a spot of contact between the cells that a grid does not show, of the
+# Radius over the resolution ratio, in cells, of a contact patch between the cells that a grid does not show, of the
 # stiffness 2 E* times it: light contacts lack one or two (benchmarks/response_classes.py, three times its cases).
 _UNSEEN = 0.5
 
