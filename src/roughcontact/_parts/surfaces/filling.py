@@ -92,8 +92,10 @@ def fill(heights: Array) -> Array:
     matrix, right = _laplace(heights - mean, unknown, count)
     found = solve_in_bands(matrix, right, WIDEST)
     if found is None:
-        places = np.stack(np.nonzero(unknown))
-        found = spsolve(matrix.tocsc(), right) if count <= _DIRECT else _solve(matrix.tocsr(), right, places)
+        if count <= _DIRECT:
+            found = spsolve(matrix.tocsc(), right)
+        else:
+            found = _solve(matrix.tocsr(), right, np.stack(np.nonzero(unknown)))
     result = heights.copy()
     result[unknown] = np.clip(mean + found, known.min(), known.max())
     return result

@@ -117,7 +117,7 @@ def _minimise_bending(gap: Array, unknown: Mask, grid: Grid, boundary: Boundary)
     from scipy.sparse.linalg import splu
 
     nx, ny = unknown.shape
-    i, j = (place.astype(np.int32) for place in np.nonzero(unknown))
+    i, j = np.stack(np.nonzero(unknown)).astype(np.int32)
     diagonal = np.arange(i.size, dtype=np.int32)
     number = np.full(gap.size, -1, dtype=np.int32)
     number[i * ny + j] = diagonal
