@@ -166,26 +166,27 @@ def _laplace(heights: Array, unknown: Any, count: int) -> tuple[Any, Array]:
     """Return the matrix of Laplace's equation on the unknown cells, and its right side."""
     from scipy.sparse import coo_array
 
-    index = np.full(heights.shape, -1, dtype=np.int32)
-    index[unknown] = np.arange(count, dtype=np.int32)
-    neighbours, right = np.zeros(count), np.zeros(count)
-    rows: list[np.ndarray] = []
-    columns: list[np.ndarray] = []
-    every, first, last = slice(None), slice(None, -1), slice(1, None)
-    # Each cell with its next neighbour along x and along y.
-    for here, there in (((first, every), (last, every)), ((every, first), (every, last))):
-        for one, other in ((here, there), (there, here)):
-            known_beside = unknown[one] & ~unknown[other]
-            unknown_beside = unknown[one] & unknown[other]
-            # No cell occurs twice.
-            right[index[one][known_beside]] += heights[other][known_beside]
-            neighbours[index[one][known_beside | unknown_beside]] += 1.0
-            rows.append(index[one][unknown_beside])
-            columns.append(index[other][unknown_beside])
+    nx, ny = heights.shape
+    i, j = np.nonzero(unknown)
+    own = i * ny + j
     diagonal = np.arange(count, dtype=np.int32)
-    i, j = np.concatenate([diagonal, *rows]), np.concatenate([diagonal, *columns])
-    values = np.concatenate([neighbours, np.full(i.size - count, -1.0)])
-    return coo_array((values, (i, j)), shape=(count, count)), right
+    number = np.full(heights.size, -1, dtype=np.int32)
+    number[own] = diagonal
+    neighbours = np.zeros(count)
+    right = np.zeros(count)
+    rows = [diagonal]
+    columns = [diagonal]
+    for step, inside in ((-ny, i > 0), (ny, i < nx - 1), (-1, j > 0), (1, j < ny - 1)):
+        place = np.where(inside, own + step, own)
+        column = number[place]
+        neighbours += inside
+        right += np.where(column < 0, heights.ravel()[place], 0.0)
+        beside = inside & (column >= 0)
+        rows.append(diagonal[beside])
+        columns.append(column[beside])
+    places = np.concatenate(rows), np.concatenate(columns)
+    values = np.concatenate([neighbours, np.full(places[0].size - count, -1.0)])
+    return coo_array((values, places), shape=(count, count)), right
 
 
 def _solve(matrix: Any, right: Array, places: Array) -> Array:

@@ -66,17 +66,18 @@ def heal(solution: ContactSolution) -> ContactSolution:
 def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
     harmonic = fill(np.where(missing, np.nan, solution.initial_gap))
     gap = _bend_near(harmonic, missing, solution.contact, solution)
-    touching = missing & (_overlaps(gap, solution) | solution.contact)
+    touching = missing & solution.contact
+    touching[missing] |= _overlaps(gap, solution, missing)
     return attrs.evolve(solution, initial_gap=gap, non_measured=touching if touching.any() else None)
 
 
-def _overlaps(gap: Array, solution: ContactSolution) -> Mask:
-    """Return where this initial gap is closed, for the pressure around it, and not only by its own error."""
+def _overlaps(gap: Array, solution: ContactSolution, missing: Mask) -> Mask:
+    """Return at which missing points this initial gap is closed, for the pressure around it, beyond its own error."""
     from scipy import ndimage
 
-    around = ndimage.maximum_filter(solution.pressure, 3, mode="constant")
+    around = ndimage.maximum_filter(solution.pressure, 3, mode="constant")[missing]
     depth = around * math.sqrt(solution.grid.cell_area) / solution.modulus
-    return np.asarray(solution.approach - gap - solution.displacement > _OVERLAP * depth)
+    return np.asarray(solution.approach - gap[missing] - solution.displacement[missing] > _OVERLAP * depth)
 
 
 def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
@@ -117,7 +118,7 @@ def _minimise_bending(gap: Array, unknown: Mask, grid: Grid, boundary: Boundary)
     from scipy.sparse.linalg import splu
 
     nx, ny = unknown.shape
-    i, j = np.stack(np.nonzero(unknown)).astype(np.int32)
+    i, j = np.nonzero(unknown)
     diagonal = np.arange(i.size, dtype=np.int32)
     number = np.full(gap.size, -1, dtype=np.int32)
     number[i * ny + j] = diagonal
