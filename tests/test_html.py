@@ -193,7 +193,7 @@ class TestContent:
         words = text_of(read(solve(height_map).to_html()))
         assert archive.digest_of(height_map.values) in words
         assert "read from ring.x3p; the best plane subtracted" in words
-        assert "waves below 4 µm are not in it" in words
+        assert "roughness shorter than 4 µm is not included" in words
 
     def test_hostile_texts_stay_texts(self):
         named = type("<img src=x onerror=alert(1)>", (rc.FlatSurface,), {"__repr__": lambda self: HOSTILE})

@@ -155,7 +155,7 @@ class TestWarnings:
             solution = rc.ContactProblem(rc.Body(surface, STEEL), grid=chosen).solve(pressure=1e7)
             assert set(blurred.warnings) <= set(solution.area().warnings)
             assert set(blurred.warnings) <= set(solution.area("cell-count").warnings)
-            assert "of the map as interpolated: waves below 2 µm are not in it" in str(solution)
+            assert "roughness shorter than 2 µm is not included" in str(solution)
         solution.save(tmp_path / "x.npz")
         assert rc.ContactSolution.load(tmp_path / "x.npz").area().warnings == solution.area().warnings
 

@@ -59,8 +59,8 @@ class Gradient(Response[Array]):
     .. math:: \frac{\mathrm{d}J}{\mathrm{d}z} = \lambda - \frac{\sum\lambda}{\sum s}\,s, \quad
               \lambda = K_{AA}^{-1} \frac{\partial J}{\partial p}, \quad s = K_{AA}^{-1} 1
 
-    under a given load, and :math:`\lambda` at a given position. Constant is what the contact was solved for: pressure,
-    force, or approach, which counts from the touch of the highest cell and so moves with it.
+    under a given load, and :math:`\lambda` at a given position. The load that was given is held
+    fixed: pressure, force, or approach, which counts from the touch of the highest cell and so moves with it.
 
     Parameters
     ----------

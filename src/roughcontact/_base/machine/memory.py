@@ -41,18 +41,18 @@ def limit_of_memory(value: float | str | None) -> int | None:
 
 
 def require_memory(needed: float, what: str, advice: str | Callable[[int], str], limit: int | None = None) -> None:
-    """Refuse what needs more memory than it may take: what is left for this process, as far as known, or a limit.
+    """Raise `NotEnoughMemory` if `needed` exceeds the memory available to this process, as far as known, or `limit`.
 
     Parameters
     ----------
     needed
-        Memory that will be taken at least, bytes.
+        Smallest memory needed, bytes.
     what
         What needs it, the subject of the sentence.
     advice
-        What to do, or a function that returns it from what there is, bytes.
+        What to do, or a function that returns it given the available memory, bytes.
     limit
-        What it may take, bytes, where the user has said so.
+        Limit set by the user, bytes; None: no limit.
 
     Raises
     ------

@@ -110,7 +110,7 @@ def _has_limited_address_space() -> bool:
 
 @contextlib.contextmanager
 def use_threads(count: int) -> Iterator[None]:
-    """Let what runs inside take so many threads."""
+    """Limit the threads used inside the context."""
     token = _COUNT.set(count)
     try:
         yield

@@ -47,7 +47,7 @@ _PERIODIC, _PEAK = 0.1, 12.0
 # Waves that a map is made of, and cells for each, below which its differences are periodic without interpolation: sums
 # of 1 to 40 waves have up to 37, rough maps interpolated four times at least 57 on 160 x 160 cells, 20 on 64 x 64.
 _MANY_WAVES, _CELLS_PER_WAVE = 40, 300
-_ADVICE = "a finer grid adds no heights (rc.beyond_resolution gives the range of areas)"
+_ADVICE = "a finer grid cannot bring them back (rc.beyond_resolution gives the range of areas)"
 
 
 def list_map_warnings(

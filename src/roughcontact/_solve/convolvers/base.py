@@ -116,7 +116,7 @@ class PreparedConvolution(abc.ABC):
         return values
 
     def use_threads(self, count: int) -> AbstractContextManager[None]:
-        """Let what runs inside take so many threads; transforms of numpy's arrays do without being told."""
+        """Limit the threads used inside the context; the transforms of numpy arrays are limited already."""
         return nullcontext()
 
     def sum(self, values: RealArray) -> float:

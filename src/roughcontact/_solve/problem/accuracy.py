@@ -49,7 +49,7 @@ _MARGIN = 1.05
 _AGAIN = 1.5
 # Cells to which a grid is refined without being asked, about ten seconds, and times the cells of the grid given.
 _UNASKED, _TIMES_GIVEN = 2**22, 64
-_NO_HEIGHTS = "the heights are known at the points of a map only, and a finer grid adds none: measure a finer map"
+_NO_HEIGHTS = "the heights are known at the points of a map only, and a finer grid cannot add any: measure a finer map"
 
 
 @attrs.frozen

@@ -44,7 +44,7 @@ def run_solve(
 
 @contextlib.contextmanager
 def computing(problem: ContactProblem) -> Iterator[None]:
-    """Let what runs inside take the threads of a problem."""
+    """Limit the threads used inside the context to those of a problem."""
     threads = problem.plan.thread_choice[0]
     with use_threads(threads), problem.convolution.use_threads(threads):
         yield

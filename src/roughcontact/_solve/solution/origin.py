@@ -32,7 +32,7 @@ _NUMBERS, _NUMBERS_PER_CELL = 2**20, 32
 
 
 def _forget() -> None:
-    """Return None, as a weak reference to what is gone does."""
+    """Return None, like a dead weak reference."""
 
 
 @attrs.frozen(eq=False)

@@ -80,7 +80,7 @@ def describe_maps(maps: Sequence[HeightMap]) -> str:
     if not maps:
         return ""
     shortest = si(2.0 * max(max(one.grid.spacing) for one in maps), "m", 3)
-    return f"of the map as interpolated: waves below {shortest} are not in it"
+    return f"roughness shorter than {shortest} is not included"
 
 
 def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: Mapping[str, Material]) -> str:
