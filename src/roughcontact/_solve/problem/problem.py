@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
 from collections.abc import Callable, Iterable
 from functools import cached_property
 from typing import Any
@@ -295,6 +294,6 @@ class ContactProblem:
         throw: bool = True,
         on_step: Callable[[Step], None] | None = None,
     ) -> ContactSolution:
-        origin = Origin(self.parts, load.arguments, source=weakref.ref(self))
+        origin = Origin(self.parts, load.arguments, source=self)
         solution = attrs.evolve(run_solve(self, self._gap, load, start, on_step), origin=origin)
         return require_success(solution) if throw else solution

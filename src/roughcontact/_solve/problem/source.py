@@ -8,7 +8,7 @@ from roughcontact.errors import InputError
 
 
 def problem_of(solution: ContactSolution) -> ContactProblem:
-    """Return the problem that a solution solves, with what it has prepared, or built anew if it is not in use.
+    """Return the problem that a solution solves, with its prepared convolution; that of a file is built anew.
 
     Raises
     ------

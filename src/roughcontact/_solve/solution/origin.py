@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import platform
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from importlib.metadata import version
 from typing import Any
 
@@ -31,10 +31,6 @@ _PROBLEM = {"kind": "part", "name": "roughcontact:ContactProblem"}
 _NUMBERS, _NUMBERS_PER_CELL = 2**20, 32
 
 
-def _forget() -> None:
-    """Return None, like a dead weak reference."""
-
-
 @attrs.frozen(eq=False)
 class Origin:
     """What was solved: ``ContactProblem(**origin.problem).solve(**origin.load)`` does it again.
@@ -45,6 +41,8 @@ class Origin:
         The arguments of the `ContactProblem`; `InputError` where `missing` says why it cannot be built.
     load
         The load, by the name of the argument it was given under.
+    source
+        The `ContactProblem` itself with its prepared convolution; None in a solution from a file or another process.
     versions
         The versions of the packages that solved it, by name.
     """
@@ -52,16 +50,11 @@ class Origin:
     _problem: Mapping[str, Any] | None
     load: Mapping[str, float]
     _saved: tuple[Described, Mapping[str, RealArray]] = attrs.field(default=(None, {}), kw_only=True, repr=False)
-    _source: Callable[[], Any] = attrs.field(default=_forget, kw_only=True, repr=False)
+    source: Any = attrs.field(default=None, kw_only=True, repr=False)
     versions: Mapping[str, str] = attrs.field(factory=lambda: versions(), kw_only=True)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restore, (self._problem, self.load, self._saved, self.versions)
-
-    @property
-    def source(self) -> Any:
-        """The `ContactProblem` itself with all that it has prepared, as long as it is in use; else None."""
-        return self._source()
 
     @property
     def problem(self) -> Mapping[str, Any]:
