@@ -60,7 +60,8 @@ class FlowNetwork:
         """Return the matrix of the flow balance of each cell, in CSR, and its right side for the inlet at 1."""
         from scipy import sparse
 
-        c, right = self.conductance, self._gather((self.inlet, self.inlet_conductance))
+        c = self.conductance
+        right = self._gather((self.inlet, self.inlet_conductance))
         diagonal = right + self._gather((self.first, c), (self.second, c), (self.outlet, self.outlet_conductance))
         each = np.arange(self.cells.size, dtype=np.int32)
         rows = np.concatenate((self.first, self.second, each))
@@ -106,7 +107,8 @@ class FlowNetwork:
 
     def find_flow_of_cells(self, pressure: Array) -> tuple[Array, Array]:
         """Return the flow through each cell along and across: the mean of those through its two faces."""
-        half, fields = 0.5 * self.find_flow(pressure), np.zeros((2, *self.shape))
+        half = 0.5 * self.find_flow(pressure)
+        fields = np.zeros((2, *self.shape))
         one, other = slice(None, self.along), slice(self.along, None)
         into = 0.5 * self.inlet_conductance * (1.0 - pressure[self.inlet])
         out = 0.5 * self.outlet_conductance * pressure[self.outlet]

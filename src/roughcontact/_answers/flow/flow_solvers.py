@@ -40,10 +40,13 @@ def iterate(network: FlowNetwork) -> tuple[Array, bool]:
     """Return the pressure by conjugate gradients with smoothed aggregation, and whether the flow has converged."""
     matrix, right = network.make_matrix()
     precondition = _prepare_multigrid(matrix)
-    pressure, residual = np.zeros(right.size), right.copy()
+    pressure = np.zeros(right.size)
+    residual = right.copy()
     corrected = precondition @ residual
-    direction, product = corrected, float(residual @ corrected)
-    allowed, flows = _RESIDUAL * float(np.linalg.norm(right)), [np.inf]
+    direction = corrected
+    product = float(residual @ corrected)
+    allowed = _RESIDUAL * float(np.linalg.norm(right))
+    flows = [np.inf]
     for _ in range(_MAXIMUM_ITERATIONS):
         pushed = matrix @ direction
         step = product / float(direction @ pushed)

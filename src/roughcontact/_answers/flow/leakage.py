@@ -150,8 +150,10 @@ class GapFlow(Response[Leakage]):
         NotConverged
             If the flow does not converge.
         """
-        gap, open_cells = solution.gap, find_open_cells(solution)
-        (along, across), periodic = solution.grid.spacing, solution.boundary is not Boundary.FREE
+        gap = solution.gap
+        open_cells = find_open_cells(solution)
+        along, across = solution.grid.spacing
+        periodic = solution.boundary is not Boundary.FREE
         if self.axis == 1:
             gap, open_cells, along, across = gap.T, open_cells.T, across, along
         network = make_network(gap, open_cells, aspect=across / along, periodic=periodic)
@@ -164,12 +166,14 @@ class GapFlow(Response[Leakage]):
 
     def _measure(self, solution: ContactSolution, network: FlowNetwork, open_cells: Mask, aspect: float) -> Leakage:
         """Return the flow through a network, with its uncertainty and its throat."""
-        grid, periodic = solution.grid, solution.boundary is not Boundary.FREE
+        grid = solution.grid
+        periodic = solution.boundary is not Boundary.FREE
         pressure, converged = solve_network(network)
         if not converged:
             raise NotConverged("The flow through the gap did not converge.", solution)
         faces, lost = network.dissipation(pressure)
-        flow, ends = float(lost.sum()), network.find_ends(pressure)
+        flow = float(lost.sum())
+        ends = network.find_ends(pressure)
         gap_error = solution.residuals.error * solution.residuals.scale / network.widest
         relative = estimate_uncertainty(
             network, faces, lost, open_cells, aspect=aspect, periodic=periodic, gap_error=gap_error

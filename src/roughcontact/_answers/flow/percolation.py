@@ -95,7 +95,8 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
     unresolved = min(_RESOLUTION * curvature_resolution(low), 1.0)
     std = math.hypot(_WIDTHS * (passed.mean_pressure - narrowed.mean_pressure), unresolved * value)
     areas = [solution.area() for solution in (narrowed, low, high, passed)]
-    fraction, own = 0.5 * (areas[1].fraction + areas[2].fraction), areas[1].uncertainty / low.grid.area
+    fraction = 0.5 * (areas[1].fraction + areas[2].fraction)
+    own = areas[1].uncertainty / low.grid.area
     spread = math.hypot(_WIDTHS * (areas[3].fraction - areas[0].fraction), unresolved * fraction, own)
     warnings = tuple(dict.fromkeys(text for area in areas for text in area.warnings))
     return Percolation(Estimate(value, std, "Pa"), Estimate(fraction, spread, "", warnings), low, high, axis)
@@ -143,7 +144,8 @@ def _solve(problem: ContactProblem, pressure: float, near: list[ContactSolution]
 
 def _is_open(solution: ContactSolution, axis: int, width: int) -> bool:
     """Return whether a path of a width joins the two sides."""
-    open_cells, periodic = find_open_cells(solution), solution.boundary is not Boundary.FREE
+    open_cells = find_open_cells(solution)
+    periodic = solution.boundary is not Boundary.FREE
     open_cells = open_cells if axis == 0 else open_cells.T
     if width == _BLOCKS:
         # Blocks of two by two cells, each at its first cell.

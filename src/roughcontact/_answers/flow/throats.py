@@ -67,7 +67,9 @@ def find_throat(
     along, across = grid.spacing if axis == 0 else grid.spacing[::-1]
     field = np.zeros(network.shape)
     field.reshape(-1)[network.cells] = lost
-    left, total, best = field.copy(), float(lost.sum()), (-1.0, 0.0, (0, 0), 0.0, 0.0)
+    left = field.copy()
+    total = float(lost.sum())
+    best = (-1.0, 0.0, (0, 0), 0.0, 0.0)
     for _ in range(_CANDIDATES):
         i, j = divmod(int(np.argmax(left)), network.shape[1])
         width, cells = _measure_width(open_cells, (i, j), along, across, periodic=periodic)
@@ -91,7 +93,8 @@ def _measure_width(
     open_cells: Mask, at: tuple[int, int], along: float, across: float, *, periodic: bool
 ) -> tuple[float, float]:
     """Return the shortest of four lines through a cell from contact to contact: its length, and the same in cells."""
-    diagonal, widths = math.hypot(along, across), []
+    diagonal = math.hypot(along, across)
+    widths = []
     for step, length, cells in (
         ((1, 0), along, 1.0),
         ((0, 1), across, 1.0),
@@ -118,7 +121,9 @@ def _square_around(
 
 def _count_open(open_cells: Mask, start: tuple[int, int], step: tuple[int, int], *, periodic: bool) -> int:
     """Return the number of open cells from a cell, without it, along a direction."""
-    (nx, ny), (i, j), count = open_cells.shape, start, 0
+    nx, ny = open_cells.shape
+    i, j = start
+    count = 0
     while count < max(nx, ny):
         i, j = i + step[0], j + step[1]
         j = j % ny if periodic else j

@@ -80,7 +80,8 @@ def interface_law(
 
 def _name_columns(chosen: object) -> dict[str, Response[Any]]:
     """Return the responses by the names of their columns."""
-    what, allowed = "The responses", "a list of registered names or responses, or a mapping from names to them"
+    what = "The responses"
+    allowed = "a list of registered names or responses, or a mapping from names to them"
     try:
         items = tuple(chosen.items()) if isinstance(chosen, Mapping) else tuple((None, one) for one in chosen)  # type: ignore[attr-defined]
     # A class of the caller's may fail in any way.
@@ -110,7 +111,8 @@ def _solve(
         load = loads[index]
         solution = problem.solve(pressure=load.value, start=predict_pressure(last, load))
         last = [*last[-1:], solution]
-        area, nominal = solution.area(), solution.grid.area
+        area = solution.area()
+        nominal = solution.grid.area
         row = {
             "area": Estimate(area.fraction, area.uncertainty / nominal, "", area.warnings),
             "mean_gap": solution.estimate("mean-gap"),
@@ -153,7 +155,8 @@ def _collect(texts: list[tuple[float, tuple[str, ...]]]) -> tuple[str, ...]:
 
 def _describe(problem: ContactProblem) -> tuple[str, ...]:
     """Return what was solved, in ASCII and plain numbers, for the comments of files."""
-    plan, grid = problem.plan, problem.plan.grid
+    plan = problem.plan
+    grid = plan.grid
     limit = float(np.min(plan.pressure_limit))
     capped = f"pressure limit {limit:g} Pa" if math.isfinite(limit) else "no pressure limit"
     size, cells = " x ".join(f"{side:g}" for side in grid.size), " x ".join(map(str, grid.shape))

@@ -92,7 +92,8 @@ def closure_rows(law: InterfaceLaw) -> tuple[Array, Array, Array, float]:
         raise InputError(
             "The mean gap does not fall from load to load: solve with a smaller tolerance, or fewer loads."
         )
-    pressures, stiffness = law.pressures, law.columns.get("stiffness")
+    pressures = law.pressures
+    stiffness = law.columns.get("stiffness")
     slope = float((pressures[1] - pressures[0]) / (gap[0] - gap[1]))
     if stiffness is not None and stiffness.unit == "Pa/m" and 0.0 < stiffness.values[0] < np.inf:
         slope = float(stiffness.values[0])

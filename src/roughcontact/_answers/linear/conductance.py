@@ -136,10 +136,12 @@ class ContactConductance(Response[Conductance]):
         compliance = analogy * self.film_resistance * float(solution.patches.areas.sum()) / max(area.value, 1e-300)
         tangent = Tangent(solution, saturated=True, compliance=compliance if known.size else 0.0)
         if tangent.is_rigid:
-            currents, std = np.full(known.size, math.inf), 0.0
+            currents = np.full(known.size, math.inf)
+            std = 0.0
             warnings = (*warnings, describe_full_contact("conductance"))
         elif not known.size:
-            currents, std = np.zeros(0), 0.0
+            currents = np.zeros(0)
+            std = 0.0
         else:
             answer = tangent.solve(np.ones(solution.grid.shape), _TOLERANCE)
             currents, std = _find_currents(solution, answer, tangent, area, compliance)

@@ -91,7 +91,8 @@ def correct_edges(
     stiffness = _sum_patches(labels, answer, count) * cell
     total, nominal = float(stiffness.sum()), float(acting.sum())
     unsure = _UNSURE * abs(float(correction.sum()))
-    growing, in_film = float(np.sum(slope * acting)), np.zeros(count)
+    growing = float(np.sum(slope * acting))
+    in_film = np.zeros(count)
     if film > 0.0:
         in_film = film * _sum_patches(labels, answer**2, count) * cell
         at_edge = film * along / np.maximum(sides, 1e-300)

@@ -150,7 +150,8 @@ class _Adjoint:
         if not tangent.cells.any():
             raise InputError("All cells in contact are at the pressure limit: how they share a change of load is open.")
         if tangent.is_rigid:
-            shares, compliance = np.full(tangent.cells.shape, 1.0 / tangent.cells.size), 0.0
+            shares = np.full(tangent.cells.shape, 1.0 / tangent.cells.size)
+            compliance = 0.0
         else:
             uniform = _solve(tangent, np.ones(()))
             compliance = 1.0 / float(uniform.sum())

@@ -96,7 +96,8 @@ def _of_participation(solution: ContactSolution) -> Sensitivity:
 
 
 def _of_area(solution: ContactSolution) -> Sensitivity:
-    patches, area = solution.patches, solution.area()
+    patches = solution.patches
+    area = solution.area()
     # Contact everywhere has no edge that could move.
     if patches.count == 0 or solution.contact.all():
         return Sensitivity()
@@ -120,14 +121,16 @@ def _find_sharpening(solution: ContactSolution, weights: Array) -> Array:
     tangent = Tangent(solution)
     answer = tangent.solve(np.ones(shape), _TOLERANCE).values
     cells = np.flatnonzero(answer)
-    members, stiffness = labels.ravel()[cells] - 1, answer.ravel()[cells]
+    members = labels.ravel()[cells] - 1
+    stiffness = answer.ravel()[cells]
     moments = []
     for axis in (0, 1):
         place = np.unravel_index(cells, shape)[axis]
         offset = _center(solution, place, members, stiffness, axis)
         low, high, width = _find_neighbours(solution, cells, place, axis)
         moments.append((low, high, np.where(width > 0.0, stiffness * offset / np.maximum(width, 1e-300), 0.0)))
-    gap, count = solution.initial_gap.ravel(), solution.patches.count
+    gap = solution.initial_gap.ravel()
+    count = solution.patches.count
     virial = sum(np.bincount(members, moment * (gap[high] - gap[low]), count) for low, high, moment in moments)
     round_load = virial * solution.grid.cell_area / solution.patches.forces
     trusted = (round_load > 1.0 / _ROUND) & (round_load < _ROUND)
@@ -140,7 +143,8 @@ def _find_sharpening(solution: ContactSolution, weights: Array) -> Array:
 
 def _center(solution: ContactSolution, place: IntArray, members: IntArray, stiffness: Array, axis: int) -> Array:
     """Return the distance of cells along an axis to the centre of the answer of their patch, m."""
-    size, count = solution.grid.shape[axis], solution.patches.count
+    size = solution.grid.shape[axis]
+    count = solution.patches.count
     distance = place.astype(np.float64)
     if solution.boundary is not Boundary.FREE:
         # A patch may cross the border: distances are the shorter way to the mean direction on a circle.

@@ -66,7 +66,8 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
     require_mean_gap(solution, what)
     area = solution.area()
     warnings = list_warnings(solution, area.warnings)
-    tangent, unit = Tangent(solution), np.ones(solution.grid.shape)
+    tangent = Tangent(solution)
+    unit = np.ones(solution.grid.shape)
     if tangent.is_rigid:
         return NormalAnswer(0.0 * unit, math.inf, 0.0, (*warnings, describe_full_contact(what)))
     if not tangent.cells.any():

@@ -128,7 +128,8 @@ class Tangent:
 
     def _solve(self, right: Array, tolerance: float) -> LinearSolution:
         """Solve in dimensionless variables: lengths in cells, E* = 1."""
-        operator, dtype = self._operator, np.float32 if tolerance >= _SINGLE else np.float64
+        operator = self._operator
+        dtype = np.float32 if tolerance >= _SINGLE else np.float64
         flat = operator.from_numpy(right).astype(dtype).ravel()
         mask = operator.from_numpy(self.cells.astype(np.float64)).ravel() > 0.0
         active = active_cells(flat, lambda tile: mask[tile])
@@ -194,7 +195,10 @@ class _System:
         space = _Space([], []) if rigid else self._find_space(weights.astype(right.dtype))
         values, residual = space.start(right)
         direction = response = right
-        curvature, best, idle, iterations = 0.0, math.inf, 0, 0
+        curvature = 0.0
+        best = math.inf
+        idle = 0
+        iterations = 0
         goal = tolerance**2 * _square(right)
         while iterations < _ITERATIONS and (square := _square(residual)) > goal and idle < _IDLE:
             best, idle = min(best, square), 0 if square < best else idle + 1
@@ -246,7 +250,8 @@ class _Space:
 
     def start(self, right: RealArray) -> tuple[RealArray, RealArray]:
         """Return the solution in the space, and its residual."""
-        values, residual = np.zeros_like(right), right.copy()
+        values = np.zeros_like(right)
+        residual = right.copy()
         for vector, image, part in zip(self.vectors, self._images, self._find_parts(right), strict=True):
             values += float(part) * vector
             residual -= float(part) * image

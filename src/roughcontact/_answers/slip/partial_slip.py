@@ -192,7 +192,8 @@ class CiavarellaJaeger(Response[PartialSlip]):
         # Without a tangential force nothing moves, whatever the traction.
         traction = solution.pressure if stuck is solution else solution.pressure - stuck.pressure
         compliance = find_tangential_compliance(solution, traction, stuck.contact, self.axis)
-        ratio, sliding = compliance.ratio, lost / solution.force
+        ratio = compliance.ratio
+        sliding = lost / solution.force
         unsure = math.hypot(compliance.excess, _LATERAL * compliance.anisotropy * sliding**2)
         stick_area, slip_area = _compare_areas(solution, stuck)
         energy = _widen(_dissipate(solution, stuck, 4.0 * self.friction**2 * ratio), unsure)

@@ -94,7 +94,8 @@ class FirstYield(Response[YieldPoint]):
 
     def respond(self, solution: ContactSolution) -> YieldPoint:
         """Return the load of first yield, searched from that of the solution; see `Response.respond`."""
-        problem, trials = problem_of(solution), [self._measure(solution)]
+        problem = problem_of(solution)
+        trials = [self._measure(solution)]
         carried = maximum_pressure(problem.plan) * solution.grid.area
         heaviest = math.log(_CARRIED * carried) if math.isfinite(carried) else math.inf
         while not trials[-1].close:

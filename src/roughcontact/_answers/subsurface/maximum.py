@@ -82,7 +82,8 @@ def _find_peak(
     field: StressField, boundary: Boundary, stress: RealArray, measure: Callable[[RealArray], RealArray]
 ) -> PlanePeak:
     i, j = (int(place) for place in np.unravel_index(int(np.argmax(stress)), stress.shape))
-    value, offsets = float(stress[i, j]), []
+    value = float(stress[i, j])
+    offsets = []
     for axis, place in enumerate((i, j)):
         count = stress.shape[axis]
         beside = np.array((place - 1, place + 1))
@@ -129,7 +130,9 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
     """
     values = np.array([peak.value for peak in peaks])
     top = int(np.argmax(values))
-    value, depth, rise = float(values[top]), float(depths[top]), 0.0
+    value = float(values[top])
+    depth = float(depths[top])
+    rise = 0.0
     warnings = []
     inside = 0 < top < values.size - 1 and depths[top - 1] > 0.0
     if inside:

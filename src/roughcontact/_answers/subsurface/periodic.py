@@ -100,7 +100,9 @@ def find_symbols(phases: tuple[Array, Array], sides: Pair, z: float, poisson: fl
             one += aliases
     trace, xx, zz, yz, xz, xy = sums
     half_x, half_y = (np.sin(0.5 * phase).astype(np.float32) for phase in phases)
-    xx[0, 0], zz[0, 0], trace[0, 0] = -poisson / (1.0 - poisson), -1.0, -(1.0 + poisson) / (1.0 - poisson)
+    xx[0, 0] = -poisson / (1.0 - poisson)
+    zz[0, 0] = -1.0
+    trace[0, 0] = -(1.0 + poisson) / (1.0 - poisson)
     yz *= half_y
     xz *= half_x[:, np.newaxis]
     xy *= half_x[:, np.newaxis]

@@ -124,7 +124,8 @@ class Stress:
 
     @property
     def _reaches_border(self) -> bool:
-        contact, sides = self.solution.contact, (0, -1)
+        contact = self.solution.contact
+        sides = (0, -1)
         reaches = any(contact[side].any() or contact[:, side].any() for side in sides)
         return reaches and self.solution.boundary is not Boundary.PERIODIC
 
@@ -250,7 +251,8 @@ class StressBelow(Response[Stress]):
 
 def default_depths(solution: ContactSolution) -> Array:
     """Return depths in which the maximum of the stress is found, m, ascending."""
-    cell, patches = max(solution.grid.spacing), solution.patches
+    cell = max(solution.grid.spacing)
+    patches = solution.patches
     radius = math.sqrt(float(patches.areas.max()) / math.pi) if patches.count else 0.0
     last = max(_FEWEST * cell, min(_RADII * radius, _LAST * max(solution.grid.size)))
     count = math.ceil(math.log(last / (_FIRST * cell)) / math.log(_RATIO)) + 1

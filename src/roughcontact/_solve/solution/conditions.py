@@ -89,12 +89,17 @@ class ContactConditions:
         def weigh(tile: slice) -> tuple[float, ...]:
             bearing, moved = pressure[tile], displacement[tile]
             elastic = bearing if not self._capped else np.where(bearing >= self._limits(tile), 0.0, bearing)
-            load, weighted = np.add.reduce(elastic, axis=None), _dot(elastic, moved + self._initial_gap[tile])
+            load = np.add.reduce(elastic, axis=None)
+            weighted = _dot(elastic, moved + self._initial_gap[tile])
             sums = load, weighted, np.add.reduce(bearing, axis=None)
             return tuple(float(value) for value in (*sums, bearing.max(), moved.min(), moved.max()))
 
         loads, weights, totals, peaks, lows, highs = zip(*map_tiles(weigh, tiles), strict=True)
-        load, total, peak, low, high = math.fsum(loads), math.fsum(totals), max(peaks), min(lows), max(highs)
+        load = math.fsum(loads)
+        total = math.fsum(totals)
+        peak = max(peaks)
+        low = min(lows)
+        high = max(highs)
         approach = self._approach
         if approach is None:
             weighted = math.fsum(weights)

@@ -109,7 +109,8 @@ class ContactPatches:
 
 def find_patches(contact: Mask, pressure: Array, grid: Grid, boundary: Boundary) -> ContactPatches:
     """Return the patches of the cells in contact."""
-    (nx, ny), labels = contact.shape, np.zeros(contact.shape, dtype=np.intp)
+    nx, ny = contact.shape
+    labels = np.zeros(contact.shape, dtype=np.intp)
     # Runs of cells in contact along y, with an open cell behind each row.
     padded = np.zeros(nx * (ny + 1) + 1, dtype=bool)
     padded[1:].reshape(nx, ny + 1)[:, :ny] = contact
@@ -126,7 +127,9 @@ def _join_runs(starts: IntArray, stops: IntArray, shape: tuple[int, int], bounda
     """Return the patch of each run, from 0, and the number of patches; rows are one cell longer than the grid's."""
     from scipy import sparse
 
-    (nx, ny), width, pairs = shape, shape[1] + 1, []
+    nx, ny = shape
+    width = shape[1] + 1
+    pairs = []
     steps = (width,) if boundary is Boundary.FREE else (width, (1 - nx) * width)
     for step in steps:
         # Runs of the next row that begin at most one cell behind a run and end at most one cell before it.

@@ -78,7 +78,8 @@ def find_contact(solution: ContactSolution) -> list[Finding]:
     names = ("edge contact", "tilt", "cells per contact", "slope", "peak pressure", "approach", "theory")
     if not solution.contact.any():
         return [Finding(name, math.nan, "there is no contact") for name in names]
-    peak, approach = float(solution.pressure.max()) / solution.modulus, solution.approach / min(solution.grid.size)
+    peak = float(solution.pressure.max()) / solution.modulus
+    approach = solution.approach / min(solution.grid.size)
     edge = _find_edge_contact(solution)
     return [
         edge,
@@ -125,7 +126,9 @@ def _list_moduli(materials: Iterable[Material]) -> list[str]:
 
 def _list_lengths(initial_gap: Array, grid: Grid) -> list[str]:
     texts = []
-    largest, side, cell = float(initial_gap.max()), max(grid.size), min(grid.spacing)
+    largest = float(initial_gap.max())
+    side = max(grid.size)
+    cell = min(grid.spacing)
     heights = float(initial_gap.max(where=_measured(initial_gap), initial=0.0))
     slope = rms_slope(np.minimum(initial_gap, heights), grid)
     if heights > side or slope > _STEEPEST:
@@ -154,7 +157,8 @@ def _find_jump(initial_gap: Array, boundary: Boundary) -> Finding:
 
 def _find_edge_contact(solution: ContactSolution) -> Finding:
     """Return the fraction of the load that patches at a free border carry."""
-    name, patches = "edge contact", solution.patches
+    name = "edge contact"
+    patches = solution.patches
     if solution.boundary is not Boundary.FREE:
         return Finding(name, math.nan, f"the boundary is {solution.boundary}: the domain has no border")
     if min(solution.grid.shape) < _NARROW:
@@ -172,7 +176,8 @@ def _find_edge_contact(solution: ContactSolution) -> Finding:
 
 def _find_tilt(solution: ContactSolution, edge: Finding) -> Finding:
     """Return the fraction of the variance of the heights that is a plane, where contacts at a free border count."""
-    name, initial_gap = "tilt", solution.initial_gap
+    name = "tilt"
+    initial_gap = solution.initial_gap
     if not edge.value > PLAUSIBILITY_RULES["edge contact"].admissible:
         return Finding(name, math.nan, "the load is not at a free border")
     measured = np.nonzero(_measured(initial_gap))
@@ -190,7 +195,8 @@ def _find_tilt(solution: ContactSolution, edge: Finding) -> Finding:
 
 def _find_single_cells(solution: ContactSolution) -> Finding:
     """Return the fraction of the load on single cells, and where all of it may be in another unit, that."""
-    name, forces = "cells per contact", solution.patches.forces
+    name = "cells per contact"
+    forces = solution.patches.forces
     single = float(forces[solution.patches.cells == 1].sum() / forces.sum())
     ratio = solution.mean_pressure / solution.modulus
     text = f"{_percent(single)} of the load is on contacts of a single cell"
@@ -202,7 +208,9 @@ def _find_single_cells(solution: ContactSolution) -> Finding:
 
 def _find_slope(solution: ContactSolution) -> Finding:
     """Return the rms slope of the initial gap between cells that are both in contact."""
-    name, total, contact = "slope", 0.0, solution.contact
+    name = "slope"
+    total = 0.0
+    contact = solution.contact
     for axis, spacing in enumerate(solution.grid.spacing):
         first, second = (np.take(contact, range(k, n - 1 + k), axis) for n in (contact.shape[axis],) for k in (0, 1))
         steps = np.diff(solution.initial_gap, axis=axis)[first & second] / spacing
@@ -213,7 +221,8 @@ def _find_slope(solution: ContactSolution) -> Finding:
 
 def _find_departure(solution: ContactSolution) -> Finding:
     """Return by how many standard deviations the area is outside the range that Persson's theory allows."""
-    name, theory = "theory", solution.theory
+    name = "theory"
+    theory = solution.theory
     if theory is None:
         return Finding(name, math.nan, "Persson's theory does not hold for this contact")
     text = f"the area of Persson's theory is {theory.area_ratio:.2f} of the solved one"

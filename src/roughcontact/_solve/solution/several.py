@@ -36,7 +36,9 @@ def note_loads(solutions: Sequence[ContactSolution]) -> list[str]:
 def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], list[str]]:
     """Return the quantities of a solution by name, in SI units, and its warnings with theirs."""
     area = solution.area()
-    peak, gap, patches = solution.peak_pressure(), solution.estimate("mean-gap"), solution.estimate("patches")
+    peak = solution.peak_pressure()
+    gap = solution.estimate("mean-gap")
+    patches = solution.estimate("patches")
     found = {
         "contact area": Estimate(area.value, area.uncertainty, "m2"),
         "contact area fraction": Estimate(area.fraction, area.uncertainty / solution.grid.area, ""),

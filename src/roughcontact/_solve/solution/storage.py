@@ -154,7 +154,8 @@ def to_xarray(solution: ContactSolution) -> Any:
 
 
 def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
-    grid, variables = solution.grid, {}
+    grid = solution.grid
+    variables = {}
     for name, values in packed.items():
         axes = ("x", "y") if name in _FIELDS else tuple(f"{name}_{axis}" for axis in range(values.ndim))
         words, unit = {**_FIELDS, **_SCALARS}.get(name, (None, None))

@@ -100,7 +100,8 @@ def _origin(grid: Grid) -> tuple[float, float, float]:
 
 def _heading(grid: Grid, numbers: dict[str, RealArray], cells: dict[str, RealArray]) -> str:
     """Return the XML up to the first byte of the arrays."""
-    offset, lines = 0, {"numbers": "", "cells": ""}
+    offset = 0
+    lines = {"numbers": "", "cells": ""}
     for group, arrays, tuples in (("numbers", numbers, ' NumberOfTuples="1"'), ("cells", cells, "")):
         for name, values in arrays.items():
             kind = f"type={quoteattr(_TYPES[values.dtype])} Name={quoteattr(name)}{tuples}"
