@@ -23,7 +23,7 @@ def with_fields(grid, pressure, gap, *, initial_gap=None, approach=0.0, boundary
         "convolutions": 1,
         "seconds": 0.0,
         "residuals": Residuals(0.0, 0.0, 0.0, 1.0),
-        "history": (),
+        "errors": (),
     }
     return rc.ContactSolution(
         grid=grid,

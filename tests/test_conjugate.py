@@ -319,10 +319,10 @@ def test_levels_and_steps_report_the_work():
     steps = []
     solution = rough(128).solve(pressure=5e-3, on_step=steps.append)
     assert [level.shape for level in solution.levels] == [(32, 32), (64, 64), (128, 128)]
-    assert solution.levels[-1].iterations == solution.iterations == len(solution.history) - 1
+    assert solution.levels[-1].iterations == solution.iterations == len(solution.errors) - 1
     assert solution.levels[-1].single >= solution.iterations
     assert {step.shape for step in steps} == {level.shape for level in solution.levels}
-    assert steps[-1].error == solution.history[-1] <= 1e-8
+    assert steps[-1].error == solution.errors[-1] <= 1e-8
 
 
 def test_nested_iteration_starts_near_the_solution():
@@ -502,7 +502,7 @@ def test_a_start_far_from_the_solution_does_not_keep_it_from_being_found(shape, 
     np.testing.assert_allclose(found.pressure, plain.pressure, atol=1e-4 * plain.pressure.max())
     # Its work is that of both.
     assert found.iterations > plain.iterations
-    assert len(found.history) >= found.iterations
+    assert len(found.errors) >= found.iterations
 
 
 @pytest.mark.parametrize("seed", [7, 48])

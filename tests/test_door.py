@@ -331,7 +331,7 @@ def test_nonsense_that_changes_nothing_is_refused_too():
     heights = rc.HeightMap(1e-6 * np.eye(8), 1e-3, periodic=True)
     for surface in (heights, WAVE, heights + WAVE):
         with pytest.raises(rc.InputError, match=r"resampling method must be one of .* but got 'nope'"):
-            surface.resample_to(GRID, method="nope")
+            surface.resample_to(GRID, interpolation="nope")
     solution = problem().solve(pressure=1e6)
     for value in ("5", ["5", "6"], -1.0, 0.0, [1e3, math.nan], datetime.date(2020, 1, 1), None):
         with pytest.raises(rc.InputError, match="wave number must be a number or an array of numbers above 0"):

@@ -37,7 +37,7 @@ def with_gap(gap, contact=None, size=(2e-3, 1e-3), boundary="free", **options):
         convolutions=1,
         seconds=0.0,
         residuals=Residuals(0.0, 0.0, 0.0, 1.0),
-        history=(),
+        errors=(),
         **options,
     )
 

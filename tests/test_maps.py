@@ -150,7 +150,7 @@ class TestWarnings:
         for surface, chosen in (
             (blurred, None),
             (blurred + rc.SphereSurface(1e-3), None),
-            (rc.PlacedMap(blurred, rotation=0.3, method="cubic"), grid),
+            (rc.PlacedMap(blurred, rotation=0.3, interpolation="cubic"), grid),
         ):
             solution = rc.ContactProblem(rc.Body(surface, STEEL), grid=chosen).solve(pressure=1e7)
             assert set(blurred.warnings) <= set(solution.area().warnings)

@@ -32,7 +32,7 @@ class TestPlacedMap:
     def test_a_map_in_its_own_place_is_itself(self):
         surface = rough((24, 32), (3e-5, 4e-5))
         for method in ("bilinear", "cubic"):
-            placed = rc.PlacedMap(surface, method=method)
+            placed = rc.PlacedMap(surface, interpolation=method)
             np.testing.assert_allclose(placed.heights(surface.grid), surface.values, rtol=1e-9, atol=1e-20)
 
     def test_a_quarter_turn_is_counter_clockwise(self):
@@ -61,7 +61,7 @@ class TestPlacedMap:
         errors = []
         for cells in (64, 128, 256):
             source = rc.HeightMap(wave.heights(rc.Grid((cells, cells), 6e-5)), 6e-5)
-            placed = rc.PlacedMap(source, offset=(3e-6, 1e-6), method=method)
+            placed = rc.PlacedMap(source, offset=(3e-6, 1e-6), interpolation=method)
             grid = attrs.evolve(target)
             true = 1e-7 * (
                 np.cos(2 * np.pi * (grid.x - 3e-6) / 3e-5 + 0.3) + np.cos(2 * np.pi * (grid.y - 1e-6) / 4e-5 + 1.1)
@@ -78,7 +78,7 @@ class TestPlacedMap:
         periodic = rc.HeightMap(surface.heights(grid), size, periodic=True)
         fine = rc.Grid((3 * nx, 3 * ny), size)
         offset = (3 * fine.spacing[0], -6 * fine.spacing[1])
-        placed = rc.PlacedMap(periodic, offset=offset, method="fourier").heights(fine)
+        placed = rc.PlacedMap(periodic, offset=offset, interpolation="fourier").heights(fine)
         np.testing.assert_allclose(placed, np.roll(surface.heights(fine), (3, -6), axis=(0, 1)), atol=1e-18)
 
     def test_a_grid_that_the_map_does_not_cover_is_refused(self):
@@ -88,7 +88,7 @@ class TestPlacedMap:
         with pytest.raises(rc.InputError, match="does not cover"):
             rc.PlacedMap(surface).heights(rc.Grid((2, 2), (4e-5, 4e-5)))
         with pytest.raises(rc.InputError, match="Fourier interpolation needs a periodic map"):
-            rc.PlacedMap(surface, method="fourier")
+            rc.PlacedMap(surface, interpolation="fourier")
 
 
 class TestMatch:
@@ -357,7 +357,7 @@ def test_the_plan_has_the_history_of_each_map(tmp_path):
     np.savez(tmp_path / "ball.npz", heights=rough((32, 32), (32e-6, 32e-6)).values, size=32e-6)
     ball = rc.read_surface(tmp_path / "ball.npz").detrend("sphere")
     ring = rough((40, 40), (60e-6, 60e-6), 1).detrend("plane")
-    pair = rc.match(ball, ring, rotation=0.1, offset=(1e-6, 0), mirrored=True, method="cubic", shape=(50, 50))
+    pair = rc.match(ball, ring, rotation=0.1, offset=(1e-6, 0), mirrored=True, interpolation="cubic", shape=(50, 50))
     problem = rc.ContactProblem(
         rc.Body(rc.SphereSurface(5e-3) + pair.body, STEEL), rc.Body(pair.counterbody, STEEL), grid=pair.grid
     )
@@ -370,7 +370,7 @@ def test_the_plan_has_the_history_of_each_map(tmp_path):
 
 def test_a_matched_pair_is_refined_between_its_points():
     one, other = rough((32, 32), (32e-6, 32e-6), 7), rough((40, 40), (40e-6, 40e-6), 8)
-    pair = rc.match(one, other, method="cubic")
+    pair = rc.match(one, other, interpolation="cubic")
     problem = rc.ContactProblem(rc.Body(pair.body, STEEL), rc.Body(pair.counterbody, STEEL), grid=pair.grid)
     refined = rc.on_grid(problem, tuple(4 * n for n in pair.grid.shape)).solve(force=0.05)
     coarse = problem.solve(force=0.05).area()

@@ -194,7 +194,7 @@ class Optimist(rc.Solver):
 
     def solve(self, convolution, task):
         pressure = self.change(np.full(task.initial_gap.shape, task.mean_pressure))
-        return Outcome(pressure=pressure, status=rc.Status.CONVERGED, iterations=0, convolutions=0, history=(0.0,))
+        return Outcome(pressure=pressure, status=rc.Status.CONVERGED, iterations=0, convolutions=0, errors=(0.0,))
 
 
 @pytest.mark.parametrize("change", [lambda p: p, lambda p: 2 * p, lambda p: p - 2 * p.mean()])

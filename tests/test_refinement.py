@@ -14,7 +14,7 @@ STEEL = rc.Elastic(200e9, 0.3)
 def test_a_map_that_is_not_periodic_needs_an_interpolation():
     values = np.random.default_rng(0).standard_normal((16, 16))
     problem = rc.ContactProblem(rc.Body(rc.HeightMap(values, size=16.0), rc.Elastic(1.0, 0.0)))
-    with pytest.raises(rc.InputError, match="between='bilinear'"):
+    with pytest.raises(rc.InputError, match="interpolation='bilinear'"):
         rc.on_grid(problem, (64, 64))
     assert rc.on_grid(problem, (64, 64), "bilinear").solve(pressure=1e-3).area().value > 0.0
     limits = rc.ElasticPerfectlyPlastic(1.0, 0.0, np.full((16, 16), 0.5))

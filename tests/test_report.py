@@ -304,7 +304,7 @@ class FixedTolerance(rc.Solver):
         ({"force": 1.0, "reference": 7.0}, "The reference must be"),
         ({"force": 1.0, "reference": {"area": -1.0}}, "The reference area must be"),
         ({"force": 1.0, "reference": {"area_error": 1.0}}, "The reference is empty"),
-        ({"force": 1.0, "between": "magic"}, "one of 'bilinear'"),
+        ({"force": 1.0, "interpolation": "magic"}, "one of 'bilinear'"),
     ],
 )
 def test_bad_input_is_a_sentence(arguments, words):
@@ -332,14 +332,14 @@ def test_height_maps_are_interpolated_as_the_user_says():
     load = Load("pressure", 5e8)
     # A map that is linear between its points is solved on no finer grid.
     assert "64 x 48" in solve_reference(problem, load, (32, 24), "bilinear").source
-    placed = rc.Body(rc.PlacedMap(rough_map(False), method="bilinear"), STEEL)
+    placed = rc.Body(rc.PlacedMap(rough_map(False), interpolation="bilinear"), STEEL)
     ridged = rc.ContactProblem(placed, grid=rc.Grid((30, 20), (30e-6, 20e-6)))
     assert "30 x 20" in solve_reference(ridged, load, (30, 20), None).source
     smooth = rc.ContactProblem(rc.Body(rough_map(True), STEEL), boundary="periodic")
     assert "128 x 96" in solve_reference(smooth, load, (64, 48), None).source
     report = rc.error_vs_time(problem, pressure=5e8, areas=("blend",), reference={"approach": 1e-6}, repeats=1)
     assert [row.shape for row in report.rows] == [(32, 24), (64, 48)]
-    assert all("between='bilinear'" in row.failure for row in report.rows[:1])
+    assert all("interpolation='bilinear'" in row.failure for row in report.rows[:1])
     assert not report.rows[1].failure
     with pytest.raises(rc.InputError, match="has no area"):
         report.advice()
@@ -347,7 +347,7 @@ def test_height_maps_are_interpolated_as_the_user_says():
 
 def test_a_map_is_not_compared_with_itself(tmp_path):
     problem = rc.ContactProblem(rc.Body(rough_map(False), STEEL))
-    options = {"pressure": 5e8, "between": "bilinear", "repeats": 1}
+    options = {"pressure": 5e8, "interpolation": "bilinear", "repeats": 1}
     report = rc.error_vs_time(problem, **options)
     own = [row for row in report.rows if row.shape == (64, 48)]
     assert [row.estimator for row in own] == ["blend", "cell-count"]

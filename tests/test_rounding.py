@@ -63,7 +63,7 @@ class Claiming(rc.Solver):
 
     def solve(self, convolution, task):
         pressure = np.full(task.initial_gap.shape, task.mean_pressure)
-        return Outcome(pressure=pressure, status=self.status, iterations=0, convolutions=0, history=())
+        return Outcome(pressure=pressure, status=self.status, iterations=0, convolutions=0, errors=())
 
 
 @pytest.mark.parametrize("status", [rc.Status.CONVERGED, rc.Status.RESCUED, rc.Status.CONVERGED_TO_ROUNDING])

@@ -92,8 +92,8 @@ def test_the_history_ends_below_the_tolerance(solver):
         rc.Body(rc.WavySurface(1e-6, 1e-4), rc.Elastic(1e11, 0.3)), grid=rc.Grid((32, 32), 1e-4), solver=solver
     )
     solution = problem.solve(pressure=1e7)
-    assert len(solution.history) == solution.iterations + 1
-    assert solution.history[-1] <= solver.tolerance < min(solution.history[:-1])
+    assert len(solution.errors) == solution.iterations + 1
+    assert solution.errors[-1] <= solver.tolerance < min(solution.errors[:-1])
 
 
 @pytest.mark.parametrize("solver", [attrs.evolve(solver, max_iterations=2) for solver in SOLVERS])

@@ -242,7 +242,7 @@ def test_a_periodic_map_is_shifted_by_half_a_cell():
 def test_a_surface_known_everywhere_is_shifted_by_half_a_cell():
     grid = rc.Grid((32, 48), (1e-3, 2e-3))
     aside = np.array(grid.spacing) / 2
-    flat = rc.PlacedMap(rc.HeightMap(np.eye(40), 4e-3), method="cubic")
+    flat = rc.PlacedMap(rc.HeightMap(np.eye(40), 4e-3), interpolation="cubic")
     surface = rc.ParaboloidSurface(1e-2) + rc.WavySurface(1e-6, 1e-4) + flat
     moved = shift_half_cell(rc.ContactProblem(rc.Body(surface, STEEL), grid=grid)).body.surface.values
     x, y = grid.x - aside[0], grid.y - aside[1]

@@ -379,3 +379,12 @@ def test_what_could_not_be_read_is_not_written(tmp_path, registered):
     with pytest.raises(rc.InputError, match="cannot be kept in a file: its header has more than 150 levels"):
         solution.save(tmp_path / "solution.npz")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_field_is_read_under_its_former_name():
+    """Placed maps in files of before have a `method`, which is their interpolation now."""
+    placed = rc.PlacedMap(rc.HeightMap(np.eye(8), 1e-3), offset=(1e-4, 0.0), interpolation="cubic")
+    arrays = {}
+    described = describe(placed, arrays)
+    described["fields"]["method"] = described["fields"].pop("interpolation")
+    assert attrs.evolve(rebuild(described, arrays), source=placed.source) == placed

@@ -163,7 +163,7 @@ class Liar(rc.Solver):
             task.initial_gap[...] *= 0.5
         if self.fault == "uniform":
             pressure = np.full(task.initial_gap.shape, 0.1 if task.mean_pressure is None else task.mean_pressure)
-            return Outcome(pressure=pressure, status=rc.Status.CONVERGED, iterations=0, convolutions=0, history=())
+            return Outcome(pressure=pressure, status=rc.Status.CONVERGED, iterations=0, convolutions=0, errors=())
         found = rc.ProjectedConjugateGradient().solve(convolution, task)
         if self.fault == "raises" and found.status is rc.Status.NOT_FINITE:
             raise RuntimeError("lost")
@@ -281,7 +281,7 @@ class Wrapper(rc.Surface):
     def with_parts(self, parts):
         return Wrapper(rc.FlatSurface() if self.fault == "loses" else parts[0], self.fault)
 
-    def resample_to(self, grid, method=None):
+    def resample_to(self, grid, interpolation=None):
         return rc.FlatSurface() if self.fault == "loses" else self
 
     def shift_half_cell(self, grid, *, periodic):

@@ -213,7 +213,7 @@ class TestBits:
         for solution in found[1:]:
             np.testing.assert_array_equal(solution.pressure, found[0].pressure)
             np.testing.assert_array_equal(solution.displacement, found[0].displacement)
-            assert (solution.history, solution.residuals) == (found[0].history, found[0].residuals)
+            assert (solution.errors, solution.residuals) == (found[0].errors, found[0].residuals)
 
     def test_are_found_by_as_many_threads_as_the_problem_says(self, many, monkeypatch):
         import scipy.fft

@@ -34,7 +34,8 @@ def interpolate_maps(pair: rc.ContactProblem, cells: int) -> rc.ContactProblem:
     """Return a pair with the surface between the points of its maps, by cubic splines, on a finer grid."""
     grid = rc.Grid((cells, cells), SIZE)
     bodies = [
-        rc.Body(rc.PlacedMap(body.surface, method="cubic"), body.material) for body in (pair.body, pair.counterbody)
+        rc.Body(rc.PlacedMap(body.surface, interpolation="cubic"), body.material)
+        for body in (pair.body, pair.counterbody)
     ]
     return rc.ContactProblem(*bodies, grid=grid)
 

@@ -28,7 +28,7 @@ def matched(maps: Path) -> tuple[list[rc.HeightMap], MatchedPair]:
     """Return the roughness of both maps, and both on a common grid."""
     read = [rc.read_surface(maps / "x3p-2.x3p"), rc.read_surface(maps / "opd-1.opd", non_measured="keep")]
     rough = [read[0].separate(2).roughness, read[1].separate("plane").roughness]
-    return rough, rc.match(*rough, mirrored=True, rotation=np.deg2rad(20), method="cubic")
+    return rough, rc.match(*rough, mirrored=True, rotation=np.deg2rad(20), interpolation="cubic")
 
 
 @rc.plotting.style()

@@ -36,7 +36,7 @@ def test_a_small_change_is_not_taken_for_the_solution():
     with pytest.raises(rc.NotConverged) as caught:
         problem.solve(pressure=100e6)
     found = caught.value.solution
-    assert found.history[-1] <= 1e-2 < found.history[-2]
+    assert found.errors[-1] <= 1e-2 < found.errors[-2]
     assert found.residuals.complementarity > 1e-5
 
 

@@ -56,9 +56,9 @@ class PrintedPolonskyKeer(rc.Solver):
         limit, load = task.pressure_limit, float(task.mean_pressure or 0.0) * task.initial_gap.size
         pressure = np.full(task.initial_gap.shape, task.mean_pressure) if task.start is None else np.array(task.start)
         direction, square, restart = np.zeros_like(pressure), 1.0, True
-        history: list[float] = []
+        errors: list[float] = []
         status = rc.Status.MAXIMUM_ITERATIONS
-        while len(history) < self.max_iterations:
+        while len(errors) < self.max_iterations:
             before = pressure
             contact = (pressure > 0.0) & (pressure < limit) if self.release_saturated else pressure > 0.0
             if not contact.any():
@@ -83,18 +83,18 @@ class PrintedPolonskyKeer(rc.Solver):
             restart = bool(wrong.any())
             pressure = np.where(wrong, pressure - step * gap, pressure)  # eq. 21
             pressure = np.clip(pressure * (load / pressure.sum()), 0.0, limit)  # eq. 22, 23
-            history.append(float(np.abs(pressure - before).sum()) / load)  # eq. 24
-            if not np.isfinite(history[-1]):
-                return _make_outcome(before, rc.Status.NOT_FINITE, history)
-            if history[-1] <= self.change:
+            errors.append(float(np.abs(pressure - before).sum()) / load)  # eq. 24
+            if not np.isfinite(errors[-1]):
+                return _make_outcome(before, rc.Status.NOT_FINITE, errors)
+            if errors[-1] <= self.change:
                 status = rc.Status.CONVERGED
                 break
-        return _make_outcome(pressure, status, history)
+        return _make_outcome(pressure, status, errors)
 
 
-def _make_outcome(pressure: Array, status: rc.Status, history: list[float]) -> Outcome:
-    count = len(history)
-    return Outcome(pressure=pressure, status=status, iterations=count, convolutions=2 * count, history=tuple(history))
+def _make_outcome(pressure: Array, status: rc.Status, errors: list[float]) -> Outcome:
+    count = len(errors)
+    return Outcome(pressure=pressure, status=status, iterations=count, convolutions=2 * count, errors=tuple(errors))
 
 
 def _relative_to_contact(values: Array, contact: npt.NDArray[np.bool_]) -> Array:

@@ -31,7 +31,7 @@ def require_problem(problem: ContactProblem) -> ContactProblem:
 
 
 @guarded
-def on_grid(problem: ContactProblem, shape: tuple[int, int], between: str | None = None) -> ContactProblem:
+def on_grid(problem: ContactProblem, shape: tuple[int, int], interpolation: str | None = None) -> ContactProblem:
     """Return the problem on another number of cells over the same domain.
 
     Parameters
@@ -40,7 +40,7 @@ def on_grid(problem: ContactProblem, shape: tuple[int, int], between: str | None
         The problem.
     shape
         Cells (nx, ny).
-    between
+    interpolation
         How height maps are interpolated between their points, as in `HeightMap.resample`; if None, periodic
         maps are taken as band-limited, and for others it must be given.
 
@@ -49,7 +49,7 @@ def on_grid(problem: ContactProblem, shape: tuple[int, int], between: str | None
     InputError
         If a surface is not known between the points of its grid, or the pressure limit is an array.
     """
-    return resample_problem(require_problem(problem), shape, between)
+    return resample_problem(require_problem(problem), shape, interpolation)
 
 
 @attrs.frozen(eq=False)
@@ -114,7 +114,7 @@ def extrapolate(
     approach: float | None = None,
     levels: int = 3,
     estimator: str | AreaEstimator = DEFAULT_AREA,
-    between: str | None = None,
+    interpolation: str | None = None,
 ) -> Ladder:
     """Return the solutions on the problem's grid and on ones with twice, four times, ... as many cells a side.
 
@@ -131,7 +131,7 @@ def extrapolate(
         Number of grids, at least two.
     estimator
         Registered name or instance of the area estimator.
-    between
+    interpolation
         How height maps are interpolated between their points, as in `on_grid`.
 
     Raises
@@ -150,7 +150,7 @@ def extrapolate(
     require_memory_of_solve(
         Grid((nx << finest, ny << finest), problem.plan.grid.size), problem.boundary, problem.memory_limit
     )
-    rungs = [problem, *(on_grid(problem, (nx << level, ny << level), between) for level in range(1, levels))]
+    rungs = [problem, *(on_grid(problem, (nx << level, ny << level), interpolation) for level in range(1, levels))]
     return solve_ladder(rungs, load, estimator)
 
 

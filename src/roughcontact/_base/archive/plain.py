@@ -124,6 +124,9 @@ def rebuild_fields(
         expected = " or ".join(base.__name__ for base in bases) or "plain data"
         raise InputError(f"The {kind} {name!r} stands where {expected} must stand.")
     fields = _arguments(cls)
+    # Fields that have been renamed, by the name that they have in older files.
+    renamed = {field.metadata["formerly"]: key for key, field in fields.items() if "formerly" in field.metadata}
+    given = {renamed.get(key, key): item for key, item in given.items()}
     needed = {key for key, field in fields.items() if field.default is attrs.NOTHING}
     if not needed <= set(given) <= set(fields):
         known, got = ", ".join(fields) or "nothing", f"{', '.join(given)!r:.{_TEXT}}" if given else "nothing"

@@ -62,7 +62,7 @@ def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.G
         offset=options.offset or (0.0, 0.0),
         rotation=options.rotation or 0.0,
         mirrored=options.mirror,
-        method=options.match,
+        interpolation=options.match,
         shape=options.resample,
         size=_sides(options.domain),
     )

@@ -47,7 +47,7 @@ examples:
         compared.add_argument("--solvers", nargs="+", metavar="NAME", help="solvers (that of --solver)")
         compared.add_argument("--tolerances", type=NUMBER, nargs="+", metavar="T", help="tolerances of the solvers")
         compared.add_argument(
-            "--between",
+            "--interpolation",
             choices=("bilinear", "fourier", "mean"),
             default="bilinear",
             help="interpolation of the maps on other grids (bilinear)",
@@ -87,7 +87,7 @@ def _compare(options: argparse.Namespace, scene: Scene) -> ErrorReport:
             kernels=options.kernels,
             solvers=options.solvers,
             tolerances=options.tolerances,
-            between=options.between,
+            interpolation=options.interpolation,
             repeats=options.repeats,
             on_case=lambda case, fraction: change(f"{case}, {100 * fraction:.0f} % done"),
         )

@@ -13,7 +13,7 @@ import numpy as np
 from roughcontact._base.checks import Array, Mask, flag
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Grid
-from roughcontact._parts.surfaces.resampling import check_method, shift_by_half_cell
+from roughcontact._parts.surfaces.resampling import check_interpolation, shift_by_half_cell
 from roughcontact._parts.surfaces.sampled import SampledSurface
 from roughcontact.errors import InputError
 
@@ -90,15 +90,15 @@ class Surface(abc.ABC):
         masks = [mask for part in _checked_parts(self) if (mask := part.non_measured_on(grid)) is not None]
         return np.logical_or.reduce(masks) if masks else None
 
-    def resample_to(self, grid: Grid, method: str | None = None) -> Surface:
+    def resample_to(self, grid: Grid, interpolation: str | None = None) -> Surface:
         """Return the surface in a form that is known on another grid over the same domain.
 
-        Height maps are interpolated by `method`, as in `HeightMap.resample`; by default periodic maps are taken as
+        `interpolation` is that of height maps, as in `HeightMap.resample`; by default periodic maps are taken as
         band-limited. `InputError` if the surface is not known between the points of its grid.
         """
-        check_method(method)
+        check_interpolation(interpolation)
         parts = _checked_parts(self)
-        resampled = [part.resample_to(grid, method) for part in parts]
+        resampled = [part.resample_to(grid, interpolation) for part in parts]
         changed = any(one is not other for one, other in zip(parts, resampled, strict=True))
         result = self.with_parts(resampled) if changed else self
         if result.own_grid is not None and not result.own_grid.matches(grid):

@@ -67,8 +67,8 @@ class Continuation:
         if isinstance(surface, HeightMap):
             return self._extend_map(surface, place)
         if isinstance(surface, PlacedMap):
-            method = surface.method if surface.is_smooth else "cubic"
-            return attrs.evolve(surface, source=self._extend_map(surface.source, place), method=method)
+            interpolation = surface.interpolation if surface.is_smooth else "cubic"
+            return attrs.evolve(surface, source=self._extend_map(surface.source, place), interpolation=interpolation)
         parts = []
         for part in surface.parts:
             parts.append(self.extend(part, place))

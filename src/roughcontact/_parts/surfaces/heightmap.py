@@ -19,7 +19,7 @@ from roughcontact._parts.surfaces import form as forms
 from roughcontact._parts.surfaces.base import Surface
 from roughcontact._parts.surfaces.filling import fill, was_filled
 from roughcontact._parts.surfaces.quality import find_period, list_map_warnings
-from roughcontact._parts.surfaces.resampling import check_method, resample, shift_by_half_cell
+from roughcontact._parts.surfaces.resampling import check_interpolation, resample, shift_by_half_cell
 from roughcontact._parts.surfaces.statistics import repeats
 from roughcontact._parts.surfaces.summary import check_history, summarize
 from roughcontact._parts.surfaces.topography import make_topography, read_map
@@ -178,14 +178,14 @@ class HeightMap(Surface):
         """Return the non-measured points on the map's own grid, shape (nx, ny); None if there are none."""
         return self.non_measured
 
-    def resample(self, shape: Sequence[int], method: str = "bilinear") -> HeightMap:
+    def resample(self, shape: Sequence[int], interpolation: str = "bilinear") -> HeightMap:
         """Return the map on another number of cells over the same domain.
 
         Parameters
         ----------
         shape
             Number of cells (nx, ny) of the new map.
-        method
+        interpolation
             ``"bilinear"``: interpolation between cell centres, as image scaling does it and as the
             paper scaled its measured maps; it aliases when coarsening. ``"cubic"``: by cubic splines, smooth but
             with the same aliasing. ``"fourier"``: exact for band-limited periodic maps. ``"mean"``: mean over
@@ -194,41 +194,41 @@ class HeightMap(Surface):
         Raises
         ------
         InputError
-            If the method is unknown, is ``"fourier"`` on a map that is not periodic, or is
+            If the interpolation is unknown, is ``"fourier"`` on a map that is not periodic, or is
             ``"mean"`` and the new cell counts do not divide the old ones.
         """
         target = Grid(shape, self.size).shape
-        check_method(method)
-        if method == "fourier" and not self.periodic:
+        check_interpolation(interpolation)
+        if interpolation == "fourier" and not self.periodic:
             raise InputError("Fourier resampling needs a periodic map: use 'bilinear', or periodic=True if it is one.")
-        if method == "mean" and any(old % new for old, new in zip(self._heights.shape, target, strict=True)):
+        if interpolation == "mean" and any(old % new for old, new in zip(self._heights.shape, target, strict=True)):
             raise InputError(
                 f"Block means need cell counts that divide {self._heights.shape}, but got {target}; use 'bilinear'."
             )
         non_measured = None
         if self.non_measured is not None:
             # A new point is non-measured if more than half of its weight lies on non-measured points.
-            weights, near = self.non_measured.astype(np.float64), "mean" if method == "mean" else "bilinear"
+            weights, near = self.non_measured.astype(np.float64), "mean" if interpolation == "mean" else "bilinear"
             non_measured = resample(weights, target, near, periodic=self.periodic) > 0.5
         pitch = " x ".join(si(step, "m") for step in Grid(target, self.size).spacing)
         return attrs.evolve(
             self,
-            heights=resample(self._heights, target, method, periodic=self.periodic),
+            heights=resample(self._heights, target, interpolation, periodic=self.periodic),
             non_measured=non_measured,
-            history=(*self.history, f"resampled ({method}) to {target[0]} x {target[1]} cells of {pitch}"),
+            history=(*self.history, f"resampled ({interpolation}) to {target[0]} x {target[1]} cells of {pitch}"),
         )
 
-    def resample_to(self, grid: Grid, method: str | None = None) -> HeightMap:
+    def resample_to(self, grid: Grid, interpolation: str | None = None) -> HeightMap:
         """Return the map on the cells of another grid over the same domain; see `Surface.resample_to`."""
-        check_method(method)
+        check_interpolation(interpolation)
         if self.grid.matches(grid):
             return self
-        if method is None and not self.periodic:
+        if interpolation is None and not self.periodic:
             raise InputError(
-                "A height map that is not periodic is not known between its points: say between='bilinear' to "
+                "A height map that is not periodic is not known between its points: say interpolation='bilinear' to "
                 "take it as linear there, or periodic=True if the map is."
             )
-        return self.resample(grid.shape, method or "fourier")
+        return self.resample(grid.shape, interpolation or "fourier")
 
     def shift_half_cell(self, grid: Grid, *, periodic: bool) -> HeightMap:
         """Return the periodic map moved by half a cell along both axes; see `Surface.shift_half_cell`."""

@@ -51,14 +51,14 @@ class PlacedMap(Surface):
     mirrored
         Whether the map is turned over first, x to -x, as maps of two bodies must be that were both measured from
         outside and now face each other.
-    method
+    interpolation
         Interpolation between the points: ``"bilinear"``, ``"cubic"`` (splines), or ``"fourier"`` (exact for
         band-limited periodic maps that are not rotated).
 
     Raises
     ------
     InputError
-        If the method is unknown or is ``"fourier"`` for a map that is rotated or not periodic.
+        If the interpolation is unknown or is ``"fourier"`` for a map that is rotated or not periodic.
     """
 
     source: HeightMap = attrs.field(validator=instance_of(HeightMap, "What is placed", "a HeightMap"))
@@ -67,11 +67,11 @@ class PlacedMap(Surface):
     mirrored: bool = attrs.field(
         default=False, kw_only=True, validator=instance_of(bool, "Whether a map is mirrored", "True or False")
     )
-    method: str = attrs.field(default="bilinear", kw_only=True)
+    interpolation: str = attrs.field(default="bilinear", kw_only=True, metadata={"formerly": "method"})
 
     def __attrs_post_init__(self) -> None:
-        choice(self.method, "The interpolation", ("bilinear", "cubic", "fourier"))
-        if self.method == "fourier" and (not self.source.periodic or self.rotation != 0.0):
+        choice(self.interpolation, "The interpolation", ("bilinear", "cubic", "fourier"))
+        if self.interpolation == "fourier" and (not self.source.periodic or self.rotation != 0.0):
             raise InputError("Fourier interpolation needs a periodic map that is not rotated: use 'cubic'.")
 
     @property
@@ -90,18 +90,18 @@ class PlacedMap(Surface):
         if self.offset != (0.0, 0.0):
             texts.append(f"its centre at ({si(self.offset[0], 'm')}, {si(self.offset[1], 'm')})")
         pitch = " x ".join(si(step, "m") for step in self.source.grid.spacing)
-        return (*texts, f"interpolated ({self.method}) between its points, which are {pitch} apart")
+        return (*texts, f"interpolated ({self.interpolation}) between its points, which are {pitch} apart")
 
     @property
     def is_smooth(self) -> bool:
         """Whether the interpolation is not bilinear."""
-        return self.method != "bilinear"
+        return self.interpolation != "bilinear"
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres of a grid that the map covers, shape `grid.shape`, m."""
         self._require_cover(grid)
         i, j = self._indices(grid.x, grid.y)
-        return interpolate(self.source.values, i, j, self.method, periodic=self.source.periodic)
+        return interpolate(self.source.values, i, j, self.interpolation, periodic=self.source.periodic)
 
     def non_measured_on(self, grid: Grid) -> Mask | None:
         """Return the cells with more than half of their weight on non-measured points, shape `grid.shape`."""
@@ -166,7 +166,7 @@ def match(
     offset: float | Sequence[float] = (0.0, 0.0),
     rotation: float = 0.0,
     mirrored: bool = False,
-    method: str = "bilinear",
+    interpolation: str = "bilinear",
     shape: Sequence[int] | None = None,
     size: float | Sequence[float] | None = None,
 ) -> MatchedPair:
@@ -179,7 +179,7 @@ def match(
         gives the domain.
     offset, rotation, mirrored
         How the second map is placed relative to the first; see `PlacedMap`.
-    method
+    interpolation
         Interpolation of both maps: ``"bilinear"``, ``"cubic"`` or ``"fourier"``.
     shape
         Cells (nx, ny) of the common grid; by default as fine as the finer map along each axis.
@@ -194,7 +194,7 @@ def match(
     """
     for side in (body, counterbody):
         _is_map(None, None, side)
-    placed = PlacedMap(counterbody, offset=offset, rotation=rotation, mirrored=mirrored, method=method)
+    placed = PlacedMap(counterbody, offset=offset, rotation=rotation, mirrored=mirrored, interpolation=interpolation)
     centre, largest = _overlap(body, placed)
     wanted = largest if size is None else pair(size, "The size of the domain", "m", above=0.0)
     if any(side > most * (1 + _MARGIN) for side, most in zip(wanted, largest, strict=True)):
@@ -204,7 +204,7 @@ def match(
         )
     return MatchedPair(
         grid=Grid(_finer_cells(body, placed, wanted) if shape is None else shape, wanted),
-        body=PlacedMap(body, offset=(-centre[0], -centre[1]), method=method),
+        body=PlacedMap(body, offset=(-centre[0], -centre[1]), interpolation=interpolation),
         counterbody=attrs.evolve(placed, offset=(placed.offset[0] - centre[0], placed.offset[1] - centre[1])),
     )
 

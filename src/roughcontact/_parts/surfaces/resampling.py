@@ -13,32 +13,32 @@ from roughcontact._base.checks import Array, choice
 from roughcontact._base.machine.memory import require_memory
 from roughcontact._parts.grid import Grid
 
-# Memory of each method in float64 arrays of the new grid (of the finer grid for "fourier"), with that of the new map.
+# Memory of each interpolation in float64 arrays of the new grid (of the finer one for "fourier"), with the new map.
 _ARRAYS = {"bilinear": 2.0, "cubic": 3.6, "fourier": 5.0, "mean": 2.0}
 # Cells that are interpolated at once, so that only the result has its size.
 _BLOCK = 2**16
 
 
-def check_method(method: str | None) -> None:
-    """Raise `InputError` unless a method of resampling is known, or None, which leaves the choice."""
-    if method is not None:
-        choice(method, "The resampling method", tuple(_ARRAYS))
+def check_interpolation(interpolation: str | None) -> None:
+    """Raise `InputError` unless the interpolation is known, or None, which leaves the choice."""
+    if interpolation is not None:
+        choice(interpolation, "The resampling method", tuple(_ARRAYS))
 
 
-def resample(values: Array, shape: tuple[int, int], method: str, *, periodic: bool) -> Array:
+def resample(values: Array, shape: tuple[int, int], interpolation: str, *, periodic: bool) -> Array:
     """Return heights on another number of cells over the same domain, shape `shape`, m; see `HeightMap.resample`."""
-    cells = max(math.prod(shape), values.size if method == "fourier" else 0)
-    what = f"Interpolation ({method}) on {shape[0]} x {shape[1]} cells"
-    require_memory(8.0 * _ARRAYS[method] * cells, what, "choose fewer cells")
-    if method == "fourier":
+    cells = max(math.prod(shape), values.size if interpolation == "fourier" else 0)
+    what = f"Interpolation ({interpolation}) on {shape[0]} x {shape[1]} cells"
+    require_memory(8.0 * _ARRAYS[interpolation] * cells, what, "choose fewer cells")
+    if interpolation == "fourier":
         return fourier(values, shape)
-    if method == "mean":
+    if interpolation == "mean":
         (nx, ny), (mx, my) = values.shape, shape
         return np.asarray(values.reshape(mx, nx // mx, my, ny // my).mean(axis=(1, 3)), dtype=np.float64)
-    if method == "bilinear":
+    if interpolation == "bilinear":
         return bilinear(values, shape, periodic=periodic)
     i, j = ((np.arange(new) + 0.5) * (old / new) - 0.5 for new, old in zip(shape, values.shape, strict=True))
-    return interpolate(values, i[:, np.newaxis], j[np.newaxis, :], method, periodic=periodic)
+    return interpolate(values, i[:, np.newaxis], j[np.newaxis, :], interpolation, periodic=periodic)
 
 
 def bilinear(values: Array, shape: tuple[int, int], *, periodic: bool) -> Array:
@@ -52,19 +52,19 @@ def bilinear(values: Array, shape: tuple[int, int], *, periodic: bool) -> Array:
     return result
 
 
-def interpolate(values: Array, i: Array, j: Array, method: str, *, periodic: bool) -> Array:
+def interpolate(values: Array, i: Array, j: Array, interpolation: str, *, periodic: bool) -> Array:
     """Return heights at fractional indices (i, j), which broadcast to the shape of the result, m.
 
-    An integer index is a cell centre; beyond the outermost centres as in `bilinear`. The method is ``"bilinear"``,
-    ``"cubic"`` (splines) or ``"fourier"`` (the trigonometric polynomial through the values; then i has shape (mx, 1)
-    and j (1, my)).
+    An integer index is a cell centre; beyond the outermost centres as in `bilinear`. The interpolation is
+    ``"bilinear"``, ``"cubic"`` (splines) or ``"fourier"`` (the trigonometric polynomial through the values; then i has
+    shape (mx, 1) and j (1, my)).
     """
-    if method == "fourier":
+    if interpolation == "fourier":
         return _trigonometric(values, i.ravel(), j.ravel())
     from scipy.ndimage import map_coordinates
 
     positions = np.stack(np.broadcast_arrays(i, j))
-    order: Literal[1, 3] = 3 if method == "cubic" else 1
+    order: Literal[1, 3] = 3 if interpolation == "cubic" else 1
     found = map_coordinates(values, positions, order=order, mode="grid-wrap" if periodic else "nearest")
     return np.asarray(found, dtype=np.float64)
 

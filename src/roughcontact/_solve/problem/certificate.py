@@ -88,7 +88,7 @@ def certify(
         convolutions=outcome.convolutions + 1,
         seconds=seconds,
         residuals=Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley),
-        history=outcome.history,
+        errors=outcome.errors,
         levels=outcome.levels,
         edge_shift=plan.kernel.edge_shift,
         moduli=_sample_modulus(plan),
@@ -107,7 +107,7 @@ def verify_solution(
         gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
     task = make_task(plan, solution.initial_gap, Load.of(**solution.origin.load))
     pressure = solution.pressure / pressure_unit(plan)
-    outcome = Outcome(pressure=pressure, status=solution.status, iterations=0, convolutions=0, history=())
+    outcome = Outcome(pressure=pressure, status=solution.status, iterations=0, convolutions=0, errors=())
     again = certify(plan, _by_transforms(convolution), solution.initial_gap, task, outcome, seconds=0.0)
     _require_confirmed(solution, again, gap.values)
 

@@ -15,14 +15,17 @@ if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
 
 
-def resample_problem(problem: ContactProblem, shape: tuple[int, int], between: str | None = None) -> ContactProblem:
+def resample_problem(
+    problem: ContactProblem, shape: tuple[int, int], interpolation: str | None = None
+) -> ContactProblem:
     """Return the problem on another number of cells; see `roughcontact.on_grid`."""
     grid = Grid(shape, problem.plan.grid.size)
-    if between is not None:
-        choice(between, "The interpolation of a map between its points", ("bilinear", "cubic", "fourier", "mean"))
+    if interpolation is not None:
+        choice(interpolation, "The interpolation of a map between its points", ("bilinear", "cubic", "fourier", "mean"))
     if problem.plan.pressure_limit.ndim:
         raise InputError("The pressure limit is an array, which is not known between its cells.")
     body, counterbody = (
-        Body(side.surface.resample_to(grid, between), side.material) for side in (problem.body, problem.counterbody)
+        Body(side.surface.resample_to(grid, interpolation), side.material)
+        for side in (problem.body, problem.counterbody)
     )
     return attrs.evolve(problem, body=body, counterbody=counterbody, grid=grid)

@@ -42,7 +42,7 @@ class ContactFields:
         How the solve ended, and its cost; wall time in s.
     residuals
         Residuals of the contact conditions, verified in float64: the certificate.
-    history
+    errors
         The solver's error before each iteration.
     levels
         The work on each grid, from coarse to fine; empty where the solver does not report it.
@@ -72,7 +72,7 @@ class ContactFields:
     convolutions: int
     seconds: float
     residuals: Residuals
-    history: tuple[float, ...]
+    errors: tuple[float, ...]
     levels: tuple[GridLevel, ...] = ()
     edge_shift: float = 0.0
     moduli: tuple[tuple[float, ...], tuple[float, ...]] | None = None

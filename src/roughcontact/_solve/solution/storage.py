@@ -171,7 +171,7 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
     """Return all arrays by name, and everything else as data that JSON can hold."""
     parts: dict[str, RealArray] = {}
     origin, limit = solution.origin, solution.pressure_limit
-    described = ("moduli", "history", "boundary", *_REALS, *_COUNTS)
+    described = ("moduli", "boundary", *_REALS, *_COUNTS)
     tables = {name: attrs.asdict(getattr(solution, name)) for name in ("grid", "residuals")}
     header = {
         "kind": _KIND,
@@ -181,6 +181,8 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
         "status": solution.status.name,
         "pressure_limit": describe(limit if limit.ndim else float(limit), parts),
         "non_measured": describe(solution.non_measured, parts),
+        # Files name the errors of the iterations as they did before these were called so.
+        "history": describe(solution.errors, parts),
         **{name: describe(getattr(solution, name), parts) for name in described},
         **{name: describe(table, parts) for name, table in tables.items()},
         "levels": [describe(attrs.asdict(level), parts) for level in solution.levels],
@@ -240,7 +242,7 @@ def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dic
         "non_measured": _mask(rebuild(header["non_measured"], parts), grid),
         "boundary": Boundary(header["boundary"]),
         "status": Status[header["status"]],
-        "history": tuple(map(float, rebuild(header["history"], parts))),
+        "errors": tuple(map(float, rebuild(header["history"], parts))),
         "origin": origin,
     }
 

@@ -105,7 +105,7 @@ class Outcome:
         How the solve ended.
     iterations, convolutions
         Numbers of iterations, and of convolutions on the finest grid or of the same cost.
-    history
+    errors
         Error (see `Violation`) at the start of each iteration.
     levels
         The work on each grid, from coarse to fine; may be empty.
@@ -115,7 +115,7 @@ class Outcome:
     status: Status
     iterations: int
     convolutions: int
-    history: tuple[float, ...]
+    errors: tuple[float, ...]
     levels: tuple[GridLevel, ...] = ()
 
 
@@ -174,7 +174,7 @@ class Monitor:
         self.tolerance = tolerance
         self._max_iterations = max_iterations
         self._task = task
-        self.history: list[float] = []
+        self.errors: list[float] = []
 
     def judge(self, pressure: Array, displacement: Array) -> tuple[Violation, Status | None]:
         """Return the violation by an iterate, and the status: None while the solver should continue."""
@@ -184,14 +184,14 @@ class Monitor:
 
     def record(self, error: float) -> None:
         """Record the error of an iterate, and report it to `Task.on_step`."""
-        self.history.append(error)
+        self.errors.append(error)
         if self._task.on_step is not None:
-            self._task.on_step(Step(self._task.initial_gap.shape, len(self.history) - 1, error))
+            self._task.on_step(Step(self._task.initial_gap.shape, len(self.errors) - 1, error))
 
     @property
     def has_iterations_left(self) -> bool:
         """Whether the maximum number of iterations is not reached."""
-        return len(self.history) <= self._max_iterations
+        return len(self.errors) <= self._max_iterations
 
     def _status(self, violation: Violation) -> Status | None:
         if not (math.isfinite(violation.error) and math.isfinite(violation.approach)):
@@ -201,13 +201,13 @@ class Monitor:
         return Status.CONVERGED.within(violation.floor, self.tolerance)
 
     def outcome(self, pressure: Array, status: Status, convolutions: int) -> Outcome:
-        """Return the outcome of the solve, with the recorded errors as its history."""
+        """Return the outcome of the solve, with the recorded errors."""
         return Outcome(
             pressure=pressure,
             status=status,
-            iterations=len(self.history) - 1,
+            iterations=len(self.errors) - 1,
             convolutions=convolutions,
-            history=tuple(self.history),
+            errors=tuple(self.errors),
         )
 
 

@@ -64,10 +64,10 @@ class SpectralGradient(Solver):
         length = math.nan
         while True:
             violation, status = monitor.judge(pressure, displacement)
-            if not exact and (status is not None or len(monitor.history) % _REFRESH == 0):
+            if not exact and (status is not None or len(monitor.errors) % _REFRESH == 0):
                 # Only an exact displacement may decide, so that rounding does not accumulate.
                 displacement, convolutions, exact = convolution.apply(pressure), convolutions + 1, True
-                monitor.history.pop()
+                monitor.errors.pop()
                 continue
             if status is not None:
                 return monitor.outcome(pressure, status, convolutions)

@@ -81,7 +81,7 @@ class Refinement:
             inverse += self._openings.products
         if self._started:
             single, inverse = single + self._descent.products, inverse + self._preconditioner.products
-        iterations = max(len(self._monitor.history) - 1, 0)
+        iterations = max(len(self._monitor.errors) - 1, 0)
         return GridLevel(self._task.initial_gap.shape, iterations, self._verifications, single, inverse)
 
     def approximate(self, pressure: Array) -> tuple[Array, RealArray]:
@@ -116,9 +116,9 @@ class Refinement:
             flat = self._restore(flat)
             displacement = self._convolution.apply(flat.reshape(shape))
             self._verifications += 1
-            if self._monitor.history:
+            if self._monitor.errors:
                 # An estimate, which the verified error replaces.
-                self._monitor.history.pop()
+                self._monitor.errors.pop()
             violation, status = self._monitor.judge(flat.reshape(shape), displacement)
             if status is None:
                 idle = 0 if violation.error < 0.5 * best else idle + 1

@@ -210,7 +210,7 @@ class ProjectedConjugateGradient(Solver):
             status=status or Status.STALLED,
             iterations=sum(outcome.iterations for outcome in work),
             convolutions=sum(outcome.convolutions + 1 for outcome in work),
-            history=tuple(error for outcome in work for error in outcome.history),
+            errors=tuple(error for outcome in work for error in outcome.errors),
         )
 
 
@@ -220,7 +220,7 @@ def _append(before: Outcome, after: Outcome) -> Outcome:
         after,
         iterations=before.iterations + after.iterations,
         convolutions=before.convolutions + after.convolutions,
-        history=before.history + after.history,
+        errors=before.errors + after.errors,
     )
 
 

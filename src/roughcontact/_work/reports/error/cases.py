@@ -36,11 +36,11 @@ class Case:
         """Return the problem with this case's parts, on its own grid."""
         return attrs.evolve(problem, kernel=self.kernel, convolver=self.convolver, solver=self.solver)
 
-    def put_on_grid(self, problem: ContactProblem, between: str | None) -> ContactProblem:
+    def put_on_grid(self, problem: ContactProblem, interpolation: str | None) -> ContactProblem:
         """Return a problem on this case's grid, with nothing computed yet."""
         if self.shape == problem.plan.grid.shape:
             return attrs.evolve(problem)
-        return on_grid(problem, self.shape, between)
+        return on_grid(problem, self.shape, interpolation)
 
     def __str__(self) -> str:
         return f"{self.shape[0]} x {self.shape[1]}, {self.solver_name}"

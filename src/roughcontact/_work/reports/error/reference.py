@@ -112,7 +112,9 @@ def read_reference(given: object) -> Reference:
     return Reference(**known, source=type(given).__name__)
 
 
-def solve_reference(problem: ContactProblem, load: Load, finest: tuple[int, int], between: str | None) -> Reference:
+def solve_reference(
+    problem: ContactProblem, load: Load, finest: tuple[int, int], interpolation: str | None
+) -> Reference:
     """Return a reference from solutions on up to four grids.
 
     Surfaces that are smooth between the cells are solved on grids up to twice as fine as the finest case,
@@ -128,8 +130,8 @@ def solve_reference(problem: ContactProblem, load: Load, finest: tuple[int, int]
     NotConverged
         If a solution is not verified.
     """
-    smooth = _is_smooth(problem, between)
-    ladder = solve_ladder(_make_problems(attrs.evolve(problem, solver="auto"), finest, between, smooth), load)
+    smooth = _is_smooth(problem, interpolation)
+    ladder = solve_ladder(_make_problems(attrs.evolve(problem, solver="auto"), finest, interpolation, smooth), load)
     solutions, last = ladder.solutions, ladder.solutions[-1]
     area = ladder.area
     known: dict[str, Any] = {"area": area.value, "area_error": 2.0 * area.uncertainty}
@@ -146,24 +148,24 @@ def solve_reference(problem: ContactProblem, load: Load, finest: tuple[int, int]
 
 
 def _make_problems(
-    problem: ContactProblem, finest: tuple[int, int], between: str | None, smooth: bool
+    problem: ContactProblem, finest: tuple[int, int], interpolation: str | None, smooth: bool
 ) -> list[ContactProblem]:
     """Return the problem on the grids of the reference, from coarse to fine; only the finest must be possible."""
     nx, ny = finest if smooth else problem.plan.grid.shape
     if smooth and nx * ny * _FINER**2 <= _MAX_CELLS:
         nx, ny = _FINER * nx, _FINER * ny
-    problems = [problem if (nx, ny) == problem.plan.grid.shape else on_grid(problem, (nx, ny), between)]
+    problems = [problem if (nx, ny) == problem.plan.grid.shape else on_grid(problem, (nx, ny), interpolation)]
     for level in range(1, _GRIDS):
         if nx % 2**level or ny % 2**level or min(nx, ny) < 2 ** (level + 1):
             break
         try:
-            problems.insert(0, on_grid(problem, (nx >> level, ny >> level), between))
+            problems.insert(0, on_grid(problem, (nx >> level, ny >> level), interpolation))
         except InputError:
             break
     return problems
 
 
-def _is_smooth(problem: ContactProblem, between: str | None) -> bool:
+def _is_smooth(problem: ContactProblem, interpolation: str | None) -> bool:
     """Return whether the surfaces are smooth between the cells: bilinear ones have a ridge at each of them."""
     surfaces = [problem.body.surface, problem.counterbody.surface]
     if not all(surface.is_smooth for surface in surfaces):
@@ -172,10 +174,10 @@ def _is_smooth(problem: ContactProblem, between: str | None) -> bool:
         return problem.plan.pressure_limit.ndim == 0
     nx, ny = problem.plan.grid.shape
     try:
-        on_grid(problem, (max(nx // 2, 2), max(ny // 2, 2)), between)
+        on_grid(problem, (max(nx // 2, 2), max(ny // 2, 2)), interpolation)
     except InputError:
         return False
-    return between in (None, "fourier")
+    return interpolation in (None, "fourier")
 
 
 def _extrapolate(cells: list[int], values: list[float], smooth: bool) -> tuple[float, float]:

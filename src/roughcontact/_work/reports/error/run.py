@@ -37,7 +37,7 @@ class Benchmark:
 
     problem: ContactProblem
     load: Load
-    between: str | None
+    interpolation: str | None
     estimators: tuple[str | AreaEstimator, ...]
     repeats: int
     reference: Reference
@@ -59,7 +59,7 @@ class Benchmark:
             with_parts = case.with_parts(self.problem)
 
             def solve() -> ContactSolution:
-                return case.put_on_grid(with_parts, self.between).solve(**self.load.arguments)
+                return case.put_on_grid(with_parts, self.interpolation).solve(**self.load.arguments)
 
             solution = solve()
             areas = [_try_area(solution, estimator) for estimator in self.estimators]
@@ -126,7 +126,7 @@ def error_vs_time(
     convolvers: Sequence[str | Convolver] | None = None,
     solvers: Sequence[str | Solver] | None = None,
     tolerances: Sequence[float] | None = None,
-    between: str | None = None,
+    interpolation: str | None = None,
     repeats: int = 3,
     on_case: Callable[[str, float], None] | None = None,
 ) -> ErrorReport:
@@ -154,7 +154,7 @@ def error_vs_time(
         Parts to compare, by name or as objects; by default the problem's.
     tolerances
         Tolerances of the solvers; by default their own.
-    between
+    interpolation
         Interpolation of height maps, as in `HeightMap.resample`.
     repeats
         How often each case is timed, after a warm-up and before a run that measures memory.
@@ -182,10 +182,10 @@ def error_vs_time(
     notify = callback(on_case, "on_case=", "case", "fraction") or (lambda description, done: None)
     if reference is None:
         notify("the reference", 0.0)
-        known = solve_reference(problem, load, max(case.shape for case in cases), between)
+        known = solve_reference(problem, load, max(case.shape for case in cases), interpolation)
     else:
         known = read_reference(reference)
-    benchmark = Benchmark(problem, load, between, estimators, repeats, known)
+    benchmark = Benchmark(problem, load, interpolation, estimators, repeats, known)
     # A case takes about as long as it has cells.
     work = [case.shape[0] * case.shape[1] for case in cases]
     rows: list[ReportRow] = []
