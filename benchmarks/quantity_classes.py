@@ -55,23 +55,48 @@ def true_value(name: str, case: Case, solution: rc.ContactSolution, quantity: st
                 # Saturated cells overlap, which counts in the approach alone.
                 gap, half_gap = found["open_gap"]
                 std = abs(gap - half_gap) / 3
+            if name == "holes-filled":
+                gap += _lower_by_filling(case, solution)
             return gap, std
         # On a periodic boundary the gap of the highest summit above the mean plane is shared out between both.
-        return _height(case) - gap, std
+        return _height(name, case, solution) - gap, std
     return fine, abs(fine - half) / 3
 
 
 _HEIGHTS: dict[str, float] = {}
 
 
-def _height(case: Case) -> float:
+def _height(name: str, case: Case, solution: rc.ContactSolution) -> float:
     """Return the height of the highest summit of a periodic surface above its mean plane, m."""
-    from roughcontact._answers.areas.quantities import find_rise
+    from roughcontact._answers.areas.rise import find_rise
 
+    if name == "holes-filled":
+        # The highest summit of all may be among the points that were filled.
+        whole, higher = _find_whole(case, solution)
+        filled = np.abs(whole[1::3, 1::3] - solution.initial_gap - higher) > 1e-6 * np.ptp(whole)
+        missing = np.kron(filled, np.ones((3, 3), dtype=bool))
+        rise = find_rise(whole, rc.Boundary.PERIODIC, missing)[0]
+        return float(np.mean(whole) - whole[~missing].min()) + rise
     if case.key not in _HEIGHTS:
-        gap = case.fine(contacts.FINE).initial_gap
-        _HEIGHTS[case.key] = float(np.mean(gap)) + find_rise(gap, rc.Boundary.PERIODIC)[0]
+        # A map that is linear between its points is highest at one of them.
+        linear = name == "map-upsampled"
+        gap = case.fine(1 if linear else contacts.FINE).initial_gap
+        rise = 0.0 if linear else find_rise(gap, rc.Boundary.PERIODIC)[0]
+        _HEIGHTS[case.key] = float(np.mean(gap)) + rise
     return _HEIGHTS[case.key]
+
+
+def _find_whole(case: Case, solution: rc.ContactSolution) -> tuple[np.ndarray, float]:
+    """Return the gap of a surface before its points were filled, on a third of the cell, and by how much it is more, m."""
+    # Every third of these cells has the place of one of the map.
+    whole = case.fine(3 * solution.grid.shape[0]).initial_gap
+    return whole, float(np.median(whole[1::3, 1::3] - solution.initial_gap))
+
+
+def _lower_by_filling(case: Case, solution: rc.ContactSolution) -> float:
+    """Return by how much a map's mean plane is lower where its points were filled, m."""
+    whole, higher = _find_whole(case, solution)
+    return float(np.mean(solution.initial_gap)) + higher - float(np.mean(whole))
 
 
 def report(

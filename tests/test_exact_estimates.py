@@ -14,7 +14,8 @@ from roughcontact import reference
 from roughcontact._answers.areas.ellipse import find_axes_ratio
 from roughcontact._answers.areas.hertz import _plastic_growth
 from roughcontact._answers.areas.peak import _fit_quadratics
-from roughcontact._answers.areas.quantities import _elliptic_quotient, find_shift
+from roughcontact._answers.areas.quantities import _elliptic_quotient
+from roughcontact._answers.areas.shift import find_shift
 from roughcontact._answers.areas.total import _count_hidden_gaps
 
 CELLS = [(1.0, 1.0), (1.0, 2.5), (3.0, 1.0)]

@@ -12,7 +12,7 @@ from scipy import integrate
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, with_fields
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.areas.quantities import find_shift
+from roughcontact._answers.areas.shift import find_shift
 from roughcontact._answers.flow import percolation
 from roughcontact._answers.flow.flow_network import find_paths
 from roughcontact._answers.linear.conductance import Conductance

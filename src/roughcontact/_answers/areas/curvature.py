@@ -26,6 +26,14 @@ _TINY = 9
 _AROUND = 2.0 / 3.0
 # ... and of a circle of radius one, weighted by Hertz's pressure (exact).
 _BENEATH = 1.0 / 5.0
+# Fewest cells that show whether heights are linear between points, and the part of them without a kink beside it.
+_FEWEST, _KINKLESS = 24, 0.3
+# Part of the kinks that differ from each other, to these digits; a kink between two cells is seen from both.
+_DISTINCT, _DIGITS = 0.35, 6
+# Mean product of second differences of neighbours, negative, from which heights have steps, over the mean square.
+_STEPPED = 0.1
+# Differences that count as alike, and as the same but for rounding, over their rms.
+_ALIKE, _EXACT = 1e-3, 1e-6
 
 
 def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array]:
@@ -34,6 +42,11 @@ def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Arra
     That is half the sum of the principal curvatures, 1/m, positive at a summit, half their difference, 1/m, and the
     standard deviation of all components over the patch, relative to the first; shape (count + 1,).
     """
+    return average_differences(solution, chosen)[:3]
+
+
+def average_differences(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array, Array]:
+    """Return what `average_curvature` does, and half the second differences along x and y together, m, by patch."""
     patches = solution.patches
     label, weights = patches.labels.ravel()[chosen], solution.pressure.ravel()[chosen]
     cells = np.concatenate(([0], patches.cells))
@@ -47,18 +60,54 @@ def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Arra
     middle = 0.5 * (mean[0] + mean[1])
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = np.sqrt(variance) / np.abs(middle)
-    return middle, np.hypot(0.5 * (mean[0] - mean[1]), mean[2]), spread
-
-
-def average_bend(solution: ContactSolution, chosen: IntArray) -> Array:
-    """Return half the second differences of the initial gap along x and y together, m, by patch; shape (count + 1,).
-
-    Averaged over the chosen cells with the pressure as weight.
-    """
-    label, weights = solution.patches.labels.ravel()[chosen], solution.pressure.ravel()[chosen]
     dx, dy = solution.grid.spacing
-    (xx, yy, _), _ = _average(list(_find_hessian(solution, chosen)), label, weights, solution.patches.count)
-    return np.asarray(0.5 * (dx**2 * xx + dy**2 * yy))
+    bend = 0.5 * (dx**2 * mean[0] + dy**2 * mean[1])
+    return middle, np.hypot(0.5 * (mean[0] - mean[1]), mean[2]), spread, bend
+
+
+def is_linear(solution: ContactSolution, chosen: IntArray) -> bool:
+    """Return whether the heights at the chosen cells are linear between points further apart than the cells.
+
+    The second difference is then zero at many cells, or the same at two neighbours: there is no kink between them.
+    """
+    if chosen.size < _FEWEST:
+        return False
+    lines = _find_differences(solution, chosen)
+    here, after = max(lines, key=lambda line: float(np.sum((line[1] - line[0]) ** 2)))
+    second = math.sqrt(float(np.mean(here**2)))
+    third = math.sqrt(float(np.mean((after - here) ** 2)))
+    # A step bends the line one way before it and the other way behind it.
+    steps = float(np.mean(here * after)) < -_STEPPED * second**2
+    if steps or third <= _EXACT * second:
+        return False
+    # Summits that are all alike and lie alike on the grid have few differences, each of them many times.
+    kinks = np.round(here[np.abs(here) > _ALIKE * second] / second, _DIGITS)
+    if np.unique(kinks).size < _DISTINCT * kinks.size:
+        return False
+    kinked = np.minimum(np.abs(here) / second, np.abs(after - here) / third)
+    return bool(np.quantile(kinked, _KINKLESS) < _ALIKE)
+
+
+def find_filled(solution: ContactSolution, chosen: IntArray) -> Mask:
+    """Return which of the chosen cells have the mean height of their four neighbours, as filled ones have."""
+    (along_x, _), (along_y, _) = _find_differences(solution, chosen)
+    size = math.sqrt(float(np.mean(along_x**2 + along_y**2))) if chosen.size else 0.0
+    return np.asarray((np.abs(along_x + along_y) < _EXACT * size) & (np.abs(along_x) > _EXACT * size))
+
+
+def _find_differences(solution: ContactSolution, chosen: IntArray) -> list[tuple[Array, Array]]:
+    """Return the second differences of the initial gap at cells and behind them along x and y, m."""
+    nx, ny = solution.grid.shape
+    i, j = split(chosen, ny)
+    if solution.boundary is Boundary.FREE:
+        i, j = (np.clip(k, 2, n - 3) if n > 4 else k for k, n in ((i, nx), (j, ny)))
+    near = Surroundings.of(i, j, solution.grid.shape, solution.boundary, 2)
+    heights = solution.initial_gap.ravel()
+    found = []
+    for a, b in ((1, 0), (0, 1)):
+        first, second, third, fourth = (heights.take(near.at(k * a, k * b)) for k in range(-1, 3))
+        found.append((first - 2.0 * second + third, second - 2.0 * third + fourth))
+    return found
 
 
 def curvature_resolution(solution: ContactSolution) -> float:

@@ -11,18 +11,18 @@ from roughcontact._answers.areas import quantity_calibration as calibration
 from roughcontact._answers.areas.calibration import EULER
 from roughcontact._answers.areas.cells import (
     count_crossings,
-    extend,
-    find_cut_cells,
     find_cut_patches,
     find_straight_rows,
     measure_sides,
 )
-from roughcontact._answers.areas.curvature import average_bend, average_curvature, curvature_resolution, lay_ratio
+from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, is_linear, lay_ratio
 from roughcontact._answers.areas.edges import trace_edges
 from roughcontact._answers.areas.ellipse import find_axes_ratio
+from roughcontact._answers.areas.rise import find_rise
+from roughcontact._answers.areas.shift import find_cut_shift, find_hidden_rise, find_shift
 from roughcontact._answers.areas.summits import find_near_holes, is_elliptic
 from roughcontact._answers.areas.total import warn_if_uncertain
-from roughcontact._base.checks import Array, Mask
+from roughcontact._base.checks import Array
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, QuantityEstimator, fill_gap, heal, quantities
 
@@ -38,15 +38,8 @@ _DIAGONAL = 1.9
 _OBLIQUE, _STRAIGHT = 8.0, 0.03
 # Cell sides for each patch from which an edge is long: that of a disc of six cells radius.
 _LONG = 48
-# Weights of central differences of fourth order, no unit.
-# First difference.
-_FIRST = np.array((1.0, -8.0, 0.0, 8.0, -1.0)) / 12.0
-# Second difference.
-_SECOND = np.array((-1.0, 16.0, -30.0, 16.0, -1.0)) / 12.0
 # Slope outward at the border, half a cell from the first of three centres, to second order.
 _OUTWARD = np.array((2.0, -3.0, 1.0))
-# Distance of a summit from the highest cell, in cells along an axis.
-_FURTHEST = 0.75
 
 
 @quantities.register("perimeter")
@@ -132,12 +125,16 @@ class SummitApproach(QuantityEstimator):
 
     def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the approach; see `QuantityEstimator.estimate`."""
-        rise, rise_std = find_rise(solution.initial_gap, solution.boundary, solution.non_measured)
+        healed = heal(solution)
+        touching = np.flatnonzero(healed.contact)
+        linear = is_linear(healed, touching)
+        rise, rise_std = find_rise(healed.initial_gap, solution.boundary, solution.non_measured, linear=linear)
         shift, shift_std = find_shift(solution)
+        hidden = find_hidden_rise(solution)
         warnings = area.warnings if solution.status.success else (str(solution.status),)
         cut, cut_std = find_cut_shift(solution)
         approach = solution.approach + rise + shift - cut
-        return warn_if_uncertain(approach, math.hypot(rise_std, shift_std, cut_std), "m", warnings)
+        return warn_if_uncertain(approach, math.hypot(rise_std, hidden, shift_std, cut_std), "m", warnings)
 
 
 @quantities.register("mean-gap")
@@ -196,80 +193,3 @@ def _is_diagonal(solution: ContactSolution, lay: float) -> bool:
     long = rows.sum() > _LONG * solution.patches.count
     oblique = _OBLIQUE if lay < _STRAIGHT else _DIAGONAL
     return bool(long and np.sum(rows**2) < oblique * rows.sum())
-
-
-def find_shift(solution: ContactSolution) -> tuple[float, float]:
-    """Return how much the approach is too small, and the standard deviation of that, m."""
-    solution = heal(solution)
-    patches = solution.patches
-    if patches.count == 0:
-        return 0.0, 0.0
-    touching = np.flatnonzero(solution.contact)
-    spread = average_curvature(solution, touching)[2][1:]
-    load = patches.forces / patches.forces.sum()
-    bend = float(np.sum(load * np.maximum(average_bend(solution, touching)[1:], 0.0)))
-    cells = np.maximum(patches.cells, 1)
-    held = cells / (cells + calibration.SHIFTED_CELLS)
-    shift = calibration.SHIFT_OF_GAP * solution.edge_shift * float(np.sum(load * held))
-    # Alike patches err alike; others average out.
-    number = 1.0 + (1.0 / float(np.sum(load**2)) - 1.0) * min(1.0, float(np.sum(load * spread)) ** 2)
-    few = calibration.SMALL_PATCH_GAP * float(np.sum(load / np.sqrt(cells)))
-    ratio = min(curvature_resolution(solution), 1.0)
-    saturated = float(np.sum(solution.pressure, where=solution.saturated) / np.sum(solution.pressure))
-    own = (calibration.GAP_ERROR + few * (1.0 + ratio)) / math.sqrt(number) + calibration.SATURATED_GAP * saturated
-    std = math.hypot(calibration.COMMON_GAP, own, calibration.UNRESOLVED_GAP * ratio)
-    # The shift fades with the open part of a periodic domain.
-    open_part = 1.0 if solution.boundary is Boundary.FREE else 1.0 - float(np.mean(solution.contact))
-    fading = min(1.0, calibration.FADING_GAP * open_part)
-    return fading * shift * bend, max(fading, calibration.SMALLEST_FADING) * std * bend
-
-
-def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
-    """Return how much the approach is too large where the contact is cut, and the standard deviation of that, m.
-
-    There the pressure rises as the inverse root of the distance, which uniform pressure on each cell does not follow:
-    what it lacks in energy is a part of p^2 / E* over the cells at the cut.
-    """
-    missing, free = solution.non_measured, solution.boundary is Boundary.FREE
-    if solution.force == 0.0 or (missing is None and not free):
-        return 0.0, 0.0
-    squares = np.where(solution.saturated, 0.0, solution.pressure) ** 2
-    at_border = np.where(find_cut_cells(solution), squares, 0.0)
-    border, holes = 0.0, 0.0
-    for axis, step in enumerate(solution.grid.spacing):
-        along = np.moveaxis(squares, axis, 0)
-        weight = step * solution.grid.cell_area
-        if free:
-            ends = np.moveaxis(at_border, axis, 0)
-            border += weight * float(ends[0].sum() + ends[-1].sum())
-        if missing is not None:
-            beside = extend(np.moveaxis(missing, axis, 0), 1, solution.boundary)[:, 1:-1]
-            holes += weight * float(along[beside[:-2]].sum() + along[beside[2:]].sum())
-    energies = np.array((border, holes))
-    modulus = float(solution.effective_modulus(1.0 / math.sqrt(solution.grid.cell_area)))
-    shift, std = np.transpose((calibration.CUT_BORDER, calibration.CUT_HOLES)) @ energies / (modulus * solution.force)
-    return float(shift), float(std)
-
-
-def find_rise(gap: Array, boundary: Boundary, missing: Mask | None = None) -> tuple[float, float]:
-    """Return the height of the summit above the highest cell that was measured, and its standard deviation, m."""
-    if min(gap.shape) < 5:
-        return 0.0, float(np.ptp(gap))
-    measured = gap if missing is None else np.where(missing, np.inf, gap)
-    i, j = np.unravel_index(int(np.argmin(measured)), gap.shape)
-    near = extend(gap, 2, boundary)[i : i + 5, j : j + 5]
-    rises = []
-    for first, second in (
-        (np.array((0.0, -0.5, 0.0, 0.5, 0.0)), np.array((0.0, 1.0, -2.0, 1.0, 0.0))),
-        (_FIRST, _SECOND),
-    ):
-        slope = np.array((first @ near[:, 2], first @ near[2]))
-        twist = first @ near @ first
-        hessian = np.array(((second @ near[:, 2], twist), (twist, second @ near[2])))
-        if np.linalg.det(hessian) <= 0.0 or hessian[0, 0] <= 0.0:
-            rises.append(0.0)
-            continue
-        place = np.clip(-np.linalg.solve(hessian, slope), -_FURTHEST, _FURTHEST)
-        rises.append(float(-slope @ place - 0.5 * place @ hessian @ place))
-    second_order, fourth_order = rises
-    return max(fourth_order, 0.0), calibration.RISE_ERROR * abs(fourth_order - second_order)

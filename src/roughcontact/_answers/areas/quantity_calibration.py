@@ -48,8 +48,17 @@ SHIFTED_CELLS = 10.0
 # Standard deviation of the mean gap over h^2 times that curvature: of all patches, of one, of one times the root of its
 # cells, and times the resolution ratio; no unit.
 COMMON_GAP, GAP_ERROR, SMALL_PATCH_GAP, UNRESOLVED_GAP = 0.002, 0.012, 0.15, 0.008
-# The same times the fraction of the load on saturated cells, no unit.
-SATURATED_GAP = 0.06
+# The same of one patch times the square of the fraction of the load on saturated cells and the fourth root of its
+# cells, with which an edge between whole cells errs, no unit.
+SATURATED_GAP = 0.08
+# Rim ratios between which the rims of flats that were run in become sharp.
+RIM = (1.5, 2.5)
+# Excess of the mean gap over h^2 times the curvature at sharp rims, times the resolution ratio and the fourth root of
+# the cells of a patch, and its standard deviation, no unit. Set on surfaces that were run in.
+RIM_GAP = (-0.013, 0.011)
+# The same of heights that are linear between points, and times the fraction of the load on cells that were filled
+# (the root of it for the standard deviation).
+LINEAR_GAP, FILLED_GAP = (-0.09, 0.015), (-1.5, 0.2)
 # That excess near full contact: the factor of the open part of the domain up to one, and the smallest factor of its
 # standard deviation, no unit. Set on a wave and a rough surface at 35 to 97 % contact.
 FADING_GAP, SMALLEST_FADING = 2.2, 0.3
@@ -64,5 +73,11 @@ CUT_LENGTH = (0.9, 0.6)
 CUT_GAP = 1.5
 # Relative standard deviation of what the mean over cell centres lacks on a free domain. Set on balls.
 MEAN_ERROR = 0.1
-# Standard deviation of the height of a summit over the difference of that by second and by fourth order, no unit.
-RISE_ERROR = 0.7
+# Standard deviation of the height of a summit over the difference of that by polynomials of sixth and eighth order, no
+# unit, and that of the height of a tip over itself.
+RISE_ERROR, POINTED_RISE = 1.5, 0.03
+# Resolution ratios between which the summits between the cells are lost.
+UNRESOLVED = (1.4, 2.0)
+# Standard deviation of the height of the highest summit over h^2 times the curvature under the contact: where they are
+# lost, at sharp rims as above, and times the root of the fraction of the load on cells that were filled, no unit.
+HIDDEN_RISE = (0.05, 0.014, 0.5)

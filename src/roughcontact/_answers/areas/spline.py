@@ -32,7 +32,7 @@ _PIECES = (
 )
 # Cells by which values are continued beyond a free border, where a spline that is mirrored would bend: the bend of
 # the continued one is felt over as many cells.
-_BEYOND = 8
+BEYOND = 8
 _SLOPES = np.pad(_PIECES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
 _BENDS = np.pad(_SLOPES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
 _FACTORS = np.concatenate((_PIECES, _SLOPES, _BENDS))
@@ -76,7 +76,7 @@ class Spline:
             return cls(np.pad(_solve_periodic(values), ends, mode="wrap"), spacing, True, (0, 0))
         from scipy import ndimage
 
-        continued = _continue(_continue(values).T).T
+        continued = continue_beyond(continue_beyond(values).T).T
         reach = (continued.shape[0] - values.shape[0]) // 2, (continued.shape[1] - values.shape[1]) // 2
         coefficients = ndimage.spline_filter(continued, _DEGREE, np.float64, "mirror")
         return cls(np.pad(coefficients, ends, mode="reflect"), spacing, False, reach)
@@ -138,12 +138,12 @@ def _solve_periodic(values: Array) -> Array:
     return np.asarray(fft.irfft2(spectrum, values.shape))
 
 
-def _continue(values: Array) -> Array:
+def continue_beyond(values: Array) -> Array:
     """Return values continued beyond both ends of the first axis with their slope and curvature."""
     widest = (len(values) - 1) // 2
     if widest == 0:
         return values
-    k = np.arange(1, _BEYOND + 1)
+    k = np.arange(1, BEYOND + 1)
     # A parabola through three points as far apart as the place that it gives, on small domains as they have.
     step = np.minimum(k, widest)
     ahead = (k / step)[:, np.newaxis]

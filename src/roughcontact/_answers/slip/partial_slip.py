@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas.quantities import find_shift
+from roughcontact._answers.areas.shift import find_shift
 from roughcontact._answers.linear.coupling import judge_coupling
 from roughcontact._answers.linear.tangential_compliance import find_tangential_compliance, tangential_axis
 from roughcontact._answers.slip.fretting_loop import FrettingLoop

@@ -1,0 +1,169 @@
+"""Height of the highest summit above the highest cell: summits and tips between the cells."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from roughcontact._answers.areas.quantity_calibration import POINTED_RISE, RISE_ERROR
+from roughcontact._answers.areas.spline import BEYOND, continue_beyond
+from roughcontact._base.checks import Array, Mask
+from roughcontact._parts.grid import Boundary
+
+# The highest cells of a map that are looked at: the highest summit is often not the one of the highest cell.
+_CELLS = 64
+# Cells on each side of a summit through which polynomials are taken.
+_REACH = 4
+# Distance of a summit from its highest cell, in cells along an axis, and the places in between that are tried.
+_FURTHEST = 0.75
+_PLACES = np.linspace(-_FURTHEST, _FURTHEST, 13)
+# Cells on each side of a tip through which a hyperboloid is taken.
+_BESIDE = 2
+# A hyperboloid is a tip if its radius at the tip, over the range of the gap around it, and what it leaves of the gap,
+# over what a paraboloid leaves, are smaller.
+_BLUNT, _MISFIT = 0.3, 0.2
+# Second difference where a line has no kink, over the largest beside it.
+_KINKLESS = 1e-6
+
+
+def _weigh(reach: int) -> Array:
+    """Return the weights of cells in value, slope and bend of the polynomial through them, shape (3, places, cells)."""
+    cells = np.arange(-reach, reach + 1.0)
+    power = np.arange(cells.size)
+    at = _PLACES[:, np.newaxis]
+    value = at**power
+    slope = power * at ** np.maximum(power - 1, 0)
+    bend = power * (power - 1) * at ** np.maximum(power - 2, 0)
+    return np.asarray(np.stack((value, slope, bend)) @ np.linalg.inv(np.vander(cells, increasing=True)))
+
+
+_WEIGHTS = {reach: _weigh(reach) for reach in (_REACH - 1, _REACH)}
+
+
+def find_rise(
+    gap: Array, boundary: Boundary, missing: Mask | None = None, *, linear: bool = False
+) -> tuple[float, float]:
+    """Return the height of the highest summit above the highest cell that was measured, and its standard deviation, m.
+
+    Parameters
+    ----------
+    gap
+        Initial gap, m, shape (nx, ny).
+    boundary
+        Whether the gap repeats beyond the border.
+    missing
+        Cells that were not measured.
+    linear
+        Whether the gap is linear between points, with its summits at points.
+    """
+    if min(gap.shape) < 2 * _BESIDE + 1:
+        return 0.0, float(np.ptp(gap))
+    measured = gap if missing is None else np.where(missing, np.inf, gap)
+    near, summits = _gather_highest(gap, measured, boundary)
+    highest = float(measured.min())
+    if linear:
+        rise = max(highest - min(_extend_lines(window) for window in near), 0.0)
+        return rise, POINTED_RISE * rise
+    near = near[summits]
+    rough, fine = (_interpolate(near, reach) for reach in (_REACH - 1, _REACH))
+    best = int(np.argmin(fine))
+    tip = _find_tip(near[best])
+    if tip is not None:
+        rise = max(highest - tip, 0.0)
+        return rise, POINTED_RISE * rise
+    return max(highest - float(fine[best]), 0.0), RISE_ERROR * abs(float(fine[best] - rough.min()))
+
+
+def _gather_highest(gap: Array, measured: Array, boundary: Boundary) -> tuple[Array, Mask]:
+    """Return the gap around the highest cells, shape (count, cells, cells), and which are summits."""
+    if boundary is Boundary.FREE:
+        further = BEYOND - _REACH
+        wide = continue_beyond(continue_beyond(gap).T).T[further:-further, further:-further]
+    else:
+        wide = np.pad(gap, _REACH, mode="wrap")
+    count = min(_CELLS, gap.size)
+    highest = np.argpartition(measured, count - 1, axis=None)[:count]
+    highest = highest[np.isfinite(measured.ravel()[highest])]
+    i, j = np.divmod(highest, gap.shape[1])
+    step = np.arange(2 * _REACH + 1)
+    near = wide[(i[:, np.newaxis] + step)[:, :, np.newaxis], (j[:, np.newaxis] + step)[:, np.newaxis]]
+    beside = slice(_REACH - 1, _REACH + 2)
+    here = near[:, _REACH, _REACH]
+    summits = near[:, beside, beside].min(axis=(1, 2)) >= here
+    # Beside points that were not measured, no cell may be higher than its neighbours.
+    summits[np.argmin(here)] = True
+    return near, np.asarray(summits)
+
+
+def _interpolate(near: Array, reach: int) -> Array:
+    """Return the smallest gap of the polynomial through the cells around each summit, m, shape (count,)."""
+    beside = slice(_REACH - reach, _REACH + reach + 1)
+    near = near[:, beside, beside]
+    weights = _WEIGHTS[reach]
+    values = np.einsum("ai,nij,bj->nab", weights[0], near, weights[0], optimize=True)
+    i, j = np.divmod(values.reshape(len(near), -1).argmin(axis=1), _PLACES.size)
+
+    def derive(first: int, second: int) -> Array:
+        return np.asarray(np.einsum("ni,nij,nj->n", weights[first][i], near, weights[second][j]))
+
+    x, y = derive(1, 0), derive(0, 1)
+    xx, yy, xy = derive(2, 0), derive(0, 2), derive(1, 1)
+    determinant = xx * yy - xy**2
+    convex = (determinant > 0.0) & (xx > 0.0)
+    determinant = np.where(convex, determinant, 1.0)
+    along_x = (xy * y - yy * x) / determinant
+    along_y = (xy * x - xx * y) / determinant
+    inside = convex & (np.maximum(np.abs(along_x), np.abs(along_y)) <= _PLACES[1] - _PLACES[0])
+    return derive(0, 0) + np.where(inside, 0.5 * (x * along_x + y * along_y), 0.0)
+
+
+def _find_tip(near: Array) -> float | None:
+    """Return the gap at the tip of a summit, m; none where the summit is round.
+
+    Paraboloids and cones are hyperboloids, (g + t)^2 a quadratic, which is linear in its seven numbers.
+    """
+    beside = slice(_REACH - _BESIDE, _REACH + _BESIDE + 1)
+    lowest = near[_REACH, _REACH]
+    wide = float(np.ptp(near[beside, beside]))
+    if wide == 0.0:
+        return None
+    gap = ((near[beside, beside] - lowest) / wide).ravel()
+    x, y = (part.ravel() for part in np.mgrid[-_BESIDE : _BESIDE + 1, -_BESIDE : _BESIDE + 1].astype(np.float64))
+    forms = np.stack((np.ones_like(x), x, y, x * x, x * y, y * y), axis=1)
+    round_off = gap - forms @ np.linalg.lstsq(forms, gap, rcond=None)[0]
+    *form, shift = np.linalg.lstsq(np.column_stack((forms, -2.0 * gap)), gap**2, rcond=None)[0]
+    hessian = np.array(((2.0 * form[3], form[4]), (form[4], 2.0 * form[5])))
+    if hessian[0, 0] <= 0.0 or np.linalg.det(hessian) <= 0.0:
+        return None
+    place = -np.linalg.solve(hessian, form[1:3])
+    if np.max(np.abs(place)) > _FURTHEST:
+        return None
+    radius = shift**2 + form[0] + 0.5 * float(np.dot(form[1:3], place))
+    found = np.sqrt(np.maximum(forms @ form + shift**2, 0.0)) - shift
+    misfit = float(np.linalg.norm(found - gap)) / max(float(np.linalg.norm(round_off)), 1e-12)
+    if radius > _BLUNT**2 or misfit > _MISFIT:
+        return None
+    return float(lowest + wide * (math.sqrt(max(radius, 0.0)) - shift))
+
+
+def _extend_lines(near: Array) -> float:
+    """Return the gap at the summit of a map that is linear between points, m: where the lines of both sides meet."""
+    here = near[_REACH, _REACH]
+    (x, along_x, i), (y, along_y, j) = (_meet(line) for line in (near[:, _REACH], near[_REACH]))
+    twist = here - near[i, _REACH] - near[_REACH, j] + near[i, j]
+    return float(here + x * along_x + y * along_y + x * y * twist)
+
+
+def _meet(line: Array) -> tuple[float, float, int]:
+    """Return the distance in cells to where the lines of both sides meet, the slope there and the cell behind."""
+    bends = np.diff(line[_REACH - 2 : _REACH + 3], 2)
+    if abs(bends[1]) <= _KINKLESS * np.max(np.abs(bends)):
+        return 0.0, 0.0, _REACH
+    # A kink between two cells bends the line alike at both.
+    side = 1 if abs(bends[2] - bends[1]) < abs(bends[0] - bends[1]) else -1
+    before, here, after, beyond = (float(line[_REACH + side * k]) for k in (-1, 0, 1, 2))
+    slope = here - before
+    change = beyond - after - slope
+    distance = (beyond - 2.0 * after + here) / change if change != 0.0 else 0.0
+    return (distance if 0.0 <= distance <= 1.0 else 0.0), slope, _REACH - side
