@@ -87,7 +87,7 @@ def _height(name: str, case: Case, solution: rc.ContactSolution) -> float:
 
 
 def _find_whole(case: Case, solution: rc.ContactSolution) -> tuple[np.ndarray, float]:
-    """Return the gap of a surface before its points were filled, on a third of the cell, and by how much it is more, m."""
+    """Return the gap of a surface before filling, on cells a third as wide, and by how much it is more, m."""
     # Every third of these cells has the place of one of the map.
     whole = case.fine(3 * solution.grid.shape[0]).initial_gap
     return whole, float(np.median(whole[1::3, 1::3] - solution.initial_gap))
