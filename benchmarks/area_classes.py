@@ -144,7 +144,7 @@ def load_solutions(file: Path) -> dict[str, rc.ContactSolution]:
     """Return the solutions in a file; none if there is no file, or if another version of the package has written it."""
     try:
         return pickle.loads(file.read_bytes())
-    except (OSError, rc.RoughContactError, AttributeError):
+    except (OSError, ImportError, rc.RoughContactError, AttributeError):
         return {}
 
 

@@ -28,7 +28,7 @@ _AROUND = 2.0 / 3.0
 _BENEATH = 1.0 / 5.0
 # Fewest cells that show whether heights are linear between points, and the part of them without a kink beside it.
 _FEWEST, _KINKLESS = 24, 0.3
-# Part of the kinks that differ from each other, to these digits; a kink between two cells is seen from both.
+# Part of the differences that differ from each other, to these digits; a kink between two cells is seen from both.
 _DISTINCT, _DIGITS = 0.35, 6
 # Mean product of second differences of neighbours, negative, from which heights have steps, over the mean square.
 _STEPPED = 0.1
@@ -72,17 +72,16 @@ def is_linear(solution: ContactSolution, chosen: IntArray) -> bool:
     """
     if chosen.size < _FEWEST:
         return False
+    chosen = chosen[:: max(1, chosen.size // _SAMPLE)]
     lines = _find_differences(solution, chosen)
     here, after = max(lines, key=lambda line: float(np.sum((line[1] - line[0]) ** 2)))
     second = math.sqrt(float(np.mean(here**2)))
     third = math.sqrt(float(np.mean((after - here) ** 2)))
     # A step bends the line one way before it and the other way behind it.
     steps = float(np.mean(here * after)) < -_STEPPED * second**2
-    if steps or third <= _EXACT * second:
+    if steps or second == 0.0 or third <= _EXACT * second:
         return False
-    # Summits that are all alike and lie alike on the grid have few differences, each of them many times.
-    kinks = np.round(here[np.abs(here) > _ALIKE * second] / second, _DIGITS)
-    if np.unique(kinks).size < _DISTINCT * kinks.size:
+    if not _are_distinct(here[np.abs(here) > _ALIKE * second] / second):
         return False
     kinked = np.minimum(np.abs(here) / second, np.abs(after - here) / third)
     return bool(np.quantile(kinked, _KINKLESS) < _ALIKE)
@@ -92,7 +91,15 @@ def find_filled(solution: ContactSolution, chosen: IntArray) -> Mask:
     """Return which of the chosen cells have the mean height of their four neighbours, as filled ones have."""
     (along_x, _), (along_y, _) = _find_differences(solution, chosen)
     size = math.sqrt(float(np.mean(along_x**2 + along_y**2))) if chosen.size else 0.0
-    return np.asarray((np.abs(along_x + along_y) < _EXACT * size) & (np.abs(along_x) > _EXACT * size))
+    filled = (np.abs(along_x + along_y) < _EXACT * size) & (np.abs(along_x) > _EXACT * size)
+    if not filled.any() or not _are_distinct(along_x / size):
+        return np.zeros(chosen.shape, dtype=bool)
+    return np.asarray(filled)
+
+
+def _are_distinct(differences: Array) -> bool:
+    """Return whether few differences are the same, as of summits that lie alike on the grid or of rounded heights."""
+    return np.unique(np.round(differences, _DIGITS)).size >= _DISTINCT * differences.size
 
 
 def _find_differences(solution: ContactSolution, chosen: IntArray) -> list[tuple[Array, Array]]:
