@@ -87,7 +87,7 @@ def test_a_linear_map_touches_first_at_the_highest_of_its_points(factor):
 
 
 def test_four_cells_a_wave_show_the_highest_summit():
-    """Band-limited surfaces are known between the cells, and polynomials of eighth order see them at four cells a wave."""
+    """Polynomials of eighth order see the summits of band-limited surfaces at four cells a wave."""
     highest = find_highest(rough_map(480))
     for cells, most in ((36, 0.02), (48, 3e-3), (96, 1e-4)):
         heights = rough_map(cells)
