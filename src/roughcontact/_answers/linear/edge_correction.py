@@ -40,9 +40,10 @@ _TRUSTED = 0.9
 _CELLS, _COMMON = 0.03, 0.02
 # ... and the fraction of the correction.
 _UNSURE = 0.25
-# Radius over the resolution ratio, in cells, of a contact patch between the cells that a grid does not show, of the
-# stiffness 2 E* times it: light contacts lack one or two (benchmarks/response_classes.py, three times its cases).
-_UNSEEN = 0.5
+# Radius over the root of the resolution ratio, in cells, of a contact patch between the cells that a grid does not show,
+# of the stiffness 2 E* times it: light contacts lack one or two. Set on the tuned split of
+# benchmarks/response_classes.py, three times its cases.
+_UNSEEN = 0.375
 
 
 @attrs.frozen(eq=False)
@@ -112,7 +113,7 @@ def correct_edges(
     by_cells = open_part * _CELLS * math.sqrt(float(np.sum(by_patch**2)))
     # Near full contact the stiffness grows much faster than the area.
     common = open_part * _COMMON * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
-    unseen = open_part * 2.0 * solution.modulus * _UNSEEN * min(ratio, 1.0) * math.sqrt(cell)
+    unseen = open_part * 2.0 * solution.modulus * _UNSEEN * math.sqrt(min(ratio, 1.0) * cell)
     return EdgeCorrection(correction, math.hypot(by_area, by_cells, unsure, common, unseen))
 
 
