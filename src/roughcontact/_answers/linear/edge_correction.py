@@ -40,8 +40,8 @@ _TRUSTED = 0.9
 _CELLS, _COMMON = 0.03, 0.02
 # ... and the fraction of the correction.
 _UNSURE = 0.25
-# Radius over the root of the resolution ratio, in cells, of a contact patch between the cells that a grid does not show,
-# of the stiffness 2 E* times it: light contacts lack one or two. Set on the tuned split of
+# Radius over the root of the resolution ratio, in cells, of a contact patch between the cells that no cell shows, of
+# the stiffness 2 E* times it: light contacts lack one or two. Set on the tuned split of
 # benchmarks/response_classes.py, three times its cases.
 _UNSEEN = 0.375
 
