@@ -51,6 +51,8 @@ COMMON_GAP, GAP_ERROR, SMALL_PATCH_GAP, UNRESOLVED_GAP = 0.002, 0.012, 0.15, 0.0
 # The same of one patch times the square of the fraction of the load on saturated cells and the fourth root of its
 # cells, with which an edge between whole cells errs, no unit.
 SATURATED_GAP = 0.08
+# The same where the edge runs along whole rows of cells, which err alike, no unit. Set on strips.
+ALIGNED_GAP = 0.07
 # Rim ratios between which the rims of flats that were run in become sharp.
 RIM = (1.5, 2.5)
 # Excess of the mean gap over h^2 times the curvature at sharp rims, times the resolution ratio and the fourth root of

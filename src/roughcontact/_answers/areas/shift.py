@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import quantity_calibration as calibration
-from roughcontact._answers.areas.cells import find_cut_cells
+from roughcontact._answers.areas.cells import find_cut_cells, find_straight_rows
 from roughcontact._answers.areas.curvature import (
     average_differences,
     curvature_resolution,
@@ -90,7 +90,7 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     cells = np.maximum(solution.patches.cells, 1)
     held = cells / (cells + calibration.SHIFTED_CELLS)
     shift = calibration.SHIFT_OF_GAP * solution.edge_shift * float(np.sum(bend.load * held))
-    kinked, kinked_std = (0.0, 0.0)
+    kinked, kinked_std = 0.0, 0.0
     if is_linear(solution, np.flatnonzero(solution.contact)):
         kinked, kinked_std = calibration.LINEAR_GAP
     filled, filled_std = calibration.FILLED_GAP
@@ -98,12 +98,25 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     # Uniform pressure is exact where cells are saturated.
     elastic = 1.0 - bend.saturated
     shift = (shift + kinked + filled * bend.filled + rim * bend.rim) * elastic
-    unsure = (_find_spread(bend, cells), kinked_std, filled_std * math.sqrt(bend.filled), rim_std * bend.rim * elastic)
+    unsure = (
+        _find_spread(bend, cells),
+        _find_aligned(solution),
+        kinked_std,
+        filled_std * math.sqrt(bend.filled),
+        rim_std * bend.rim * elastic,
+    )
     # The shift fades with the open part of a periodic domain.
     open_part = 1.0 if solution.boundary is Boundary.FREE else 1.0 - float(np.mean(solution.contact))
     fading = min(1.0, calibration.FADING_GAP * open_part)
     std = max(fading, calibration.SMALLEST_FADING) * math.hypot(*unsure)
     return fading * shift * bend.mean, std * bend.mean
+
+
+def _find_aligned(solution: ContactSolution) -> float:
+    """Return the standard deviation of the shift over the second difference at edges along the cells."""
+    rows = find_straight_rows(solution.contact, solution.boundary).astype(np.float64)
+    long = rows.size > 0 and float(np.sum(rows**2)) > 0.5 * min(solution.grid.shape) * float(np.sum(rows))
+    return calibration.ALIGNED_GAP if long else 0.0
 
 
 def _find_spread(bend: _Bend, cells: Array) -> float:
