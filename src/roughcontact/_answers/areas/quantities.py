@@ -18,6 +18,7 @@ from roughcontact._answers.areas.cells import (
 from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, is_linear, lay_ratio
 from roughcontact._answers.areas.edges import trace_edges
 from roughcontact._answers.areas.ellipse import find_axes_ratio
+from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact._answers.areas.rise import find_rise
 from roughcontact._answers.areas.shift import find_cut_shift, find_hidden_rise, find_shift
 from roughcontact._answers.areas.summits import find_near_holes, is_elliptic
@@ -73,8 +74,11 @@ class EdgeLength(QuantityEstimator):
         traced = np.maximum(edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large | cut_off, 0.0, 1.0))
         around = 2.0 * np.sqrt(np.pi * area.patches)
         lobed = (1.0 - single) * np.sqrt(traced) * around
+        # Contacts at summits between the cells, which all together make up the rest of the area.
+        hidden = 2.0 * np.sqrt(np.pi * hertz_areas(solution).sharing.hidden)
         lost = calibration.LOST_LENGTH * edges.curvature_resolution**1.5 * float(np.sum(lobed))
         length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
+        length += float(np.sum(hidden))
         uneven = calibration.UNEVEN_LENGTH * edges.curvature_resolution + calibration.LOBED_LENGTH
         uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
         lay = lay_ratio(solution)
@@ -90,14 +94,18 @@ class EdgeLength(QuantityEstimator):
         crossings = count_crossings(solution) * math.sqrt(cell)
         length += calibration.CUT_LENGTH[0] * crossings
         untraced += calibration.CUT_LENGTH[1] * crossings
-        std = math.hypot(relative * length, uneven, narrow, diagonal, untraced)
+        unseen = calibration.HIDDEN_LENGTH * float(np.sum(hidden))
+        std = math.hypot(relative * length, uneven, narrow, diagonal, untraced, unseen)
         return warn_if_uncertain(length, std, "m", area.warnings)
 
 
 @quantities.register("patches")
 @attrs.frozen
 class PatchCount(QuantityEstimator):
-    """Number of contact patches: cells that share a side or a corner are one."""
+    """Number of contact patches: cells that share a side or a corner are one, and so is a summit between the cells.
+
+    The common approach tells which summits without a cell in contact touch.
+    """
 
     def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the number; see `QuantityEstimator.estimate`."""
@@ -108,10 +116,13 @@ class PatchCount(QuantityEstimator):
         uneven, cells = spread[1:] > calibration.UNEVEN, patches.cells
         small, few = (int(np.count_nonzero(uneven & (cells < limit))) for limit in _SMALL)
         many, ratio = int(np.count_nonzero(uneven)), min(curvature_resolution(solution), 2.0)
+        hidden = hertz_areas(solution).sharing.hidden.size
         each, unresolved, of_all = calibration.MISSING_PATCHES
-        variance = each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
-        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many)
-        return Estimate(float(patches.count), std, "", area.warnings)
+        ridges = calibration.MISSING_RIDGE * (1.0 - lay_ratio(solution)) * min(many, 1)
+        variance = ridges + each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
+        unsure = calibration.HIDDEN_PATCH * hidden
+        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many, unsure)
+        return Estimate(float(patches.count + hidden), std, "", area.warnings)
 
 
 @quantities.register("approach")

@@ -41,6 +41,9 @@ UNEVEN = 0.3
 # Number of patches, no unit: variance for each of fewer than nine cells; standard deviation for each of fewer than four
 # cells and for each of all, times the resolution ratio.
 MISSING_PATCHES = (0.15, 0.2, 0.1)
+# The same: variance on ridges of one direction, whose contacts may be narrower than a cell; standard deviation for each
+# contact at a summit between the cells. And the relative one of the length of the edges of these contacts.
+MISSING_RIDGE, HIDDEN_PATCH, HIDDEN_LENGTH = 0.5, 0.2, 0.1
 # Excess of the mean gap over h^2 times the mean curvature under the contact, over the shift of the edge, 1/cells.
 SHIFT_OF_GAP = 1.7
 # Cells of a patch that has half of that excess.
