@@ -25,13 +25,13 @@ from roughcontact._answers.areas.edges import (
     _measure_roundness,
     _measure_width,
     _saturated_weight,
+    is_diagonal,
     trace_edges,
 )
 from roughcontact._answers.areas.estimators import _extrapolate, _smallest_areas
 from roughcontact._answers.areas.hertz import _find_uneven_deficit, hertz_areas
 from roughcontact._answers.areas.outline import _chain, contours, outline
 from roughcontact._answers.areas.peak import _find_cut, _find_highest, _find_summits, _gather
-from roughcontact._answers.areas.quantities import _is_diagonal
 from roughcontact._answers.areas.sharing import _find_hidden, _find_low_cells, _find_saturated, _grow
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._answers.areas.total import list_warnings, total_area
@@ -359,9 +359,9 @@ def test_long_edges_along_a_diagonal_of_the_grid_are_told():
     for contact, lay, expected in (
         (diagonal, 1.0, True), (straight, 1.0, False), (steep, 1.0, False), (steep, 0.0, True), (straight, 0.0, False)
     ):  # fmt: skip
-        assert _is_diagonal(with_fields(grid, contact, ~contact, boundary="periodic"), lay) == expected
+        assert is_diagonal(with_fields(grid, contact, ~contact, boundary="periodic"), lay) == expected
     small = np.hypot(i - 20, j - 20) < 3
-    assert not _is_diagonal(with_fields(grid, small, ~small, boundary="periodic"), 1.0)
+    assert not is_diagonal(with_fields(grid, small, ~small, boundary="periodic"), 1.0)
 
 
 def test_warnings_of_areas_come_where_the_grid_fails():

@@ -50,12 +50,20 @@ HERTZ_COMMON = 1.0 / 3.0
 
 # Standard deviation of the position of all edges, cells. Set on rough contacts of 6 to 12 cells a shortest wave.
 SHIFT = 0.0011
+# By how much larger it is on ridges of one direction, and the power of the lay ratio with which their edges have fewer
+# pieces that err by themselves. Set on rough contacts with a lay along the grid.
+LAY_SHIFT, LAY_PIECES = 0.7, 1.5
+# Standard deviation of the area for each point beside the edge whose height was filled in, cells. Set on rough contacts
+# with 1 to 5 % filled points.
+FILLED = 0.3
 # Patches of width n have 1 + (this / n)^2 times the standard deviation WANDER, cells. Set on rough contacts: the area
 # inside the edge of patches of 1, 2, 4, 9, 18 cells errs by 0.48, 0.11, 0.06, 0.025, 0.017.
 SMALL_PATCH = 2.0
 # Number of parts of an edge that err alike, over those that are the same, beyond one. Set on waves of whole cells,
 # whose errors follow no normal distribution, and on strips.
 ALIKE = 2.5
+# Factor of that on straight edges in an oblique direction, along which the errors of a period cancel. Set on strips.
+OBLIQUE = 0.5
 # Standard deviation of the areas by their edges, beside Hertz's areas, over that of single edges (WANDER), no unit.
 # Set on rough contacts.
 BLENDED = 1.5

@@ -8,9 +8,9 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import find_sharp_edges
+from roughcontact._answers.areas.cells import find_sharp_edges, find_straight_rows, grow
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
-from roughcontact._answers.areas.curvature import curvature_resolution, lay_ratio, rim_ratio
+from roughcontact._answers.areas.curvature import curvature_resolution, find_filled, lay_ratio, rim_ratio
 from roughcontact._base.checks import Array
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution
@@ -38,6 +38,12 @@ UNSURE = 0.3
 _FEW = 4
 # Maximum excess over the area: above it the linear law of the excess does not hold.
 _LARGEST_EXCESS = 0.3
+# Sum of squares over sum of the lengths of the rows of sides below which a long edge is a diagonal of the grid, sides.
+_DIAGONAL = 1.9
+# The same where the heights are ridges of one direction, with a lay ratio below the second.
+_OBLIQUE, STRAIGHT = 8.0, 0.03
+# Cell sides for each patch from which an edge is long: that of a disc of six cells radius.
+_LONG = 48
 
 
 @attrs.frozen(eq=False)
@@ -71,7 +77,7 @@ class TracedEdges:
     roundness
         One for compact patches, less for slender ones.
     border
-        Standard deviation where edges meet a free border, all patches together, m2.
+        Standard deviation where edges meet a free border or filled points, all patches together, m2.
     topology
         One cell for each piece or hole of the larger patches that the edge has at only one of both strides, m2.
     shift
@@ -153,6 +159,9 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     std = calibration.WANDER * np.sqrt(_SIDES * np.maximum(one.length, half_disc) / step) * cell
     ratio, lay = curvature_resolution(solution), lay_ratio(solution)
     strip = step * one.length
+    waves = math.sqrt(ratio) / (2.0 * math.pi)
+    position = calibration.SHIFT * (1.0 + calibration.LAY_SHIFT * (1.0 - lay))
+    position += calibration.LAYERED_SHIFT * find_modulus_change(solution)
     counted = np.concatenate(([1.0], cells))
     width = _measure_width(fine, one.length, cell, counted)
     small = 1.0 + (calibration.SMALL_PATCH / width) ** 2
@@ -168,7 +177,7 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         untraced_std=calibration.NON_MEASURED_LENGTH_STD * met,
         sharp=one.sharp,
         std=np.hypot(np.hypot(std * (small + _STAIRS * one.sharp), few), places),
-        alike=_count(one.alike),
+        alike=_count(one.alike) * (calibration.OBLIQUE if lay < STRAIGHT and is_diagonal(solution, lay) else 1.0),
         strip=strip,
         curvature_resolution=ratio,
         excess=np.minimum(calibration.EXCESS * ratio * strip, _LARGEST_EXCESS * fine),
@@ -178,12 +187,14 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         meeting=calibration.NON_MEASURED_STD * meeting,
         width=width,
         roundness=_measure_roundness(width, counted),
-        border=oblong * _border_std(solution) * cell,
+        border=math.hypot(oblong * _border_std(solution), _find_filled_std(solution)) * cell,
         topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _LARGE))) * cell,
-        shift=calibration.SHIFT + calibration.LAYERED_SHIFT * find_modulus_change(solution) + _measure_rims(solution),
+        shift=calibration.SHIFT * (1.0 + calibration.LAY_SHIFT * (1.0 - lay))
+        + calibration.LAYERED_SHIFT * find_modulus_change(solution)
+        + _measure_rims(solution),
         slender=_slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE),
         oblong=oblong,
-        pieces=max(1.0, lay * float(np.sum(one.length / one.alike)) / step * math.sqrt(ratio) / (2.0 * math.pi)),
+        pieces=max(1.0, lay**calibration.LAY_PIECES * float(np.sum(one.length / one.alike)) * waves / step),
     )
 
 
@@ -234,6 +245,13 @@ def _border_std(solution: ContactSolution) -> float:
     return calibration.BORDER * float(sum(np.count_nonzero(edge) for edge in edges))
 
 
+def _find_filled_std(solution: ContactSolution) -> float:
+    """Return the standard deviation at points beside the edge whose heights were filled in, in cells."""
+    beside = grow(solution.contact, 1, solution.boundary) & grow(~solution.contact, 1, solution.boundary)
+    filled = np.count_nonzero(find_filled(solution, np.flatnonzero(beside)))
+    return calibration.FILLED * math.sqrt(filled)
+
+
 def _saturated_weight(solution: ContactSolution) -> Array:
     """Return the weight of the saturated error in each patch, shape (count + 1,): one from half its cells saturated."""
     patches = solution.patches
@@ -242,3 +260,11 @@ def _saturated_weight(solution: ContactSolution) -> Array:
     saturated = patches.member_labels[solution.saturated.ravel()[patches.members]]
     saturated = np.bincount(saturated, minlength=patches.count + 1)
     return np.minimum(2.0 * saturated / np.concatenate(([1], patches.cells)), 1.0)
+
+
+def is_diagonal(solution: ContactSolution, lay: float) -> bool:
+    """Return whether long edges run along a diagonal of the grid, or straight ones in any oblique direction."""
+    rows = find_straight_rows(solution.contact, solution.boundary).astype(np.float64)
+    long = rows.sum() > _LONG * solution.patches.count
+    oblique = _OBLIQUE if lay < STRAIGHT else _DIAGONAL
+    return bool(long and np.sum(rows**2) < oblique * rows.sum())

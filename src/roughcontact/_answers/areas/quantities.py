@@ -12,11 +12,10 @@ from roughcontact._answers.areas.calibration import EULER
 from roughcontact._answers.areas.cells import (
     count_crossings,
     find_cut_patches,
-    find_straight_rows,
     measure_sides,
 )
 from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, is_linear, lay_ratio
-from roughcontact._answers.areas.edges import trace_edges
+from roughcontact._answers.areas.edges import is_diagonal, trace_edges
 from roughcontact._answers.areas.ellipse import find_axes_ratio
 from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact._answers.areas.rise import find_rise
@@ -33,12 +32,6 @@ _CUT_OFF = 0.5 + EULER
 _LARGE = 100
 # Patches of fewer cells may be parts of others, or others may be missing beside them.
 _SMALL = (4, 9)
-# Sum of squares over sum of the lengths of the rows of sides below which a long edge is a diagonal of the grid, sides.
-_DIAGONAL = 1.9
-# The same where the heights are ridges of one direction, with a lay ratio below the second.
-_OBLIQUE, _STRAIGHT = 8.0, 0.03
-# Cell sides for each patch from which an edge is long: that of a disc of six cells radius.
-_LONG = 48
 # Slope outward at the border, half a cell from the first of three centres, to second order.
 _OUTWARD = np.array((2.0, -3.0, 1.0))
 
@@ -87,7 +80,7 @@ class EdgeLength(QuantityEstimator):
         narrow = (along * (1.0 - lay) + all_round * lay) * edges.curvature_resolution * narrow
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = 0.0
-        if length > 0.0 and _is_diagonal(solution, lay):
+        if length > 0.0 and is_diagonal(solution, lay):
             width = 2.0 * min(area.value, solution.grid.area - area.value) / (length * math.sqrt(cell))
             diagonal = calibration.ZIGZAG * length * (1.0 + calibration.ZIGZAG_WIDTH / max(width, 1.0))
         untraced = float(edges.untraced_std.sum())
@@ -196,11 +189,3 @@ def _elliptic_quotient(mean: Array, difference: Array) -> Array:
     axes = 1.0 / find_axes_ratio(ratio)
     half = 3.0 * (1.0 + axes) - np.sqrt((3.0 + axes) * (1.0 + 3.0 * axes))
     return np.asarray(half**2 / (4.0 * axes))
-
-
-def _is_diagonal(solution: ContactSolution, lay: float) -> bool:
-    """Return whether long edges run along a diagonal of the grid, or straight ones in any oblique direction."""
-    rows = find_straight_rows(solution.contact, solution.boundary).astype(np.float64)
-    long = rows.sum() > _LONG * solution.patches.count
-    oblique = _OBLIQUE if lay < _STRAIGHT else _DIAGONAL
-    return bool(long and np.sum(rows**2) < oblique * rows.sum())
