@@ -27,7 +27,7 @@ def test_each_constant_says_how_and_by_which_script_it_was_measured():
     scripts, sections = parts[::2], parts[1::2]
     assert all((ROOT / script).is_file() for script in scripts)
     rows = re.findall(r"((?:^#.*\n)+)^([A-Z_]+) = ", "".join(sections), flags=re.MULTILINE)
-    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 34
+    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 35
     unmeasured = {name for comment, name in rows if "Measured" not in comment and "Set on" not in comment}
     assert unmeasured == {"OVERLOADS"}  # the places of a table, not measured values
     for section, script in zip(sections, scripts, strict=True):

@@ -53,6 +53,9 @@ SHIFT = 0.0011
 # By how much larger it is on ridges of one direction, and the power of the lay ratio with which their edges have fewer
 # pieces that err by themselves. Set on rough contacts with a lay along the grid.
 LAY_SHIFT, LAY_PIECES = 0.7, 1.5
+# Standard deviation of the area for each cell in contact at a free border before which the contact ends, cells. Set on
+# balls that nearly touch the border.
+UNCUT_BORDER = 0.4
 # Standard deviation of the area for each point beside the edge whose height was filled in, cells. Set on rough contacts
 # with 1 to 5 % filled points.
 FILLED = 0.3

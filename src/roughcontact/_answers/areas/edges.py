@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import find_sharp_edges, find_straight_rows, grow
+from roughcontact._answers.areas.cells import find_cut_cells, find_sharp_edges, find_straight_rows, grow
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
 from roughcontact._answers.areas.curvature import curvature_resolution, find_filled, lay_ratio, rim_ratio
 from roughcontact._base.checks import Array
@@ -241,8 +241,11 @@ def _border_std(solution: ContactSolution) -> float:
     if solution.boundary is not Boundary.FREE or contact.all():
         return 0.0
     contact = contact & ~solution.saturated
-    edges = (contact[0], contact[-1], contact[:, 0], contact[:, -1])
-    return calibration.BORDER * float(sum(np.count_nonzero(edge) for edge in edges))
+    cut = find_cut_cells(solution)
+    return sum(
+        each * float(sum(np.count_nonzero(edge) for edge in (cells[0], cells[-1], cells[:, 0], cells[:, -1])))
+        for each, cells in ((calibration.BORDER, cut), (calibration.UNCUT_BORDER, contact & ~cut))
+    )
 
 
 def _find_filled_std(solution: ContactSolution) -> float:
