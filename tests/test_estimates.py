@@ -90,6 +90,31 @@ def test_sharp_edge_has_no_maximum():
     assert any("unbounded" in warning for warning in found.warnings)
 
 
+@pytest.mark.parametrize(("sides", "sharp"), [((2, 4), False), ((1, 8), False), ((3, 3), True), ((3, 4), True)])
+def test_patches_of_fewer_than_nine_cells_may_be_summits_instead_of_punches(sides, sharp):
+    heights = np.full((20, 22), -1.0)
+    heights[6 : 6 + sides[0], 7 : 7 + sides[1]] = 0.0
+    solution = rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=(20.0, 22.0)), ELASTIC)).solve(force=1e-3)
+    found = solution.peak_pressure()
+    assert any("unbounded" in warning for warning in found.warnings) == sharp
+    assert (found.uncertainty == found.value) == sharp
+    assert found.uncertainty > 0.5 * found.value
+
+
+def test_a_limit_between_the_cells_cuts_the_maximum():
+    """The summit lies between four cells: a limit above their pressure and below that of the summit is reached."""
+    free, exact = press_ball(6.0)
+    highest = free.pressure.max()
+    assert highest < exact.p_max
+    for limit in (0.5 * (highest + exact.p_max), 2.0 * exact.p_max):
+        solution, _ = press_ball(6.0, material=rc.ElasticPerfectlyPlastic(1.0, 0.0, limit))
+        assert not solution.saturated.any()
+        found = solution.peak_pressure()
+        assert found.value == pytest.approx(min(limit, exact.p_max), rel=2e-3)
+        assert found.value <= limit
+        assert 0.0 < found.uncertainty < 0.02 * found.value
+
+
 def test_area_estimators_without_patches_serve():
     solution, exact = press_ball(6.0)
     for name in NAMES:

@@ -1,0 +1,95 @@
+"""Uncertainties are near the errors, neither too small nor many times too large, and fall with the cells.
+
+The errors are those beside the same rough contacts on a fine grid.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+
+STEEL = rc.Elastic(1.82, 0.3)
+FLAT = rc.Body(rc.FlatSurface(), STEEL)
+CELLS = (40, 64, 160)
+# Root mean square of the uncertainty over that of the error, at most, and the order at which uncertainties fall, at least.
+QUANTITIES = {
+    "peak-pressure": (8.0, 2.0),
+    "perimeter": (6.0, 1.2),
+    "patches": (6.0, 0.7),
+    "approach": (20.0, 2.3),
+    "mean-gap": (12.0, 2.3),
+}
+# What the theories of tangential stiffness and of leakage omit does not fall with the cells.
+RESPONSES = {
+    "stiffness": (4.0, 1.7),
+    "tangential stiffness": (4.0, 0.5),
+    "conductance": (4.0, 1.7),
+    "conductance with films": (4.0, 1.1),
+    "leakage": (6.0, 1.3),
+    "area that sticks": (4.0, 1.2),
+    "area that slips": (4.0, 1.2),
+    "stress": (4.0, 2.2),
+}
+
+
+def press(seed, load, cells):
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=3.0, longest=16.0, seed=seed)
+    grid = rc.Grid((cells, cells), 32.0)
+    return rc.ContactProblem(rc.Body(surface, STEEL), FLAT, grid=grid, boundary="periodic", threads=1).solve(
+        pressure=load
+    )
+
+
+def ask_quantities(solution):
+    return {name: solution.estimate(name) for name in QUANTITIES}
+
+
+def ask_responses(solution):
+    slip = solution.partial_slip(tangential_force=0.06 * solution.force, friction=0.2, axis=1)
+    return {
+        "stiffness": solution.stiffness(),
+        "tangential stiffness": solution.response(rc.responses.create("tangential-stiffness", axis=1)),
+        "conductance": solution.conductance((1.0, 2.0)),
+        "conductance with films": solution.conductance(1.0, film_resistance=2.0),
+        "leakage": solution.leakage(axis=0, viscosity=1.0, pressure_drop=1.0),
+        "area that sticks": slip.stick_area,
+        "area that slips": slip.slip_area,
+        "stress": solution.stress().maximum,
+    }
+
+
+def tabulate(ask, first_seed, count):
+    """Return values and uncertainties over the values of the fine grid by answer, shape (count, 3) each."""
+    found = [
+        [ask(press(first_seed + k, load, cells)) for cells in CELLS]
+        for k, load in enumerate(np.geomspace(1e-3, 1.5e-2, count))
+    ]
+    tables = {}
+    for name in found[0][0]:
+        values = np.array([[one[name].value for one in row] for row in found])
+        stds = np.array([[one[name].uncertainty for one in row] for row in found])
+        tables[name] = values / values[:, -1:], stds / values[:, -1:]
+    return tables
+
+
+@pytest.fixture(scope="module")
+def tables():
+    return tabulate(ask_quantities, 400, 12) | tabulate(ask_responses, 600, 4)
+
+
+@pytest.mark.parametrize("name", [*QUANTITIES, *RESPONSES])
+def test_uncertainties_of_rough_contacts_are_near_the_errors(name, tables):
+    values, stds = tables[name]
+    errors, stated = np.abs(values[:, :2] - 1.0), stds[:, :2]
+    largest, _ = (QUANTITIES | RESPONSES)[name]
+    assert np.mean(errors <= 2.0 * stated) >= 0.85
+    assert np.sqrt(np.mean(stated**2)) <= largest * np.sqrt(np.mean(errors**2))
+
+
+@pytest.mark.parametrize("name", [*QUANTITIES, *RESPONSES])
+def test_uncertainties_fall_with_the_cells(name, tables):
+    _, smallest = (QUANTITIES | RESPONSES)[name]
+    medians = np.median(tables[name][1], axis=0)
+    assert np.log(medians[0] / medians[-1]) / np.log(CELLS[-1] / CELLS[0]) >= smallest
