@@ -125,6 +125,22 @@ def test_the_spread_of_the_curvature_is_that_of_all_components():
     assert alone[2][1] == pytest.approx(math.sqrt(2.0 / 3.0 * reach) / (2.0 + 0.5 * grid.x[11, 0]))
 
 
+@pytest.mark.parametrize("place", [(0, 11), (23, 11), (9, 0), (9, 20), (0, 0), (23, 20)])
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_heights_at_the_opposite_border_count_on_a_periodic_boundary_alone(place, boundary):
+    grid = rc.Grid((24, 21), (24.0, 42.0))
+    gap = grid.x**3 / 50.0 + grid.x**2 + grid.y**2 - 0.01 * grid.y**3
+    pressure = np.zeros(grid.shape)
+    pressure[place] = 1.0
+    steps = np.hypot(*(index - at for index, at in zip(np.indices(grid.shape), place, strict=True)))
+    rough = np.where(steps > 9.0, np.random.default_rng(1).normal(size=grid.shape), 0.0)
+    solutions = (
+        with_fields(grid, pressure, 1.0, initial_gap=heights, boundary=boundary) for heights in (gap, gap + rough)
+    )
+    plain, changed = (np.stack(average_curvature(one, np.flatnonzero(pressure))) for one in solutions)
+    assert np.allclose(plain[:, 1], changed[:, 1]) == (boundary == "free")
+
+
 @pytest.mark.parametrize("turns", [(3, 0), (0, 5), (4, 2)])
 def test_the_resolution_ratio_of_waves(turns):
     """Second and fourth differences of a wave are 2 - 2 cos(q h) times it, and that squared."""

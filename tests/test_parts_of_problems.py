@@ -248,3 +248,16 @@ def test_which_processes_have_ended():
         killed.wait()
     assert _has_ended(killed.pid)
     assert not _has_ended(2**80)
+
+
+def test_the_approach_of_full_contact_is_refused_and_one_below_it_is_solved():
+    """On a periodic boundary any pressure above that of closing has the same approach."""
+    body = rc.Body(rc.WavySurface(1e-3, 8.0), rc.Elastic(1.0, 0.0))
+    given = rc.ContactProblem(body, grid=rc.Grid((16, 16), 16.0), boundary="periodic", threads=1)
+    full = float(given.initial_gap.mean())
+    with pytest.raises(rc.InputError, match="below that of full contact"):
+        given.solve(approach=full)
+    below = given.solve(approach=0.95 * full)
+    assert below.status is rc.Status.CONVERGED
+    assert 0.5 < below.contact.mean() <= 1.0
+    assert below.approach == pytest.approx(0.95 * full)

@@ -93,3 +93,24 @@ def test_uncertainties_fall_with_the_cells(name, tables):
     _, smallest = (QUANTITIES | RESPONSES)[name]
     medians = np.median(tables[name][1], axis=0)
     assert np.log(medians[0] / medians[-1]) / np.log(CELLS[-1] / CELLS[0]) >= smallest
+
+
+def test_the_uncertainty_of_the_load_that_closes_a_gap_is_near_the_error():
+    errors, stated = [], []
+    for seed, (boundary, axis) in enumerate([("periodic", 0), ("free", 0), ("periodic", 1), ("free", 1)]):
+        surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4.0, longest=16.0, seed=30 + seed)
+        body = rc.Body(surface, STEEL)
+        coarse, fine = (
+            rc.find_percolation(
+                rc.ContactProblem(body, FLAT, grid=rc.Grid((cells, cells), 32.0), boundary=boundary, threads=1),
+                axis=axis,
+                within=0.02,
+            )
+            for cells in (32, 128)
+        )
+        for one, true in ((coarse.pressure, fine.pressure), (coarse.area_fraction, fine.area_fraction)):
+            errors.append(abs(one.value / true.value - 1.0))
+            stated.append(one.uncertainty / true.value)
+            assert true.uncertainty < 0.04 * true.value
+    assert (np.array(errors) <= 2.0 * np.array(stated)).all()
+    assert np.sqrt(np.mean(np.square(stated))) <= 6.0 * np.sqrt(np.mean(np.square(errors)))

@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 import textwrap
+import types
 
 import attrs
 import numpy as np
@@ -17,6 +18,7 @@ import roughcontact as rc
 from damage import right_key, write_forged
 from roughcontact._base.archive import read_archive, sources
 from roughcontact._base.archive.plain import key_of, programs_of
+from roughcontact._base.archive.sources import programs
 from roughcontact._solve.solution import storage
 from roughcontact._work.studies import record
 from strategies import wild_problems
@@ -233,6 +235,45 @@ def test_a_key_knows_the_source_of_a_class_without_a_distribution(tmp_path, sour
     keys = keys_in_process(tmp_path, seed="0", source=source, changes=changes)
     assert len(set(keys)) == 4
     assert keys_in_process(tmp_path, seed="1", source=source, changes=[{}]) == keys[:1]
+
+
+NOTEBOOK = """
+FACTOR = {constant}
+
+def soften(value, power={default}, *, limits=frozenset({{1.0, {limit}}})):
+    return value * {helper}
+
+def close_over(value):
+    return lambda: value
+
+class Foam:
+    shape = ({field}, 2.0)
+    inner = close_over({inside})
+
+    @property
+    def compliance(self):
+        return FACTOR * soften(1e-11) + {body}
+
+    @classmethod
+    def make(cls):
+        return {made}
+"""
+
+
+def test_a_digest_without_a_source_knows_all_that_a_class_does(monkeypatch):
+    """Code, defaults, enclosed values, members of every kind, and what it names in its module; not the process."""
+    plain = dict.fromkeys(("constant", "default", "limit", "helper", "field", "inside", "body", "made"), 3.0)
+
+    def digest(**changes):
+        module = types.ModuleType("a_notebook")
+        monkeypatch.setitem(sys.modules, "a_notebook", module)
+        exec(NOTEBOOK.format(**plain | changes), vars(module))
+        return tuple(programs([module.Foam], "roughcontact"))
+
+    changed = {digest(**{name: 4.0}) for name in plain}
+    assert len(changed) == len(plain)
+    assert digest() not in changed
+    assert digest() == digest()
 
 
 def test_a_key_knows_the_distribution_of_a_class(monkeypatch, tmp_path):

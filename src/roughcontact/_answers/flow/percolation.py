@@ -92,7 +92,7 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
     narrowed, _ = _bisect(problem, axis, first, low, coarse, _BLOCKS)
     _, passed = _bisect(problem, axis, high, last, coarse, _CORNERS)
     value = math.sqrt(low.mean_pressure * high.mean_pressure)
-    unresolved = min(_RESOLUTION * curvature_resolution(low), 1.0)
+    unresolved = _RESOLUTION * curvature_resolution(low)
     std = math.hypot(_WIDTHS * (passed.mean_pressure - narrowed.mean_pressure), unresolved * value)
     areas = [solution.area() for solution in (narrowed, low, high, passed)]
     fraction = 0.5 * (areas[1].fraction + areas[2].fraction)
