@@ -13,7 +13,7 @@ import roughcontact as rc
 STEEL = rc.Elastic(1.82, 0.3)
 FLAT = rc.Body(rc.FlatSurface(), STEEL)
 CELLS = (40, 64, 160)
-# Root mean square of the uncertainty over that of the error, at most, and the order at which uncertainties fall, at least.
+# At most how large they are over the errors, root mean squares, and at least the order at which they fall.
 QUANTITIES = {
     "peak-pressure": (8.0, 2.0),
     "perimeter": (6.0, 1.2),
