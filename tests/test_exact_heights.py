@@ -125,6 +125,32 @@ def test_the_spread_of_the_curvature_is_that_of_all_components():
     assert alone[2][1] == pytest.approx(math.sqrt(2.0 / 3.0 * reach) / (2.0 + 0.5 * grid.x[11, 0]))
 
 
+def test_the_spread_of_the_curvature_is_the_same_of_transposed_heights():
+    rng = np.random.default_rng(3)
+    gap = rng.normal(size=(9, 14))
+    pressure = np.zeros(gap.shape)
+    pressure[3:6, 4:9] = rng.uniform(1.0, 2.0, (3, 5))
+    for power in (2, 3):
+        along_x = gap.cumsum(axis=0) * power
+        grid, turned = rc.Grid((9, 14), (9.0, 28.0)), rc.Grid((14, 9), (28.0, 9.0))
+        plain = with_fields(grid, pressure, 1.0, initial_gap=along_x)
+        transposed = with_fields(turned, pressure.T, 1.0, initial_gap=along_x.T)
+        found, other = (average_curvature(one, np.flatnonzero(one.contact)) for one in (plain, transposed))
+        np.testing.assert_allclose(np.stack(other)[:, 1], np.stack(found)[:, 1], rtol=1e-9)
+
+
+@pytest.mark.parametrize("radius", [0.01, 0.1, 0.3, 0.6, 2.0, 3.0, 5.0])
+def test_the_height_of_rounded_tips(radius):
+    """Tips of less than a cell are hyperboloids, others are polynomials, whose height is surer than that of a tip."""
+    x, y = np.arange(21.0)[:, np.newaxis] - 9.63, np.arange(19.0) - 9.21
+    gap = np.sqrt(x**2 + y**2 + radius**2) - radius
+    rise, std = find_rise(gap, rc.Boundary.FREE)
+    true = gap.min()
+    assert abs(rise - true) <= max(2.5 * std, 1e-9)
+    assert rise == pytest.approx(true, rel=0.03)
+    assert std < (0.05 if radius < 1.0 else 0.02) * true
+
+
 @pytest.mark.parametrize("place", [(0, 11), (23, 11), (9, 0), (9, 20), (0, 0), (23, 20)])
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_heights_at_the_opposite_border_count_on_a_periodic_boundary_alone(place, boundary):

@@ -463,6 +463,16 @@ def test_the_projection_to_a_mean_is_the_nearest_pressure(limit):
         assert found.mean() == pytest.approx(mean, rel=1e-14)
 
 
+@pytest.mark.parametrize("level", [-1e9, -30.0, 30.0, 1e9])
+@pytest.mark.parametrize("limit", [math.inf, 0.7])
+def test_pressures_far_beyond_their_bounds_are_shifted_to_the_load(level, limit):
+    """By the whole distance, however small the load is beside it."""
+    values = level + np.random.default_rng(13).integers(0, 8, size=(20, 33)) / 64.0
+    found = project_to_load(values, 1e-3, limit)
+    assert found.mean() == pytest.approx(1e-3, rel=1e-9 if abs(level) < 1e6 else 1e-3)
+    np.testing.assert_allclose(found, np.clip(values - (values.max() - found.max()), 0.0, limit), atol=1e-6)
+
+
 def test_rescaling_moves_the_elastic_cells_alone():
     pressure = np.array([0.0, 0.5, 1.0, 0.25])
     np.testing.assert_allclose(rescale_to_load(pressure.copy(), 1.9, 1.0), [0.0, 0.6, 1.0, 0.3])
