@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import sys
 import tracemalloc
 import zlib
@@ -54,6 +55,22 @@ def test_unit_and_size_must_be_given(tmp_path):
         rc.read_surface(tmp_path / "map.tif", unit=1e-9)
     with pytest.raises(rc.InputError, match=r"numbers without a unit: give .* unit=1e-9 .*--unit 1nm"):
         rc.read_surface(tmp_path / "map.tif", size=(4e-6, 3e-6))
+
+
+@pytest.mark.parametrize("zero", [(0, 1), (300, 0), (0, 0)])
+@pytest.mark.parametrize("tag", ["XResolution", "YResolution"])
+def test_a_resolution_of_zero_says_nothing(tmp_path, zero, tag):
+    path = tmp_path / "map.tif"
+    tifffile.imwrite(path, IMAGE.astype("f4"), resolution=(1e7, 1e7), resolutionunit="CENTIMETER")
+    assert rc.read_surface(path, unit=1e-9).size == pytest.approx((4e-9, 3e-9), rel=1e-5)
+    with tifffile.TiffFile(path) as file:
+        place, order = file.pages[0].tags[tag].valueoffset, file.byteorder
+    content = bytearray(path.read_bytes())
+    content[place : place + 8] = struct.pack(f"{order}II", *zero)
+    path.write_bytes(content)
+    assert rc.read_surface(path, **GIVEN).size == GIVEN["size"]
+    with pytest.raises(rc.InputError, match="does not state the size"):
+        rc.read_surface(path, unit=1e-9)
 
 
 @pytest.mark.parametrize(
