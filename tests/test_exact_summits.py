@@ -13,7 +13,7 @@ from exact_contacts import MODULUS, distances, with_fields
 from roughcontact._answers.areas.ellipse import find_area_factor, find_axes_ratio
 from roughcontact._answers.areas.far_field import find_far_field
 from roughcontact._answers.areas.hertz import hertz_areas
-from roughcontact._answers.areas.sharing import _average_cells, _pair_cells
+from roughcontact._answers.areas.sharing import _average_cells, _find_low_cells, _pair_cells
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._answers.areas.summits import _near_border, find_centroids, find_summits, is_elliptic
 
@@ -229,3 +229,16 @@ def test_equal_balls_at_different_places_in_their_cells_share_the_load(cell):
     assert abs(forces[0] / forces[1] - 1.0) > 4.0 * abs(shared[0] / shared[1] - 1.0)
     np.testing.assert_allclose(shared, 0.5 * forces.sum(), rtol=5e-3)
     assert found.area[1] == pytest.approx(found.area[2], rel=5e-3)
+
+
+@pytest.mark.parametrize("place", [(1, 5), (5, 1), (8, 5), (5, 10), (0, 6), (9, 3), (4, 0), (4, 11)])
+def test_summits_beside_a_free_border_are_not_looked_for(place):
+    """Their curvature is not known there; on a periodic boundary any place is like any other."""
+    grid = rc.Grid((10, 12), 1.0)
+    gap = np.full(grid.shape, 3e-6)
+    gap[place], gap[5, 6] = 1e-6, 0.0
+    pressure = np.where(gap == 0.0, 1.0, 0.0)
+    index = place[0] * 12 + place[1]
+    for boundary, found in (("free", False), ("periodic", True)):
+        low = _find_low_cells(with_fields(grid, pressure, gap, boundary=boundary), 1.0)
+        assert (index in low.tolist()) == found
