@@ -376,3 +376,15 @@ def test_a_unit_alone_is_one_of_it(tmp_path, capsys):
     assert printed[0] == printed[1]
     with pytest.raises(SystemExit):
         main(["info", str(tmp_path / "map.txt"), "--unit", "2", "--size", "16um"])
+
+
+def test_the_page_is_a_plugin_that_is_asked_for_where_it_is_not_installed(monkeypatch, capsys):
+    installed = {name: found for name, found in commands._entries().items() if name != "app"}
+    monkeypatch.setattr(commands, "_installed", installed)
+    monkeypatch.setattr(commands, "_classes", {})
+    assert main(["app"]) == 2
+    (sentence,) = capsys.readouterr().err.splitlines()
+    assert "needs the package roughcontact-app: pip install 'roughcontact[app]'" in sentence
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert "\n  app " not in capsys.readouterr().out

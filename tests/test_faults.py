@@ -555,7 +555,7 @@ ELSEWHERE = {
     ("figure_view.py", "savefig"): "chooses the pixels for the caller's file",
     ("folder.py", "_write_lock"): "a lock, renamed when it is held",
     ("folder.py", "_remove_abandoned"): "opens a lock to try it",
-    ("app.py", "_shown"): "a private file for the browser alone",
+    ("command.py", "_shown"): "a private file for the browser alone",
     ("uploads.py", "_copy"): "an unfinished file, renamed when it is complete",
     ("output.py", "write_results"): "draws in memory first",
     ("inputs.py", "_damaged"): "writes to a temporary folder",

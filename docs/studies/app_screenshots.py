@@ -14,7 +14,7 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import WebDriverWait
 
-from roughcontact.app import AppServer, Session
+from roughcontact_app import AppServer, Session
 
 FIGURE = Path(__file__).parents[1] / "figures" / "app.png"
 # Seconds.

@@ -16,7 +16,7 @@ from roughcontact import __version__
 from roughcontact._base.units.text import fit, printable
 from roughcontact._faces.cli import Command, commands
 from roughcontact._faces.cli.wording import name_advice, name_options
-from roughcontact.errors import InputError, NotConverged, RoughContactError, UnexpectedError, shorten
+from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import translated
 
 
@@ -124,6 +124,11 @@ def _run(name: str, arguments: Sequence[str]) -> int:
 
 
 def _load(name: str) -> Command:
+    if name == "app" and name not in commands:
+        raise MissingPackage(
+            "The page in the browser needs the package roughcontact-app: pip install 'roughcontact[app]', in a clone "
+            "of the repository pip install ./plugins/roughcontact-app."
+        )
     try:
         return commands.create(name)
     except SystemExit as error:

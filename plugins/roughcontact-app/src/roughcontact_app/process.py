@@ -52,7 +52,7 @@ class Worker:
         Parameters
         ----------
         task
-            What `roughcontact.app.work.run` takes.
+            What `roughcontact_app.work.run` takes.
         limit
             Seconds after which the process is ended; None: as long as it takes.
         on_event
@@ -117,7 +117,7 @@ def _serve(pipe: Connection) -> None:
     os.environ["MPLBACKEND"] = "agg"
     tasks: queue.Queue[bytes] = queue.Queue()
     threading.Thread(target=_receive, args=(pipe, tasks), daemon=True).start()
-    from roughcontact.app.work import run
+    from roughcontact_app.work import run
 
     # The first picture need not wait for it.
     with contextlib.suppress(ImportError):

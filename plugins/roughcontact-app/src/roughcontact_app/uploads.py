@@ -12,7 +12,6 @@ from io import BufferedIOBase
 from pathlib import Path
 
 import attrs
-
 from roughcontact._base.machine.memory import available_memory
 from roughcontact._base.units import binary
 from roughcontact._parts.files import readers

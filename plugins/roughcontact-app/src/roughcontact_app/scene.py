@@ -7,7 +7,6 @@ from pathlib import Path
 
 import attrs
 import numpy as np
-
 from roughcontact import examples
 from roughcontact._base.checks import Pair
 from roughcontact._parts.files import RawMap, read_surface
@@ -18,9 +17,10 @@ from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Mate
 from roughcontact._parts.surfaces import FlatSurface, HeightMap, SelfAffineSurface, SphereSurface, Surface, WavySurface
 from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem
 from roughcontact._solve.problem.plan import require_memory_of_solve
-from roughcontact.app.settings import Settings, load_values, plain, quantity, whole
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.errors.door import guarded
+
+from roughcontact_app.settings import Settings, load_values, plain, quantity, whole
 
 EXAMPLES: dict[str, Callable[[], HeightMap]] = {
     one.__name__: one for one in (examples.ground_ring, examples.ball, examples.lapped_plate, examples.honed_liner)

@@ -9,12 +9,12 @@ from io import BufferedIOBase
 from pathlib import Path
 from typing import Any
 
-from roughcontact.app.folder import PrivateFolder
-from roughcontact.app.jobs import Jobs
-from roughcontact.app.page import Page
-from roughcontact.app.scene import EXAMPLES
-from roughcontact.app.settings import DEFAULTS, Settings, read_settings
-from roughcontact.app.uploads import StoredFile, Uploads, known_endings
+from roughcontact_app.folder import PrivateFolder
+from roughcontact_app.jobs import Jobs
+from roughcontact_app.page import Page
+from roughcontact_app.scene import EXAMPLES
+from roughcontact_app.settings import DEFAULTS, Settings, read_settings
+from roughcontact_app.uploads import StoredFile, Uploads, known_endings
 
 # Seconds that reading a map, or planning a solve, may take.
 _PATIENCE = 120.0

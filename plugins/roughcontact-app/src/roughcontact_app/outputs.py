@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import attrs
-
 from roughcontact._base.archive import replacing
 from roughcontact._solve.problem.sweep import Sweep
 from roughcontact._solve.solution import ContactSolution
-from roughcontact.app.answers import make_table
 from roughcontact.errors import RoughContactError
 from roughcontact.plotting import panels
+
+from roughcontact_app.answers import make_table
 
 # The panels that come first; others follow in the order of their names.
 _FIRST = {"solution": ("pressure", "gap", "heights", "patches"), "sweep": ("area-load", "load-approach")}

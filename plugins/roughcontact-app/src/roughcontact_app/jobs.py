@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact._base.machine.threads import available_threads
-from roughcontact.app.process import TaskEnded, Worker
-from roughcontact.app.settings import Settings
 from roughcontact.errors import InputError
+
+from roughcontact_app.process import TaskEnded, Worker
+from roughcontact_app.settings import Settings
 
 # Runs that are kept, and runs that may wait.
 _KEPT, _WAITING = 20, 20

@@ -17,14 +17,15 @@ from roughcontact._solve.problem.forecast import forecast_seconds
 from roughcontact._solve.problem.sweep import Sweep, run_sweep
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._solve.solvers.base import DEFAULT_TOLERANCE
-from roughcontact.app.answers import describe_solutions, list_warnings
-from roughcontact.app.outputs import Outputs, draw
-from roughcontact.app.preview import describe
-from roughcontact.app.progress import Progress
-from roughcontact.app.scene import Scene, Upload, inspect_file, make_loads, make_problem, make_scene
-from roughcontact.app.settings import Settings, read_settings
-from roughcontact.app.words import end_sentence, in_words_of_page
 from roughcontact.errors import InputError, RoughContactError
+
+from roughcontact_app.answers import describe_solutions, list_warnings
+from roughcontact_app.outputs import Outputs, draw
+from roughcontact_app.preview import describe
+from roughcontact_app.progress import Progress
+from roughcontact_app.scene import Scene, Upload, inspect_file, make_loads, make_problem, make_scene
+from roughcontact_app.settings import Settings, read_settings
+from roughcontact_app.words import end_sentence, in_words_of_page
 
 # How the time of a solve is estimated.
 _BASIS = (

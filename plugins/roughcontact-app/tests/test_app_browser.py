@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import roughcontact as rc
 from selenium import webdriver
 from selenium.common.exceptions import NoSuchElementException, StaleElementReferenceException
 from selenium.webdriver.chrome.service import Service
@@ -21,9 +22,8 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
-import roughcontact as rc
-from roughcontact._faces.cli.app import _shown
-from roughcontact.app import AppServer, Session
+from roughcontact_app import AppServer, Session
+from roughcontact_app.command import _shown
 
 if os.environ.get("ROUGHCONTACT_BROWSER") != "1":
     pytest.skip("set ROUGHCONTACT_BROWSER=1, and install chromium and chromium-driver", allow_module_level=True)
@@ -498,7 +498,7 @@ def test_an_old_link_is_refused_in_words(page):
 
 def test_the_file_that_the_browser_is_given_leads_to_the_page(page, tmp_path, monkeypatch):
     monkeypatch.setattr("webbrowser.open", lambda _: True)
-    monkeypatch.setattr("roughcontact._faces.cli.app._SNAPS", tmp_path / "none")
+    monkeypatch.setattr("roughcontact_app.command._SNAPS", tmp_path / "none")
     with _shown(page.address, tmp_path):
         (leading,) = tmp_path.glob("roughcontact-*.html")
         page.open(leading.as_uri())

@@ -23,22 +23,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import roughcontact as rc
 from roughcontact._base.units.columns import write_column
-from roughcontact._faces.cli.app import _shown
 from roughcontact._solve.solution.several import gather_warnings
 from roughcontact._solve.solution.summary import list_all_warnings
-from roughcontact.app import AppServer, Session
-from roughcontact.app.answers import describe_solutions, list_warnings, make_table
-from roughcontact.app.connections import LIMIT
-from roughcontact.app.process import TaskEnded, Worker
-from roughcontact.app.progress import Progress
-from roughcontact.app.scene import make_loads, make_problem, make_scene
-from roughcontact.app.settings import DEFAULTS, load_values, quantity, read_settings
-from roughcontact.app.uploads import shown_name
-from roughcontact.app.words import in_words_of_page
 from roughcontact.typing import Step
+
+from roughcontact_app import AppServer, Session
+from roughcontact_app.answers import describe_solutions, list_warnings, make_table
+from roughcontact_app.command import _shown
+from roughcontact_app.connections import LIMIT
+from roughcontact_app.process import TaskEnded, Worker
+from roughcontact_app.progress import Progress
+from roughcontact_app.scene import make_loads, make_problem, make_scene
+from roughcontact_app.settings import DEFAULTS, load_values, quantity, read_settings
+from roughcontact_app.uploads import shown_name
+from roughcontact_app.words import in_words_of_page
 
 PATIENCE = 120.0
 SMALL = {"surface": "wavy", "cells": "48", "side": "50", "wavelength": "25", "boundary": "periodic"}
@@ -334,13 +334,13 @@ def test_what_is_not_http_is_refused_and_the_server_lives(client, text):
 
 
 def test_a_slow_client_is_sent_away_and_holds_up_nobody(client, monkeypatch):
-    monkeypatch.setattr("roughcontact.app.server._SILENCE", 0.2)
+    monkeypatch.setattr("roughcontact_app.server._SILENCE", 0.2)
     answer = talk(client.port, head(client, "Content-Length: 20") + b"{")
     assert b" 408 " in answer.splitlines()[0]
 
 
 def test_a_large_file_may_come_slowly(client, server, monkeypatch):
-    monkeypatch.setattr("roughcontact.app.server._SILENCE", 1.0)
+    monkeypatch.setattr("roughcontact_app.server._SILENCE", 1.0)
     monkeypatch.setitem(server.pages, "large.css", bytes(1 << 24))
     with connect(client) as connection:
         connection.sendall(f"GET /{client.token}/large.css HTTP/1.1\r\nHost: 127.0.0.1:{client.port}\r\n\r\n".encode())
@@ -389,14 +389,14 @@ def test_connections_that_do_not_show_the_token_keep_nobody_out(client, server, 
 
 @pytest.mark.parametrize("text", ["GET /", "GET /TOKEN/ HTTP/1.1\r\nX-Page: ", "POST /wrong/ HTTP/1.1\r\n\r\n"])
 def test_a_byte_now_and_then_buys_no_time_without_the_token(client, monkeypatch, text):
-    monkeypatch.setattr("roughcontact.app.connections.PATIENCE", 0.3)
+    monkeypatch.setattr("roughcontact_app.connections.PATIENCE", 0.3)
     with connect(client) as connection:
         connection.sendall(text.replace("TOKEN", client.token).encode())
         send_until_closed(connection)
 
 
 def test_what_a_refused_client_goes_on_sending_is_not_read_for_ever(client, monkeypatch):
-    monkeypatch.setattr("roughcontact.app.server._DRAINING", 0.3)
+    monkeypatch.setattr("roughcontact_app.server._DRAINING", 0.3)
     with connect(client) as connection:
         connection.sendall(head(client, "Content-Length: 100000"))
         assert b" 413 " in connection.recv(4096)
@@ -404,7 +404,7 @@ def test_what_a_refused_client_goes_on_sending_is_not_read_for_ever(client, monk
 
 
 def test_too_many_requests_at_once_are_refused_in_words(client, server, monkeypatch):
-    monkeypatch.setattr("roughcontact.app.connections.LIMIT", 1)
+    monkeypatch.setattr("roughcontact_app.connections.LIMIT", 1)
     with connect(client) as busy:
         busy.sendall(head(client, "Content-Length: 20"))
         wait_until(lambda: server.connections._admitted)
@@ -643,7 +643,7 @@ def test_uploads_lie_in_a_private_folder_that_ends_with_the_session():
 
 
 def test_the_oldest_uploads_give_way(client, server, monkeypatch):
-    monkeypatch.setattr("roughcontact.app.uploads._LARGEST_SUM", 60)
+    monkeypatch.setattr("roughcontact_app.uploads._LARGEST_SUM", 60)
     digests = [
         client.upload("a.csv", f"1 2\n3 {number}0000000000000000000000\n".encode())[1]["digest"] for number in range(3)
     ]
@@ -651,7 +651,7 @@ def test_the_oldest_uploads_give_way(client, server, monkeypatch):
 
 
 def test_a_file_may_be_a_part_of_the_memory(client, monkeypatch):
-    monkeypatch.setattr("roughcontact.app.uploads.available_memory", lambda: 40)
+    monkeypatch.setattr("roughcontact_app.uploads.available_memory", lambda: 40)
     status, answer = client.upload("a.csv", b"1,2\n3,4\n5,6\n")
     assert status == 413
     assert "at most 10 bytes" in answer["error"]
@@ -860,7 +860,7 @@ def test_a_run_is_cancelled_and_another_waits_for_it(client, server):
 
 
 def test_runs_in_the_queue_are_bounded(client, monkeypatch):
-    monkeypatch.setattr("roughcontact.app.jobs._WAITING", 1)
+    monkeypatch.setattr("roughcontact_app.jobs._WAITING", 1)
     runs = [client.post("api/runs", LONG)["id"]]
     try:
         client.wait(runs[0], ("preparing", "solving"))
@@ -889,7 +889,7 @@ def test_a_run_that_is_not_known_is_said_so(client):
 
 
 def test_ended_runs_are_forgotten_with_their_files(client, server, monkeypatch):
-    monkeypatch.setattr("roughcontact.app.jobs._KEPT", 1)
+    monkeypatch.setattr("roughcontact_app.jobs._KEPT", 1)
     first, second = (client.post("api/runs", SMALL)["id"] for _ in range(2))
     for run in (second, first):
         client.post(f"api/cancel/{run}", {})
@@ -1049,7 +1049,7 @@ def test_a_warning_of_several_loads_is_said_once_with_them():
 
 
 def test_progress_only_grows_and_counts_the_loads(monkeypatch):
-    monkeypatch.setattr("roughcontact.app.progress._INTERVAL", 0.0)
+    monkeypatch.setattr("roughcontact_app.progress._INTERVAL", 0.0)
     sent = []
     progress = Progress((64, 64), 2, 1e-5, sent.append)
     for load in ("force 1 N", "force 2 N"):
@@ -1177,7 +1177,7 @@ def test_the_command_line_of_the_browser_gives_no_access(tmp_path):
 
 def test_browsers_in_a_snap_are_given_a_file_that_they_see(tmp_path, monkeypatch):
     opened = []
-    monkeypatch.setattr("roughcontact._faces.cli.app._SNAPS", tmp_path)
+    monkeypatch.setattr("roughcontact_app.command._SNAPS", tmp_path)
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr("pathlib.Path.home", lambda: tmp_path)
     with _shown("http://127.0.0.1:1/x/", tmp_path / "hidden"):

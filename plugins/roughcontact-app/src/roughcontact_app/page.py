@@ -6,7 +6,7 @@ import threading
 from pathlib import Path
 from typing import Any
 
-from roughcontact.app.process import TaskEnded, Worker
+from roughcontact_app.process import TaskEnded, Worker
 
 
 class Page:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-
 from roughcontact._base.units import si
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
-from roughcontact.app.scene import Scene
-from roughcontact.app.words import end_sentence, in_words_of_page
 from roughcontact.errors import InputError
+
+from roughcontact_app.scene import Scene
+from roughcontact_app.words import end_sentence, in_words_of_page
 
 
 def describe(scene: Scene) -> dict[str, object]:

@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.options import whole_number
 from roughcontact.errors import FileError, InputError
+from roughcontact.typing import Command
 
 _ADVICE = "Only this machine can reach it. If no browser shows it, copy this address into one. Ctrl-C ends it."
 _SNAPS = Path("/snap")
@@ -35,6 +35,7 @@ examples:
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
+        """Declare the port, and whether a browser is opened."""
         parser.add_argument(
             "--port", type=whole_number, default=0, metavar="N", help="port of this machine (any that is free)"
         )
@@ -42,7 +43,7 @@ examples:
 
     def run(self, options: argparse.Namespace) -> int:
         """Serve until Ctrl-C; return 0."""
-        from roughcontact.app import AppServer, Session
+        from roughcontact_app import AppServer, Session
 
         if not 0 <= options.port <= 65535:
             raise InputError.about("The port", options.port, "0 to 65535")

@@ -12,7 +12,8 @@ from roughcontact._base.units.columns import write_column
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._solve.solution.plausibility import exceeds_metals
 from roughcontact._solve.solution.several import gather_warnings, list_quantities, name_load
-from roughcontact.app.words import end_sentence, in_words_of_page
+
+from roughcontact_app.words import end_sentence, in_words_of_page
 
 # Digits of a number in a table: more than any uncertainty leaves.
 _DIGITS = 9

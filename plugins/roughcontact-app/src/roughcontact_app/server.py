@@ -15,11 +15,12 @@ from importlib import resources
 from typing import Any
 from urllib.parse import parse_qs
 
-from roughcontact.app import connections
-from roughcontact.app.process import TaskEnded
-from roughcontact.app.session import Session
 from roughcontact.errors import RoughContactError
 from roughcontact.errors.door import translated
+
+from roughcontact_app import connections
+from roughcontact_app.process import TaskEnded
+from roughcontact_app.session import Session
 
 # The loopback address: no other machine can reach it.
 HOST = "127.0.0.1"
@@ -80,7 +81,7 @@ class AppServer(ThreadingHTTPServer):
     def __init__(self, session: Session, port: int = 0):
         super().__init__((HOST, port), _Handler)
         self.session = session
-        folder = resources.files("roughcontact.app") / "static"
+        folder = resources.files("roughcontact_app") / "static"
         self.pages = {entry.name: entry.read_bytes() for entry in folder.iterdir() if entry.is_file()}
         self.connections = connections.Connections()
 
