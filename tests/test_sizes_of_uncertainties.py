@@ -21,6 +21,7 @@ QUANTITIES = {
     "approach": (20.0, 2.3),
     "mean-gap": (12.0, 2.3),
 }
+AREAS = "blend", "cell-count", "hertz", "level-set", "level-set-richardson", "perimeter"
 # What the theories of tangential stiffness and of leakage omit does not fall with the cells.
 RESPONSES = {
     "stiffness": (4.0, 1.7),
@@ -114,3 +115,27 @@ def test_the_uncertainty_of_the_load_that_closes_a_gap_is_near_the_error():
             assert true.uncertainty < 0.04 * true.value
     assert (np.array(errors) <= 2.0 * np.array(stated)).all()
     assert np.sqrt(np.mean(np.square(stated))) <= 6.0 * np.sqrt(np.mean(np.square(errors)))
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("load", [2e-4, 3e-3])
+def test_the_unit_of_length_changes_no_estimate_of_many_small_patches(boundary, load):
+    """About micrometres and kilometres beside metres, in powers of two, which change no digit."""
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=3.0, longest=16.0, seed=71)
+    heights = surface.heights(rc.Grid((60, 44), (60.0, 44.0)))
+
+    def ask(length, stress):
+        size = 60.0 * length, 44.0 * length
+        body = rc.Body(
+            rc.HeightMap(length * heights, size=size, periodic=boundary == "periodic"), rc.Elastic(stress, 0.0)
+        )
+        solution = rc.ContactProblem(body, boundary=boundary, threads=1).solve(pressure=load * stress, tolerance=1e-9)
+        assert solution.patches.count > 8
+        found = [solution.area(name) for name in AREAS]
+        found += [solution.estimate(name) for name in QUANTITIES]
+        units = [length**2] * len(AREAS) + [stress, length, 1.0, length, length]
+        return np.array([[one.value / unit, one.uncertainty / unit] for one, unit in zip(found, units, strict=True)])
+
+    wanted = ask(1.0, 1.0)
+    for length, stress in ((2.0**-20, 2.0**37), (2.0**10, 2.0**-10)):
+        np.testing.assert_allclose(ask(length, stress), wanted, rtol=1e-9)

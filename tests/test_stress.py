@@ -165,19 +165,28 @@ def test_the_mean_pressure_of_a_periodic_body_is_confined():
 
 @pytest.mark.parametrize("planes", [FreePlanes, PeriodicPlanes])
 @pytest.mark.parametrize(
-    ("shape", "z"),
-    [((128, 64), 8.0), ((64, 160), 17.0), ((96, 33), 40.0), ((64, 64), 700.0), ((50, 66), 9.0), ((100, 76), 18.0)],
+    ("shape", "z", "sides"),
+    [
+        ((128, 64), 8.0, (1.0, 1.0)),
+        ((64, 160), 17.0, (1.0, 1.0)),
+        ((96, 33), 40.0, (1.0, 1.0)),
+        ((64, 64), 700.0, (1.0, 1.0)),
+        ((50, 66), 9.0, (1.0, 1.0)),
+        ((100, 76), 18.0, (1.0, 1.0)),
+        ((64, 96), 20.0, (1.0, 2.0)),
+        ((128, 64), 17.0, (1.0, 0.4)),
+    ],
 )
-def test_fewer_points_at_depth_lose_nothing(planes, shape, z):
+def test_fewer_points_at_depth_lose_nothing(planes, shape, z, sides):
     rng = np.random.default_rng(int(z))
     pressure = (rng.random(shape) * (rng.random(shape) < 0.2)).astype(np.float32)
-    steps = find_steps(shape, (1.0, 1.0), z)
+    steps = find_steps(shape, sides, z)
     assert max(steps) > 1
-    made = planes(pressure, (1.0, 1.0), steps) if planes is FreePlanes else planes(pressure, (1.0, 1.0))
+    made = planes(pressure, sides, steps) if planes is FreePlanes else planes(pressure, sides)
     few = made.at(z, NU, steps)
     # A finer grid has points there: each cell is cut into 2 x 2, and the middle of the block is a corner of the cells.
     fine = np.kron(pressure, np.ones((2, 2), np.float32))
-    double = planes(fine, (1.0, 1.0), (1, 1)) if planes is FreePlanes else planes(fine, (1.0, 1.0))
+    double = planes(fine, sides, (1, 1)) if planes is FreePlanes else planes(fine, sides)
     many = double.at(2.0 * z, NU, (1, 1))
     for axis, step in ((1, steps[0]), (2, steps[1])):
         # Cubic interpolation halfway between four points.
