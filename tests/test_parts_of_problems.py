@@ -19,6 +19,7 @@ from roughcontact._parts.load import Load
 from roughcontact._solve.problem.accuracy import Target, _coarsest, _is_confirmed, _mean_square_curvature, _refine
 from roughcontact._solve.problem.certificate import _are_close, _sample_modulus
 from roughcontact._solve.problem.plan import _round_down, memory_of_solve
+from roughcontact._solve.problem.sweep import order_of_solving
 from roughcontact._solve.problem.task import make_task, maximum_pressure, pressure_unit
 from roughcontact._solve.solution.accuracy import Trial
 from roughcontact._solve.solution.conditions import ContactConditions
@@ -261,3 +262,12 @@ def test_the_approach_of_full_contact_is_refused_and_one_below_it_is_solved():
     assert below.status is rc.Status.CONVERGED
     assert 0.5 < below.contact.mean() <= 1.0
     assert below.approach == pytest.approx(0.95 * full)
+
+
+def test_a_sweep_is_solved_from_the_largest_load_down_and_told_in_the_order_that_was_asked():
+    loads = tuple(Load("pressure", value) for value in (2.0, 5.0, 1.0, 3.0))
+    assert order_of_solving(loads) == [1, 3, 0, 2]
+    body = rc.Body(rc.WavySurface(1.0, 8.0), rc.Elastic(1.0, 0.0))
+    given = rc.ContactProblem(body, grid=rc.Grid((16, 16), 16.0), boundary="periodic", threads=1)
+    asked = [0.02, 0.05, 0.01]
+    np.testing.assert_allclose(given.sweep(pressure=asked).mean_pressure, asked)
