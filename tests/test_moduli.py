@@ -80,6 +80,12 @@ def test_a_half_space_has_one_modulus():
     np.testing.assert_array_equal(solution.effective_modulus(np.array([1.0, 1e6])), solution.modulus)
 
 
+@pytest.mark.parametrize("factor", [0.0, -1.0, np.nan, np.inf])
+def test_moduli_that_cannot_be_are_refused(factor):
+    with pytest.raises(rc.InputError, match="must return moduli above zero"):
+        sphere(StifferHalfSpace(factor), 1e9)
+
+
 def test_moduli_follow_from_the_spectrum():
     layer, q = BondedLayer(1e-3), np.geomspace(1e2, 1e6, 9)
     amplitudes = layer.spectrum(q, 0.0, (1e-9, 1e-9), 0.5)
