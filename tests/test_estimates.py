@@ -148,3 +148,26 @@ def test_estimates_are_printed_and_checked():
 
     with pytest.raises(rc.InputError, match="not an Estimate"):
         solution.estimate(Wrong())
+
+
+@pytest.mark.parametrize("pressure", [50e6, 100e6])
+def test_summits_between_the_cells_are_patches_with_an_edge(pressure):
+    """On 7.5 cells a wave a quarter of the summits lie where four cells meet, and no cell touches there."""
+    coarse, fine = (press_wave(cells, (0.0, 0.0), waves, pressure) for cells, waves in ((30, 4), (200, 1)))
+    assert coarse.patches.count == 12
+    assert coarse.estimate("patches").value == 16.0
+    length = 16.0 * fine.estimate("perimeter").value
+    assert coarse.estimate("perimeter").value == pytest.approx(length, rel=0.02)
+
+
+def test_areas_of_balls_that_end_just_before_a_free_border():
+    within = []
+    for number in range(24):
+        a = 1.5 + 0.15 * number
+        shape = (9 + 2 * number, 24)
+        center = (0.5 * shape[0] - (1.02 + 0.01 * (number % 4)) * a, 0.3 * np.sin(number))
+        body = rc.Body(rc.ParaboloidSurface(1e4, center=center), rc.Elastic(1.0, 0.0))
+        problem = rc.ContactProblem(body, grid=rc.Grid(shape, (float(shape[0]), float(shape[1]))))
+        area = problem.solve(force=4.0 * a**3 / 3e4).area()
+        within.append(abs(area.value - np.pi * a**2) <= 2.0 * area.uncertainty)
+    assert np.mean(within) >= 0.93
