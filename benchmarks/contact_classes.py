@@ -22,7 +22,7 @@ from roughcontact.reference import Westergaard, hertz_elliptic, hertz_sphere
 Make = Callable[[], rc.ContactProblem]
 ELASTIC = rc.Elastic(1.0, 0.0)
 # Number of the draw of the fresh cases: another one once constants have been set on those that were drawn.
-DRAW = 2
+DRAW = 3
 WAVES = 24  # shortest waves along a side of rough surfaces
 SHORTEST = 24.0 / 23.5  # m; so the shortest wave is above two cells of the coarsest grid
 SLOPE = 0.1  # rms slope of rough surfaces
@@ -81,7 +81,7 @@ def wave_whole(split: str) -> Iterator[Case]:
     grids = {
         "tuned": (160, 200, 240, 260, 320, 500),
         "held-out": (180, 220, 250, 256, 280, 400, 512),
-        "fresh": (140, 190, 270, 310, 350, 420, 480),
+        "fresh": (170, 195, 245, 290, 330, 390, 440),
     }
     for cells in grids[split]:
         for load in (50, 100, 200):
@@ -102,7 +102,7 @@ def wave_other(split: str) -> Iterator[Case]:
     loads = {
         "tuned": (700.0, 2500.0, 8000.0, 20000.0),
         "held-out": (400.0, 1400.0, 5000.0, 13000.0),
-        "fresh": (600.0, 2200.0, 7000.0, 18000.0),
+        "fresh": (480.0, 1650.0, 5600.0, 15000.0),
     }
     for load in loads[split]:
         for number in range(16):

@@ -58,7 +58,7 @@ LAY_SHIFT, LAY_PIECES = 0.7, 1.5
 UNCUT_BORDER = 0.4
 # Standard deviation of the area for each point beside the edge whose height was filled in, cells. Set on rough contacts
 # with 1 to 5 % filled points.
-FILLED = 0.3
+FILLED = 0.4
 # Patches of width n have 1 + (this / n)^2 times the standard deviation WANDER, cells. Set on rough contacts: the area
 # inside the edge of patches of 1, 2, 4, 9, 18 cells errs by 0.48, 0.11, 0.06, 0.025, 0.017.
 SMALL_PATCH = 2.0
@@ -72,7 +72,7 @@ OBLIQUE = 0.5
 BLENDED = 1.5
 # Standard deviation of the excess of all edges together over that excess, times the root of the number of pieces of the
 # edge that err by themselves. Set on rough contacts, with a lay and without.
-EXCESS_STD = 1.2
+EXCESS_STD = 1.4
 # Standard deviation of the position of the edge of a slender patch, cells, times one less the ratio of its width to its
 # cells, to the sixth: on ridges of one direction, and on isotropic surfaces, where such patches are merged ones. Set on
 # rough contacts.
@@ -106,7 +106,7 @@ LOAD = 0.25
 SHARED = 0.02
 # Relative standard deviation of Hertz's area for heights that the grid hardly resolves, times the ratio to the fourth
 # power, and the cells of a patch that halve it. Set on cones of one to four cells.
-HERTZ_RESOLUTION = (0.008, 10.0)
+HERTZ_RESOLUTION = (0.011, 10.0)
 # Terms a, b of the relative standard deviation min(a s^4, b) of Hertz's area for a tip between the cell centres, where
 # s is the logarithm of its curvature over neighbouring cells over that over every second cell, and the number of cells
 # up to which a patch has it. Set on cones, which err by up to 0.3 in patches of 1 to 6 cells.

@@ -113,7 +113,8 @@ class PatchCount(QuantityEstimator):
         each, unresolved, of_all = calibration.MISSING_PATCHES
         ridges = calibration.MISSING_RIDGE * (1.0 - lay_ratio(solution)) * min(many, 1)
         variance = ridges + each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
-        unsure = calibration.HIDDEN_PATCH * hidden
+        linear = is_linear(solution, np.flatnonzero(solution.contact))
+        unsure = math.hypot(calibration.HIDDEN_PATCH * hidden, calibration.LINEAR_PATCH * patches.count * linear)
         std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many, unsure)
         return Estimate(float(patches.count + hidden), std, "", area.warnings)
 

@@ -22,7 +22,7 @@ SUMMIT_ERROR = (0.001, 0.6, 0.2)
 # uncertain.
 LOST_LENGTH = 0.05
 # Relative standard deviation of the length of smooth edges, and of edges of several summits times the ratio, no unit.
-LENGTH_ERROR, UNEVEN_LENGTH = 0.003, 0.02
+LENGTH_ERROR, UNEVEN_LENGTH = 0.003, 0.025
 # The same of edges of several summits whatever the ratio, no unit.
 LOBED_LENGTH = 0.007
 # Relative standard deviation of the length of narrow patches over the ratio: on ridges of one direction, and on
@@ -44,6 +44,8 @@ MISSING_PATCHES = (0.15, 0.2, 0.1)
 # The same: variance on ridges of one direction, whose contacts may be narrower than a cell; standard deviation for each
 # contact at a summit between the cells. And the relative one of the length of the edges of these contacts.
 MISSING_RIDGE, HIDDEN_PATCH, HIDDEN_LENGTH = 0.5, 0.2, 0.1
+# Standard deviation of the number of patches for each of them on maps that are linear between points. Set on such maps.
+LINEAR_PATCH = 0.06
 # Excess of the mean gap over h^2 times the mean curvature under the contact, over the shift of the edge, 1/cells.
 SHIFT_OF_GAP = 1.7
 # Cells of a patch that has half of that excess.
@@ -54,13 +56,14 @@ COMMON_GAP, GAP_ERROR, SMALL_PATCH_GAP, UNRESOLVED_GAP = 0.002, 0.012, 0.15, 0.0
 # The same of one patch times the square of the fraction of the load on saturated cells and the fourth root of its
 # cells, with which an edge between whole cells errs, no unit.
 SATURATED_GAP = 0.08
-# The same where the edge runs along whole rows of cells, which err alike, no unit. Set on strips.
-ALIGNED_GAP = 0.07
+# The same where the edge runs along whole rows of cells, which err alike, and where it is straight in an oblique
+# direction, no unit. Set on strips.
+ALIGNED_GAP, OBLIQUE_GAP = 0.07, 0.02
 # Rim ratios between which the rims of flats that were run in become sharp.
 RIM = (1.5, 2.5)
 # Excess of the mean gap over h^2 times the curvature at sharp rims, times the resolution ratio and the fourth root of
 # the cells of a patch, and its standard deviation, no unit. Set on surfaces that were run in.
-RIM_GAP = (-0.013, 0.011)
+RIM_GAP = (-0.013, 0.014)
 # The same of heights that are linear between points, and times the fraction of the load on cells that were filled
 # (the root of it for the standard deviation).
 LINEAR_GAP, FILLED_GAP = (-0.09, 0.015), (-1.5, 0.2)

@@ -15,8 +15,10 @@ from roughcontact._answers.areas.curvature import (
     curvature_resolution,
     find_filled,
     is_linear,
+    lay_ratio,
     rim_ratio,
 )
+from roughcontact._answers.areas.edges import STRAIGHT, is_diagonal
 from roughcontact._base.checks import Array
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution, heal
@@ -113,11 +115,14 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
 
 
 def _find_aligned(solution: ContactSolution) -> float:
-    """Return the standard deviation of the shift over the second difference at edges along the cells."""
+    """Return the standard deviation of the shift over the second difference at straight edges: cells err alike."""
     rows = find_straight_rows(solution.contact, solution.boundary)
     # On average, for a slender ellipse has some long ones too.
     long = rows.size > 0 and float(np.mean(rows)) > 0.5 * min(solution.grid.shape)
-    return calibration.ALIGNED_GAP if long else 0.0
+    if long:
+        return calibration.ALIGNED_GAP
+    lay = lay_ratio(solution)
+    return calibration.OBLIQUE_GAP if lay < STRAIGHT and is_diagonal(solution, lay) else 0.0
 
 
 def _find_spread(bend: _Bend, cells: Array) -> float:
