@@ -7,6 +7,8 @@ import numpy as np
 
 from roughcontact._answers.areas import quantity_calibration as calibration
 from roughcontact._answers.areas.cells import extend, find_cut_patches, grow
+from roughcontact._answers.areas.curvature import curvature_resolution, lay_ratio
+from roughcontact._answers.areas.edges import STRAIGHT
 from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact._answers.areas.total import warn_if_uncertain
 from roughcontact._base.checks import Array, IntArray, Mask
@@ -53,12 +55,17 @@ class PeakPressure(QuantityEstimator):
         if solution.saturated.any():
             return Estimate(float(limit[solution.saturated].max()), 0.0, "Pa", _list_warnings(solution, area, None))
         quadratic, quadratic_std, inner = _fit_quadratics(solution, highest)
+        lay = lay_ratio(solution)
+        if lay > STRAIGHT:
+            # Ridges are narrow, and the cells tell least across them.
+            quadratic_std = quadratic_std * (1.0 + calibration.PEAK_LAY * (1.0 - lay))
         with np.errstate(all="ignore"):
             summit, summit_std = _find_summits(solution, area, highest)
         weight = np.where(np.isfinite(summit_std), quadratic_std**2 / (quadratic_std**2 + summit_std**2), 0.0)
         value = weight * np.where(np.isfinite(summit_std), summit, 0.0) + (1.0 - weight) * quadratic
         std = value * np.sqrt(weight) * np.where(np.isfinite(summit_std), summit_std, 0.0)
         std = np.where(weight > 0.0, std, value * quadratic_std)
+        std = np.hypot(std, value * _find_tip_error(patches.cells, _find_sharpness(solution, highest)))
         top = int(np.argmax(value))
         peak = float(value[top])
         sharp = patches.cells[top] >= _SHARP_PATCH and not inner[top]
@@ -79,6 +86,33 @@ def _find_highest(solution: ContactSolution) -> IntArray:
     members = np.flatnonzero(labels)
     members = members[np.lexsort((-pressure[members], labels[members]))]
     return members[np.unique(labels[members], return_index=True)[1]]
+
+
+def _find_sharpness(solution: ContactSolution, highest: IntArray) -> Array:
+    """Return by how much the curvature over one cell exceeds that over two, over the resolution ratio, no unit.
+
+    A quarter on waves, zero on paraboloids, more on tips, less on blunt summits.
+    """
+    near = _gather(solution.initial_gap, solution.boundary, highest, 2)
+    dx, dy = solution.grid.spacing
+    one, two = (
+        (
+            (near[2 + k, 2] - 2.0 * near[2, 2] + near[2 - k, 2]) / dx**2
+            + (near[2, 2 + k] - 2.0 * near[2, 2] + near[2, 2 - k]) / dy**2
+        )
+        / k**2
+        for k in (1, 2)
+    )
+    rounded = (one > 0.0) & (two > 0.0)
+    excess = np.log(np.where(rounded, one, 1.0) / np.where(rounded, two, 1.0))
+    return np.asarray(excess / (curvature_resolution(solution) + calibration.LEAST_RATIO))
+
+
+def _find_tip_error(cells: IntArray, sharpness: Array) -> Array:
+    """Return the relative error for the pressure at a tip, which rises between the cells, shape (count,)."""
+    first, certain, most = calibration.PEAK_TIP
+    part = np.clip((sharpness - first) / (certain - first), 0.0, 1.0)
+    return np.asarray(most * part * cells**-0.25)
 
 
 def _fit_quadratics(solution: ContactSolution, highest: IntArray) -> tuple[Array, Array, Mask]:

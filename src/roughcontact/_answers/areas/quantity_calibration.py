@@ -18,6 +18,13 @@ PEAK_EDGE, PEAK_STRIP = 0.5, 0.05
 # Relative standard deviation of a summit's maximum pressure: without cause, times the square of the spread of the
 # curvature, times the change by the fourth derivative; no unit.
 SUMMIT_ERROR = (0.001, 0.6, 0.2)
+# By how much the error of a quadratic is larger on ridges of one direction, no unit. Set on rough contacts with a lay.
+PEAK_LAY = 1.0
+# Relative standard deviation of the maximum pressure at tips: the sharpness from which it is added, that from which it
+# is added whole, and its size, times the fourth root of the number of cells; no unit. Set on r^1.5.
+PEAK_TIP = (0.3, 0.36, 0.45)
+# What is added to the resolution ratio under the sharpness, so that rounding does not count.
+LEAST_RATIO = 0.01
 # Length lost along an edge of several summits, relative, times the resolution ratio to the power 3/2; half of it is
 # uncertain.
 LOST_LENGTH = 0.05
