@@ -105,7 +105,7 @@ def _find_sharpness(solution: ContactSolution, highest: IntArray) -> Array:
     )
     rounded = (one > 0.0) & (two > 0.0)
     excess = np.log(np.where(rounded, one, 1.0) / np.where(rounded, two, 1.0))
-    return np.asarray(excess / (curvature_resolution(solution) + calibration.LEAST_RATIO))
+    return np.asarray(excess / (curvature_resolution(solution) + calibration.SMALLEST_RATIO))
 
 
 def _find_tip_error(cells: IntArray, sharpness: Array) -> Array:

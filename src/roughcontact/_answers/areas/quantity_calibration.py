@@ -24,7 +24,7 @@ PEAK_LAY = 1.0
 # is added whole, and its size, times the fourth root of the number of cells; no unit. Set on r^1.5.
 PEAK_TIP = (0.3, 0.36, 0.45)
 # What is added to the resolution ratio under the sharpness, so that rounding does not count.
-LEAST_RATIO = 0.01
+SMALLEST_RATIO = 0.01
 # Length lost along an edge of several summits, relative, times the resolution ratio to the power 3/2; half of it is
 # uncertain.
 LOST_LENGTH = 0.05
