@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._base.units.text import fit, split_columns
+from roughcontact._base.units.text import fit
 from roughcontact._faces.cli import commands
 
 GRID = rc.Grid((48, 48), 48e-6)
@@ -275,14 +275,6 @@ def test_long_lines_are_continued_under_their_text():
     assert max(map(len, lines)) <= 80
     assert "9.8 %" in fit("x" * 75 + " 9.8 %").splitlines()[1]
     assert fit("a\n\nb") == "a\n\nb"
-
-
-def test_wide_tables_are_split_below_their_first_columns():
-    table = [["key", *(10 * letter for letter in "abcdefgh")], ["1", *(10 * digit for digit in "23456789")]]
-    lines = split_columns(table, 1)
-    assert max(map(len, lines)) <= 80
-    assert [line.split()[0] for line in lines if line] == ["key", "1", "key", "1"]
-    assert sum(line.count(digit * 10) for line in lines for digit in "23456789") == 8
 
 
 class TestSurface:

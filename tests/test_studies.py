@@ -607,7 +607,7 @@ class TestRecords:
             assert set(solution.warnings) <= set(record.warnings)
             assert record.doubtful == bool(solution.warnings)
         assert all("foam or a gel" in record.warnings[0] for record in first[:2])
-        assert str(first).endswith(f"now, 4 doubtful (see their warnings), in {tmp_path}")
+        assert str(first).splitlines()[0].endswith(f"now, 4 doubtful (see their warnings), in {tmp_path}")
         frame = first.to_pandas()
         assert frame.warnings[0].startswith("A Young's modulus of 210 Pa")
         assert frame.doubtful.all()
@@ -713,11 +713,23 @@ class TestFiles:
         assert "4: 2 of problem x 2 of force" in capsys.readouterr().out
         assert main(["run", str(study_file)]) == 0
         folder = study_file.with_suffix("")
-        printed = capsys.readouterr().out.split()
+        out = capsys.readouterr().out
+        printed = out.split()
         begins = f"4 solves, 4 of them now, in {folder}".split()
         # Only estimates are doubtful, which leaves the status at 0, as of `solve`.
         assert printed[: len(begins)] == begins
         assert "warning The contact area is doubtful: the" in " ".join(printed)
+        assert max(map(len, out.splitlines())) <= 80
+        lines = [line.split() for line in out.splitlines()]
+        start = next(place for place, line in enumerate(lines) if line[:4] == ["problem", "load", "area", "blend,"])
+        assert [line[:3] for line in lines[start + 1 : start + 5]] == [
+            [name, load, unit] for name in ("rough", "ball") for load, unit in (("100", "mN"), ("1", "N"))
+        ]
+        unit = {"µm2": 1e-12, "nm2": 1e-18}[lines[start][4]]
+        for line, record in zip(lines[start + 1 :], read_study(study_file).run(folder), strict=False):
+            area, uncertainty = record.areas["blend"]
+            assert float(line[3]) * unit == pytest.approx(area, abs=0.1 * uncertainty)
+            assert float(line[5]) * unit == pytest.approx(uncertainty, rel=0.06)
         assert main(["run", str(study_file), "--workers", "2"]) == 0
         assert "0 of them now" in capsys.readouterr().out
         assert (folder / "records.csv").read_text().count("CONVERGED") == 4

@@ -498,10 +498,10 @@ def test_the_reason_says_what_to_do(part, claim, reason):
 def test_a_report_reads_well():
     text = str(kit.check(rc.Love()))
     assert text.startswith("kernel Love(): 16 of 16 claims hold\n")
-    assert re.search(r"^  holds   even in x and y +to", text, re.M)
+    assert re.search(r"^holds +even in x and y +to", text, re.M)
     assert "15 of 15 claims hold, 1 does not apply\n" in str(kit.check(rc.FourierHalfSpace()))
     text = str(kit.check(Nothing()))
-    assert "BROKEN  coefficients or spectrum" in text
+    assert re.search(r"^BROKEN +coefficients or spectrum", text, re.M)
     assert "does not apply: the kernel has no spectrum" in text
 
 
@@ -525,7 +525,7 @@ class TestCommand:
     def test_a_name_that_does_not(self, capsys, monkeypatch):
         monkeypatch.setitem(rc.areas._classes, "careless", Careless)
         assert main(["check", "careless", "--kind", "area estimator", "--with", "fault=falls"]) == 1
-        assert "BROKEN  monotone in the load" in capsys.readouterr().out
+        assert re.search(r"^BROKEN +monotone in the load", capsys.readouterr().out, re.M)
 
     def test_a_name_that_needs_fields(self, capsys):
         assert main(["check", "elastic", "--with", "young=200e9", "poisson=0.3"]) == 0

@@ -8,7 +8,7 @@ convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseC
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`
 readers      `RawMap`
-commands     the function `replacing`
+commands     `Table`; the function `replacing`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
@@ -23,6 +23,7 @@ from roughcontact._answers.laws import InterfaceLaw, LawColumn, PowerFit
 from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.archive import replacing
 from roughcontact._base.checks import Array, IntArray, Mask, Pair, RealArray
+from roughcontact._base.tables import Table
 from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap
 from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
@@ -115,6 +116,7 @@ __all__ = [
     "SupportsCoefficients",
     "SupportsSpectrum",
     "Sweep",
+    "Table",
     "Task",
     "TheoryBeside",
     "Throat",

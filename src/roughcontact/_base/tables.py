@@ -1,4 +1,4 @@
-"""Tables of results: for pandas, xarray, CSV files and notebooks."""
+"""Tables of results: as text, Markdown and HTML for people; as CSV files and for pandas and xarray with all digits."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import csv
 import html
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, TextIO
 
 import attrs
@@ -14,27 +15,70 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
-from roughcontact._base.units import si
-from roughcontact.errors import MissingPackage
+from roughcontact._base.units import Estimate, si
+from roughcontact._base.units.columns import scale_column, write_column
+from roughcontact._base.units.text import WIDTH
+from roughcontact.errors import InputError, MissingPackage
 
 # Rows that a notebook shows: the first and the last ones of a longer table.
-_SHOWN = 20
+_SHOWN_ROWS = 20
+# Blanks between two columns of a text.
+_GAP = "  "
+# Signs of print, as a terminal shows them.
+_ASCII = str.maketrans({"±": "+-", "²": "2", "³": "3"})
 
 
 @attrs.frozen(eq=False)
 class Table:
-    """Columns of one length by name.
+    """Columns of one length by name: numbers, texts and estimates, for people and for programs.
+
+    In a file or a data frame an estimate takes two columns, ``area`` and ``area_uncertainty``. People read the digits
+    that its uncertainty allows, in one unit for the column, which stands in the heading.
 
     Attributes
     ----------
     columns
-        Numbers, texts or None, as many in each column as there are rows.
+        Numbers, texts, `Estimate` or None, as many in each column as there are rows.
     units
-        SI units of the columns that have one, by their names; empty for a ratio.
+        SI units of the numbers that have one, by the names of their columns; empty for a ratio. Estimates have theirs.
+    left
+        Names of the columns that a text aligns at the left.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.typing import Table
+    >>> areas = [rc.Estimate(2.13e-10, 4e-12, "m2"), rc.Estimate(1.058e-9, 1.5e-11, "m2")]
+    >>> table = Table({"load": [1.0, 5.0], "area": areas}, {"load": "N"})
+    >>> print(table.to_text())
+    load     area, µm2
+     1 N   213.0 +- 4.0
+     5 N     1058 +- 15
     """
 
-    columns: Mapping[str, Sequence[Any] | checks.RealArray]
+    columns: Mapping[str, Sequence[Any] | checks.RealArray] = attrs.field()
     units: Mapping[str, str] = attrs.Factory(dict)
+    left: Collection[str] = ()
+
+    @columns.validator
+    def _check_lengths(self, attribute: Any, columns: Mapping[str, Sequence[Any] | checks.RealArray]) -> None:
+        lengths = {name: len(column) for name, column in columns.items()}
+        if len(set(lengths.values())) > 1:
+            raise InputError.about("The lengths of the columns", lengths, "one length for all")
+
+    @classmethod
+    def from_rows(
+        cls,
+        names: Sequence[str],
+        rows: Iterable[Sequence[Any]],
+        units: Mapping[str, str] = MappingProxyType({}),
+        left: Collection[str] = (),
+    ) -> Table:
+        """Return the table with the columns of these names and a cell for each of them in every row."""
+        if len(set(names)) < len(names):
+            raise InputError.about("The names of the columns", list(names), "names that differ from each other")
+        cells = list(rows)
+        return cls({name: [row[place] for row in cells] for place, name in enumerate(names)}, units, left)
 
     def to_pandas(self) -> Any:
         """Return a `pandas.DataFrame` with the units in ``frame.attrs["units"]``."""
@@ -42,10 +86,11 @@ class Table:
             import pandas
         except ImportError:
             raise MissingPackage("A data frame needs the package pandas: pip install 'roughcontact[table]'.") from None
+        columns, units = self._separate()
         frame = pandas.DataFrame(
-            {name: np.array(one) if isinstance(one, np.ndarray) else list(one) for name, one in self.columns.items()}
+            {name: np.array(one) if isinstance(one, np.ndarray) else list(one) for name, one in columns.items()}
         )
-        frame.attrs["units"] = dict(self.units)
+        frame.attrs["units"] = units
         return frame
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
@@ -58,29 +103,77 @@ class Table:
 
     def write(self, file: TextIO) -> None:
         """Write the lines of `to_csv` to an open file."""
+        columns, units = self._separate()
         writer = csv.writer(file)
-        writer.writerow(f"{name} [{self.units[name] or 1}]" if name in self.units else name for name in self.columns)
+        writer.writerow(f"{name} [{units[name] or 1}]" if name in units else name for name in columns)
         # Numbers of numpy would be written with the name of their type.
         writer.writerows(
             [value.item() if isinstance(value, np.generic) else value for value in row]
-            for row in zip(*self.columns.values(), strict=True)
+            for row in zip(*columns.values(), strict=True)
         )
+
+    def to_text(self, width: int | None = WIDTH, keys: int = 1, max_rows: int | None = None) -> str:
+        """Return the table as aligned lines.
+
+        Parameters
+        ----------
+        width
+            Characters of a line. A wider table is folded: blocks of whole columns stand below each other, and each
+            begins with the first columns. None: it is never folded.
+        keys
+            How many of the first columns begin each block.
+        max_rows
+            Of more rows the first and the last are shown, and how many are between them; None: all.
+        """
+        headings, rows = self.to_cells(max_rows)
+        lines = [[cell.translate(_ASCII) for cell in line] for line in (headings, *rows)]
+        widths = [max(len(line[place]) for line in lines) for place in range(len(headings))]
+        justify = [str.ljust if name in self.left else str.rjust for name in self.columns]
+        blocks = [
+            [_GAP.join(justify[place](line[place], widths[place]) for place in places).rstrip() for line in lines]
+            for places in _fold(widths, keys, width)
+        ]
+        return "\n\n".join("\n".join(block) for block in blocks)
+
+    def to_markdown(self) -> str:
+        """Return the table as Markdown."""
+        headings, rows = self.to_cells()
+        rule = "|".join("---" if name in self.left else "---:" for name in self.columns)
+        lines = (f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in rows)
+        return "\n".join([f"| {' | '.join(headings)} |", f"|{rule}|", *lines])
 
     def to_html(self, *notes: str) -> str:
         """Return notes and a table of HTML for a notebook, with SI prefixes; of many rows the first and the last."""
-        rows = list(zip(*self.columns.values(), strict=True))
-        shown: list[Sequence[str]] = [
-            [self._cell(*pair) for pair in zip(self.columns, row, strict=True)] for row in rows
-        ]
-        if len(rows) > _SHOWN:
-            half = _SHOWN // 2
-            between = [f"... {len(rows) - 2 * half} more", *[""] * (len(self.columns) - 1)]
-            shown = [*shown[:half], between, *shown[-half:]]
-        lines = [_row(self.columns, "th"), *(_row(cells, "td") for cells in shown)]
+        headings, rows = self.to_cells(_SHOWN_ROWS)
+        lines = [_row(headings, "th"), *(_row(cells, "td") for cells in rows)]
         above = "".join(f"<div>{html.escape(note)}</div>" for note in notes)
         return f"{above}<table>{''.join(lines)}</table>"
 
-    def _cell(self, name: str, value: object) -> str:
+    def to_cells(self, max_rows: int | None = None) -> tuple[list[str], list[list[str]]]:
+        """Return the headings and the rows as people read them; see `to_text` for `max_rows`."""
+        written = [self._write_column(name) for name in self.columns]
+        rows = [list(row) for row in zip(*(cells for _, cells in written), strict=True)]
+        if max_rows is not None and len(rows) > max_rows:
+            half = max_rows // 2
+            between = [f"... {len(rows) - 2 * half} more", *[""] * (len(written) - 1)]
+            rows = [*rows[:half], between, *rows[-half:]]
+        return [heading for heading, _ in written], rows
+
+    def _write_column(self, name: str) -> tuple[str, list[str]]:
+        """Return the heading of a column and its cells."""
+        column = self.columns[name]
+        estimates = [cell for cell in column if isinstance(cell, Estimate)]
+        if not estimates:
+            return name, [self._write_cell(name, cell) for cell in column]
+        if len({one.unit for one in estimates}) == 1:
+            numbers, unit = scale_column(estimates)
+            heading = f"{name}, {unit}" if unit else name
+        else:
+            numbers, heading = [write_column([one])[0] for one in estimates], name
+        texts = iter(numbers)
+        return heading, [next(texts) if isinstance(cell, Estimate) else self._write_cell(name, cell) for cell in column]
+
+    def _write_cell(self, name: str, value: object) -> str:
         if isinstance(value, (float, np.floating)):
             unit = self.units.get(name, "")
             if math.isnan(value):
@@ -88,9 +181,41 @@ class Table:
             return si(float(value), unit) if unit else f"{value:.4g}"
         return "" if value is None else str(value)
 
+    def _separate(self) -> tuple[dict[str, Any], dict[str, str]]:
+        """Return the columns with the values and the uncertainties of estimates apart, and the units of all."""
+        columns: dict[str, Any] = {}
+        units: dict[str, str] = {}
+        for name, column in self.columns.items():
+            found = [cell if isinstance(cell, Estimate) else None for cell in column]
+            known = list(dict.fromkeys(one.unit for one in found if one is not None))
+            if not known:
+                columns[name] = column
+                units |= {name: self.units[name]} if name in self.units else {}
+                continue
+            columns[name] = [None if one is None else one.value for one in found]
+            columns[f"{name}_uncertainty"] = [None if one is None else one.uncertainty for one in found]
+            if len(known) == 1:
+                units |= dict.fromkeys((name, f"{name}_uncertainty"), known[0])
+            else:
+                columns[f"{name}_unit"] = [None if one is None else one.unit for one in found]
+        return columns, units
 
-def _row(cells: Any, tag: str) -> str:
-    return "<tr>" + "".join(f"<{tag}>{html.escape(str(cell))}</{tag}>" for cell in cells) + "</tr>"
+
+def _fold(widths: Sequence[int], keys: int, width: int | None) -> list[list[int]]:
+    """Return the places of the columns in each block, which fits the width and begins with the first columns."""
+    first = list(range(min(keys, len(widths))))
+    blocks: list[list[int]] = [[]]
+    for place in range(len(first), len(widths)):
+        wanted = [*first, *blocks[-1], place]
+        needed = sum(widths[one] for one in wanted) + len(_GAP) * (len(wanted) - 1)
+        if blocks[-1] and width is not None and needed > width:
+            blocks.append([])
+        blocks[-1].append(place)
+    return [[*first, *block] for block in blocks]
+
+
+def _row(cells: Iterable[str], tag: str) -> str:
+    return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
 
 
 def make_dataset(variables: Mapping[str, Any], places: Mapping[str, Any], notes: Mapping[str, Any]) -> Any:

@@ -13,6 +13,7 @@ import numpy as np
 from roughcontact._base.archive.plain import describe, key_of, missing_classes, rebuild
 from roughcontact._base.checks import RealArray, choice
 from roughcontact._base.registry import Registry, registries
+from roughcontact._base.tables import Table
 from roughcontact.errors import InputError
 from roughcontact.plotting import panels
 
@@ -121,9 +122,9 @@ class Report:
         return f"{self.kind} {self.part}: {applied - len(self.failures)} of {applied} claims hold{rest}"
 
     def __str__(self) -> str:
-        width = max((len(finding.claim) for finding in self.findings), default=0)
-        rows = (f"  {one.verdict:<6}  {one.claim:<{width}}  {one.detail}".rstrip() for one in self.findings)
-        return "\n".join((self._headline(), *rows))
+        names = ("verdict", "claim", "detail")
+        rows = [(one.verdict, one.claim, one.detail) for one in self.findings]
+        return "\n".join((self._headline(), Table.from_rows(names, rows, left=names).to_text(width=None)))
 
 
 _CLAIMS: dict[str, list[Claim]] = {}

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import zip_longest
 from pathlib import Path
 from typing import TypeVar
 
@@ -13,12 +11,11 @@ import attrs
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
-from rich import box
 from rich.console import Console
+from rich.markup import escape
 from rich.padding import Padding
 from rich.progress import Progress
-from rich.table import Table as RichTable
-from roughcontact.typing import replacing
+from roughcontact.typing import Table, replacing
 
 from roughcontact_paper import published
 
@@ -29,57 +26,44 @@ _DPI = 150
 
 
 @attrs.frozen
-class Table:
-    """A table of text cells.
+class PaperTable:
+    """A table of the paper.
 
     Attributes
     ----------
     name, title
         File name without ending, and heading.
-    columns, rows
-        Column headings, and a text for each of them in every row.
+    cells
+        A text for each column in every row.
     notes
         Sentences below the table.
+    keys
+        How many of the first columns begin each block of a table that is wider than the terminal.
     """
 
     name: str
     title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    cells: Table
     notes: tuple[str, ...] = ()
+    keys: int = 2
 
 
-def show_table(table: Table, console: Console) -> None:
-    """Print a table."""
-    view = RichTable(
-        title=table.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, show_edge=False, padding=0
-    )
-    widths = [
-        max(*(len(row[k]) for row in table.rows), *(len(word) for word in column.split()))
-        for k, column in enumerate(table.columns)
-    ]
-    for column, width in zip(table.columns, widths, strict=True):
-        view.add_column(column, justify="right", width=width)
-    # A narrow terminal wraps lines rather than losing digits.
-    console.width = max(console.width, sum(widths) + len(widths) - 1)
-    several = len({row[0] for row in table.rows}) < len(table.rows)
-    for row, following in zip_longest(table.rows, table.rows[1:]):
-        # A line between loads that have several rows.
-        view.add_row(*row, end_section=several and following is not None and following[0] != row[0])
-    console.print()
-    console.print(view)
+def show_table(table: PaperTable, console: Console) -> None:
+    """Print a table, folded to the width of a terminal; it is whole in a file and on a pipe."""
+    text = table.cells.to_text(width=console.width if console.is_terminal else None, keys=table.keys)
+    console.print(f"\n[bold]{escape(table.title)}[/bold]\n")
+    console.print(text, markup=False, highlight=False, soft_wrap=True)
     console.print()
     for note in table.notes:
         console.print(Padding(note, (0, 0, 0, 3)), highlight=False)
 
 
-def write_results(tables: Iterable[Table], figures: Mapping[str, Figure], folder: Path) -> list[str]:
+def write_results(tables: Iterable[PaperTable], figures: Mapping[str, Figure], folder: Path) -> list[str]:
     """Write tables as CSV files and figures as PNG files; return the names of the files."""
     names = []
     for table in tables:
         names.append(f"{table.name}.csv")
-        with replacing(folder / names[-1]) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows([table.columns, *table.rows])
+        table.cells.to_csv(folder / names[-1])
     for name, figure in figures.items():
         names.append(f"{name}.png")
         content = io.BytesIO()

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 import roughcontact as rc
 from roughcontact.extrapolation import Extrapolation, exponential
-from roughcontact.typing import Residuals
+from roughcontact.typing import Residuals, Table
 
 from roughcontact_paper import published
-from roughcontact_paper.output import Table
+from roughcontact_paper.output import PaperTable
 from roughcontact_paper.synthetic_pair import STEEL, coarsen
 
 # The paper's loads, N, and its two pairs.
@@ -106,21 +106,21 @@ def local_contact(case: PairCase, size: float) -> tuple[float, float]:
     return float(centres[best, 0]), float(centres[best, 1])
 
 
-def tabulate_pairs(cases: Sequence[PairCase]) -> tuple[Table, ...]:
+def tabulate_pairs(cases: Sequence[PairCase]) -> tuple[PaperTable, ...]:
     """Return Table 4, the areas on every grid, and Table 5 beside the sub-grid areas."""
     return _material_table(), _grids_table(cases), _extrapolation_table(cases)
 
 
-def _material_table() -> Table:
+def _material_table() -> PaperTable:
     """Table 4: the printed properties of the steel, and those that are used."""
     used = (STEEL.young / 1e9, STEEL.poisson, STEEL.hardness / 1e9)
-    rows = tuple(
+    rows = [
         (name, f"{printed:g}", f"{value:g}")
         for (name, printed), value in zip(published.STEEL.items(), used, strict=True)
-    )
+    ]
     modulus = STEEL.young / (2 * (1 - STEEL.poisson**2)) / 1e9
     note = f"Both bodies: E* = {modulus:.2f} GPa; the hardness is the largest pressure."
-    return Table("table4", "Table 4: 52100 steel", ("property", "printed", "used"), rows, (note,))
+    return PaperTable("table4", "Table 4: 52100 steel", Table.from_rows(("property", "printed", "used"), rows), (note,))
 
 
 def _pair(state: str, force: float) -> str:
@@ -129,11 +129,11 @@ def _pair(state: str, force: float) -> str:
 
 def _with_uncertainty(area: rc.Area, digits: int) -> str:
     percent = 100 * area.uncertainty / area.value
-    return f"{_UM2 * area.value:.{digits}f} ±{percent:.{0 if percent >= 10 else 1}f}%"
+    return f"{_UM2 * area.value:.{digits}f} +-{percent:.{0 if percent >= 10 else 1}f}%"
 
 
-def _grids_table(cases: Sequence[PairCase]) -> Table:
-    rows = tuple(
+def _grids_table(cases: Sequence[PairCase]) -> PaperTable:
+    rows = [
         (
             _pair(case.state, case.force),
             f"{case.cells}",
@@ -145,7 +145,7 @@ def _grids_table(cases: Sequence[PairCase]) -> Table:
             f"{case.patches}",
         )
         for case in cases
-    )
+    ]
     last = cases[-1]
     columns = ("pair, N", "cells", "counted", "sub-grid", "error %", "satur.", "p_max", "patches")
     title = "Figure 10 in numbers: areas of the synthetic pair, um2"
@@ -155,10 +155,10 @@ def _grids_table(cases: Sequence[PairCase]) -> Table:
         "Coarse maps are scaled bilinearly from the finest one, which removes roughness.",
         f"The last of these solves took {last.seconds:.2g} s; its residuals: {last.residuals}.",
     )
-    return Table("pairs", title, columns, rows, notes)
+    return PaperTable("pairs", title, Table.from_rows(columns, rows), notes)
 
 
-def _extrapolation_table(cases: Sequence[PairCase]) -> Table:
+def _extrapolation_table(cases: Sequence[PairCase]) -> PaperTable:
     rows, warnings = [], []
     finest = max(case.cells for case in cases)
     for state in STATES:
@@ -189,4 +189,4 @@ def _extrapolation_table(cases: Sequence[PairCase]) -> Table:
     unreliable = [found[0] for found in warnings if found]
     if unreliable:
         notes.append(f"{len(unreliable)} of {len(rows)} fits of eq. 28 are not reliable; the first: {unreliable[0]}.")
-    return Table("table5", title, columns, tuple(rows), tuple(notes))
+    return PaperTable("table5", title, Table.from_rows(columns, rows), tuple(notes), keys=1)

@@ -6,16 +6,17 @@ from collections.abc import Mapping, Sequence
 
 from roughcontact.extrapolation import Extrapolation, exponential, power_law
 from roughcontact.reference import WavyContact
+from roughcontact.typing import Table
 
 from roughcontact_paper import published
-from roughcontact_paper.output import Table
+from roughcontact_paper.output import PaperTable
 from roughcontact_paper.wave import AMPLITUDE, MATERIAL, WAVELENGTH, WaveCase
 
 _ERRORS = "error: magnitude against the analytic value, as printed and ours; true error: against the converged values"
 _TIMES = "CPU s: of the solve with its kernel, to contact conditions of 1e-5"
 
 
-def tabulate_waves(cases: Sequence[WaveCase]) -> tuple[Table, ...]:
+def tabulate_waves(cases: Sequence[WaveCase]) -> tuple[PaperTable, ...]:
     """Return Tables 1 to 3 of the cases that were solved."""
     return _sam_table(cases, 1), _sam_table(cases, 2), _extrapolation_table(cases)
 
@@ -48,7 +49,7 @@ def remarks() -> tuple[str, ...]:
     )
 
 
-def _sam_table(cases: Sequence[WaveCase], number: int) -> Table:
+def _sam_table(cases: Sequence[WaveCase], number: int) -> PaperTable:
     """Return Table 1 or 2: the columns that the paper prints, then ours."""
     pressure = number == 1
     analytic = published.ANALYTIC_P_MAX if pressure else published.ANALYTIC_AREA
@@ -71,10 +72,11 @@ def _sam_table(cases: Sequence[WaveCase], number: int) -> Table:
     columns += [] if pressure else ["sub-grid error %", "cells"]
     what = "maximum contact pressure" if pressure else "real contact area, % of nominal"
     notes = (_ERRORS, _TIMES, _analytic(number, unit, analytic))
-    return Table(f"table{number}", f"Table {number}: {what}", (*columns, "iter.", "CPU s"), tuple(rows), notes)
+    cells = Table.from_rows([*columns, "iter.", "CPU s"], rows)
+    return PaperTable(f"table{number}", f"Table {number}: {what}", cells, notes)
 
 
-def _extrapolation_table(cases: Sequence[WaveCase]) -> Table:
+def _extrapolation_table(cases: Sequence[WaveCase]) -> PaperTable:
     rows, notes = [], [_ERRORS]
     for load in published.LOADS:
         true, analytic = published.TRUE_AREA[load], _closed_form(load)[1]
@@ -87,7 +89,8 @@ def _extrapolation_table(cases: Sequence[WaveCase]) -> Table:
     printed = ("load MPa", "analytic", "extrapolated", "printed error %")
     ours = ("eq. 28, ours", "our error %", "eq. 28 true error %")
     columns = (*printed, *ours, "power law, finest 3", "power law true error %")
-    return Table("table3", "Table 3: extrapolated area, % of nominal", columns, tuple(rows), tuple(notes))
+    cells = Table.from_rows(columns, rows)
+    return PaperTable("table3", "Table 3: extrapolated area, % of nominal", cells, tuple(notes), keys=1)
 
 
 def _wave() -> WavyContact:

@@ -15,7 +15,7 @@ from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.checks import Array, read_only
 from roughcontact._base.tables import Table
-from roughcontact._base.units import counted, outlined, si
+from roughcontact._base.units import Estimate, counted, outlined, si
 from roughcontact.errors import InputError
 
 
@@ -75,16 +75,10 @@ class InterfaceLaw:
         return fit_power(self.pressures, column.values, column.uncertainties)
 
     def __str__(self) -> str:
-        heads = [f"{name}{f', {column.unit}' if column.unit else ''}" for name, column in self.columns.items()]
-        table = [["pressure", *heads]]
-        for row, pressure in enumerate(self.pressures):
-            cells = (f"{column.values[row]:.4g} +- {column.uncertainties[row]:.1g}" for column in self.columns.values())
-            table.append([si(pressure, "Pa"), *cells])
-        widths = [max(map(len, cells)) for cells in zip(*table, strict=True)]
-        lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in table]
         fits = {name: self.fit(name) for name in self.columns}
-        lines += [f"{name}: {found}" for name, found in fits.items() if found is not None]
-        return "\n".join([*self.description, *lines, *(f"warning: {text}" for text in self.warnings)])
+        lines = [f"{name}: {found}" for name, found in fits.items() if found is not None]
+        warnings = [f"warning: {text}" for text in self.warnings]
+        return "\n".join([*self.description, self._table.to_text(), *lines, *warnings])
 
     def to_table(self) -> dict[str, Array]:
         """Return all numbers by the names of their columns, ``pressure``, ``area``, ``area_uncertainty`` and so on."""
@@ -110,14 +104,11 @@ class InterfaceLaw:
 
     @property
     def _table(self) -> Table:
-        return Table(self.to_table(), self._units)
-
-    @property
-    def _units(self) -> dict[str, str]:
-        units = {"pressure": "Pa"}
+        columns: dict[str, Any] = {"pressure": self.pressures}
         for name, column in self.columns.items():
-            units |= {name: column.unit, f"{name}_uncertainty": column.unit}
-        return units
+            pairs = zip(column.values.tolist(), column.uncertainties.tolist(), strict=True)
+            columns[name] = [Estimate(value, uncertainty, column.unit) for value, uncertainty in pairs]
+        return Table(columns, {"pressure": "Pa"})
 
     def to_abaqus(
         self,

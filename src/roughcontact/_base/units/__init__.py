@@ -27,10 +27,15 @@ def si(value: float, unit: str, digits: int = 4) -> str:
     # Areas have 0.01 to 10000 of their unit and volumes 0.001 to a million, as people write them.
     shift = order if raised else 0
     power = 3 * math.floor((math.log10(abs(value)) + shift) / (3 * order) + 1e-9)
-    if power not in _PREFIXES or (raised and power > 0) or (_POWER.match(unit) and not raised):
+    if power not in _PREFIXES or (raised and power > 0) or (has_power(unit) and not raised):
         return f"{value:.{digits}g} {unit}"
     rounded = float(f"{value / 10.0 ** (order * power):.{digits}g}")
     return f"{rounded:.{max(digits, 3 * order)}g} {_PREFIXES[power]}{unit}"
+
+
+def has_power(unit: str) -> bool:
+    """Tell whether a unit begins with a power or an inverse, such as ``m3/s``, so that a prefix would be misread."""
+    return _POWER.match(unit) is not None
 
 
 def with_spread(value: float, uncertainty: float) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Sequence
 
 # Width of what is printed, characters: that of a terminal as it opens, and of a page of mail or of a log.
 WIDTH = 80
@@ -36,23 +35,3 @@ def fit(text: str) -> str:
         kept = _TOGETHER.sub(_NO_BREAK, line)
         lines += textwrap.wrap(kept, WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
     return "\n".join(lines).replace(_NO_BREAK, " ")
-
-
-def split_columns(table: Sequence[Sequence[str]], keys: int) -> list[str]:
-    """Return the lines of a table, its heading first, as one table or several below each other that fit the width.
-
-    Each begins with the first columns, so many as `keys`.
-    """
-    widths = [max(len(row[column]) for row in table) for column in range(len(table[0]))]
-    blocks: list[list[int]] = [[]]
-    for column in range(keys, len(widths)):
-        wanted = [*range(keys), *blocks[-1], column]
-        if blocks[-1] and sum(widths[place] + 2 for place in wanted) - 2 > WIDTH:
-            blocks.append([])
-        blocks[-1].append(column)
-    lines = []
-    for block in blocks:
-        places = [*range(keys), *block]
-        lines += ["  ".join(row[place].rjust(widths[place]) for place in places).rstrip() for row in table]
-        lines.append("")
-    return lines[:-1]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
+from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate
-from roughcontact._base.units.columns import write_column
 from roughcontact._faces.html.elements import element, escape, grid, items, section, tag
 from roughcontact._faces.html.figures import Picture, draw_panels
 from roughcontact._faces.html.wording import name_advice
@@ -58,9 +59,9 @@ def make_rows(sweep: Sweep) -> str:
     """Return the table of a sweep: a row for each load, and each quantity in one unit."""
     given = {_GIVEN[load.kind] for load in loads_of(sweep.solutions)}
     found = [_choose_columns(solution, given) for solution in sweep.solutions]
-    texts = {name: write_column([columns[name] for columns in found]) for name in found[0]}
-    rows = zip([name_load(solution) for solution in sweep.solutions], *texts.values(), strict=True)
-    return grid(["load", *texts], rows, "The answers, a row for each load")
+    columns: dict[str, list[Any]] = {"load": [name_load(solution) for solution in sweep.solutions]}
+    columns |= {name: [quantities[name] for quantities in found] for name in found[0]}
+    return grid(*Table(columns).to_cells(), "The answers, a row for each load")
 
 
 def _choose_columns(solution: ContactSolution, given: set[str]) -> dict[str, Estimate]:

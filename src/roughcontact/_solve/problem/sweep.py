@@ -11,7 +11,8 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import Array, flag, item_of, number
-from roughcontact._base.units import counted, si
+from roughcontact._base.tables import Table
+from roughcontact._base.units import Estimate, counted, si
 from roughcontact._parts.load import Load
 from roughcontact._solve.problem.sweep_table import make_table, to_dataset
 from roughcontact._solve.solution import AreaEstimator, ContactSolution, writers
@@ -166,19 +167,17 @@ class Sweep:
         return make_table(self).to_html(summary, *note_loads(self.solutions))
 
     def __str__(self) -> str:
-        secants = self.secant_stiffness
-        rows = zip(
-            self.mean_pressure, self.force, self.approach, self.area, self.area_uncertainty, secants, strict=True
-        )
-        nominal = self.solutions[0].grid.area
-        lines = [f"{'mean pressure':>14} {'force':>11} {'approach':>11} {'area, %':>18} {'secant':>13}"]
-        for pressure, force, approach, area, uncertainty, stiffness in rows:
-            percent = f"{100 * area / nominal:.4g} +- {100 * uncertainty / nominal:.1g}"
-            lines.append(
-                f"{si(pressure, 'Pa'):>14} {si(force, 'N'):>11} {si(approach, 'm'):>11} {percent:>18} "
-                f"{'-' if math.isnan(stiffness) else si(stiffness, 'N/m'):>13}"
-            )
-        return "\n".join([*lines, *note_loads(self.solutions)])
+        percent = 100.0 / self.solutions[0].grid.area
+        areas = [solution.area() for solution in self.solutions]
+        columns: dict[str, Any] = {
+            "mean pressure": self.mean_pressure,
+            "force": self.force,
+            "approach": self.approach,
+            "area, %": [Estimate(percent * area.value, percent * area.uncertainty, "") for area in areas],
+            "secant": self.secant_stiffness,
+        }
+        units = {"mean pressure": "Pa", "force": "N", "approach": "m", "secant": "N/m"}
+        return "\n".join([Table(columns, units).to_text(), *note_loads(self.solutions)])
 
 
 def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tuple[Load, ...]) -> Sweep:

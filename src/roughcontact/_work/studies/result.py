@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._base.checks import RealArray, item_of
 from roughcontact._base.tables import Table, make_dataset
-from roughcontact._base.units import counted
+from roughcontact._base.units import Estimate, counted
 from roughcontact._parts.load import FIRST_LOADING
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._work.studies.record import Record, read_solution
@@ -30,8 +30,8 @@ _UNITS = {
 }
 _COUNTS = ("iterations", "convolutions")
 _NO_AREA = (np.nan, np.nan)
-# Columns that a notebook shows of a record, beside the parameters and the areas.
-_IN_NOTEBOOKS = ("problem", "seed", "load", "status", "mean_pressure", "approach", "peak_pressure", "doubtful")
+# Solves whose answers are printed: the first and the last ones of a longer study.
+_PRINTED_ROWS = 40
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -162,18 +162,33 @@ class StudyResult:
         return f"<StudyResult {self._summary}>"
 
     def _repr_html_(self) -> str:
-        table, axes = self._table, self._places
-        shown = {
-            name: values
-            for name, values in table.columns.items()
-            if name in axes or name in _IN_NOTEBOOKS or " " in name
-        }
-        if any(record.parameters for record in self.records):
-            shown.pop("problem", None)
-        return Table(shown, table.units).to_html(self._summary, *self._notes)
+        return self._answers.to_html(self._summary, *self._notes)
 
     def __str__(self) -> str:
-        return "\n".join([self._summary, *self._notes])
+        answers = self._answers.to_text(keys=len(self._places), max_rows=_PRINTED_ROWS)
+        return "\n".join([self._summary, "", answers, *self._notes])
+
+    @property
+    def _answers(self) -> Table:
+        """The table for people: the axes, the load, and the answers with their uncertainties."""
+        rows = self.records
+        columns: dict[str, list[Any]] = {name: [_place(record, name) for record in rows] for name in self._places}
+        if not all(record.success for record in rows):
+            columns["status"] = [record.status for record in rows]
+        for name in dict.fromkeys(name for record in rows for name in record.areas):
+            pairs = [record.areas.get(name, _NO_AREA) for record in rows]
+            columns[f"area {name}"] = [Estimate(area, uncertainty, "m2") for area, uncertainty in pairs]
+        columns["maximum pressure"] = [
+            Estimate(record.peak_pressure, record.peak_pressure_uncertainty, "Pa") for record in rows
+        ]
+        given = {record.control for record in rows}
+        if given != {"pressure"}:
+            columns["mean pressure"] = [record.mean_pressure for record in rows]
+        if given != {"approach"}:
+            columns["approach"] = [record.approach for record in rows]
+        if any(record.doubtful for record in rows):
+            columns["doubtful"] = ["yes" if record.doubtful else "" for record in rows]
+        return Table(columns, {"load": self._load_unit, "mean pressure": "Pa", "approach": "m"})
 
     @property
     def _notes(self) -> list[str]:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
-from collections.abc import Iterator
 
 import attrs
 
 from roughcontact._base import checks
-from roughcontact._base.archive import replacing
 from roughcontact._base.checks import choice
 from roughcontact._base.tables import Table
 from roughcontact._base.units import counted, si
-from roughcontact._base.units.text import fit, split_columns
+from roughcontact._base.units.text import fit
 from roughcontact._work.reports.error.reference import QUANTITIES, UNITS, Reference
 from roughcontact._work.reports.error.row import ReportRow, Timing, advise, find_varying_parts, format_percent
 
@@ -84,27 +81,23 @@ class ErrorReport:
         return f"<ErrorReport {counted(len(self.rows), 'row')}: {self.description}>"
 
     def _repr_html_(self) -> str:
-        headings, body, notes = self._make_table()
-        columns = dict(zip(headings, zip(*body, strict=True), strict=True))
-        return Table(columns).to_html(*self._make_head(), *notes)
+        table, notes = self._make_table()
+        return table.to_html(*self._make_head(), *notes)
 
     def __str__(self) -> str:
-        headings, body, footnotes = self._make_table()
-        lines = split_columns([headings, *body], keys=2 + len(find_varying_parts(self.rows)))
-        return fit("\n".join([*self._make_head(), "", *lines, "", *footnotes]))
+        table, footnotes = self._make_table()
+        text = table.to_text(keys=2 + len(find_varying_parts(self.rows)))
+        return fit("\n".join([*self._make_head(), "", text, "", *footnotes]))
 
     def to_markdown(self) -> str:
         """Return the table and its notes as Markdown."""
-        headings, body, footnotes = self._make_table()
-        table = [headings, ["---:" for _ in headings], *body]
-        lines = [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in table]
+        table, footnotes = self._make_table()
         head = ["# Error against run time", "", *(f"{line}  " for line in self._make_head())]
-        return "\n".join([*head, "", *lines, "", *(f"- {note}" for note in footnotes), ""])
+        return "\n".join([*head, "", table.to_markdown(), "", *(f"- {note}" for note in footnotes), ""])
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write all rows to a CSV file, in SI units, with relative errors and all digits; it may replace a file."""
-        with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows(self._make_records())
+        self._make_records().to_csv(path)
 
     def draw(self, path: str | os.PathLike[str]) -> None:
         """Draw errors against CPU time, hollow where not resolved, with the Pareto front; the ending gives the format.
@@ -129,8 +122,8 @@ class ErrorReport:
             common.append(f"tolerance {row.tolerance:.0e}")
         return [f"{self.description}; {', '.join(common)}", f"Reference: {self.reference.source}: {'; '.join(known)}"]
 
-    def _make_table(self) -> tuple[list[str], list[list[str]], list[str]]:
-        """Return the headings, the cells of the table, and the footnotes."""
+    def _make_table(self) -> tuple[Table, list[str]]:
+        """Return the table and its footnotes."""
         parts, known = find_varying_parts(self.rows), self.reference.quantities
         headings = [
             "cells",
@@ -158,7 +151,7 @@ class ErrorReport:
                 line += [f"{row.peak_bytes / 2**20:.3g}"]
             body.append(line)
         reasons = [f"[{number}] {reason}" for number, reason in enumerate(failures, start=1)]
-        return headings, body, [*reasons, *self._make_notes(bool(front))]
+        return Table.from_rows(headings, body), [*reasons, *self._make_notes(bool(front))]
 
     def _error(self, row: ReportRow, name: str) -> str:
         if name in row.of_reference:
@@ -185,10 +178,10 @@ class ErrorReport:
             "peak: memory of numpy's arrays, by tracemalloc in a separate run; without the work space of transforms.",
         ]
 
-    def _make_records(self) -> Iterator[list[object]]:
-        """Return the headings, then every row with all digits."""
+    def _make_records(self) -> Table:
+        """Return every row with all digits."""
         timings, front = ("cpu", "wall", "solve_cpu", "area_cpu"), {id(row) for row in self.front()}
-        yield [
+        names = [
             *("nx", "ny", "kernel", "convolver", "solver", "tolerance", "estimator"),
             *("area_m2", "area_uncertainty_m2", "p_max_Pa", "approach_m"),
             *(f"{name}_error" for name in QUANTITIES),
@@ -196,15 +189,18 @@ class ErrorReport:
             *("pareto", *(f"{name}_s{end}" for name in timings for end in ("", "_min", "_max"))),
             *("iterations", "convolutions", "float32_convolutions", "peak_bytes", "failure"),
         ]
+        records: list[list[object]] = []
         for row in self.rows:
             errors = {name: getattr(row, f"{name}_error") for name in QUANTITIES}
-            yield [
+            record = [
                 *(*row.shape, row.kernel, row.convolver, row.solver, row.tolerance, row.estimator),
                 *(row.area, row.area_uncertainty, row.p_max, row.approach, *errors.values()),
                 *(int(math.isfinite(error) and name not in row.unresolved) for name, error in errors.items()),
                 *(int(id(row) in front), *(time for name in timings for time in attrs.astuple(getattr(row, name)))),
                 *(row.iterations, row.convolutions, row.float32_convolutions, row.peak_bytes, row.failure),
             ]
+            records.append(record)
+        return Table.from_rows(names, records)
 
 
 def _format_timing(timing: Timing) -> str:

@@ -58,12 +58,6 @@ class GalleryRow:
     load: float
     verdict: Verdict
 
-    def __str__(self) -> str:
-        converged = self.status.startswith("converged")
-        status = self.status.split(":")[0] if converged else textwrap.shorten(self.status, 100, placeholder=" ...")
-        work = f"{self.iterations} | {self.convolutions} | {self.gap:.1e} | {self.load:.1e}"
-        return f"| {self.case} | {status} | {'| | |' if math.isnan(self.gap) else work} | {self.verdict} |"
-
     def describe(self) -> str:
         """Return verdict, case and residuals in a line of at most 80 columns, and below it what did not converge."""
         residuals = "" if math.isnan(self.gap) else f"{self.gap:>8.1e} {self.load:>8.1e}"
@@ -98,8 +92,16 @@ class Gallery:
 
     def to_markdown(self) -> str:
         """Return the table as Markdown."""
-        head = "| case | status | iterations | convolutions | gap | load | verdict |\n|---|---|---|---|---|---|---|"
-        return "\n".join([head, *map(str, self.rows), "", summarize([row.verdict for row in self.rows])])
+        names = [one.name for one in attrs.fields(GalleryRow)]
+        table = Table.from_rows(names, map(_abbreviate, self.rows), left=("case", "status", "verdict"))
+        return f"{table.to_markdown()}\n\n{summarize([row.verdict for row in self.rows])}"
+
+
+def _abbreviate(row: GalleryRow) -> list[str]:
+    converged = row.status.startswith("converged")
+    status = row.status.split(":")[0] if converged else textwrap.shorten(row.status, 100, placeholder=" ...")
+    work = [str(row.iterations), str(row.convolutions), f"{row.gap:.1e}", f"{row.load:.1e}"]
+    return [row.case, status, *([""] * len(work) if math.isnan(row.gap) else work), row.verdict]
 
 
 @guarded
