@@ -52,8 +52,8 @@ class Table:
     >>> table = Table({"load": [1.0, 5.0], "area": areas}, {"load": "N"})
     >>> print(table.to_text())
     load     area, µm2
-     1 N   213.0 +- 4.0
-     5 N     1058 +- 15
+     1 N  213.0 +- 4.0
+     5 N    1058 +- 15
     """
 
     columns: Mapping[str, Sequence[Any] | checks.RealArray] = attrs.field()
