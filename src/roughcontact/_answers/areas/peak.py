@@ -57,7 +57,7 @@ class PeakPressure(QuantityEstimator):
         quadratic, quadratic_std, inner = _fit_quadratics(solution, highest)
         lay = lay_ratio(solution)
         if lay > STRAIGHT:
-            # Ridges are narrow, and the cells tell smallest across them.
+            # Ridges are narrow, and the cells show little across them.
             quadratic_std = quadratic_std * (1.0 + calibration.PEAK_LAY * (1.0 - lay))
         with np.errstate(all="ignore"):
             summit, summit_std = _find_summits(solution, area, highest)
