@@ -26,6 +26,7 @@ from matplotlib.figure import Figure
 import roughcontact as rc
 from roughcontact.__main__ import main as command
 from roughcontact._base.archive import remove_stale, replacing
+from roughcontact._base.tables import Table
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._work.studies.record import read_index, write_index
 from roughcontact.errors import NotWritten
@@ -377,7 +378,8 @@ def made(tmp_path_factory):
     """What there is to write, and whole files of it."""
     folder = tmp_path_factory.mktemp("whole")
     pytest.importorskip("h5netcdf")
-    table = paper_output().Table("table", "title", tuple("abcd" * 20), (tuple("1234" * 20),) * 9)
+    cells = Table.from_rows([f"column {place}" for place in range(80)], [tuple("1234" * 20)] * 9)
+    table = paper_output().PaperTable("table", "title", cells)
     rough = rc.HeightMap(ROUGH.heights(GRID), 264.2e-6)
     found = {
         "solution": problem().solve(force=0.1),
