@@ -88,7 +88,9 @@ def hertz_sphere(force: float, radius: float, modulus: float) -> Hertz:
     >>> print(f"{1e6 * ball.semi_axes[0]:.1f} um, {1e-9 * ball.p_max:.2f} GPa, {1e6 * ball.approach:.2f} um")
     68.8 um, 1.01 GPa, 0.95 um
     """
-    force, radius, modulus = _positive(force, "N"), _positive(radius, "m"), _positive(modulus, "Pa")
+    force = _positive(force, "N")
+    radius = _positive(radius, "m")
+    modulus = _positive(modulus, "Pa")
     a = (0.75 * force * radius / modulus) ** (1 / 3)
     return Hertz((a, a), 1.5 * force / (math.pi * a**2), a**2 / radius)
 

@@ -105,7 +105,9 @@ def _monotone(estimator: AreaEstimator) -> str:
 
 @claim("area estimator", "uncertainty covers Hertz")
 def _hertz(estimator: AreaEstimator) -> str:
-    rng, covered, worst = np.random.default_rng(2), [], 0.0
+    rng = np.random.default_rng(2)
+    covered = []
+    worst = 0.0
     for cells in (2.5, 4.0, 6.5, 11.0):
         for x, y in rng.uniform(-0.5, 0.5, (4, 2)):
             solution = sphere_contact(cells, (float(x), float(y)))

@@ -109,7 +109,9 @@ def judge(
     saturated = pressure >= plan.pressure_limit
     displacement = displace(responses, pressure, problem.boundary)
     level = displacement + initial_gap
-    datum, off, given = _datum(level, pressure, saturated), 0.0, Load.of(**load)
+    datum = _datum(level, pressure, saturated)
+    off = 0.0
+    given = Load.of(**load)
     if given.kind == "approach":
         datum = np.longdouble(given.value)
     else:

@@ -55,7 +55,9 @@ class PrintedPolonskyKeer(rc.Solver):
         self.require(approach=task.mean_pressure is None)
         limit, load = task.pressure_limit, float(task.mean_pressure or 0.0) * task.initial_gap.size
         pressure = np.full(task.initial_gap.shape, task.mean_pressure) if task.start is None else np.array(task.start)
-        direction, square, restart = np.zeros_like(pressure), 1.0, True
+        direction = np.zeros_like(pressure)
+        square = 1.0
+        restart = True
         errors: list[float] = []
         status = rc.Status.MAXIMUM_ITERATIONS
         while len(errors) < self.max_iterations:

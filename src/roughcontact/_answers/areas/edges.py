@@ -240,12 +240,12 @@ def _border_std(solution: ContactSolution) -> float:
     contact = solution.contact
     if solution.boundary is not Boundary.FREE or contact.all():
         return 0.0
-    contact = contact & ~solution.saturated
-    cut = find_cut_cells(solution)
-    return sum(
-        each * float(sum(np.count_nonzero(edge) for edge in (cells[0], cells[-1], cells[:, 0], cells[:, -1])))
-        for each, cells in ((calibration.BORDER, cut), (calibration.UNCUT_BORDER, contact & ~cut))
+    contact, saturated, cut = (
+        np.concatenate((field[0], field[-1], field[:, 0], field[:, -1]))
+        for field in (contact, solution.saturated, find_cut_cells(solution))
     )
+    ended = np.count_nonzero(contact & ~saturated & ~cut)
+    return calibration.BORDER * np.count_nonzero(cut) + calibration.UNCUT_BORDER * ended
 
 
 def _find_filled_std(solution: ContactSolution) -> float:

@@ -8,11 +8,12 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.cells import split
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.sharing import Sharing, share_load
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._answers.areas.summits import Summits, find_summits
-from roughcontact._base.checks import Array
+from roughcontact._base.checks import Array, IntArray
 from roughcontact._solve.solution import ContactSolution
 
 # Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.
@@ -88,12 +89,22 @@ def _find_uneven_deficit(spread: Array) -> Array:
 
 def _find_tip_error(solution: ContactSolution) -> Array:
     """Return the relative standard deviation for tips between the cell centres, shape (count,)."""
-    patches, gap, (nx, ny) = solution.patches, solution.initial_gap, solution.grid.shape
+    patches = solution.patches
     members = np.flatnonzero(np.concatenate(([False], patches.cells <= calibration.TIP_CELLS))[patches.labels])
     label = patches.labels.ravel()[members] - 1
-    order = np.lexsort((gap.ravel()[members], label))
+    order = np.lexsort((solution.initial_gap.ravel()[members], label))
     lowest = order[np.flatnonzero(np.diff(label[order], prepend=-1))]
-    i, j = np.divmod(members[lowest], ny)
+    sharpness = find_sharpness(solution, members[lowest])
+    first, most = calibration.TIP
+    error = np.zeros(patches.count)
+    error[label[lowest]] = np.where(np.isfinite(sharpness), np.minimum(first * sharpness**4, most), most)
+    return error
+
+
+def find_sharpness(solution: ContactSolution, cells: IntArray) -> Array:
+    """Return the logarithm of the curvature over one cell over that over two; nan where one is not positive."""
+    gap, (nx, ny) = solution.initial_gap, solution.grid.shape
+    i, j = split(cells, ny)
 
     def curvature(step: int) -> Array:
         ends = gap[(i + step) % nx, j], gap[(i - step) % nx, j], gap[i, (j + step) % ny], gap[i, (j - step) % ny]
@@ -103,12 +114,7 @@ def _find_tip_error(solution: ContactSolution) -> Array:
 
     near, far = curvature(1), curvature(2)
     rounded = (near > 0.0) & (far > 0.0)
-    sharpness = np.log(np.where(rounded, near, 1.0) / np.where(rounded, far, 1.0))
-    first, most = calibration.TIP
-    error = np.zeros(patches.count)
-    known = rounded & np.isfinite(sharpness)
-    error[label[lowest]] = np.where(known, np.minimum(first * sharpness**4, most), most)
-    return error
+    return np.where(rounded, np.log(np.where(rounded, near, 1.0) / np.where(rounded, far, 1.0)), np.nan)
 
 
 def _plastic_growth(solution: ContactSolution, force: Array, area: Array) -> Array:

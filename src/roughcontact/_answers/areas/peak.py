@@ -9,7 +9,7 @@ from roughcontact._answers.areas import quantity_calibration as calibration
 from roughcontact._answers.areas.cells import extend, find_cut_patches, grow
 from roughcontact._answers.areas.curvature import curvature_resolution, lay_ratio
 from roughcontact._answers.areas.edges import STRAIGHT
-from roughcontact._answers.areas.hertz import hertz_areas
+from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
 from roughcontact._answers.areas.total import warn_if_uncertain
 from roughcontact._base.checks import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary
@@ -65,7 +65,7 @@ class PeakPressure(QuantityEstimator):
         value = weight * np.where(np.isfinite(summit_std), summit, 0.0) + (1.0 - weight) * quadratic
         std = value * np.sqrt(weight) * np.where(np.isfinite(summit_std), summit_std, 0.0)
         std = np.where(weight > 0.0, std, value * quadratic_std)
-        std = np.hypot(std, value * _find_tip_error(patches.cells, _find_sharpness(solution, highest)))
+        std = np.hypot(std, value * _find_pointed_error(solution, highest))
         top = int(np.argmax(value))
         peak = float(value[top])
         sharp = patches.cells[top] >= _SHARP_PATCH and not inner[top]
@@ -88,31 +88,14 @@ def _find_highest(solution: ContactSolution) -> IntArray:
     return members[np.unique(labels[members], return_index=True)[1]]
 
 
-def _find_sharpness(solution: ContactSolution, highest: IntArray) -> Array:
-    """Return by how much the curvature over one cell exceeds that over two, over the resolution ratio, no unit.
-
-    A quarter on waves, zero on paraboloids, more on tips, less on blunt summits.
-    """
-    near = _gather(solution.initial_gap, solution.boundary, highest, 2)
-    dx, dy = solution.grid.spacing
-    one, two = (
-        (
-            (near[2 + k, 2] - 2.0 * near[2, 2] + near[2 - k, 2]) / dx**2
-            + (near[2, 2 + k] - 2.0 * near[2, 2] + near[2, 2 - k]) / dy**2
-        )
-        / k**2
-        for k in (1, 2)
-    )
-    rounded = (one > 0.0) & (two > 0.0)
-    excess = np.log(np.where(rounded, one, 1.0) / np.where(rounded, two, 1.0))
-    return np.asarray(excess / (curvature_resolution(solution) + calibration.SMALLEST_RATIO))
-
-
-def _find_tip_error(cells: IntArray, sharpness: Array) -> Array:
+def _find_pointed_error(solution: ContactSolution, highest: IntArray) -> Array:
     """Return the relative error for the pressure at a tip, which rises between the cells, shape (count,)."""
     first, certain, most = calibration.PEAK_TIP
+    # Over the resolution ratio it is a quarter on waves, zero on paraboloids, more on tips, less on blunt summits.
+    ratio = curvature_resolution(solution) + calibration.SMALLEST_RATIO
+    sharpness = np.nan_to_num(find_sharpness(solution, highest)) / ratio
     part = np.clip((sharpness - first) / (certain - first), 0.0, 1.0)
-    return np.asarray(most * part * cells**-0.25)
+    return np.asarray(most * part * solution.patches.cells**-0.25)
 
 
 def _fit_quadratics(solution: ContactSolution, highest: IntArray) -> tuple[Array, Array, Mask]:

@@ -14,12 +14,12 @@ from roughcontact._answers.areas.cells import (
     find_cut_patches,
     measure_sides,
 )
-from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, is_linear, lay_ratio
+from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, lay_ratio
 from roughcontact._answers.areas.edges import is_diagonal, trace_edges
 from roughcontact._answers.areas.ellipse import find_axes_ratio
 from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact._answers.areas.rise import find_rise
-from roughcontact._answers.areas.shift import find_cut_shift, find_hidden_rise, find_shift
+from roughcontact._answers.areas.shift import find_cut_shift, find_hidden_rise, find_shift, measure_bend
 from roughcontact._answers.areas.summits import find_near_holes, is_elliptic
 from roughcontact._answers.areas.total import warn_if_uncertain
 from roughcontact._base.checks import Array
@@ -105,16 +105,15 @@ class PatchCount(QuantityEstimator):
         patches = solution.patches
         if patches.count == 0:
             return Estimate(0.0, 0.0, "")
-        _, _, spread = average_curvature(solution, np.flatnonzero(solution.contact))
-        uneven, cells = spread[1:] > calibration.UNEVEN, patches.cells
+        bend, cells = measure_bend(solution), patches.cells
+        uneven = bend.spread > calibration.UNEVEN
         small, few = (int(np.count_nonzero(uneven & (cells < limit))) for limit in _SMALL)
         many, ratio = int(np.count_nonzero(uneven)), min(curvature_resolution(solution), 2.0)
         hidden = hertz_areas(solution).sharing.hidden.size
         each, unresolved, of_all = calibration.MISSING_PATCHES
         ridges = calibration.MISSING_RIDGE * (1.0 - lay_ratio(solution)) * min(many, 1)
         variance = ridges + each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
-        linear = is_linear(solution, np.flatnonzero(solution.contact))
-        unsure = math.hypot(calibration.HIDDEN_PATCH * hidden, calibration.LINEAR_PATCH * patches.count * linear)
+        unsure = math.hypot(calibration.HIDDEN_PATCH * hidden, calibration.LINEAR_PATCH * patches.count * bend.linear)
         std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many, unsure)
         return Estimate(float(patches.count + hidden), std, "", area.warnings)
 
@@ -131,8 +130,7 @@ class SummitApproach(QuantityEstimator):
     def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the approach; see `QuantityEstimator.estimate`."""
         healed = heal(solution)
-        touching = np.flatnonzero(healed.contact)
-        linear = is_linear(healed, touching)
+        linear = healed.patches.count > 0 and measure_bend(healed).linear
         rise, rise_std = find_rise(healed.initial_gap, solution.boundary, solution.non_measured, linear=linear)
         shift, shift_std = find_shift(solution)
         hidden = find_hidden_rise(solution)

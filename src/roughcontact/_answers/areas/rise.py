@@ -108,7 +108,9 @@ def _interpolate(near: Array, reach: int) -> Array:
         return np.asarray(np.einsum("ni,nij,nj->n", weights[first][i], near, weights[second][j]))
 
     x, y = derive(1, 0), derive(0, 1)
-    xx, yy, xy = derive(2, 0), derive(0, 2), derive(1, 1)
+    xx = derive(2, 0)
+    yy = derive(0, 2)
+    xy = derive(1, 1)
     determinant = xx * yy - xy**2
     convex = (determinant > 0.0) & (xx > 0.0)
     determinant = np.where(convex, determinant, 1.0)

@@ -24,11 +24,11 @@ from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution, heal
 
 # What was measured on solutions that still exist: approach and mean gap both ask for it.
-_MEASURED: WeakKeyDictionary[ContactSolution, _Bend] = WeakKeyDictionary()
+_MEASURED: WeakKeyDictionary[ContactSolution, Bend] = WeakKeyDictionary()
 
 
 @attrs.frozen(eq=False)
-class _Bend:
+class Bend:
     """The curvature of the heights under a contact, and what of them the cells do not show.
 
     Attributes
@@ -47,6 +47,8 @@ class _Bend:
         Resolution ratio of `curvature_resolution`.
     rim
         How sharp the rims of flats are that were run in, times the width, 0 without them.
+    linear
+        Whether the heights are linear between points further apart than the cells.
     """
 
     load: Array
@@ -57,10 +59,12 @@ class _Bend:
     filled: float
     resolution: float
     rim: float
+    linear: bool
 
 
-def _measure(solution: ContactSolution) -> _Bend:
-    """Return the curvature of the heights under the contact of a healed solution that has one."""
+def measure_bend(solution: ContactSolution) -> Bend:
+    """Return the curvature of the heights under the contact of a solution that has one."""
+    solution = heal(solution)
     if solution in _MEASURED:
         return _MEASURED[solution]
     patches = solution.patches
@@ -70,7 +74,7 @@ def _measure(solution: ContactSolution) -> _Bend:
     pressure = solution.pressure.ravel()[touching] / np.sum(solution.pressure)
     resolution = curvature_resolution(solution)
     width = float(np.sum(load * np.sqrt(np.sqrt(patches.cells))))
-    _MEASURED[solution] = _Bend(
+    _MEASURED[solution] = Bend(
         load=load,
         spread=spread,
         mean=float(np.sum(load * np.maximum(bends, 0.0))),
@@ -79,6 +83,7 @@ def _measure(solution: ContactSolution) -> _Bend:
         filled=float(np.sum(pressure, where=find_filled(solution, touching))),
         resolution=resolution,
         rim=min(resolution, 1.0) * width * _ramp(rim_ratio(solution), calibration.RIM),
+        linear=is_linear(solution, touching),
     )
     return _MEASURED[solution]
 
@@ -88,12 +93,12 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     solution = heal(solution)
     if solution.patches.count == 0:
         return 0.0, 0.0
-    bend = _measure(solution)
+    bend = measure_bend(solution)
     cells = np.maximum(solution.patches.cells, 1)
     held = cells / (cells + calibration.SHIFTED_CELLS)
     shift = calibration.SHIFT_OF_GAP * solution.edge_shift * float(np.sum(bend.load * held))
     kinked, kinked_std = 0.0, 0.0
-    if is_linear(solution, np.flatnonzero(solution.contact)):
+    if bend.linear:
         kinked, kinked_std = calibration.LINEAR_GAP
     filled, filled_std = calibration.FILLED_GAP
     rim, rim_std = calibration.RIM_GAP
@@ -115,7 +120,7 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
 
 
 def _find_aligned(solution: ContactSolution) -> float:
-    """Return the standard deviation of the shift over the second difference at straight edges: cells err alike."""
+    """Return the error of the shift where the edge is straight, so that its cells err alike, over the bend, no unit."""
     rows = find_straight_rows(solution.contact, solution.boundary)
     # On average, for a slender ellipse has some long ones too.
     long = rows.size > 0 and float(np.mean(rows)) > 0.5 * min(solution.grid.shape)
@@ -125,7 +130,7 @@ def _find_aligned(solution: ContactSolution) -> float:
     return calibration.OBLIQUE_GAP if lay < STRAIGHT and is_diagonal(solution, lay) else 0.0
 
 
-def _find_spread(bend: _Bend, cells: Array) -> float:
+def _find_spread(bend: Bend, cells: Array) -> float:
     """Return the standard deviation of the shift of smooth heights over their second difference, no unit."""
     # Alike patches err alike; others average out.
     alike = min(1.0, float(np.sum(bend.load * bend.spread)) ** 2)
@@ -142,7 +147,7 @@ def find_hidden_rise(solution: ContactSolution) -> float:
     solution = heal(solution)
     if solution.patches.count == 0:
         return 0.0
-    bend = _measure(solution)
+    bend = measure_bend(solution)
     lost, rims, filled = calibration.HIDDEN_RISE
     unresolved = lost * _ramp(bend.resolution, calibration.UNRESOLVED)
     return math.hypot(unresolved, rims * bend.rim, filled * math.sqrt(bend.filled)) * bend.mean
