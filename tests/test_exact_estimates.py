@@ -11,9 +11,10 @@ from scipy import special
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, with_fields
 from roughcontact import reference
+from roughcontact._answers.areas import quantity_calibration
 from roughcontact._answers.areas.ellipse import find_axes_ratio
 from roughcontact._answers.areas.hertz import _plastic_growth
-from roughcontact._answers.areas.peak import _fit_quadratics
+from roughcontact._answers.areas.peak import _find_sharpness, _fit_quadratics
 from roughcontact._answers.areas.quantities import _elliptic_quotient
 from roughcontact._answers.areas.shift import find_shift
 from roughcontact._answers.areas.total import _count_hidden_gaps
@@ -49,28 +50,30 @@ def test_the_maximum_of_hertzs_pressure_between_the_cells(cell):
         solution = ball(grid, a, 1e-3, centre)
         peak = 2.0 * MODULUS * a / (np.pi * 1e-3)
         highest = np.array([int(np.argmax(solution.pressure))])
-        value, error, inner = _fit_quadratics(solution, highest)
+        assert _find_sharpness(solution, highest)[0] == pytest.approx(0.0, abs=1e-3)
+        value, error = _fit_quadratics(solution, highest, np.zeros(1))
         assert value[0] == pytest.approx(peak, rel=1e-9)
-        assert inner.tolist() == [True]
-        bend = 2.0 * (grid.spacing[0] ** 2 + grid.spacing[1] ** 2) / a**2 * (peak / solution.pressure.max()) ** 2
-        assert error[0] == pytest.approx(0.006 * bend + 0.005 * bend**2 + 0.0012 * bend**4, rel=1e-6)
+        bend = 2.0 * max(grid.spacing) ** 2 / a**2 * (peak / solution.pressure.max()) ** 2
+        first, second, _, fourth = quantity_calibration.PEAK_ERROR
+        assert error[0] == pytest.approx(bend * (first + second * bend + fourth * bend**3), rel=1e-6)
         assert solution.peak_pressure().value == pytest.approx(peak, rel=2e-3)
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_a_strip_has_the_maximum_of_its_parabola_and_a_wider_error(axis):
+def test_a_strip_has_the_maximum_of_its_parabola_across_it_and_a_wider_error(axis):
     shape = (30, 24) if axis == 0 else (24, 30)
     grid = rc.Grid(shape, (30.0, 30.0))
     across = (grid.x, grid.y)[axis] - 0.27
     square = np.broadcast_to(np.maximum(1.0 - (across / 8.0) ** 2, 0.0), shape)
     solution = with_fields(grid, np.sqrt(square), square == 0.0, boundary="periodic")
     highest = np.array([int(np.argmax(solution.pressure))])
-    value, error, inner = _fit_quadratics(solution, highest)
-    # Along the strip nothing curves, and no maximum is fitted: the highest cell has it.
-    assert value[0] == pytest.approx(solution.pressure.max())
-    assert inner.tolist() == [True]
+    value, error = _fit_quadratics(solution, highest, np.zeros(1))
+    assert value[0] == pytest.approx(1.0, rel=1e-9)
+    assert solution.pressure.max() < 1.0 - 1e-5
     bend = 2.0 * (grid.spacing[axis] / 8.0) ** 2 / square.max()
-    assert error[0] == pytest.approx(4.0 * (0.006 * bend + 0.005 * bend**2 + 0.0012 * bend**4), rel=1e-6)
+    first, second, _, fourth = quantity_calibration.PEAK_ERROR
+    wanted = bend * (quantity_calibration.PEAK_ALIKE * first + second * bend + fourth * bend**3)
+    assert error[0] == pytest.approx(wanted, rel=1e-6)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 0.6, 0.1])

@@ -344,10 +344,8 @@ def test_the_maximum_pressure_of_a_summit_of_fourth_order(cell, quartic):
     mean = found.summits.curvature[0] / 2.0
     expected = hertz * (1.0 - 32.0 / 45.0 * c4 * found.area[1] / np.pi / mean)
     assert value[0] == pytest.approx(expected, rel=2e-3)
-    rest, spread, change = quantity_calibration.SUMMIT_ERROR
-    moved = abs(expected / hertz - 1.0)
-    wanted = rest + spread * found.summits.spread[0] ** 2 + change * moved + 0.5 * found.error[1]
-    assert error[0] == pytest.approx(wanted, rel=0.03)
+    wanted = quantity_calibration.SUMMIT_EXACT + quantity_calibration.SUMMIT_ERROR * found.error[1]
+    assert error[0] == pytest.approx(wanted, rel=1e-6)
 
 
 def test_long_edges_along_a_diagonal_of_the_grid_are_told():

@@ -44,3 +44,28 @@ def test_the_classes_of_unkind_geometry_are_judged_together(capsys, monkeypatch,
     quantity_classes.main(["approach", "--classes", "unkind", "--cache", str(tmp_path)])
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[:2] for line in lines[2:]] == [[name, "2"] for name in ALL]
+
+
+@pytest.mark.parametrize(
+    "name", ["long-domain", "long-cells", "slender", "tip-3", "tip-4", "strips-unkind", "holes-outside"]
+)
+def test_the_true_maximum_pressure_is_within_two_standard_deviations(name):
+    ratios = []
+    for case in itertools.islice(ALL[name]("held-out"), 15):
+        found = case.problem().solve(**case.load).peak_pressure()
+        ratios.append(abs(found.value - case.true["p_max"]) / found.uncertainty)
+    assert sum(ratio <= 2.0 for ratio in ratios) >= 14, max(ratios)
+
+
+@pytest.mark.parametrize("shape", [(96, 48), (48, 96)])
+def test_a_ridge_as_wide_as_one_or_two_cells_is_no_sharp_edge(shape):
+    """A wave along the grid, whose strips have half-widths of 0.6 to 1.1 cells."""
+    along = (12, 0) if shape[0] > shape[1] else (0, 12)
+    exact = Westergaard(0.01, 1.0 / 12.0, 1.0)
+    for half in (0.6, 0.8, 1.1):
+        pressure = exact.full_contact_pressure * math.sin(math.pi * half / 8.0) ** 2
+        found = unkind_classes.long_strip(shape, (1.0, 1.0), along).solve(pressure=pressure).peak_pressure()
+        true = contact_classes.strip_values(exact, pressure)["p_max"]
+        assert not any("unbounded" in warning for warning in found.warnings)
+        assert abs(found.value - true) <= 2.0 * found.uncertainty
+        assert found.uncertainty < 0.5 * true

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import split
+from roughcontact._answers.areas.cells import extend, split
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.sharing import Sharing, share_load
 from roughcontact._answers.areas.spline import Spline
@@ -103,14 +103,16 @@ def _find_tip_error(solution: ContactSolution) -> Array:
 
 def find_sharpness(solution: ContactSolution, cells: IntArray) -> Array:
     """Return the logarithm of the curvature over one cell over that over two; nan where one is not positive."""
-    gap, (nx, ny) = solution.initial_gap, solution.grid.shape
-    i, j = split(cells, ny)
+    gap = extend(solution.initial_gap, 2, solution.boundary)
+    row, column = split(cells, solution.grid.shape[1])
+    i = row + 2
+    j = column + 2
 
     def curvature(step: int) -> Array:
-        ends = gap[(i + step) % nx, j], gap[(i - step) % nx, j], gap[i, (j + step) % ny], gap[i, (j - step) % ny]
         dx, dy = (step * length for length in solution.grid.spacing)
-        sums = ends[0] + ends[1], ends[2] + ends[3]
-        return np.asarray((sums[0] - 2.0 * gap[i, j]) / dx**2 + (sums[1] - 2.0 * gap[i, j]) / dy**2)
+        along_x = gap[i + step, j] + gap[i - step, j] - 2.0 * gap[i, j]
+        along_y = gap[i, j + step] + gap[i, j - step] - 2.0 * gap[i, j]
+        return np.asarray(along_x / dx**2 + along_y / dy**2)
 
     near, far = curvature(1), curvature(2)
     rounded = (near > 0.0) & (far > 0.0)

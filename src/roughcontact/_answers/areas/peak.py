@@ -7,9 +7,9 @@ import numpy as np
 
 from roughcontact._answers.areas import quantity_calibration as calibration
 from roughcontact._answers.areas.cells import extend, find_cut_patches, grow
-from roughcontact._answers.areas.curvature import curvature_resolution, lay_ratio
-from roughcontact._answers.areas.edges import STRAIGHT
+from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
+from roughcontact._answers.areas.summits import Summits
 from roughcontact._answers.areas.total import warn_if_uncertain
 from roughcontact._base.checks import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary
@@ -17,14 +17,20 @@ from roughcontact._solve.solution import Area, ContactSolution, Estimate, Quanti
 
 # Change of the maximum pressure over 3 F / 2A of a summit c2 r^2 + c4 r^4, times c4 a^2 / c2: (32/9 - 32/5) / 4.
 _QUARTIC = -32.0 / 45.0
-# Smallest ratio of the curvatures of a summit: longer contacts are strips.
-_SLENDEREST = 0.05
+# Largest ratio of the bends of p^2 along both axes on a straight strip.
+_EVEN = 0.002
+# Cells of a patch from which a maximum at a step of its heights is that of a sharp edge.
+_SHARP_PATCH = 9
+# Largest change of the heights over two cells inward over that of a step.
+_FLAT = 0.25
+# Cells from a free border within which the spline through the heights is less certain.
+_BORDER = 3.0
+# Third difference, of five cells.
+_THIRD = np.array((-0.5, 1.0, 0.0, -1.0, 0.5))
 # Largest change by that term for which it is a small one.
 _LARGEST_CHANGE = 0.2
 # Distance of the maximum from the centre of the highest cell, in cells along an axis: half the diagonal.
 _FURTHEST = 0.71
-# Cells of a patch from which a maximum at its edge is that of a sharp edge.
-_SHARP_PATCH = 9
 _SHARP = (
     "the maximum lies at a sharp edge or at the border, where the pressure is unbounded: its value depends on the grid"
 )
@@ -54,21 +60,18 @@ class PeakPressure(QuantityEstimator):
         limit = np.broadcast_to(solution.pressure_limit, solution.grid.shape)
         if solution.saturated.any():
             return Estimate(float(limit[solution.saturated].max()), 0.0, "Pa", _list_warnings(solution, area, None))
-        quadratic, quadratic_std, inner = _fit_quadratics(solution, highest)
-        lay = lay_ratio(solution)
-        if lay > STRAIGHT:
-            # Ridges are narrow, and the cells show little across them.
-            quadratic_std = quadratic_std * (1.0 + calibration.PEAK_LAY * (1.0 - lay))
+        sharpness = _find_sharpness(solution, highest)
+        quadratic, quadratic_std = _fit_quadratics(solution, highest, sharpness)
         with np.errstate(all="ignore"):
             summit, summit_std = _find_summits(solution, area, highest)
         weight = np.where(np.isfinite(summit_std), quadratic_std**2 / (quadratic_std**2 + summit_std**2), 0.0)
         value = weight * np.where(np.isfinite(summit_std), summit, 0.0) + (1.0 - weight) * quadratic
         std = value * np.sqrt(weight) * np.where(np.isfinite(summit_std), summit_std, 0.0)
         std = np.where(weight > 0.0, std, value * quadratic_std)
-        std = np.hypot(std, value * _find_pointed_error(solution, highest))
+        std = np.hypot(std, value * _find_tip_error(patches.cells, sharpness))
         top = int(np.argmax(value))
         peak = float(value[top])
-        sharp = patches.cells[top] >= _SHARP_PATCH and not inner[top]
+        sharp = patches.cells[top] >= _SHARP_PATCH and _lies_at_step(solution, highest[top : top + 1])
         sharp = sharp or bool(_find_cut(solution, highest[top])) or bool(find_cut_patches(solution).any())
         more = _HOLES if _meets_holes(solution) else _SHARP if sharp else None
         uncertainty = float(std[top]) if more is None else peak
@@ -88,43 +91,62 @@ def _find_highest(solution: ContactSolution) -> IntArray:
     return members[np.unique(labels[members], return_index=True)[1]]
 
 
-def _find_pointed_error(solution: ContactSolution, highest: IntArray) -> Array:
+def _find_sharpness(solution: ContactSolution, highest: IntArray) -> Array:
+    """Return sharpness over resolution ratio, no unit: a quarter on waves, zero on paraboloids, more on tips."""
+    return np.nan_to_num(find_sharpness(solution, highest)) / (
+        curvature_resolution(solution) + calibration.SMALLEST_RATIO
+    )
+
+
+def _find_tip_error(cells: IntArray, sharpness: Array) -> Array:
     """Return the relative error for the pressure at a tip, which rises between the cells, shape (count,)."""
     first, certain, most = calibration.PEAK_TIP
-    # Over the resolution ratio it is a quarter on waves, zero on paraboloids, more on tips, less on blunt summits.
-    ratio = curvature_resolution(solution) + calibration.SMALLEST_RATIO
-    sharpness = np.nan_to_num(find_sharpness(solution, highest)) / ratio
     part = np.clip((sharpness - first) / (certain - first), 0.0, 1.0)
-    return np.asarray(most * part * solution.patches.cells**-0.25)
+    return np.asarray(most * part * cells**-0.25)
 
 
-def _fit_quadratics(solution: ContactSolution, highest: IntArray) -> tuple[Array, Array, Mask]:
-    """Return the maximum of a quadratic through p^2, its relative error, and whether it has contact on all sides."""
-    near = _gather(solution.pressure**2, solution.boundary, highest, 1)
-    here = near[1, 1]
-    fx, fy = 0.5 * (near[2, 1] - near[0, 1]), 0.5 * (near[1, 2] - near[1, 0])
-    fxx, fyy = near[2, 1] - 2 * here + near[0, 1], near[1, 2] - 2 * here + near[1, 0]
-    fxy = 0.25 * (near[2, 2] + near[0, 0] - near[2, 0] - near[0, 2])
+def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Array) -> tuple[Array, Array]:
+    """Return the maximum of a quadratic through p^2, and its relative error."""
+    near = _gather(solution.pressure**2, solution.boundary, highest, 2)
+    along_x = near[:, 2]
+    along_y = near[2]
+    here = near[2, 2]
+    fx, fy = 0.5 * (along_x[3] - along_x[1]), 0.5 * (along_y[3] - along_y[1])
+    fxx, fyy = along_x[3] - 2 * here + along_x[1], along_y[3] - 2 * here + along_y[1]
+    fxy = 0.25 * (near[3, 3] + near[1, 1] - near[1, 3] - near[3, 1])
     determinant = fxx * fyy - fxy**2
     peaked = (fxx < 0.0) & (fyy < 0.0) & (determinant > 0.0)
     safe = np.where(peaked, determinant, 1.0)
-    x = np.clip(np.where(peaked, (fxy * fy - fyy * fx) / safe, 0.0), -_FURTHEST, _FURTHEST)
-    y = np.clip(np.where(peaked, (fxy * fx - fxx * fy) / safe, 0.0), -_FURTHEST, _FURTHEST)
-    top = here + np.where(peaked, 0.5 * (fx * x + fy * y), 0.0)
-    bend = -(fxx + fyy) / here
+    # Along a ridge that hardly bends, or rises, the maximum across it.
+    x = -fx / np.where(fxx < np.minimum(fyy, 0.0), fxx, -np.inf)
+    y = -fy / np.where(fyy < np.minimum(fxx, 0.0), fyy, -np.inf)
+    x = np.clip(np.where(peaked, (fxy * fy - fyy * fx) / safe, x), -_FURTHEST, _FURTHEST)
+    y = np.clip(np.where(peaked, (fxy * fx - fxx * fy) / safe, y), -_FURTHEST, _FURTHEST)
+    top = here + 0.5 * (fx * x + fy * y)
     # Uniform pressure on each cell makes the discrete pressure too peaked, as it moves the edge.
-    excess = calibration.PEAK_EXCESS * solution.edge_shift * np.minimum(bend, calibration.LARGEST_BEND) * here
-    first, second, third = calibration.PEAK_ERROR
-    error = np.abs(bend) * first + bend**2 * second + bend**4 * third
-    # Along a strip all cells err alike.
-    error = np.where(determinant < _SLENDEREST**2 * (fxx + fyy) ** 2, calibration.PEAK_ALIKE * error, error)
-    inner = np.minimum.reduce([near[0, 1], near[2, 1], near[1, 0], near[1, 2]]) > 0.0
+    bend = np.minimum(-(fxx + fyy) / here, calibration.LARGEST_BEND)
+    excess = calibration.PEAK_EXCESS * solution.edge_shift * bend * here
+    # Across a ridge the cells tell least. The third difference says how far p^2 is from even.
+    mean = -0.5 * (fxx + fyy) / here
+    difference = np.hypot(0.5 * (fxx - fyy), fxy) / here
+    across = np.abs(mean + difference)
+    skew = np.hypot(_THIRD @ along_x, _THIRD @ along_y) / here
+    first, second, third, fourth = calibration.PEAK_ERROR
+    blunt = calibration.PEAK_BLUNT * np.clip(-sharpness / calibration.BLUNT, 0.0, 1.0)
+    # Along a straight strip all cells err alike; of an oblique ridge the highest cell lies nearer its crest.
+    alike = np.minimum(np.abs(fxx), np.abs(fyy)) < _EVEN * np.maximum(np.abs(fxx), np.abs(fyy))
+    oblique = np.where(peaked, fxy**2 / np.where(peaked, fxx * fyy, 1.0), 0.0)
+    uneven = (second + blunt) * across + third * skew + fourth * across**3
+    error = across * (np.where(alike, calibration.PEAK_ALIKE, 1.0) * first + (1.0 - 0.5 * oblique) * uneven)
+    inner = np.minimum.reduce([along_x[1], along_x[3], along_y[1], along_y[3]]) > 0.0
     inner &= ~_find_cut(solution, highest)
-    # A parabola through an open cell is too low, but not across a strip, along which the pressure is even.
-    edge = calibration.PEAK_EDGE * np.sqrt(np.abs(fxx * fyy)) / here
-    edge += calibration.PEAK_STRIP * np.maximum(-fxx, -fyy) / here
-    error = np.where(inner, error, np.maximum(error, edge))
-    return np.sqrt(np.maximum(top - excess, 0.0)), error, inner
+    # A parabola through an open cell is too low.
+    compact, ridge, single = calibration.PEAK_OPEN
+    slender = 1.0 - np.clip((mean - difference) / np.where(across > 0.0, across, 1.0), 0.0, 1.0)
+    row = (np.maximum(along_x[1], along_x[3]) == 0.0) | (np.maximum(along_y[1], along_y[3]) == 0.0)
+    lacking = compact + ridge * slender * np.where(row, 2.0, 1.0) + single / solution.patches.cells
+    error = np.where(inner, error, np.maximum(error, lacking))
+    return np.sqrt(np.maximum(top - excess, 0.0)), error
 
 
 def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:
@@ -132,6 +154,23 @@ def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:
     (nx, ny), (i, j) = solution.grid.shape, np.divmod(cells, solution.grid.shape[1])
     outermost = (i == 0) | (i == nx - 1) | (j == 0) | (j == ny - 1)
     return np.asarray(outermost & (solution.boundary is Boundary.FREE))
+
+
+def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
+    """Return whether a step of the heights bounds the contact beside this cell, on whose other side they are flat."""
+    contact, gap = (
+        _gather(field, solution.boundary, cell, 2)[..., 0] for field in (solution.contact, solution.initial_gap)
+    )
+    for touching, rise in ((contact[:, 2], gap[:, 2]), (contact[2], gap[2])):
+        for outward in (1, -1):
+            rises = (rise - rise[2])[::outward]
+            if (
+                touching[::outward][:2].all()
+                and not touching[2 + outward]
+                and np.abs(rises[:2]).max() < _FLAT * rises[3]
+            ):
+                return True
+    return False
 
 
 def _meets_holes(solution: ContactSolution) -> bool:
@@ -147,7 +186,7 @@ def _find_summits(solution: ContactSolution, area: Area, highest: IntArray) -> t
     if area.patches is None or solution.capped:
         return np.zeros(patches.count), np.full(patches.count, np.inf)
     found = hertz_areas(solution)
-    mean, spread, factor = found.summits.curvature, found.summits.spread, found.sharing.factor
+    mean, factor = found.summits.curvature, found.sharing.factor
     single = np.isfinite(found.error[1:])
     areas = np.where(single, found.area[1:], solution.grid.area)
     near = _gather(solution.initial_gap, solution.boundary, highest, 2)
@@ -158,14 +197,28 @@ def _find_summits(solution: ContactSolution, area: Area, highest: IntArray) -> t
     bilaplacian += 2.0 * np.einsum("i,j,ijk", second, second, near[1:4, 1:4]) / (dx * dy) ** 2
     with np.errstate(divide="ignore", invalid="ignore"):
         change = _QUARTIC * bilaplacian * areas / np.pi / (32.0 * mean)
-        rest, square, quartic = calibration.SUMMIT_ERROR
-        error = rest + square * spread**2 + quartic * np.abs(change) + 0.5 * found.error[1:]
+        error = calibration.SUMMIT_EXACT + calibration.SUMMIT_ERROR * found.error[1:]
+        error = error + calibration.SUMMIT_BORDER * np.clip(
+            1.0 - _measure_room(solution, found.summits) / _BORDER, 0.0, 1.0
+        )
     known = single & (np.abs(change) < _LARGEST_CHANGE)
     pressure = 1.5 * patches.forces * factor / areas * (1.0 + np.where(known, change, 0.0))
     return pressure, np.where(known & np.isfinite(pressure), error, np.inf)
 
 
-def _gather(field: Array, boundary: Boundary, at: IntArray, reach: int) -> Array:
+def _measure_room(solution: ContactSolution, summits: Summits) -> Array:
+    """Return how many cells lie between each ellipse and the next free border, shape (count,)."""
+    room = np.full(summits.row.shape, np.inf)
+    if solution.boundary is Boundary.FREE:
+        axes = zip(
+            (summits.row, summits.column), summits.extents, solution.grid.shape, solution.grid.spacing, strict=True
+        )
+        for at, extent, n, step in axes:
+            room = np.minimum(room, np.minimum(at, n - 1 - at) + 0.5 - extent / step)
+    return room
+
+
+def _gather(field: Array | Mask, boundary: Boundary, at: IntArray, reach: int) -> Array:
     """Return the field around cells, shape (2 reach + 1, 2 reach + 1, n)."""
     extended = extend(field, reach, boundary)
     i, j = np.divmod(at, field.shape[1])

@@ -9,22 +9,24 @@ resolution ratio is `curvature_resolution`'s; a bend is less the laplacian of p^
 PEAK_EXCESS = 1.5
 # Largest bend in that, no unit: beyond it a parabola through the cells has no meaning.
 LARGEST_BEND = 1.0
-# Terms a, b, c of the relative standard deviation a w + b w^2 + c w^4 of a quadratic through p^2 of bend w, no unit.
-PEAK_ERROR = (0.006, 0.005, 0.0012)
-# Factor of that along strips, whose cells err alike, no unit.
-PEAK_ALIKE = 4.0
-# The same where a neighbour is open, times the geometric mean of the bends along both axes, and times the larger one.
-PEAK_EDGE, PEAK_STRIP = 0.5, 0.05
-# Relative standard deviation of a summit's maximum pressure: without cause, times the square of the spread of the
-# curvature, times the change by the fourth derivative; no unit.
-SUMMIT_ERROR = (0.001, 0.6, 0.2)
-# By how much the error of a quadratic is larger on ridges of one direction, no unit. Set on rough contacts with a lay.
-PEAK_LAY = 1.0
-# Relative standard deviation of the maximum pressure at tips: the sharpness from which it is added, that from which it
-# is added whole, and its size, times the fourth root of the number of cells; no unit. Set on r^1.5.
+# Terms a, b, c, d of the relative standard deviation w (a + b w + c s + d w^3) of a quadratic through p^2 of the larger
+# principal bend w and the third difference s, both over p^2, no unit.
+PEAK_ERROR = (0.005, 0.009, 0.036, 0.006)
+# What is added to b at blunt summits, and the sharpness below zero from which it is added whole, no unit.
+PEAK_BLUNT, BLUNT = 0.05, 0.1
+# Factor of a along straight strips, whose cells err alike, no unit.
+PEAK_ALIKE = 3.0
+# The same where a neighbour is open: of compact patches, added on ridges (twice on rows of single cells), and times one
+# over the number of cells; no unit.
+PEAK_OPEN = (0.1, 0.12, 4.0)
+# Relative standard deviation for tips: the sharpness from which it is added, that from which it is added whole, and its
+# size, times the fourth root of the number of cells; no unit. Set on r^1.5.
 PEAK_TIP = (0.3, 0.36, 0.45)
 # What is added to the resolution ratio under the sharpness, so that rounding does not count.
 SMALLEST_RATIO = 0.01
+# Relative standard deviation of a summit's maximum pressure: the least, over that of its area, and at a free border; no
+# unit.
+SUMMIT_EXACT, SUMMIT_ERROR, SUMMIT_BORDER = 2e-5, 0.9, 4e-4
 # Length lost along an edge of several summits, relative, times the resolution ratio to the power 3/2; half of it is
 # uncertain.
 LOST_LENGTH = 0.05
