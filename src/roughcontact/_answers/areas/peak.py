@@ -126,7 +126,7 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     # Uniform pressure on each cell makes the discrete pressure too peaked, as it moves the edge.
     bend = np.minimum(-(fxx + fyy) / here, calibration.LARGEST_BEND)
     excess = calibration.PEAK_EXCESS * solution.edge_shift * bend * here
-    # Across a ridge the cells tell least. The third difference says how far p^2 is from even.
+    # Across a ridge the fit is at its worst. The third difference says how far p^2 is from even.
     mean = -0.5 * (fxx + fyy) / here
     difference = np.hypot(0.5 * (fxx - fyy), fxy) / here
     across = np.abs(mean + difference)

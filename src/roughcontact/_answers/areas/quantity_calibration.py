@@ -24,8 +24,8 @@ PEAK_OPEN = (0.1, 0.12, 4.0)
 PEAK_TIP = (0.3, 0.36, 0.45)
 # What is added to the resolution ratio under the sharpness, so that rounding does not count.
 SMALLEST_RATIO = 0.01
-# Relative standard deviation of a summit's maximum pressure: the least, over that of its area, and at a free border; no
-# unit.
+# Relative standard deviation of a summit's maximum pressure: the lower bound, over that of its area, and at a free
+# border; no unit.
 SUMMIT_EXACT, SUMMIT_ERROR, SUMMIT_BORDER = 2e-5, 0.9, 4e-4
 # Length lost along an edge of several summits, relative, times the resolution ratio to the power 3/2; half of it is
 # uncertain.
