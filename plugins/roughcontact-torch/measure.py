@@ -49,7 +49,8 @@ def rough(n: int, pressure: float) -> tuple[rc.ContactProblem, dict[str, float]]
 
 def sphere(n: int) -> tuple[rc.ContactProblem, dict[str, float]]:
     """Return a sphere on a free domain, four contact radii wide, and its force."""
-    surface, grid = rc.ParaboloidSurface(2000.0), rc.Grid((n, n), (64.0, 64.0))
+    surface = rc.ParaboloidSurface(2000.0)
+    grid = rc.Grid((n, n), (64.0, 64.0))
     problem = rc.ContactProblem(rc.Body(surface, ELASTIC), grid=grid, threads=1)
     return problem, {"force": 4 / 3 * 16.0**3 / 2000.0 * ELASTIC.young}
 
@@ -72,7 +73,8 @@ def clock() -> float:
 def measure(name: str, n: int, device: str) -> str:
     """Return the row of a case."""
     problem, load = CASES[name](n)
-    ours, times = attrs.evolve(problem, convolver=TorchFFT(device)), ([], [])
+    ours = attrs.evolve(problem, convolver=TorchFFT(device))
+    times = ([], [])
     for _ in range(1 + _REPEATS):
         for one, kept in zip((problem, ours), times, strict=True):
             begin = clock()

@@ -167,7 +167,8 @@ def _crop(surface: SelfAffineSurface, grid: Grid) -> Array:
 
 
 def _double(grid: Grid) -> Grid:
-    (nx, ny), (lx, ly) = grid.shape, grid.size
+    nx, ny = grid.shape
+    lx, ly = grid.size
     return Grid((2 * nx, 2 * ny), (2 * lx, 2 * ly))
 
 
@@ -175,7 +176,8 @@ def _deepen(surface: SelfAffineSurface, grid: Grid) -> Array:
     """Return heights of rms one made lognormal, their valleys deeper than summits high, without shorter waves."""
     whole = _double(grid)
     spectrum = np.fft.rfft2(-np.exp(-_DEPTH * surface.heights(whole)))
-    fx, fy = np.fft.fftfreq(whole.shape[0], whole.spacing[0]), np.fft.rfftfreq(whole.shape[1], whole.spacing[1])
+    fx = np.fft.fftfreq(whole.shape[0], whole.spacing[0])
+    fy = np.fft.rfftfreq(whole.shape[1], whole.spacing[1])
     spectrum[np.hypot(fx[:, None], fy) * surface.shortest > 1.0] = 0.0
     return np.fft.irfft2(spectrum, whole.shape)[: grid.shape[0], : grid.shape[1]]
 

@@ -19,7 +19,8 @@ _MISFIT = 0.1
 # Plausible orders of an error in the cell size: a counted area has 1, a corrected one 2.
 _ORDERS = (0.25, 4.0)
 # Orders that may be given, and counts of cells, so that no power of them leaves float64.
-_KNOWN_ORDERS, _COUNTS = (1e-3, 10.0), (1e-12, 1e12)
+_KNOWN_ORDERS = (1e-3, 10.0)
+_COUNTS = (1e-12, 1e12)
 
 
 @guarded
@@ -148,12 +149,14 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
 def _sort_data(cells: Sequence[float], values: Sequence[float]) -> tuple[Array, Array]:
     what = "The data of an extrapolation"
     try:
-        x, y = np.asarray(cells), np.asarray(values)
+        x = np.asarray(cells)
+        y = np.asarray(values)
     except ValueError:
         raise InputError.about(what, (cells, values), "two lists of numbers") from None
     if x.dtype.kind not in "fiu" or y.dtype.kind not in "fiu":
         raise InputError.about(what, (cells, values), "two lists of numbers")
-    x, y = x.astype(np.float64), y.astype(np.float64)
+    x = x.astype(np.float64)
+    y = y.astype(np.float64)
     if x.ndim != 1 or x.shape != y.shape or x.size < 2 or np.unique(x).size != x.size:
         raise InputError.about(what, (cells, values), "two lists of equal length, at least two different grids")
     if not (np.abs(y).max() <= LARGEST and x.max() <= _COUNTS[1] and x.min() >= _COUNTS[0]):
@@ -164,7 +167,8 @@ def _sort_data(cells: Sequence[float], values: Sequence[float]) -> tuple[Array, 
 
 def _fit_line(basis: Array, values: Array) -> tuple[float, float, float]:
     """Fit values = limit + slope * basis; return limit, slope and the rms misfit."""
-    mean, centre = basis.mean(), values.mean()
+    mean = basis.mean()
+    centre = values.mean()
     spread = basis - mean
     norm = float(spread @ spread)
     slope = float(spread @ (values - centre)) / norm if norm > 0.0 else 0.0
@@ -184,7 +188,8 @@ def _fit_curve(
 
     logs = np.log(candidates)
     best = int(np.argmin([misfit(value) for value in logs]))
-    low, high = logs[max(best - 1, 0)], logs[min(best + 1, logs.size - 1)]
+    low = logs[max(best - 1, 0)]
+    high = logs[min(best + 1, logs.size - 1)]
     found = optimize.minimize_scalar(misfit, bounds=(low, high), method="bounded", options={"xatol": 1e-12})
     scale = math.exp(float(found.x))
     limit, slope, residual = _fit_line(basis(scale), y)
@@ -211,7 +216,8 @@ def _observe_order(x: Array, y: Array) -> float:
     """Return q such that the three finest values lie on A0 + c x^-q; nan if there is none."""
     from scipy import optimize
 
-    far, near = y[-3] - y[-2], y[-2] - y[-1]
+    far = y[-3] - y[-2]
+    near = y[-2] - y[-1]
     if near == 0.0 or far / near <= 0.0:
         return math.nan
 
@@ -219,7 +225,8 @@ def _observe_order(x: Array, y: Array) -> float:
         ratio = ((x[-2] / x[-3]) ** q - 1.0) / (1.0 - (x[-2] / x[-1]) ** q)
         return math.log(ratio) - math.log(far / near)
 
-    low, high = 1e-3, 30.0
+    low = 1e-3
+    high = 30.0
     if mismatch(low) * mismatch(high) > 0.0:
         return math.nan
     return float(optimize.brentq(mismatch, low, high))

@@ -130,7 +130,8 @@ class Registry(Generic[T]):
         except InputError:
             raise
         except Exception as error:
-            given, needed = arguments or fields, ", ".join(f"{field}=..." for field in _list_required(cls))
+            given = arguments or fields
+            needed = ", ".join(f"{field}=..." for field in _list_required(cls))
             how = "from these arguments" if given else "without arguments"
             reason = f" ({error})" if given or not needed else ""
             advice = f": {self.group}.create({name!r}, {needed}) makes one" if needed else ""
@@ -180,10 +181,8 @@ class Registry(Generic[T]):
         if isinstance(cls, type) and issubclass(cls, self.base):
             # What is loaded at its first use has missed the door that the package set up when it was imported.
             return guarded(cls) if self.translates_errors else cls
-        what, allowed = (
-            f"What is registered as {self._a_kind}{where}",
-            f"a class derived from {self.base.__name__}",
-        )
+        what = f"What is registered as {self._a_kind}{where}"
+        allowed = f"a class derived from {self.base.__name__}"
         raise InputError.about(what, cls, allowed)
 
 

@@ -169,7 +169,8 @@ class Table:
             numbers, unit = scale_column(estimates)
             heading = f"{name}, {unit}" if unit else name
         else:
-            numbers, heading = [write_column([one])[0] for one in estimates], name
+            numbers = [write_column([one])[0] for one in estimates]
+            heading = name
         texts = iter(numbers)
         return heading, [next(texts) if isinstance(cell, Estimate) else self._write_cell(name, cell) for cell in column]
 

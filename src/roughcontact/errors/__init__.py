@@ -12,7 +12,8 @@ import numpy as np
 # Characters of a value that a sentence repeats.
 _VALUE = 80
 # A word that is longer than any path that is read, and the characters of the longest sentence.
-_WORD, _PAGE = re.compile(r"\S{500,}"), 4000
+_WORD = re.compile(r"\S{500,}")
+_PAGE = 4000
 
 
 class RoughContactError(Exception):

@@ -79,7 +79,8 @@ def outside(function: Callable[..., Any]) -> Callable[..., Any]:
 
     @functools.wraps(function)
     def call(*args: Any, **kwargs: Any) -> Any:
-        before, _THREAD.inside = _THREAD.inside, False
+        before = _THREAD.inside
+        _THREAD.inside = False
         try:
             return function(*args, **kwargs)
         except Exception as error:
@@ -264,7 +265,8 @@ def _misfit(error: Exception, call: str, given: dict[str, Any]) -> InputError | 
 
 def _is_a(value: object, hint: Any) -> bool:
     """Return whether a value may stand where a type is asked for."""
-    kind, of = typing.get_origin(hint) or hint, typing.get_args(hint)
+    kind = typing.get_origin(hint) or hint
+    of = typing.get_args(hint)
     if kind in (typing.Union, types.UnionType):
         return any(_is_a(value, one) for one in of)
     if kind in (float, int):
@@ -289,7 +291,8 @@ def _is_a(value: object, hint: Any) -> bool:
 
 def _foreign_part(error: Exception) -> str:
     """Return the innermost method of a class from outside this package that an error came through, or nothing."""
-    found, trace = "", error.__traceback__
+    found = ""
+    trace = error.__traceback__
     while trace is not None:
         cls = type(trace.tb_frame.f_locals.get("self"))
         is_ours = cls.__module__.partition(".")[0] == "roughcontact"

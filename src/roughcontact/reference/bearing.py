@@ -63,7 +63,8 @@ def bearing_area(heights: Array, levels: Array | None = None) -> BearingCurve:
     """
     rough = heights_array(heights)
     rough = rough - rough.mean()
-    what, allowed = "The levels", "a list of finite numbers (m)"
+    what = "The levels"
+    allowed = "a list of finite numbers (m)"
     at = np.linspace(rough.min(), rough.max(), 101) if levels is None else numbers(levels, what, allowed)
     if at.ndim != 1 or not np.isfinite(at).all():
         raise InputError.about(what, levels, allowed)

@@ -120,9 +120,11 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     # Imported here: theory beside a solution needs this package, and no optimizer.
     from scipy import optimize
 
-    force, modulus = _positive(force, "N"), _positive(modulus, "Pa")
+    force = _positive(force, "N")
+    modulus = _positive(modulus, "Pa")
     radii = pair(radii, "The radii", "m", above=0.0)
-    blunt, sharp = max(radii), min(radii)
+    blunt = max(radii)
+    sharp = min(radii)
     if blunt == sharp:
         return hertz_sphere(force, blunt, modulus)
     if blunt > _SLENDER * sharp:

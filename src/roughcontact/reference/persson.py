@@ -19,10 +19,12 @@ from roughcontact.reference.waves import Waves, list_waves
 _GAMMA = 0.45
 # Bands of wave numbers, and pressures at which the energy is evaluated; four times as many change the gap by less than
 # 1e-4 of the rms height.
-_BANDS, _PRESSURES = 256, 512
+_BANDS = 256
+_PRESSURES = 512
 # Pressures, over the smallest and largest rms pressure of full contact, beyond which the energy is proportional to the
 # pressure, and constant.
-_LIGHT, _FULL = 1e-3, 8.0
+_LIGHT = 1e-3
+_FULL = 8.0
 
 
 @guarded
@@ -120,7 +122,8 @@ def evaluate_persson(waves: Waves, modulus: float, pressures: Array) -> PerssonC
     energy, variance = _list_bands(waves)
     p = np.atleast_1d(pressures) / unit
     area = special.erf(p / math.sqrt(2.0 * variance[-1]))
-    light, full = _LIGHT * math.sqrt(variance[0]), _FULL * math.sqrt(variance[-1])
+    light = _LIGHT * math.sqrt(variance[0])
+    full = _FULL * math.sqrt(variance[-1])
     nodes = np.unique(np.concatenate((np.geomspace(light, full, _PRESSURES), p[(p > light) & (p < full)])))
     slope = _slope_of_energy(nodes, energy, variance)
     steps = 0.5 * (slope[1:] + slope[:-1]) * np.diff(np.log(nodes))
@@ -135,9 +138,11 @@ def evaluate_persson(waves: Waves, modulus: float, pressures: Array) -> PerssonC
 
 def _list_bands(waves: Waves) -> tuple[Array, Array]:
     """Return of each band of wave numbers the elastic energy and, up to its end, the variance of the pressure."""
-    square, power = waves.square, waves.count * waves.power
+    square = waves.square
+    power = waves.count * waves.power
     q = np.sqrt(square)
-    low, high = float(q.min()), float(q.max())
+    low = float(q.min())
+    high = float(q.max())
     width = math.log(high / low) / _BANDS or 1.0
     band = np.minimum((np.log(q / low) / width).astype(np.intp), _BANDS - 1)
     energy, variance = (0.25 * np.bincount(band, weight * power, _BANDS) for weight in (q, square))

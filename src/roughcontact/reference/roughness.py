@@ -99,7 +99,8 @@ def roughness(heights: Array, grid: Grid, *, periodic: bool = True) -> Roughness
     McCool, Wear 107 (1986) 37-60, https://doi.org/10.1016/0043-1648(86)90045-1
     """
     waves = list_waves(heights, grid, periodic)
-    unit, cell = waves.height, waves.cell
+    unit = waves.height
+    cell = waves.cell
     square = waves.square
     weights = (np.ones_like(square), 0.5 * square, 0.375 * square**2)
     m0, m2, m4 = (waves.sum(weight) for weight in weights)
@@ -145,5 +146,6 @@ def find_shape(heights: Array) -> tuple[float, float]:
 def find_lay(waves: Waves) -> float:
     """Return the ratio of the larger to the smaller rms slope along two perpendicular directions; 1 if isotropic."""
     xx, yy, xy = (waves.sum(weight) for weight in (waves.qx**2, waves.qy**2, waves.qx * waves.qy))
-    middle, half = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
+    middle = 0.5 * (xx + yy)
+    half = math.hypot(0.5 * (xx - yy), xy)
     return math.sqrt((middle + half) / max(middle - half, 1e-12 * middle))

@@ -92,7 +92,8 @@ def transform_waves(heights: Array, grid: Grid, periodic: bool = True) -> Waves:
     i, j = np.nonzero(power > _ROUNDING * power.max())
     nx, ny = grid.shape
     ratio = grid.spacing[0] / grid.spacing[1]
-    qx, qy = 2.0 * np.pi * scipy.fft.fftfreq(nx)[i], 2.0 * np.pi * ratio * scipy.fft.rfftfreq(ny)[j]
+    qx = 2.0 * np.pi * scipy.fft.fftfreq(nx)[i]
+    qy = 2.0 * np.pi * ratio * scipy.fft.rfftfreq(ny)[j]
     count = np.where((j == 0) | (2 * j == ny), 1.0, 2.0)
     return Waves(qx, qy, power[i, j], count, unit * largest, grid.spacing[0], 1.0 if periodic else _DEPENDENT)
 

@@ -100,7 +100,8 @@ def _repeatable(_: Convolver, convolution: PreparedConvolution, one: Array, othe
 
 @claim("convolver", "float32 and float64", _cases)
 def _single(_: Convolver, convolution: PreparedConvolution, one: Array, __: Array) -> float:
-    single, double = convolution.apply(one.astype(np.float32)), convolution.apply(one)
+    single = convolution.apply(one.astype(np.float32))
+    double = convolution.apply(one)
     require(single.dtype == np.float32, f"a float32 pressure gives {single.dtype}")
     require(double.dtype == np.float64, f"a float64 pressure gives {double.dtype}")
     return require_close(single, double, 1e-5, "in float32 it differs")
@@ -115,7 +116,8 @@ def _units(_: Convolver, convolution: PreparedConvolution, one: Array, __: Array
 
 @claim("convolver", "setup")
 def _setup(convolver: Convolver) -> None:
-    other, pressure = Grid((5, 4), 3.0), np.random.default_rng(1).random((5, 4))
+    other = Grid((5, 4), 3.0)
+    pressure = np.random.default_rng(1).random((5, 4))
     for boundary in convolver.boundaries:
         convolution = convolver.prepare(_KERNEL, _GRIDS[0], boundary)
         setup = convolution.setup

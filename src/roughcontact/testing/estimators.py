@@ -49,7 +49,8 @@ def _solutions(_: object) -> Iterator[tuple[str, ContactSolution]]:
 
 def _require_same(estimator: AreaEstimator, one: ContactSolution, other: ContactSolution, factor: float = 1.0) -> float:
     """Require that the area and the uncertainty of the second solution are `factor` times those of the first."""
-    a, b = estimator.estimate(one), estimator.estimate(other)
+    a = estimator.estimate(one)
+    b = estimator.estimate(other)
     error = max(abs(b.value / factor - a.value), abs(b.uncertainty / factor - a.uncertainty))
     error /= a.value or one.grid.area
     require(error <= _CLOSE, f"the area differs by {error:.1e}")
@@ -58,7 +59,8 @@ def _require_same(estimator: AreaEstimator, one: ContactSolution, other: Contact
 
 @claim("area estimator", "valid areas and uncertainties", _solutions)
 def _valid(estimator: AreaEstimator, solution: ContactSolution) -> None:
-    area, nominal = estimator.estimate(solution), solution.grid.area
+    area = estimator.estimate(solution)
+    nominal = solution.grid.area
     require(isinstance(area, Area), f"it returns a {type(area).__name__}, not an Area")
     require(0.0 <= area.value <= nominal * (1 + _CLOSE), f"{area.value} m2 of {nominal} m2")
     consistent = math.isclose(area.fraction, area.value / nominal, rel_tol=_CLOSE)
@@ -84,7 +86,8 @@ def _full(estimator: AreaEstimator) -> None:
 
 @claim("area estimator", "no contact", _solutions)
 def _empty(estimator: AreaEstimator, solution: ContactSolution) -> None:
-    zero, approach = np.zeros_like(solution.pressure), -float(np.std(solution.initial_gap))
+    zero = np.zeros_like(solution.pressure)
+    approach = -float(np.std(solution.initial_gap))
     area = estimator.estimate(attrs.evolve(solution, pressure=zero, displacement=zero, approach=approach))
     require(area.value == 0.0, f"separated, an area of {area.value:g} m2")
     require(area.uncertainty >= 0.0, f"separated, an uncertainty of {area.uncertainty} m2")
@@ -142,7 +145,8 @@ def _units(estimator: AreaEstimator, solution: ContactSolution) -> float:
 
 @claim("area estimator", "repeatable", _solutions)
 def _repeatable(estimator: AreaEstimator, solution: ContactSolution) -> None:
-    one, two = estimator.estimate(solution), estimator.estimate(solution)
+    one = estimator.estimate(solution)
+    two = estimator.estimate(solution)
     require((one.value, one.uncertainty) == (two.value, two.uncertainty), "a second call gives another area")
 
 

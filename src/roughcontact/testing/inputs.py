@@ -66,7 +66,8 @@ def _contact(material: Material) -> str:
     limit = material.pressure_limit
     shape = limit.shape if isinstance(limit, np.ndarray) else (16, 16)
     grid = Grid((shape[0], shape[1]), (shape[0] * 1e-6, shape[1] * 1e-6))
-    body, other = Body(ParaboloidSurface(1e-4), material), Body(ParaboloidSurface(1e-3), _OTHER)
+    body = Body(ParaboloidSurface(1e-4), material)
+    other = Body(ParaboloidSurface(1e-3), _OTHER)
     problem = ContactProblem(body, other, grid=grid)
     solution = problem.solve(approach=0.1 * float(problem.initial_gap.max()))
     require((solution.pressure <= limit).all(), "a contact has pressures above the limit")

@@ -144,7 +144,8 @@ def _even(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> flo
 
 @claim("kernel", "offsets and waves independent", _cases)
 def _independent(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> float:
-    errors, detail = [], "the value at one offset or wave depends on the others of the same call"
+    errors = []
+    detail = "the value at one offset or wave depends on the others of the same call"
     if isinstance(kernel, SupportsCoefficients):
         few = kernel.coefficients(shape, spacing, _COMPLIANCE)
         more = kernel.coefficients((shape[0] + 5, shape[1] + 3), spacing, _COMPLIANCE)
@@ -201,7 +202,8 @@ def _units(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> No
 
 @claim("kernel", "far field of the half-space", _half_space_cases)
 def _far_field(kernel: InfluenceKernel, _: tuple[int, int], spacing: Pair) -> float:
-    (dx, dy), errors = spacing, []
+    dx, dy = spacing
+    errors = []
     if isinstance(kernel, SupportsCoefficients):
         line = kernel.coefficients((2001, 1), spacing, _COMPLIANCE)[-1, 0]
         errors.append(abs(float(line) * np.pi * 2000 * dx / (_COMPLIANCE * dx * dy) - 1.0))
@@ -216,8 +218,10 @@ def _far_field(kernel: InfluenceKernel, _: tuple[int, int], spacing: Pair) -> fl
 @claim("kernel", "coefficients agree with spectrum")
 def _agree(kernel: InfluenceKernel) -> str:
     # A pressure without low moments has no far field, so that images do not matter.
-    coefficients, spectrum = _coefficients(kernel), _spectrum(kernel)
-    n, spacing = 48, (1e-6, 1.5e-6)
+    coefficients = _coefficients(kernel)
+    spectrum = _spectrum(kernel)
+    n = 48
+    spacing = (1e-6, 1.5e-6)
     pressure = np.zeros((n, n))
     pressure[n // 2 - 2 : n // 2 + 3, n // 2 - 2 : n // 2 + 3] = np.outer(*[np.array([1.0, -4.0, 6.0, -4.0, 1.0])] * 2)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -234,7 +238,8 @@ def _agree(kernel: InfluenceKernel) -> str:
 
 @claim("kernel", "effective modulus agrees with spectrum")
 def _modulus(kernel: InfluenceKernel) -> str:
-    spectrum, wavenumbers = _spectrum(kernel), np.geomspace(1e4, 1e7, 7)
+    spectrum = _spectrum(kernel)
+    wavenumbers = np.geomspace(1e4, 1e7, 7)
     moduli = kernel.effective_modulus(wavenumbers, _COMPLIANCE)
     stated = np.full(7, 1.0 / _COMPLIANCE) if moduli is None else moduli
     none = np.zeros((1, 1))

@@ -118,7 +118,8 @@ def judge(
         area = plan.grid.area if given.kind == "force" else 1.0
         off = abs(float(pressure.mean() * area / np.longdouble(given.value)) - 1.0)
     gap = level - datum
-    rms, bend = float(np.std(initial_gap)), float(np.ptp(displacement))
+    rms = float(np.std(initial_gap))
+    bend = float(np.ptp(displacement))
     bend = bend if bend > _UNIFORM * float(pressure.max()) * plan.grid.spacing[0] / plan.modulus else 0.0
     scale = min(rms, bend) or max(rms, bend)
     wrong = np.where(saturated, np.maximum(gap, 0.0), np.abs(gap))
@@ -139,5 +140,6 @@ def _datum(level: LongArray, pressure: LongArray, saturated: Mask) -> np.longdou
     elastic = np.where(saturated, 0.0, pressure)
     if elastic.any():
         return np.longdouble(np.sum(elastic * level) / elastic.sum())
-    lower, upper = level[saturated].max(initial=level.min()), level[pressure <= 0.0].min(initial=np.inf)
+    lower = level[saturated].max(initial=level.min())
+    upper = level[pressure <= 0.0].min(initial=np.inf)
     return np.longdouble(min(lower, upper))

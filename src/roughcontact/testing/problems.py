@@ -22,7 +22,8 @@ from roughcontact._solve.solvers import Solver
 from roughcontact.errors import InputError
 
 # Elastic constants of the trials, Pa and 1; any would do, for the problems are dimensionless inside.
-YOUNG, POISSON = 1e9, 0.3
+YOUNG = 1e9
+POISSON = 0.3
 # Contact modulus on a rigid body, Pa.
 MODULUS = YOUNG / (1.0 - POISSON**2)
 ELASTIC = Elastic(YOUNG, POISSON)
@@ -73,7 +74,8 @@ def cases() -> Iterator[Case]:
     """Give small problems of every boundary, load and pressure limit, from first touch to the admissible maximum."""
     for (name, surface), boundary in itertools.product(_maps(), Boundary):
         scale = MODULUS * float(np.ptp(surface.values)) / max(surface.size)
-        full, hardness = float(surface.values.max() - surface.values.mean()), 0.3 * scale
+        full = float(surface.values.max() - surface.values.mean())
+        hardness = 0.3 * scale
         uneven = scale * np.linspace(0.1, 0.9, 120).reshape(12, 10)
         for text, limit, load in (
             *((f"elastic, {part:g} of E* slope", None, Load("pressure", part * scale)) for part in (1e-4, 0.1, 10.0)),
@@ -114,7 +116,8 @@ def full_contact() -> ContactSolution:
 @cache
 def sphere_contact(cells: float, offset: tuple[float, float]) -> ContactSolution:
     """Return Hertz's contact of a radius given in cells; the summit is offset from the centre, in cells."""
-    n, radius = 40, 1e-2
+    n = 40
+    radius = 1e-2
     grid = Grid((n, n), 1e-3)
     centre = offset[0] * grid.spacing[0], offset[1] * grid.spacing[1]
     body = Body(ParaboloidSurface(radius, center=centre), ELASTIC)

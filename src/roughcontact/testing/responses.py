@@ -76,7 +76,8 @@ def _valid(response: Response[Any], solution: ContactSolution) -> None:
     result = _respond(response, solution)
     if result is None or isinstance(result, np.ndarray):
         return
-    uncertainty, warnings = getattr(result, "uncertainty", 0.0), getattr(result, "warnings", ())
+    uncertainty = getattr(result, "uncertainty", 0.0)
+    warnings = getattr(result, "warnings", ())
     require(np.all(np.asarray(uncertainty) >= 0.0), f"an uncertainty of {uncertainty}")
     valid = isinstance(warnings, tuple) and all(isinstance(text, str) and text for text in warnings)
     require(valid, f"`warnings` must be a tuple of sentences, not {warnings!r}")

@@ -19,7 +19,8 @@ from roughcontact.testing.oracle import judge
 from roughcontact.testing.problems import Case, cases, solve_cases
 
 # Convolutions before the displacements turn infinite, and those that a solver may need to notice it.
-_CALLS, _MORE_CALLS = 4, 20
+_CALLS = 4
+_MORE_CALLS = 20
 
 
 @claim("solver", "tolerance")
@@ -30,7 +31,8 @@ def _tolerance(solver: Solver) -> str:
 
 @claim("solver", "solves, or raises InputError")
 def _serves(solver: Solver) -> str:
-    served, refused = set(), set()
+    served = set()
+    refused = set()
     for case in cases():
         try:
             case.problem(solver).solve(throw=False, **case.load.arguments)
@@ -72,7 +74,8 @@ def _bounds(solver: Solver, case: Case, problem: ContactProblem, _: ContactSolut
     # The solver's own pressure: the solution's is cut off at the limit.
     task = make_task(problem.plan, problem.initial_gap, case.load)
     pressure = solver.solve(problem.convolution, task).pressure
-    lowest, over = float(pressure.min()), float(np.max(pressure - task.pressure_limit))
+    lowest = float(pressure.min())
+    over = float(np.max(pressure - task.pressure_limit))
     require(lowest >= 0.0, f"a pressure of {lowest:.1e}")
     require(over <= 0.0, f"a pressure of {over:.1e} above the limit")
 
@@ -116,7 +119,8 @@ class _Diverging(PreparedConvolution):
     """A convolution that returns infinite displacements after a few calls."""
 
     def __init__(self, convolution: PreparedConvolution) -> None:
-        self._convolution, self.calls = convolution, 0
+        self._convolution = convolution
+        self.calls = 0
 
     @property
     def setup(self) -> ConvolutionSetup:

@@ -8,7 +8,8 @@ import threading
 import time
 
 # Connections at a time, with the token and without; seconds in which one must have shown it.
-LIMIT, PATIENCE = 64, 5.0
+LIMIT = 64
+PATIENCE = 5.0
 
 
 class Connections:

@@ -15,7 +15,8 @@ try:
 except ImportError:  # Windows: folders of killed sessions stay
     fcntl = None  # type: ignore[assignment]
 
-_PREFIX, _LOCK = "roughcontact-app-", "lock"
+_PREFIX = "roughcontact-app-"
+_LOCK = "lock"
 
 
 class PrivateFolder:

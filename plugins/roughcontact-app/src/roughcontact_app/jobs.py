@@ -20,7 +20,8 @@ from roughcontact_app.process import TaskEnded, Worker
 from roughcontact_app.settings import Settings
 
 # Runs that are kept, and runs that may wait.
-_KEPT, _WAITING = 20, 20
+_KEPT = 20
+_WAITING = 20
 # Names of files that a process may offer.
 _FILE = re.compile(r"[a-z0-9-]{1,60}\.(?:csv|html|npz|png)")
 # Runs whose times correct the forecast.
@@ -32,8 +33,12 @@ class Job:
     """One run: its number, its settings, what is known of it, and the process that does it."""
 
     def __init__(self, number: int, settings: Settings, task: dict[str, Any], folder: Path, worker: Worker):
-        self.id, self.settings, self.task, self.folder = folder.name, settings, task, folder
-        self.number, self.worker = number, worker
+        self.id = folder.name
+        self.settings = settings
+        self.task = task
+        self.folder = folder
+        self.number = number
+        self.worker = worker
         self.future: Future[None] | None = None
         self._lock = threading.Lock()
         self._state: dict[str, Any] = {"phase": "waiting", "fraction": 0.0, "text": "", "error": ""}
@@ -80,7 +85,8 @@ class Jobs:
     """All runs of this server."""
 
     def __init__(self, folder: Path, slots: int | None = None):
-        self._folder, self._lock = folder, threading.Lock()
+        self._folder = folder
+        self._lock = threading.Lock()
         self.slots = slots or available_threads()
         self._pool = ThreadPoolExecutor(self.slots, thread_name_prefix="run")
         self._jobs: dict[str, Job] = {}

@@ -22,10 +22,13 @@ class Page:
 
     def __init__(self, folder: Path, patience: float):
         folder.mkdir(mode=0o700)
-        self.folder, self._patience = folder, patience
+        self.folder = folder
+        self._patience = patience
         # One change of the form after the other: the process keeps the last surface.
-        self._maker, self.making = Worker(), threading.RLock()
-        self._inspector, self._lock = Worker(), threading.Lock()
+        self._maker = Worker()
+        self.making = threading.RLock()
+        self._inspector = Worker()
+        self._lock = threading.Lock()
         self._is_inspecting = False
 
     def start(self) -> None:
@@ -45,9 +48,11 @@ class Page:
         with self._lock:
             if self._is_inspecting:
                 # The former reading finds that it is no longer the last one.
-                former, self._inspector = self._inspector, Worker()
+                former = self._inspector
+                self._inspector = Worker()
                 former.close()
-            inspector, self._is_inspecting = self._inspector, True
+            inspector = self._inspector
+            self._is_inspecting = True
         advice = "check that it is a height map, or read it with roughcontact.read_surface in a script."
         try:
             return inspector.do(task, self._patience, late=f"Reading the file {name} {self._late}: {advice}")

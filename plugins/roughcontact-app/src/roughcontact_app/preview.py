@@ -17,7 +17,9 @@ def describe(scene: Scene) -> dict[str, object]:
     heights = scene.rough.heights(scene.grid)
     missing = scene.rough.non_measured_on(scene.grid)
     measured = heights if missing is None else heights[~missing]
-    (nx, ny), (lx, ly), (dx, dy) = scene.grid.shape, scene.grid.size, scene.grid.spacing
+    nx, ny = scene.grid.shape
+    lx, ly = scene.grid.size
+    dx, dy = scene.grid.spacing
     warnings = [*scene.rough.warnings, *_warn_of_tilt(scene)] if isinstance(scene.rough, HeightMap) else []
     return {
         "rows": [

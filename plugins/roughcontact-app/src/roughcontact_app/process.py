@@ -88,7 +88,8 @@ class Worker:
     def end(self) -> None:
         """End the process, whatever it does: its task raises `TaskEnded`, the next one starts another."""
         with self._lock:
-            process, self._process = self._process, None
+            process = self._process
+            self._process = None
         if process is not None:
             process.kill()
             process.join()

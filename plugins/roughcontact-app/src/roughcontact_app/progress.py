@@ -19,12 +19,21 @@ class Progress:
     """Messages about a run of several solves, each of many iterations."""
 
     def __init__(self, shape: tuple[int, int], loads: int, tolerance: float, send: Callable[[dict[str, Any]], None]):
-        self._shape, self._loads, self._tolerance, self._send = shape, loads, tolerance, send
-        self._solve, self._fraction, self._load, self._last = 0, 0.0, "", 0.0
+        self._shape = shape
+        self._loads = loads
+        self._tolerance = tolerance
+        self._send = send
+        self._solve = 0
+        self._fraction = 0.0
+        self._load = ""
+        self._last = 0.0
 
     def begin(self, load: str) -> None:
         """Begin the next solve."""
-        self._solve, self._fraction, self._load, self._last = self._solve + 1, 0.0, load, 0.0
+        self._solve += 1
+        self._fraction = 0.0
+        self._load = load
+        self._last = 0.0
 
     def step(self, step: Step) -> None:
         """Count an iteration."""

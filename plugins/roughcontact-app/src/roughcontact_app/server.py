@@ -25,11 +25,14 @@ from roughcontact_app.session import Session
 # The loopback address: no other machine can reach it.
 HOST = "127.0.0.1"
 # Bytes of settings; seconds without a byte; bytes that are sent at a time.
-_LONGEST_BODY, _SILENCE, _BLOCK = 1 << 16, 30.0, 1 << 18
+_LONGEST_BODY = 1 << 16
+_SILENCE = 30.0
+_BLOCK = 1 << 18
 # Characters of the name of a page.
 _LONGEST_NAME = 40
 # Bytes, and seconds, of a refused request that are read after the answer, so that the client sees it.
-_DRAINED, _DRAINING = 1 << 20, 2.0
+_DRAINED = 1 << 20
+_DRAINING = 2.0
 _TYPES = {
     "css": "text/css; charset=utf-8",
     "csv": "text/csv; charset=utf-8",
@@ -60,7 +63,8 @@ class Refusal(Exception):
 
     def __init__(self, status: int, sentence: str, location: str = ""):
         super().__init__(sentence)
-        self.status, self.location = status, location
+        self.status = status
+        self.location = location
 
 
 class AppServer(ThreadingHTTPServer):
@@ -119,7 +123,8 @@ class _Handler(BaseHTTPRequestHandler):
 
     server: AppServer
     timeout = connections.PATIENCE
-    server_version, sys_version = "roughcontact", ""
+    server_version = "roughcontact"
+    sys_version = ""
 
     def do_GET(self) -> None:
         self._answer(self._get)
@@ -209,7 +214,8 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(200, _TYPES[ending], file.read_bytes(), extra)
 
     def _post(self, path: str) -> None:
-        session, parts = self.server.session, path.split("/")
+        session = self.server.session
+        parts = path.split("/")
         if path == "api/upload":
             self._upload()
             return
@@ -266,7 +272,8 @@ class _Handler(BaseHTTPRequestHandler):
         self.connection.settimeout(1.0)
         with contextlib.suppress(OSError):
             self.connection.shutdown(socket.SHUT_WR)
-            left, end = _DRAINED, time.monotonic() + _DRAINING
+            left = _DRAINED
+            end = time.monotonic() + _DRAINING
             while left > 0 and time.monotonic() < end and (block := self.connection.recv(min(left, 1 << 16))):
                 left -= len(block)
 

@@ -34,8 +34,10 @@ class Session:
         parts = {name: self.folder / name for name in ("uploads", "surfaces", "runs")}
         for part in parts.values():
             part.mkdir(mode=0o700)
-        self.uploads, self.jobs = Uploads(parts["uploads"]), Jobs(parts["runs"], slots)
-        self._surfaces, self._patience = parts["surfaces"], patience
+        self.uploads = Uploads(parts["uploads"])
+        self.jobs = Jobs(parts["runs"], slots)
+        self._surfaces = parts["surfaces"]
+        self._patience = patience
         self._pages: OrderedDict[str, Page] = OrderedDict()
         self._opening = threading.Lock()
         self._pictures: OrderedDict[str, bytes] = OrderedDict()
@@ -61,7 +63,8 @@ class Session:
 
     def show_surface(self, data: object, page: str) -> dict[str, Any]:
         """Return numbers, warnings and the name of the picture of the surface that the settings describe."""
-        maker, settings = self._page(page), read_settings(data)
+        maker = self._page(page)
+        settings = read_settings(data)
         with maker.making:
             shown = maker.make(self._task("surface", settings, maker.folder), "Making the surface")
             if "picture" in shown:

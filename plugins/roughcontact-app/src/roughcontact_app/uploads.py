@@ -18,11 +18,13 @@ from roughcontact._parts.files import readers
 from roughcontact.errors import InputError, RoughContactError
 
 # Bytes of one file, and of all together; larger maps are for a script.
-_LARGEST, _LARGEST_SUM = 1 << 29, 1 << 31
+_LARGEST = 1 << 29
+_LARGEST_SUM = 1 << 31
 # Fraction of the memory that a file may be: it is read into float64 and transformed.
 _OF_MEMORY = 0.25
 # Bytes that are read at a time, and characters of a name that are shown.
-_BLOCK, _SHOWN = 1 << 16, 100
+_BLOCK = 1 << 16
+_SHOWN = 100
 # Seconds in which a file of the largest size must have come; it is sent on one machine.
 _PATIENCE = 300.0
 # Endings of instruments' files, which no reader claims; any other is read without an ending.
@@ -49,7 +51,8 @@ class Uploads:
     """Files by their digests; the oldest are removed when there are too many bytes."""
 
     def __init__(self, folder: Path):
-        self._folder, self._lock = folder, threading.Lock()
+        self._folder = folder
+        self._lock = threading.Lock()
         self._files: dict[str, StoredFile] = {}
 
     @property
@@ -127,7 +130,9 @@ def _known_ending(name: str) -> str:
 
 def _copy(source: BufferedIOBase, size: int, target: Path) -> str:
     """Copy so many bytes into a new file and return their digest."""
-    digest, left, end = hashlib.sha256(), size, time.monotonic() + _PATIENCE
+    digest = hashlib.sha256()
+    left = size
+    end = time.monotonic() + _PATIENCE
     with target.open("xb") as file:
         while left:
             block = source.read(min(_BLOCK, left))

@@ -46,7 +46,8 @@ _PLAIN = re.compile(rf"(?<![\w.])({_NUMBER}) (m|Pa|N)\b")
 _ALLOWED = re.compile(r" \((m|Pa|N)\)(?=, but got)")
 _GOT = re.compile(rf"(?<=but got )({_NUMBER})(?=\.(?:\s|$))")
 # Numbers between which units have a prefix that people know.
-_SMALLEST, _LARGEST = 1e-15, 1e15
+_SMALLEST = 1e-15
+_LARGEST = 1e15
 
 
 def in_words_of_page(text: str) -> str:

@@ -23,15 +23,21 @@ class AcceleratedGradient(rc.Solver):
         """Return the pressure that carries the load."""
         monitor = Monitor(task, self.tolerance, self.max_iterations)
         pressure = project(np.zeros(task.initial_gap.shape) if task.start is None else task.start, task)
-        displacement, convolutions = convolution.apply(pressure), 1
-        point, point_displacement, curvature, age = pressure, displacement, 1.0, 0
+        displacement = convolution.apply(pressure)
+        convolutions = 1
+        point = pressure
+        point_displacement = displacement
+        curvature = 1.0
+        age = 0
         state, status = monitor.judge(pressure, displacement)
         while status is None:
             # The energy of `point` falls along its gradient, which is the gap there.
             gap = point_displacement + task.initial_gap - state.approach
             new = project(point - gap / curvature, task)
-            new_displacement, convolutions = convolution.apply(new), convolutions + 1
-            step, change = new - point, new - pressure
+            new_displacement = convolution.apply(new)
+            convolutions += 1
+            step = new - point
+            change = new - pressure
             if norm := convolution.dot(step, step):
                 curvature = max(curvature, 1.1 * convolution.dot(step, new_displacement - point_displacement) / norm)
             age = age + 1 if convolution.dot(step, change) >= 0.0 else 0
@@ -39,14 +45,16 @@ class AcceleratedGradient(rc.Solver):
             # The convolution is linear, so that extrapolation costs no further one.
             point = new + momentum * change
             point_displacement = new_displacement + momentum * (new_displacement - displacement)
-            pressure, displacement = new, new_displacement
+            pressure = new
+            displacement = new_displacement
             state, status = monitor.judge(pressure, displacement)
         return monitor.outcome(pressure, status, convolutions)
 
 
 def project(values, task):
     """Return the nearest pressure between zero and the limit, of the given mean where the load is given."""
-    limit, mean = task.pressure_limit, task.mean_pressure
+    limit = task.pressure_limit
+    mean = task.mean_pressure
     if mean is None:
         return np.clip(values, 0.0, limit)
     if mean >= np.mean(limit):

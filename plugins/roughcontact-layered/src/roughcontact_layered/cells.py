@@ -18,13 +18,17 @@ Aliases: TypeAlias = tuple[Array, Array, Array]
 
 # Cells up to this offset, in shorter sides, are integrated from four corners; beyond it, and beyond the second
 # offset, by Gauss points: the errors stay below 1e-11 (tests/test_cells.py).
-_NEAR, _FAR = 10, 60
+_NEAR = 10
+_FAR = 60
 # Gauss points along a corner's angle, and across one shorter side between both offsets and beyond.
-_CORNER, _BETWEEN, _BEYOND = 40, 5, 3
+_CORNER = 40
+_BETWEEN = 5
+_BEYOND = 3
 # Chebyshev nodes in the square of the phase, in which the sum of all aliases is analytic: see `roughcontact.Love`.
 _NODES = 20
 # Aliases on each side; the outer ones are averaged, because the sum alternates (Euler's method).
-_PLAIN, _AVERAGED = 8, 22
+_PLAIN = 8
+_AVERAGED = 22
 
 
 def cell_integrals(table: Radial, shape: tuple[int, int], spacing: tuple[float, float]) -> Array:
@@ -154,7 +158,8 @@ def _sum_orders(
     x, y = (t[:, np.newaxis] + 2.0 * np.pi * k for t, k in zip(theta, orders, strict=True))
     factors = [_weights(k) * np.sinc(phase / (2.0 * np.pi)) for k, phase in zip(orders, (x, y), strict=True)]
     for m in range(orders[0].size):
-        qx, qy = x[:, m] / spacing[0], y / spacing[1]
+        qx = x[:, m] / spacing[0]
+        qy = y / spacing[1]
         values = rest(np.hypot(qx[:, np.newaxis, np.newaxis], qy))
         total += factors[0][:, m, np.newaxis] * np.einsum("ijn,jn->ij", values, factors[1])
     return total

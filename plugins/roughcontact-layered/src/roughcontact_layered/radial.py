@@ -18,7 +18,9 @@ from roughcontact_layered.stack import Array, Layer, respond
 _NODES = 20
 # Gauss points on each panel of x = q r, and half waves of Bessel's functions summed as they are and by averages of
 # their partial sums (Euler's method): errors below 1e-11 of the displacement (tests/test_cells.py).
-_POINTS, _PLAIN, _AVERAGED = 16, 20, 26
+_POINTS = 16
+_PLAIN = 20
+_AVERAGED = 26
 # End of the first half wave, near the zero 2.405 of J0; panels below it halve.
 _FIRST = 2.4
 # Wave number times thickness below which layers change nothing.

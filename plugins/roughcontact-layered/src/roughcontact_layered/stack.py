@@ -101,7 +101,8 @@ def respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple
     ----------
     O'Sullivan, King, J. Tribol. 110 (1988) 235-240, give the closed form of one layer.
     """
-    own, rest = np.empty(q.size), np.empty(q.size)
+    own = np.empty(q.size)
+    rest = np.empty(q.size)
     for start in range(0, q.size, _BLOCK):
         block = slice(start, start + _BLOCK)
         own[block], rest[block] = _respond(layers, substrate, q[block])
@@ -121,7 +122,8 @@ def _respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tupl
 
 def _half_space(young: float, poisson: float) -> Array:
     """Return the compliance matrix of waves that decay downwards, for 1/young."""
-    along, coupling = -2.0 * (1.0 - poisson**2), (1.0 - 2.0 * poisson) * (1.0 + poisson)
+    along = -2.0 * (1.0 - poisson**2)
+    coupling = (1.0 - 2.0 * poisson) * (1.0 + poisson)
     return np.array([[along, coupling], [coupling, along]]) / young
 
 
@@ -129,7 +131,8 @@ def _cross(layer: Layer, scale: float, own: Array, matrix: Array, x: Array) -> t
     """Return the compliance matrix above a layer, and the same less that of its half-space."""
     generator = _generator(layer.young / scale, layer.poisson)
     thin = x < _THIN
-    result, difference = np.empty_like(matrix), np.empty_like(matrix)
+    result = np.empty_like(matrix)
+    difference = np.empty_like(matrix)
     result[..., thin] = _cross_thin(generator, matrix[..., thin], x[thin])
     difference[..., thin] = result[..., thin] - own[:, :, np.newaxis]
     difference[..., ~thin] = _cross_thick(generator, own, matrix[..., ~thin], x[~thin])
@@ -177,7 +180,9 @@ def _cross_thick(generator: Array, own: Array, matrix: Array, x: Array) -> Array
     one = np.eye(2)
     down = generator[2:, :2] @ own + generator[2:, 2:] + one
     up = one - generator[2:, :2] @ mirror - generator[2:, 2:]
-    one3, own3, mirror3 = one[:, :, np.newaxis], own[:, :, np.newaxis], mirror[:, :, np.newaxis]
+    one3 = one[:, :, np.newaxis]
+    own3 = own[:, :, np.newaxis]
+    mirror3 = mirror[:, :, np.newaxis]
     reflected = _product(_inverse(matrix - mirror3), own3 - matrix)
     reflected = _product(one3 + up[:, :, np.newaxis] * x, _product(reflected, one3 + down[:, :, np.newaxis] * x))
     reflected = reflected * np.exp(-2.0 * x)

@@ -159,13 +159,16 @@ def _grids_table(cases: Sequence[PairCase]) -> PaperTable:
 
 
 def _extrapolation_table(cases: Sequence[PairCase]) -> PaperTable:
-    rows, warnings = [], []
+    rows = []
+    warnings = []
     finest = max(case.cells for case in cases)
     for state in STATES:
         for force in FORCES:
             of_load = select(cases, state, force)
-            extrapolated, last = fit_counts(of_load), of_load[-1]
-            counted, area = _UM2 * last.counted, _UM2 * last.area.value
+            extrapolated = fit_counts(of_load)
+            last = of_load[-1]
+            counted = _UM2 * last.counted
+            area = _UM2 * last.area.value
             printed = published.PAIR_AREA.get((state, force))
             rows.append(
                 (

@@ -53,7 +53,8 @@ class PrintedPolonskyKeer(rc.Solver):
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the pressure at which the change is small."""
         self.require(approach=task.mean_pressure is None)
-        limit, load = task.pressure_limit, float(task.mean_pressure or 0.0) * task.initial_gap.size
+        limit = task.pressure_limit
+        load = float(task.mean_pressure or 0.0) * task.initial_gap.size
         pressure = np.full(task.initial_gap.shape, task.mean_pressure) if task.start is None else np.array(task.start)
         direction = np.zeros_like(pressure)
         square = 1.0

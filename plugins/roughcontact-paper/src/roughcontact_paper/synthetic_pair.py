@@ -72,7 +72,8 @@ def run_in_pair(
             worn, force=RUN_IN_FORCE, shifts=shifts, model=MODEL, rounds=1, tolerance=0.0, on_cycle=on_cycle
         )
         volume += result.volume
-        worn, finished = result.problem, result.volume <= TOLERANCE * volume
+        worn = result.problem
+        finished = result.volume <= TOLERANCE * volume
         _write(path, key, (worn, volume, finished))
     return worn
 

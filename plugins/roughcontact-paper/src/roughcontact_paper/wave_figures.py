@@ -32,7 +32,8 @@ def draw_wave_figures(cases: Sequence[WaveCase]) -> Mapping[str, Figure]:
 def _draw_surface() -> Figure:
     """Figure 3: the sinusoidal surface, four waves of it in space, and its section through the summits."""
     figure = Figure(figsize=(11, 4.4), layout="constrained")
-    left, right = figure.add_subplot(1, 2, 1, projection="3d"), figure.add_subplot(1, 2, 2)
+    left = figure.add_subplot(1, 2, 1, projection="3d")
+    right = figure.add_subplot(1, 2, 2)
     grid = rc.Grid((128, 128), 4 * WAVELENGTH)
     heights = 1e6 * rc.WavySurface(AMPLITUDE, WAVELENGTH).heights(grid)
     x, y = np.broadcast_arrays(1e6 * grid.x, 1e6 * grid.y)
@@ -90,7 +91,8 @@ def _draw_summit(cases: Sequence[WaveCase]) -> Figure:
     radius = 1e6 * np.sqrt(published.TRUE_AREA[100] / 100 / np.pi) * WAVELENGTH
     chosen = _of_load(cases, 100)[-4:]
     for axes, case in zip(figure.subplots(2, 2).flat, chosen, strict=False):
-        position, half = 1e6 * summit_positions(case), 0.5e6 * case.spacing
+        position = 1e6 * summit_positions(case)
+        half = 0.5e6 * case.spacing
         edges = np.append(position - half, position[-1] + half)
         lines = {"edgecolors": "0.75", "linewidth": 0.2} if case.cells <= 1024 else {}
         axes.pcolormesh(

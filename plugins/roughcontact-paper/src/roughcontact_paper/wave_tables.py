@@ -59,7 +59,8 @@ def _sam_table(cases: Sequence[WaveCase], number: int) -> PaperTable:
     true = published.TRUE_P_MAX if pressure else published.TRUE_AREA
     rows = []
     for case in cases:
-        load, value = case.load, case.p_max if pressure else case.area
+        load = case.load
+        value = case.p_max if pressure else case.area
         ours = [f"{value:.5g}", f"{abs(_percent(value, _closed_form(load)[number - 1])):.3g}"]
         row = [f"{load}", f"{case.cells}", f"{analytic[load]:g}", f"{_printed_value(printed, case):g}"]
         row += [f"{_printed_value(errors, case):g}", *ours, f"{_percent(value, true[load]):+.2f}"]
@@ -77,9 +78,11 @@ def _sam_table(cases: Sequence[WaveCase], number: int) -> PaperTable:
 
 
 def _extrapolation_table(cases: Sequence[WaveCase]) -> PaperTable:
-    rows, notes = [], [_ERRORS]
+    rows = []
+    notes = [_ERRORS]
     for load in published.LOADS:
-        true, analytic = published.TRUE_AREA[load], _closed_form(load)[1]
+        true = published.TRUE_AREA[load]
+        analytic = _closed_form(load)[1]
         decay, power = fit_areas(cases, load)
         row = [f"{load}", f"{published.ANALYTIC_AREA[load]:g}", f"{published.EXTRAPOLATED_AREA[load]:g}"]
         row += [f"{published.EXTRAPOLATED_ERROR[load]:g}", f"{decay.value:.3f}"]

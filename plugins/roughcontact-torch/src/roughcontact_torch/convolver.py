@@ -139,7 +139,8 @@ class TensorInverse(InverseConvolution):
     @cached_property
     def axes(self) -> tuple[RealArray, RealArray]:
         """The stiffness along both axes on the host: single values of it are read often."""
-        x, y = self._stiffness[: self.padded[0] // 2 + 1, 0], self._stiffness[0]
+        x = self._stiffness[: self.padded[0] // 2 + 1, 0]
+        y = self._stiffness[0]
         return x.numpy(force=True), y.numpy(force=True)
 
     @property

@@ -32,7 +32,8 @@ def torch_dtype(dtype: npt.DTypeLike) -> torch.dtype:
 
 def promoted(operands: tuple[Operand, ...]) -> torch.dtype:
     """Return the type in which numpy computes: numbers of Python's do not raise it, those of numpy's do."""
-    strong, weak = set(), set()
+    strong = set()
+    weak = set()
     for one in operands:
         if isinstance(one, torch.Tensor):
             strong.add(one.dtype)

@@ -89,7 +89,8 @@ def reduce(
     if isinstance(where, torch.Tensor):
         values = torch.where(where, values, neutral)
     if axis is None or values.ndim == 1:
-        axis, values = 0, values.reshape(-1)
+        axis = 0
+        values = values.reshape(-1)
     if initial is not None and values.shape[axis] == 0:
         return values.new_full(values.shape[:axis] + values.shape[axis + 1 :], initial)
     found = function(values, axis) if dtype is None else function(values, axis, dtype=torch_dtype(dtype))

@@ -52,7 +52,8 @@ HERTZ_COMMON = 1.0 / 3.0
 SHIFT = 0.0011
 # By how much larger it is on ridges of one direction, and the power of the lay ratio with which their edges have fewer
 # pieces that err by themselves. Set on rough contacts with a lay along the grid.
-LAY_SHIFT, LAY_PIECES = 0.7, 1.5
+LAY_SHIFT = 0.7
+LAY_PIECES = 1.5
 # Standard deviation of the area for each cell in contact at a free border before which the contact ends, cells. Set on
 # balls that nearly touch the border.
 UNCUT_BORDER = 0.4
@@ -92,7 +93,8 @@ PLASTIC = (0.0015, 0.05)
 # Spread v0 up to which Hertz's error is in proportion to it, and the smallest relative standard deviation, no unit.
 # Measured on balls and ellipses in domains of any shape, whose computed curvatures spread by 1e-7 to 1e-3: 0.16 v, and
 # 0.6e-6 where v is less.
-EVEN, EXACT = 0.0014, 1e-6
+EVEN = 0.0014
+EXACT = 1e-6
 # Approach that the larger patches of a discrete solution lack, over their curvature times the area of a cell.
 # Measured: 0.04 on spheres of 4 to 40 cells, 0.02 to 0.03 for the loads of the small patches of rough contacts.
 LACKING = 0.026
@@ -110,14 +112,18 @@ HERTZ_RESOLUTION = (0.011, 10.0)
 # Terms a, b of the relative standard deviation min(a s^4, b) of Hertz's area for a tip between the cell centres, where
 # s is the logarithm of its curvature over neighbouring cells over that over every second cell, and the number of cells
 # up to which a patch has it. Set on cones, which err by up to 0.3 in patches of 1 to 6 cells.
-TIP, TIP_CELLS = (25.0, 0.3), 6
+TIP = (25.0, 0.3)
+TIP_CELLS = 6
 # Excess of the counted area where the edge meets non-measured points that touch, cells for each such place, and its
 # standard deviations: common to all places, and of each by itself. Set on rough contacts with 2 to 10 % non-measured
 # points: 0.31 for single ones, 0.46 for groups.
-NON_MEASURED, NON_MEASURED_STD, NON_MEASURED_PLACE = 0.4, 0.1, 0.8
+NON_MEASURED = 0.4
+NON_MEASURED_STD = 0.1
+NON_MEASURED_PLACE = 0.8
 # Length of the edge that is not traced there, cells for each such place, and its standard deviation. Set on the same:
 # 0.45 to 0.55 for single ones, 0.8 to 0.9 for groups.
-NON_MEASURED_LENGTH, NON_MEASURED_LENGTH_STD = 0.65, 0.35
+NON_MEASURED_LENGTH = 0.65
+NON_MEASURED_LENGTH_STD = 0.35
 # Relative standard deviation of the areas of contacts that have no cell. Set on rough contacts.
 HIDDEN = 0.2
 # Terms a, b, c of the deficit of Hertz's area a v^4 / ((b + v^2) (1 + c v^2)), relative. Measured on rough contacts of

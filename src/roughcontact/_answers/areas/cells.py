@@ -58,7 +58,8 @@ class Surroundings:
         """Return the surroundings of the cells (i, j), shape (n,)."""
         nx, ny = shape
         near = np.flatnonzero((i < reach) | (i >= nx - reach) | (j < reach) | (j >= ny - reach))
-        steps, ends = np.arange(-reach, reach + 1)[:, np.newaxis], []
+        steps = np.arange(-reach, reach + 1)[:, np.newaxis]
+        ends = []
         for at, n in ((i, nx), (j, ny)):
             around = at[near] + steps
             ends.append(np.clip(around, 0, n - 1) if boundary is Boundary.FREE else around % n)
@@ -116,7 +117,8 @@ def find_cut_patches(solution: ContactSolution) -> Mask:
 
 def count_crossings(solution: ContactSolution) -> int:
     """Return the number of places where the edge of the contact meets a free border that cuts it."""
-    contact, cut = solution.contact, find_cut_cells(solution)
+    contact = solution.contact
+    cut = find_cut_cells(solution)
     borders = [(field[0], field[-1], field[:, 0], field[:, -1]) for field in (contact, cut)]
     crossings = [(line[1:] != line[:-1]) & (marked[1:] | marked[:-1]) for line, marked in zip(*borders, strict=True)]
     return sum(int(np.count_nonzero(crossing)) for crossing in crossings)
@@ -171,7 +173,8 @@ def find_sharp_edges(solution: ContactSolution) -> Mask:
     other cells lie beside an edge that runs past them at an angle. The pressure of saturated cells does
     not depend on the distance from the edge: they are marked where the heights have a step.
     """
-    contact, patches = solution.contact, solution.patches
+    contact = solution.contact
+    patches = solution.patches
     extended = extend(contact, 1, solution.boundary)
     interior = extended[:-2] & extended[1:-1] & extended[2:]
     interior = interior[:, :-2] & interior[:, 1:-1] & interior[:, 2:]
@@ -181,7 +184,8 @@ def find_sharp_edges(solution: ContactSolution) -> Mask:
     if edge.size == 0:
         return sharp.reshape(contact.shape)
     saturated = solution.saturated.ravel()[edge] if solution.capped else np.zeros(edge.size, dtype=bool)
-    pressure, touching = solution.pressure.ravel(), contact.ravel()
+    pressure = solution.pressure.ravel()
+    touching = contact.ravel()
     gap = solution.initial_gap.ravel() if saturated.any() else pressure
     near = Surroundings.of(*split(edge, contact.shape[1]), contact.shape, solution.boundary, _INWARD)
     beside = {step: touching[near.at(*step)] for step in _NEIGHBOURS}

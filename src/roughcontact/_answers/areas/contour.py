@@ -32,11 +32,13 @@ _LONGEST = 16.0
 # Distance of the furthest corner, in cells, where no y gives the gradient one, as at saddles: half a diagonal.
 _SADDLE = 0.7
 # Difference up to which edges in two dual cells count as the same, in cells, and the number of such steps in any.
-_ALIKE, _KEYS = 1e-3, 10_000
+_ALIKE = 1e-3
+_KEYS = 10_000
 # So that a half of a cell is not a limit between two steps.
 _OFFSET = 0.382
 # Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
-_NEWTON, _BRACKETED = 4, 16
+_NEWTON = 4
+_BRACKETED = 16
 
 
 @attrs.frozen(eq=False)
@@ -71,7 +73,9 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     With a stride it is the mean over all choices of cells. At the cells of sharp edges, shape (nx, ny), the
     cells are counted.
     """
-    dual, patches, cell = find_dual_cells(solution, stride), solution.patches, solution.grid.cell_area
+    dual = find_dual_cells(solution, stride)
+    patches = solution.patches
+    cell = solution.grid.cell_area
     i, j = dual.find_edge(solution.contact)
     k = dual.corners(i, j)
     label = patches.labels.ravel().take(k)
@@ -153,7 +157,9 @@ def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: 
     ax, ay = _differentiate(inside, size)
     bx, by = _differentiate(outside, size)
     # |grad phi|^2 is a cubic in w = y^2.
-    cubic, square, linear = ax * ax + ay * ay, -2.0 * (ax * bx + ay * by), bx * bx + by * by
+    cubic = ax * ax + ay * ay
+    square = -2.0 * (ax * bx + ay * by)
+    linear = bx * bx + by * by
     longest = _LONGEST * step
     with np.errstate(divide="ignore"):
         highest = np.minimum(np.cbrt(longest / inside.max(axis=0)) ** 2, (longest / outside.max(axis=0)) ** 2)
@@ -191,7 +197,8 @@ def _find_root(cubic: Array, square: Array, linear: Array, highest: Array, value
 
 
 def _find_bracketed_root(cubic: Array, square: Array, linear: Array, highest: Array, value: float) -> Array:
-    low, high = np.zeros_like(highest), highest.copy()
+    low = np.zeros_like(highest)
+    high = highest.copy()
     w = 0.5 * highest
     for _ in range(_BRACKETED):
         excess = ((cubic * w + square) * w + linear) * w - value

@@ -27,13 +27,16 @@ _AROUND = 2.0 / 3.0
 # ... and of a circle of radius one, weighted by Hertz's pressure (exact).
 _BENEATH = 1.0 / 5.0
 # Fewest cells that show whether heights are linear between points, and the part of them without a kink beside it.
-_FEWEST, _KINKLESS = 24, 0.3
+_FEWEST = 24
+_KINKLESS = 0.3
 # Part of the differences that differ from each other, to these digits; a kink between two cells is seen from both.
-_DISTINCT, _DIGITS = 0.35, 6
+_DISTINCT = 0.35
+_DIGITS = 6
 # Mean product of second differences of neighbours, negative, from which heights have steps, over the mean square.
 _STEPPED = 0.1
 # Differences that count as alike, and as the same but for rounding, over their rms.
-_ALIKE, _EXACT = 1e-3, 1e-6
+_ALIKE = 1e-3
+_EXACT = 1e-6
 
 
 def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array]:
@@ -48,7 +51,8 @@ def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Arra
 def average_differences(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array, Array]:
     """Return what `average_curvature` does, and half the second differences along x and y together, m, by patch."""
     patches = solution.patches
-    label, weights = patches.labels.ravel()[chosen], solution.pressure.ravel()[chosen]
+    label = patches.labels.ravel()[chosen]
+    weights = solution.pressure.ravel()[chosen]
     cells = np.concatenate(([0], patches.cells))
     tiny = chosen[cells[label] < _TINY]
     around, owner = _find_neighbours(solution, tiny)
@@ -173,7 +177,8 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
 
 def _find_lay(xx: Array, xy: Array, yy: Array) -> float:
     """Return the lay ratio of these second derivatives: from the mean square of their matrix, shape (2, 2)."""
-    along_x, along_y = float(np.mean(xx**2 + xy**2)), float(np.mean(xy**2 + yy**2))
+    along_x = float(np.mean(xx**2 + xy**2))
+    along_y = float(np.mean(xy**2 + yy**2))
     middle = 0.5 * (along_x + along_y)
     difference = math.hypot(0.5 * (along_x - along_y), float(np.mean(xy * (xx + yy))))
     return math.sqrt(max(middle - difference, 0.0) / (middle + difference)) if middle > 0.0 else 1.0
@@ -181,7 +186,8 @@ def _find_lay(xx: Array, xy: Array, yy: Array) -> float:
 
 def _find_inner(solution: ContactSolution, chosen: IntArray) -> Mask:
     """Return which cells have neighbours in contact on all four sides."""
-    (nx, ny), contact = solution.grid.shape, solution.contact.ravel()
+    nx, ny = solution.grid.shape
+    contact = solution.contact.ravel()
     # The outermost cells of any domain have neighbours beyond its border.
     near = Surroundings.of(*split(chosen, ny), (nx, ny), Boundary.PERIODIC, 1)
     return np.asarray(np.logical_and.reduce([contact[near.at(*step)] for step in ((1, 0), (-1, 0), (0, 1), (0, -1))]))
@@ -235,7 +241,8 @@ def _gather_lines(
         i, j = (np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k for k, n in ((i, nx), (j, ny)))
     near = Surroundings.of(i, j, solution.grid.shape, solution.boundary, reach)
     heights = solution.initial_gap.ravel()
-    here, steps = heights.take(near.at(0, 0)), range(1, reach + 1)
+    here = heights.take(near.at(0, 0))
+    steps = range(1, reach + 1)
     return [
         (here, [heights.take(near.at(k * a, k * b)) + heights.take(near.at(-k * a, -k * b)) for k in steps])
         for a, b in ((1, 0), (0, 1), (1, 1), (1, -1))[:lines]

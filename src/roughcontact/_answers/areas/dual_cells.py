@@ -48,12 +48,14 @@ class DualCells:
 
     def corners(self, i: IntArray, j: IntArray) -> IntArray:
         """Return the flat indices of the cells at the corners of dual cells, in order around them, shape (4, n)."""
-        (m, n), s = (self.rows.shape[1], self.columns.shape[1]), self.stride
+        m, n = (self.rows.shape[1], self.columns.shape[1])
+        s = self.stride
         ny = n - self.before
         steps = np.array((0, s * ny, s * ny + s, s))[:, np.newaxis]
         found = (i - self.before) * ny + (j - self.before) + steps
         border = np.flatnonzero((i < self.before) | (j < self.before) | (i >= m - s) | (j >= n - s))
-        (low, high), (left, right) = self.rows[:, i[border]] * ny, self.columns[:, j[border]]
+        low, high = self.rows[:, i[border]] * ny
+        left, right = self.columns[:, j[border]]
         found[:, border] = low + left, high + left, high + right, low + right
         return np.asarray(found)
 
@@ -95,9 +97,11 @@ class Owners:
         divided = ((label != highest) & (label > 0)).any(axis=0)
         if not divided.any():
             return cls(slice(None), highest, np.ones(1), count)
-        alone, several = np.flatnonzero(~divided), np.flatnonzero(divided)
+        alone = np.flatnonzero(~divided)
+        several = np.flatnonzero(divided)
         which, corner = np.nonzero(label[:, several].T)
-        cell, patch = several[which], label[corner, several[which]]
+        cell = several[which]
+        patch = label[corner, several[which]]
         return cls(
             np.concatenate((alone, cell)),
             np.concatenate((highest[alone], patch)),
@@ -114,7 +118,8 @@ class Owners:
 def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
     """Return the dual cells whose corners are `stride` cells apart."""
     before = stride if solution.boundary is Boundary.FREE else 0
-    weights, corners = [], []
+    weights = []
+    corners = []
     for n in solution.grid.shape:
         first = np.arange(-before, n)
         both = np.stack((first, first + stride))

@@ -41,7 +41,8 @@ _LARGEST_EXCESS = 0.3
 # Sum of squares over sum of the lengths of the rows of sides below which a long edge is a diagonal of the grid, sides.
 _DIAGONAL = 1.9
 # The same where the heights are ridges of one direction, with a lay ratio below the second.
-_OBLIQUE, STRAIGHT = 8.0, 0.03
+_OBLIQUE = 8.0
+STRAIGHT = 0.03
 # Cell sides for each patch from which an edge is long: that of a disc of six cells radius.
 _LONG = 48
 
@@ -130,7 +131,8 @@ class TracedEdges:
         first, second = calibration.EXCESS_HALF
         cells = first * self.curvature_resolution + second * self.curvature_resolution**2
         half = np.minimum(cells * self.strip, _LARGEST_EXCESS * self.area)
-        none, full = self.excess, self.excess_refined
+        none = self.excess
+        full = self.excess_refined
         below = 2.0 * extrapolated * half + (1.0 - 2.0 * extrapolated) * none
         above = 2.0 * (1.0 - extrapolated) * half + (2.0 * extrapolated - 1.0) * full
         return np.where(extrapolated < 0.5, below, above)
@@ -151,13 +153,17 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     """Return the traced edges of all patches."""
     sharp = find_sharp_edges(solution)
     one, two = (trace_contour(solution, sharp, stride) for stride in (1, 2))
-    fine, coarse = _correct(solution, one, 1), _correct(solution, two, 2)
-    cell, cells = solution.grid.cell_area, solution.patches.cells
-    step, oblong = math.sqrt(cell), math.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
+    fine = _correct(solution, one, 1)
+    coarse = _correct(solution, two, 2)
+    cell = solution.grid.cell_area
+    cells = solution.patches.cells
+    step = math.sqrt(cell)
+    oblong = math.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
     # The edge of a patch varies at least as half the edge of a disc of as many cells.
     half_disc = np.sqrt(np.pi * cell * np.concatenate(([0], cells)))
     std = calibration.WANDER * np.sqrt(_SIDES * np.maximum(one.length, half_disc) / step) * cell
-    ratio, lay = curvature_resolution(solution), lay_ratio(solution)
+    ratio = curvature_resolution(solution)
+    lay = lay_ratio(solution)
     strip = step * one.length
     waves = math.sqrt(ratio) / (2.0 * math.pi)
     position = calibration.SHIFT * (1.0 + calibration.LAY_SHIFT * (1.0 - lay))

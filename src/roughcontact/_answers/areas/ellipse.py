@@ -11,7 +11,8 @@ from scipy import special
 from roughcontact._base.checks import Array
 
 # Ratio of the axes up to which contacts are tabulated, and the number of ratios.
-_LONGEST, _ENTRIES = 30.0, 600
+_LONGEST = 30.0
+_ENTRIES = 600
 # Angles of the points, which are symmetric as the grid is.
 _ANGLES = 8
 
@@ -45,7 +46,8 @@ def _tabulate() -> tuple[Array, Array, Array]:
     """
     k = np.geomspace(1.0 + 1e-4, _LONGEST, _ENTRIES)
     m = 1.0 - 1.0 / k**2
-    first, second = special.ellipk(m), special.ellipe(m)
+    first = special.ellipk(m)
+    second = special.ellipe(m)
     logarithms = -np.log((k**2 * second - first) / (first - second))
     factors = k ** (1.0 / 3.0) * (2.0 * second / np.pi) ** (2.0 / 3.0)
     return (
@@ -70,6 +72,7 @@ def points_of_punch() -> tuple[Array, Array, Array]:
 def _place_points(square: float, fourth: float) -> tuple[Array, Array, Array]:
     """Return points and weights for a pressure over which the means of r^2 and r^4 are these."""
     angles = np.arange(_ANGLES) * (2.0 * np.pi / _ANGLES)
-    radius, around = math.sqrt(fourth / square), square**2 / fourth
+    radius = math.sqrt(fourth / square)
+    around = square**2 / fourth
     weights = np.append(np.full(_ANGLES, around / _ANGLES), 1.0 - around)
     return np.append(radius * np.cos(angles), 0.0), np.append(radius * np.sin(angles), 0.0), weights

@@ -24,7 +24,8 @@ _CORRECTION_STD = 0.5
 _POSITION_STD = 1.0 / math.sqrt(12.0)
 # Widths, in cells of a disc, between which the first and the second half of the extrapolation of the traced area set
 # in: narrow patches have too small an area inside their edges, and too large a one where it is extrapolated.
-_FIRST_HALF, _SECOND_HALF = (1.5, 3.0), (6.0, 60.0)
+_FIRST_HALF = (1.5, 3.0)
+_SECOND_HALF = (6.0, 60.0)
 # Standard deviation of an excess that is not subtracted, over it.
 _NOT_SUBTRACTED = 1.3
 # Fraction of its edge that may look sharp in a smooth patch, times the resolution ratio where that is above one.
@@ -43,7 +44,8 @@ class CellCount(AreaEstimator):
 
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the counted area; see `AreaEstimator.estimate`."""
-        count, cell = int(np.count_nonzero(solution.contact)), solution.grid.cell_area
+        count = int(np.count_nonzero(solution.contact))
+        cell = solution.grid.cell_area
         excess = _OVERSHOOT * count_sides(solution.contact, solution.boundary) * cell
         return _counted_area(solution, count * cell, count / solution.contact.size, excess, "cell-count")
 
@@ -68,7 +70,8 @@ class Perimeter(AreaEstimator):
 
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the corrected area; see `AreaEstimator.estimate`."""
-        contact, cell = solution.contact, solution.grid.cell_area
+        contact = solution.contact
+        cell = solution.grid.cell_area
         rows = find_straight_rows(contact, solution.boundary)
         elastic = int(rows.sum()) - count_sides(contact, solution.boundary, solution.saturated)
         needed = float(np.add.reduce(solution.pressure / solution.pressure_limit, axis=None))
@@ -79,7 +82,8 @@ class Perimeter(AreaEstimator):
 
 
 def _counted_area(solution: ContactSolution, value: float, fraction: float, uncertainty: float, name: str) -> Area:
-    perimeter, warnings = measure_sides(solution), list_warnings(solution, curvature_resolution(solution))
+    perimeter = measure_sides(solution)
+    warnings = list_warnings(solution, curvature_resolution(solution))
     return Area(value, fraction, uncertainty, name, perimeter=perimeter, warnings=warnings)
 
 
@@ -157,7 +161,8 @@ class Hertz(AreaEstimator):
 
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the sum of Hertz's areas; see `AreaEstimator.estimate`."""
-        edges, summits = trace_edges(solution), hertz_areas(solution)
+        edges = trace_edges(solution)
+        summits = hertz_areas(solution)
         valid = np.isfinite(summits.error)
         values = np.where(valid, summits.area, edges.area)
         stds = np.minimum(summits.error, 1.0) * summits.area

@@ -37,7 +37,8 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
     F (3 x^2 / r^5 - 1 / r^3) / (pi E*) and the like (Johnson, Contact Mechanics, section 3.2,
     https://doi.org/10.1017/CBO9781139171731).
     """
-    forces, count = solution.patches.forces, x.size
+    forces = solution.patches.forces
+    count = x.size
     if solution.moduli is not None or count == 0:
         return FarField.zero(count)
     radius = math.sqrt(_NEAR * solution.grid.area / (np.pi * count))
@@ -61,7 +62,8 @@ def _pair(solution: ContactSolution, x: Array, y: Array, radius: float) -> tuple
     """Return the pairs of contacts within a radius, with periodic images: both numbers, dx and dy, m."""
     from scipy.spatial import cKDTree
 
-    size, points = np.array(solution.grid.size), np.stack((x, y), axis=1)
+    size = np.array(solution.grid.size)
+    points = np.stack((x, y), axis=1)
     periodic = solution.boundary is Boundary.PERIODIC
     if periodic:
         points = points % size
@@ -88,8 +90,10 @@ def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, I
     near = np.flatnonzero(((places >= -radius) & (places <= size + radius)).all(axis=1))
     pairs = cKDTree(points).sparse_distance_matrix(cKDTree(places[near]), radius, output_type="ndarray")
     pairs = pairs[pairs["v"] > _SAME * radius]
-    one, image = pairs["i"], near[pairs["j"]]
-    other, shift = image % len(points), image // len(points)
+    one = pairs["i"]
+    image = near[pairs["j"]]
+    other = image % len(points)
+    shift = image // len(points)
     # Once each: of a contact's own images those on one side.
     once = (one < other) | ((one == other) & (shift > len(shifts) // 2))
     step = (points[one] - places[image])[once]

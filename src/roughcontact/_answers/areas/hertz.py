@@ -114,7 +114,8 @@ def find_sharpness(solution: ContactSolution, cells: IntArray) -> Array:
         along_y = gap[i, j + step] + gap[i, j - step] - 2.0 * gap[i, j]
         return np.asarray(along_x / dx**2 + along_y / dy**2)
 
-    near, far = curvature(1), curvature(2)
+    near = curvature(1)
+    far = curvature(2)
     rounded = (near > 0.0) & (far > 0.0)
     return np.where(rounded, np.log(np.where(rounded, near, 1.0) / np.where(rounded, far, 1.0)), np.nan)
 

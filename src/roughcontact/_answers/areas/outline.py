@@ -29,15 +29,18 @@ def edge_law(solution: ContactSolution) -> float:
     :math:`(2 p / A_0) \oint ds / K^2`, along the edge and over the nominal area.
     """
     solution = heal(solution)
-    dual, grid = find_dual_cells(solution, 1), solution.grid
+    dual = find_dual_cells(solution, 1)
+    grid = solution.grid
     i, j = dual.find_edge(solution.contact)
     k = dual.corners(i, j)
     touching = solution.contact.ravel()[k]
     distance = find_distances(solution, k, touching, grid.spacing)
     pressure = np.where(solution.saturated.ravel()[k], 0.0, solution.pressure.ravel()[k])
     # In a dual cell all distances follow from one K: that of the corner furthest inside.
-    deepest, each = np.argmax(pressure, axis=0), np.arange(i.size)
-    square, depth = pressure[deepest, each] ** 2, distance[deepest, each]
+    deepest = np.argmax(pressure, axis=0)
+    each = np.arange(i.size)
+    square = pressure[deepest, each] ** 2
+    depth = distance[deepest, each]
     elastic = (square > 0.0) & (depth > 0.0)
     _, lengths, _ = measure_polygons(distance, touching, find_kinds(touching), grid.spacing)
     weights = dual.weights[0][i] * dual.weights[1][j] * lengths
@@ -56,7 +59,8 @@ def contours(solution: ContactSolution) -> list[Array]:
     order = np.argsort(start)
     at = np.minimum(np.searchsorted(start[order], end), start.size - 1)
     following = np.where(start[order][at] == end, order[at], -1)
-    lines, size = [], np.array(solution.grid.size)
+    lines = []
+    size = np.array(solution.grid.size)
     for chain, closed in _chain(following):
         line = np.concatenate((pieces[chain, 0], pieces[chain[-1:], 1]))
         if solution.boundary is not Boundary.FREE:
@@ -71,14 +75,17 @@ def contours(solution: ContactSolution) -> list[Array]:
 
 def _chain(following: IntArray) -> list[tuple[IntArray, bool]]:
     """Return the pieces one behind the other, and whether the last leads to the first."""
-    after, seen, chains = following.tolist(), bytearray(following.size), []
+    after = following.tolist()
+    seen = bytearray(following.size)
+    chains = []
     # Lines with ends begin where no piece leads.
     first = np.ones(following.size, dtype=bool)
     first[following[following >= 0]] = False
     for begin in (*np.flatnonzero(first).tolist(), *range(following.size)):
         if seen[begin]:
             continue
-        chain, piece = [], begin
+        chain = []
+        piece = begin
         while piece >= 0 and not seen[piece]:
             seen[piece] = 1
             chain.append(piece)
@@ -90,7 +97,8 @@ def _chain(following: IntArray) -> list[tuple[IntArray, bool]]:
 def _trace(solution: ContactSolution) -> tuple[Array, IntArray, IntArray]:
     """Return the pieces of the edge, and the sides of dual cells where each begins and ends."""
     solution = heal(solution)
-    dual, grid = find_dual_cells(solution, 1), solution.grid
+    dual = find_dual_cells(solution, 1)
+    grid = solution.grid
     i, j = dual.find_edge(solution.contact)
     k = dual.corners(i, j)
     touching = solution.contact.ravel()[k]
@@ -118,8 +126,10 @@ def _trace(solution: ContactSolution) -> tuple[Array, IntArray, IntArray]:
 
 def _number_sides(dual: DualCells, i: IntArray, j: IntArray) -> IntArray:
     """Return a number for each side of dual cells, shape (4, n), the same for both dual cells beside it."""
-    m, n = dual.rows.shape[1] + dual.before, dual.columns.shape[1] + dual.before
-    above, right = (j + 1) % n, (i + 1) % m
+    m = dual.rows.shape[1] + dual.before
+    n = dual.columns.shape[1] + dual.before
+    above = (j + 1) % n
+    right = (i + 1) % m
     return np.stack((i * n + j, (m + right) * n + j, i * n + above, (m + i) * n + j))
 
 

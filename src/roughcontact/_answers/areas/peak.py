@@ -85,7 +85,8 @@ def _list_warnings(solution: ContactSolution, area: Area, more: str | None) -> t
 
 def _find_highest(solution: ContactSolution) -> IntArray:
     """Return the flat index of the cell of highest pressure in each patch, shape (count,)."""
-    labels, pressure = solution.patches.labels.ravel(), solution.pressure.ravel()
+    labels = solution.patches.labels.ravel()
+    pressure = solution.pressure.ravel()
     members = np.flatnonzero(labels)
     members = members[np.lexsort((-pressure[members], labels[members]))]
     return members[np.unique(labels[members], return_index=True)[1]]
@@ -111,8 +112,10 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     along_x = near[:, 2]
     along_y = near[2]
     here = near[2, 2]
-    fx, fy = 0.5 * (along_x[3] - along_x[1]), 0.5 * (along_y[3] - along_y[1])
-    fxx, fyy = along_x[3] - 2 * here + along_x[1], along_y[3] - 2 * here + along_y[1]
+    fx = 0.5 * (along_x[3] - along_x[1])
+    fy = 0.5 * (along_y[3] - along_y[1])
+    fxx = along_x[3] - 2 * here + along_x[1]
+    fyy = along_y[3] - 2 * here + along_y[1]
     fxy = 0.25 * (near[3, 3] + near[1, 1] - near[1, 3] - near[3, 1])
     determinant = fxx * fyy - fxy**2
     peaked = (fxx < 0.0) & (fyy < 0.0) & (determinant > 0.0)
@@ -151,7 +154,8 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
 
 def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:
     """Return which cells lie at a free border, which cuts the contact there."""
-    (nx, ny), (i, j) = solution.grid.shape, np.divmod(cells, solution.grid.shape[1])
+    nx, ny = solution.grid.shape
+    i, j = np.divmod(cells, solution.grid.shape[1])
     outermost = (i == 0) | (i == nx - 1) | (j == 0) | (j == ny - 1)
     return np.asarray(outermost & (solution.boundary is Boundary.FREE))
 
@@ -186,7 +190,8 @@ def _find_summits(solution: ContactSolution, area: Area, highest: IntArray) -> t
     if area.patches is None or solution.capped:
         return np.zeros(patches.count), np.full(patches.count, np.inf)
     found = hertz_areas(solution)
-    mean, factor = found.summits.curvature, found.sharing.factor
+    mean = found.summits.curvature
+    factor = found.sharing.factor
     single = np.isfinite(found.error[1:])
     areas = np.where(single, found.area[1:], solution.grid.area)
     near = _gather(solution.initial_gap, solution.boundary, highest, 2)

@@ -19,7 +19,8 @@ Corners: TypeAlias = npt.NDArray[np.float64]
 _KINDS = (np.arange(16) >> np.arange(4)[:, np.newaxis] & 1).astype(bool)
 # Number of corners in contact of each kind, as a floating-point number.
 INSIDE = _KINDS.sum(axis=0).astype(np.float64)
-_TWO, _THREE = INSIDE == 2, INSIDE == 3
+_TWO = INSIDE == 2
+_THREE = INSIDE == 3
 _DIAGONAL = (_KINDS[0] == _KINDS[2]) & (_KINDS[1] == _KINDS[3]) & _TWO
 # The corner to begin at: the one that is unlike the others, or the first of two in contact.
 _ODD = np.where(_THREE, ~_KINDS, _KINDS)
@@ -43,14 +44,19 @@ def measure_polygons(
     distance: Corners, contact: Mask, kind: npt.NDArray[np.uint8], size: tuple[float, float]
 ) -> tuple[Array, Array, Array]:
     """Return the area inside (m2), the length (m) and the Euler number of the edge in each dual cell."""
-    away, columns, n = np.abs(distance).ravel(), np.arange(kind.size), kind.size
+    away = np.abs(distance).ravel()
+    columns = np.arange(kind.size)
+    n = kind.size
     kind = kind.astype(np.intp)
     # Distances at the corner to begin at, the one before it and both behind it.
     before, here, after, last = (away.take((_BEGIN + step & 3).take(kind) * n + columns) for step in (-1, 0, 1, 2))
-    rest, middle, end = _divide(here, before), _divide(here, after), _divide(after, last)
+    rest = _divide(here, before)
+    middle = _divide(here, after)
+    end = _divide(after, last)
     even = _BEGIN % 2 == 0
     along, across = (np.where(even, *sides).take(kind) for sides in (size, size[::-1]))
-    pair, triangle = _TWO.take(kind), 0.5 * rest * middle
+    pair = _TWO.take(kind)
+    triangle = 0.5 * rest * middle
     chord = np.hypot(np.where(pair, 1.0, middle) * along, np.where(pair, end - rest, rest) * across)
     area = np.where(pair, 0.5 * (rest + end), np.where(_THREE.take(kind), 1.0 - triangle, triangle))
     area *= size[0] * size[1]
@@ -74,10 +80,12 @@ def _measure_saddles(
 ) -> tuple[Array, Array]:
     """Return area and length where opposite corners are inside: connected if the sum of distances is positive."""
     connected = distance.sum(axis=0) > 0.0
-    area, chord = np.zeros(distance.shape[1]), np.zeros(distance.shape[1])
+    area = np.zeros(distance.shape[1])
+    chord = np.zeros(distance.shape[1])
     for corner in range(4):
         # A corner inside keeps its own triangle; where they are connected, each corner outside loses its own.
-        one, other = 1.0 - crossing[corner - 1], crossing[corner]
+        one = 1.0 - crossing[corner - 1]
+        other = crossing[corner]
         triangle = contact[corner] != connected
         area += np.where(triangle, 0.5 * one * other, 0.0)
         before, after = (size[1], size[0]) if corner % 2 == 0 else (size[0], size[1])

@@ -54,7 +54,8 @@ class EdgeLength(QuantityEstimator):
         if area.patches is None or area.value == 0.0:
             length = measure_sides(solution) * math.pi / 4.0
             return Estimate(length, calibration.COUNTED_LENGTH * length, "m", area.warnings)
-        edges, cell = trace_edges(solution), solution.grid.cell_area
+        edges = trace_edges(solution)
+        cell = solution.grid.cell_area
         mean, difference, spread = (part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact)))
         # Single summits have the ellipse of their curvature, others the shape of their traced edge.
         even = is_elliptic(mean, difference, spread)
@@ -105,10 +106,12 @@ class PatchCount(QuantityEstimator):
         patches = solution.patches
         if patches.count == 0:
             return Estimate(0.0, 0.0, "")
-        bend, cells = measure_bend(solution), patches.cells
+        bend = measure_bend(solution)
+        cells = patches.cells
         uneven = bend.spread > calibration.UNEVEN
         small, few = (int(np.count_nonzero(uneven & (cells < limit))) for limit in _SMALL)
-        many, ratio = int(np.count_nonzero(uneven)), min(curvature_resolution(solution), 2.0)
+        many = int(np.count_nonzero(uneven))
+        ratio = min(curvature_resolution(solution), 2.0)
         hidden = hertz_areas(solution).sharing.hidden.size
         each, unresolved, of_all = calibration.MISSING_PATCHES
         ridges = calibration.MISSING_RIDGE * (1.0 - lay_ratio(solution)) * min(many, 1)

@@ -13,7 +13,8 @@ LARGEST_BEND = 1.0
 # principal bend w and the third difference s, both over p^2, no unit.
 PEAK_ERROR = (0.005, 0.009, 0.036, 0.006)
 # What is added to b at blunt summits, and the sharpness below zero from which it is added whole, no unit.
-PEAK_BLUNT, BLUNT = 0.05, 0.1
+PEAK_BLUNT = 0.05
+BLUNT = 0.1
 # Factor of a along straight strips, whose cells err alike, no unit.
 PEAK_ALIKE = 3.0
 # The same where a neighbour is open: of compact patches, added on ridges (twice on rows of single cells), and times one
@@ -26,12 +27,15 @@ PEAK_TIP = (0.3, 0.36, 0.45)
 SMALLEST_RATIO = 0.01
 # Relative standard deviation of a summit's maximum pressure: the lower bound, over that of its area, and at a free
 # border; no unit.
-SUMMIT_EXACT, SUMMIT_ERROR, SUMMIT_BORDER = 2e-5, 0.9, 4e-4
+SUMMIT_EXACT = 2e-5
+SUMMIT_ERROR = 0.9
+SUMMIT_BORDER = 4e-4
 # Length lost along an edge of several summits, relative, times the resolution ratio to the power 3/2; half of it is
 # uncertain.
 LOST_LENGTH = 0.05
 # Relative standard deviation of the length of smooth edges, and of edges of several summits times the ratio, no unit.
-LENGTH_ERROR, UNEVEN_LENGTH = 0.003, 0.025
+LENGTH_ERROR = 0.003
+UNEVEN_LENGTH = 0.025
 # The same of edges of several summits whatever the ratio, no unit.
 LOBED_LENGTH = 0.007
 # Relative standard deviation of the length of narrow patches over the ratio: on ridges of one direction, and on
@@ -52,7 +56,9 @@ UNEVEN = 0.3
 MISSING_PATCHES = (0.15, 0.2, 0.1)
 # The same: variance on ridges of one direction, whose contacts may be narrower than a cell; standard deviation for each
 # contact at a summit between the cells. And the relative one of the length of the edges of these contacts.
-MISSING_RIDGE, HIDDEN_PATCH, HIDDEN_LENGTH = 0.5, 0.2, 0.1
+MISSING_RIDGE = 0.5
+HIDDEN_PATCH = 0.2
+HIDDEN_LENGTH = 0.1
 # Standard deviation of the number of patches for each of them on maps that are linear between points. Set on such maps.
 LINEAR_PATCH = 0.06
 # Excess of the mean gap over h^2 times the mean curvature under the contact, over the shift of the edge, 1/cells.
@@ -61,13 +67,17 @@ SHIFT_OF_GAP = 1.7
 SHIFTED_CELLS = 10.0
 # Standard deviation of the mean gap over h^2 times that curvature: of all patches, of one, of one times the root of its
 # cells, and times the resolution ratio; no unit.
-COMMON_GAP, GAP_ERROR, SMALL_PATCH_GAP, UNRESOLVED_GAP = 0.002, 0.012, 0.15, 0.008
+COMMON_GAP = 0.002
+GAP_ERROR = 0.012
+SMALL_PATCH_GAP = 0.15
+UNRESOLVED_GAP = 0.008
 # The same of one patch times the square of the fraction of the load on saturated cells and the fourth root of its
 # cells, with which an edge between whole cells errs, no unit.
 SATURATED_GAP = 0.08
 # The same where the edge runs along whole rows of cells, which err alike, and where it is straight in an oblique
 # direction, no unit. Set on strips.
-ALIGNED_GAP, OBLIQUE_GAP = 0.07, 0.02
+ALIGNED_GAP = 0.07
+OBLIQUE_GAP = 0.02
 # Rim ratios between which the rims of flats that were run in become sharp.
 RIM = (1.5, 2.5)
 # Excess of the mean gap over h^2 times the curvature at sharp rims, times the resolution ratio and the fourth root of
@@ -75,14 +85,17 @@ RIM = (1.5, 2.5)
 RIM_GAP = (-0.013, 0.014)
 # The same of heights that are linear between points, and times the fraction of the load on cells that were filled
 # (the root of it for the standard deviation).
-LINEAR_GAP, FILLED_GAP = (-0.09, 0.015), (-1.5, 0.2)
+LINEAR_GAP = (-0.09, 0.015)
+FILLED_GAP = (-1.5, 0.2)
 # That excess near full contact: the factor of the open part of the domain up to one, and the smallest factor of its
 # standard deviation, no unit. Set on a wave and a rough surface at 35 to 97 % contact.
-FADING_GAP, SMALLEST_FADING = 2.2, 0.3
+FADING_GAP = 2.2
+SMALLEST_FADING = 0.3
 # Excess of the approach where the contact is cut, by a free border and by points that were not measured, over the sum
 # of p^2 h^2 b / (E* F) over the sides of cells there, h across and b along them, and its standard deviation; no unit.
 # Set on rough contacts: 0.09 to 0.34 at borders, 0.02 to 0.07 at single points, 0.03 to 0.14 at groups of them.
-CUT_BORDER, CUT_HOLES = (0.2, 0.07), (0.06, 0.03)
+CUT_BORDER = (0.2, 0.07)
+CUT_HOLES = (0.06, 0.03)
 # Length of the edge that is not traced where it meets a border that cuts the contact, cells for each such place, and
 # its standard deviation. Set on rough contacts.
 CUT_LENGTH = (0.9, 0.6)
@@ -92,7 +105,8 @@ CUT_GAP = 1.5
 MEAN_ERROR = 0.1
 # Standard deviation of the height of a summit over the difference of that by polynomials of sixth and eighth order, no
 # unit, and that of the height of a tip over itself.
-RISE_ERROR, POINTED_RISE = 1.5, 0.03
+RISE_ERROR = 1.5
+POINTED_RISE = 0.03
 # Resolution ratios between which the summits between the cells are lost.
 UNRESOLVED = (1.4, 2.0)
 # Standard deviation of the height of the highest summit over h^2 times the curvature under the contact: where they are

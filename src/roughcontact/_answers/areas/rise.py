@@ -22,7 +22,8 @@ _PLACES = np.linspace(-_FURTHEST, _FURTHEST, 13)
 _BESIDE = 2
 # A hyperboloid is a tip if its radius at the tip, over the range of the gap around it, and what it leaves of the gap,
 # over what a paraboloid leaves, are smaller.
-_BLUNT, _MISFIT = 0.3, 0.2
+_BLUNT = 0.3
+_MISFIT = 0.2
 # Second difference where a line has no kink, over the largest beside it.
 _KINKLESS = 1e-6
 
@@ -107,7 +108,8 @@ def _interpolate(near: Array, reach: int) -> Array:
     def derive(first: int, second: int) -> Array:
         return np.asarray(np.einsum("ni,nij,nj->n", weights[first][i], near, weights[second][j]))
 
-    x, y = derive(1, 0), derive(0, 1)
+    x = derive(1, 0)
+    y = derive(0, 1)
     xx = derive(2, 0)
     yy = derive(0, 2)
     xy = derive(1, 1)

@@ -115,7 +115,8 @@ def _find_saturated(solution: ContactSolution) -> Mask:
 
 def _find_excess(solution: ContactSolution, summits: Summits, spline: Spline, chosen: Mask) -> Array:
     """Return approach less initial gap and far displacement, averaged as by a flat punch, shape (count,), m."""
-    (dx, dy), far = solution.grid.spacing, summits.far
+    dx, dy = solution.grid.spacing
+    far = summits.far
     u, v, flat = points_of_punch()
     x, y = summits.place(u, v)
     gap = spline.derivatives(summits.row[:, np.newaxis] + x / dx, summits.column[:, np.newaxis] + y / dy, 0)[0] @ flat
@@ -132,11 +133,13 @@ def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) ->
 
     They are x, y, x^2, x y and y^2 from the centre of the patch, m and m2, and the displacement by the others, m.
     """
-    patches, (nx, ny) = solution.patches, solution.grid.shape
+    patches = solution.patches
+    nx, ny = solution.grid.shape
     label = patches.member_labels - 1
     which = np.flatnonzero(chosen[label])
     which = which[np.argsort(label[which], kind="stable")]
-    members, label = patches.members[which], label[which]
+    members = patches.members[which]
+    label = label[which]
     i, j = np.divmod(members, ny)
     x = unwrap(i - summits.row[label], nx, solution.boundary) * solution.grid.spacing[0]
     y = unwrap(j - summits.column[label], ny, solution.boundary) * solution.grid.spacing[1]
@@ -171,25 +174,32 @@ def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> 
     chosen = _find_low_cells(solution, sharpest)
     if chosen.size == 0:
         return np.zeros(0), np.ones(0), np.zeros(0)
-    ny, (dx, dy) = solution.grid.shape[1], solution.grid.spacing
+    ny = solution.grid.shape[1]
+    dx, dy = solution.grid.spacing
     i, j = np.divmod(chosen, ny)
-    nx, u = solution.grid.shape[0], solution.displacement
+    nx = solution.grid.shape[0]
+    u = solution.displacement
     along_x = (u[(i + 1) % nx, j] - u[i - 1, j]) / (2.0 * dx)
     along_y = (u[i, (j + 1) % ny] - u[i, j - 1]) / (2.0 * dy)
-    x, y = np.zeros(i.size), np.zeros(i.size)
+    x = np.zeros(i.size)
+    y = np.zeros(i.size)
     for _ in range(_STEPS):
         gx, gy, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 1, 2)
         determinant = xx * yy - xy**2
         summit = (determinant > 0.0) & (xx + yy > 0.0)
         determinant = np.where(summit, determinant, 1.0)
-        gx, gy = gx + along_x, gy + along_y
+        gx = gx + along_x
+        gy = gy + along_y
         x = np.where(summit, np.clip(x - (yy * gx - xy * gy) / determinant, -dx, dx), x)
         y = np.where(summit, np.clip(y - (xx * gy - xy * gx) / determinant, -dy, dy), y)
     value, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 0, 2)
-    middle, difference = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
+    middle = 0.5 * (xx + yy)
+    difference = np.hypot(0.5 * (xx - yy), xy)
     summit = middle - difference > SLENDEREST * (middle + difference)
     overlap = solution.approach - value - solution.displacement.ravel()[chosen] - along_x * x - along_y * y
-    overlap, middle, difference = overlap[summit], middle[summit], difference[summit]
+    overlap = overlap[summit]
+    middle = middle[summit]
+    difference = difference[summit]
     ratio = (middle - difference) / (middle + difference)
     area, _ = solve_for_area(solution, np.ones(ratio.size), middle, ratio)
     axes_ratio = find_axes_ratio(ratio)
@@ -209,8 +219,10 @@ def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
         low[:, :2] = low[:, -2:] = False
     chosen = np.flatnonzero(low)
     near = Surroundings.of(*split(chosen, ny), (nx, ny), solution.boundary, 1)
-    gap, contact = solution.gap.ravel(), solution.contact.ravel()
-    lowest, here = np.ones(chosen.size, dtype=bool), gap[chosen]
+    gap = solution.gap.ravel()
+    contact = solution.contact.ravel()
+    lowest = np.ones(chosen.size, dtype=bool)
+    here = gap[chosen]
     for i in (-1, 0, 1):
         for j in (-1, 0, 1):
             beside = near.at(i, j)

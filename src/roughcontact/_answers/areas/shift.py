@@ -97,7 +97,8 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     cells = np.maximum(solution.patches.cells, 1)
     held = cells / (cells + calibration.SHIFTED_CELLS)
     shift = calibration.SHIFT_OF_GAP * solution.edge_shift * float(np.sum(bend.load * held))
-    kinked, kinked_std = 0.0, 0.0
+    kinked = 0.0
+    kinked_std = 0.0
     if bend.linear:
         kinked, kinked_std = calibration.LINEAR_GAP
     filled, filled_std = calibration.FILLED_GAP
@@ -164,12 +165,14 @@ def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
     There the pressure rises as the inverse root of the distance, which uniform pressure on each cell does not follow:
     what it lacks in energy is a part of p^2 / E* over the cells at the cut.
     """
-    missing, free = solution.non_measured, solution.boundary is Boundary.FREE
+    missing = solution.non_measured
+    free = solution.boundary is Boundary.FREE
     if solution.force == 0.0 or (missing is None and not free):
         return 0.0, 0.0
     cut = find_cut_cells(solution)
     beside = None if missing is None else np.nonzero(missing)
-    border, holes = 0.0, 0.0
+    border = 0.0
+    holes = 0.0
     for axis, step in enumerate(solution.grid.spacing):
         weight = step * solution.grid.cell_area
         pressure = np.moveaxis(solution.pressure, axis, 0)

@@ -15,7 +15,8 @@ from roughcontact._solve.solution import ContactSolution
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
 _DEGREE: Literal[5] = 5
 # Centres before and behind a point whose B-splines cover it, the one before it included.
-_BEFORE, _BEHIND = 3, 3
+_BEFORE = 3
+_BEHIND = 3
 # The pieces of the quintic B-spline there, in powers of the fraction of a cell, with first and second derivatives.
 _PIECES = (
     np.array(
@@ -94,16 +95,19 @@ class Spline:
 
     def _evaluate(self, at: Array, degrees: Sequence[int]) -> Array:
         """Return derivatives, per cell, at points of shape (2, n)."""
-        width, flat = self.coefficients.shape[1], self.coefficients.ravel()
+        width = self.coefficients.shape[1]
+        flat = self.coefficients.ravel()
         at = at + np.array(self.beyond)[:, np.newaxis]
         first = np.floor(at)
-        fraction, (i, j) = at - first, first.astype(np.intp)
+        fraction = at - first
+        i, j = first.astype(np.intp)
         nx, ny = (n - (_BEFORE - 1) - _BEHIND for n in self.coefficients.shape)
         # A free domain is continued by more cells than an ellipse inside it needs.
         cell = (i % nx) * width + j % ny if self.periodic else np.clip(i, 0, nx - 1) * width + np.clip(j, 0, ny - 1)
         around = np.arange(_BEFORE + _BEHIND)
         around = (around[:, np.newaxis] * width + around)[..., np.newaxis]
-        highest, sums = max(degrees), np.empty((sum(degree + 1 for degree in degrees), cell.size))
+        highest = max(degrees)
+        sums = np.empty((sum(degree + 1 for degree in degrees), cell.size))
         for begin in range(0, cell.size, _CHUNK):
             part = slice(begin, begin + _CHUNK)
             along_x, along_y = _weigh(fraction[:, part], highest)
@@ -129,7 +133,8 @@ def _solve_periodic(values: Array) -> Array:
     """Return the coefficients of the B-splines of a spline that repeats beyond the border."""
     from scipy import fft
 
-    (nx, ny), (own, first, second) = values.shape, _CENTRES
+    nx, ny = values.shape
+    own, first, second = _CENTRES
     angles = 2.0 * np.pi * np.arange(nx) / nx, 2.0 * np.pi * np.arange(ny // 2 + 1) / ny
     rows, columns = (1.0 / (own + 2.0 * first * np.cos(one) + 2.0 * second * np.cos(2.0 * one)) for one in angles)
     spectrum = fft.rfft2(values)
@@ -147,7 +152,9 @@ def continue_beyond(values: Array) -> Array:
     # A parabola through three points as far apart as the place that it gives, on small domains as they have.
     step = np.minimum(k, widest)
     ahead = (k / step)[:, np.newaxis]
-    first, second, third = 0.5 * (ahead + 1.0) * (ahead + 2.0), -ahead * (ahead + 2.0), 0.5 * ahead * (ahead + 1.0)
+    first = 0.5 * (ahead + 1.0) * (ahead + 2.0)
+    second = -ahead * (ahead + 2.0)
+    third = 0.5 * ahead * (ahead + 1.0)
     before = first * values[0] + second * values[step] + third * values[2 * step]
     after = first * values[-1] + second * values[-1 - step] + third * values[-1 - 2 * step]
     return np.concatenate((before[::-1], values, after))

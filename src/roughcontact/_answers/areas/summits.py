@@ -17,7 +17,8 @@ from roughcontact._solve.solution import ContactSolution
 # Smallest ratio of the principal curvatures of a summit: longer contacts are not elliptic on a rough surface.
 SLENDEREST = 0.05
 # Rounds of place and ellipse, and the one from which the far field is known.
-_ROUNDS, _FAR = 3, 1
+_ROUNDS = 3
+_FAR = 1
 # Rounds of the fixed point for the modulus at the size of a contact: each halves the logarithmic error at least.
 _MODULUS_ROUNDS = 20
 # Smallest ratio where the curvature varies less than the smaller one, as on rollers.
@@ -71,15 +72,19 @@ class Summits:
     @property
     def extents(self) -> tuple[Array, Array]:
         """Distances from the centre to which the ellipses extend along x and y, m."""
-        major, minor = self.semi_axis, self.semi_axis / self.axes_ratio
-        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        major = self.semi_axis
+        minor = self.semi_axis / self.axes_ratio
+        cos = np.cos(self.angle)
+        sin = np.sin(self.angle)
         return np.hypot(major * cos, minor * sin), np.hypot(major * sin, minor * cos)
 
     def place(self, u: Array, v: Array) -> tuple[Array, Array]:
         """Return points (u, v) of the unit circle, shape (n,), on the ellipses: from their centres, m."""
         major = self.semi_axis[:, np.newaxis]
-        along, across = major * u, major / self.axes_ratio[:, np.newaxis] * v
-        cos, sin = np.cos(self.angle)[:, np.newaxis], np.sin(self.angle)[:, np.newaxis]
+        along = major * u
+        across = major / self.axes_ratio[:, np.newaxis] * v
+        cos = np.cos(self.angle)[:, np.newaxis]
+        sin = np.sin(self.angle)[:, np.newaxis]
         return cos * along - sin * across, sin * along + cos * across
 
 
@@ -90,9 +95,11 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     weight, which is exact to first order for summits that are not paraboloids, and the centre lies where the slopes
     balance.
     """
-    patches, (dx, dy) = solution.patches, solution.grid.spacing
+    patches = solution.patches
+    dx, dy = solution.grid.spacing
     row, column = find_centroids(solution)
-    ones, zeros = np.ones(patches.count), np.zeros(patches.count)
+    ones = np.ones(patches.count)
+    zeros = np.zeros(patches.count)
     far = FarField.zero(patches.count)
     found = Summits(ones > 0.0, row, column, patches.areas, ones, zeros, ones, zeros, zeros, far)
     u, v, weights = points_of_hertz()
@@ -120,7 +127,8 @@ def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
     """Return the centre of the pressure of each patch, in cells, shape (count,)."""
     patches = solution.patches
     members = patches.members
-    label, weight = patches.member_labels - 1, solution.pressure.ravel()[members]
+    label = patches.member_labels - 1
+    weight = solution.pressure.ravel()[members]
     # Around the first cell of each patch, for a patch may cross the border.
     first = np.empty(patches.count, dtype=np.intp)
     first[label[::-1]] = np.arange(members.size)[::-1]
@@ -142,9 +150,11 @@ def unwrap(steps: Array | IntArray, cells: int, boundary: Boundary) -> Array:
 
 def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) -> Summits:
     xx, xy, yy = curvature
-    middle, difference = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
+    middle = 0.5 * (xx + yy)
+    difference = np.hypot(0.5 * (xx - yy), xy)
     known = found.known & (middle > 0.0) & (middle - difference > _SLENDEREST_EVEN * (middle + difference))
-    middle, difference = np.where(known, middle, 1.0), np.where(known, difference, 0.0)
+    middle = np.where(known, middle, 1.0)
+    difference = np.where(known, difference, 0.0)
     ratio = (middle - difference) / (middle + difference)
     area, change = solve_for_area(solution, solution.patches.forces, middle, ratio)
     return attrs.evolve(
@@ -163,7 +173,8 @@ def is_elliptic(mean: Array, difference: Array, spread: Array) -> Mask:
 
     The curvature of the longer ones may vary by the smaller principal one at most; `spread` is relative to the mean.
     """
-    smaller, larger = mean - difference, mean + difference
+    smaller = mean - difference
+    larger = mean + difference
     even = (smaller > _SLENDEREST_EVEN * larger) & (spread * mean < smaller)
     return np.asarray((mean > 0.0) & ((smaller > SLENDEREST * larger) | even))
 

@@ -33,7 +33,8 @@ def total_area(
     `values` and `stds` are the areas and their independent standard deviations, shape (count + 1,), m2; `common`
     is the one that they share, m2.
     """
-    grid, patches = solution.grid, solution.patches
+    grid = solution.grid
+    patches = solution.patches
     cells = int(patches.cells.sum())
     if cells in (0, solution.contact.size):
         fraction = float(cells > 0)

@@ -109,7 +109,8 @@ class FlowNetwork:
         """Return the flow through each cell along and across: the mean of those through its two faces."""
         half = 0.5 * self.find_flow(pressure)
         fields = np.zeros((2, *self.shape))
-        one, other = slice(None, self.along), slice(self.along, None)
+        one = slice(None, self.along)
+        other = slice(self.along, None)
         into = 0.5 * self.inlet_conductance * (1.0 - pressure[self.inlet])
         out = 0.5 * self.outlet_conductance * pressure[self.outlet]
         ends = (self.inlet, into), (self.outlet, out)
@@ -141,7 +142,8 @@ def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool)
     cells = np.flatnonzero(kept)
     number = np.full(gap.shape, -1, dtype=np.int32)
     number[kept] = np.arange(cells.size, dtype=np.int32)
-    along, across = _pair(number[:-1], number[1:]), _pair(number[:, :-1], number[:, 1:])
+    along = _pair(number[:-1], number[1:])
+    across = _pair(number[:, :-1], number[:, 1:])
     if periodic and gap.shape[1] > 1:
         around = _pair(number[:, -1], number[:, 0])
         across = np.concatenate((across, around), axis=1)
@@ -171,9 +173,11 @@ def find_paths(open_cells: Mask, *, periodic: bool, corners: bool = False) -> Ma
     labels, count = ndimage.label(open_cells, structure=np.ones((3, 3), dtype=bool) if corners else _SIDES)
     piece: RealArray = np.arange(count + 1)
     if periodic and count:
-        one, other = labels[:, -1], labels[:, 0]
+        one = labels[:, -1]
+        other = labels[:, 0]
         if corners:
-            one, other = np.tile(one, 3), np.concatenate([other, _shifted(other, 1), _shifted(other, -1)])
+            one = np.tile(one, 3)
+            other = np.concatenate([other, _shifted(other, 1), _shifted(other, -1)])
         both = (one > 0) & (other > 0)
         links = sparse.coo_matrix((np.ones(both.sum()), (one[both], other[both])), shape=(count + 1, count + 1))
         piece = sparse.csgraph.connected_components(links, directed=False)[1]
@@ -198,5 +202,6 @@ def _pair(one: RealArray, other: RealArray) -> RealArray:
 
 def _join(cubes: Array, pairs: RealArray) -> Array:
     """Return the harmonic mean of both cells: the trapezoidal rule for the integral of 1/g^3 along the flow."""
-    one, other = cubes[pairs[0]], cubes[pairs[1]]
+    one = cubes[pairs[0]]
+    other = cubes[pairs[1]]
     return np.asarray(2.0 * one * other / (one + other))

@@ -15,7 +15,10 @@ from roughcontact.errors import MissingPackage
 LARGEST_ELIMINATION = 3_000_000
 # Conjugate gradients end at this residual over the right side, once the flow changes by less over so many iterations
 # and inflow and outflow agree. The residual alone hides throats: at 1e-4 the flow is up to 58 % too large.
-_RESIDUAL, _CHANGE, _MEMORY, _MAXIMUM_ITERATIONS = 1e-6, 1e-4, 5, 300
+_RESIDUAL = 1e-6
+_CHANGE = 1e-4
+_MEMORY = 5
+_MAXIMUM_ITERATIONS = 300
 
 
 def solve_network(network: FlowNetwork) -> tuple[Array, bool]:

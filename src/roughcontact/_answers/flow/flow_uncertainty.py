@@ -12,7 +12,9 @@ from roughcontact._base.checks import Array, Mask
 # Weights of the three measures below, set on twelve rough surfaces at four loads and four grids so that 95 % of the
 # errors are within two standard deviations; others confirm them (docs/studies/leakage.py). All three are a fourth
 # larger since: tight contacts on oblong domains and cells had up to 2.5 (benchmarks/response_classes.py).
-_THROATS, _RULE, _EDGES = 0.94, 0.125, 0.25
+_THROATS = 0.94
+_RULE = 0.125
+_EDGES = 0.25
 # Cells across a periodic border to which the contact is looked for.
 _BEYOND = 16
 
@@ -61,7 +63,8 @@ def _compare_rules(network: FlowNetwork, faces: Array, flow: float) -> float:
 
     It is the lower bound of that rise by Thomson's principle, with the flow through each face as it is.
     """
-    one, other = network.film[network.first], network.film[network.second]
+    one = network.film[network.first]
+    other = network.film[network.second]
     excess = (one - other) ** 2 / (one**2 - one * other + other**2)
     return 1.0 / (1.0 - float(np.sum(faces * excess)) / flow) - 1.0
 

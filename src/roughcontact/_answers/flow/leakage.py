@@ -18,7 +18,8 @@ from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError, NotConverged
 
 # Cells across a throat below which it is not resolved, and the fraction of the drop from which it matters.
-_CELLS, _FRACTION = 3.0, 0.1
+_CELLS = 3.0
+_FRACTION = 0.1
 # Relative uncertainty above which flows may err by more than 10 %: 92 % of the errors are below the uncertainty, and
 # none is above 9.8 % in 141 contacts without this warning (benchmarks/response_classes.py, three times its cases).
 _UNCERTAIN = 0.1

@@ -24,12 +24,15 @@ from roughcontact.errors.door import guarded
 
 # Mean pressure over E* times the rms slope at which a rough contact has about two fifths of the nominal area, the
 # factor from one load to the next while only one side of the closing is known, and the range of these loads.
-_GUESS, _FACTOR, _RANGE = 0.25, 1.5, 1e6
+_GUESS = 0.25
+_FACTOR = 1.5
+_RANGE = 1e6
 # Relative distance of two loads at which the search for other widths of paths ends.
 _COARSE = 0.01
 # The standard deviation of the load over the distance of those that close paths of blocks of cells and of corners, and
 # over the curvature resolution.
-_WIDTHS, _RESOLUTION = 0.5, 0.1
+_WIDTHS = 0.5
+_RESOLUTION = 0.1
 # Widths of paths: two cells, one cell, and one point.
 _BLOCKS, _SIDES, _CORNERS = range(3)
 
@@ -85,7 +88,8 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
     """
     if not isinstance(problem, ContactProblem):
         raise InputError.about("What is solved", problem, "a ContactProblem")
-    axis, within = require_axis(axis), number(within, "within=", above=0.0, at_most=1.0)
+    axis = require_axis(axis)
+    within = number(within, "within=", above=0.0, at_most=1.0)
     first, last = _enclose(problem, axis)
     low, high = _bisect(problem, axis, first, last, within, _SIDES)
     coarse = max(within, _COARSE)

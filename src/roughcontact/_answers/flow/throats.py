@@ -125,7 +125,8 @@ def _count_open(open_cells: Mask, start: tuple[int, int], step: tuple[int, int],
     i, j = start
     count = 0
     while count < max(nx, ny):
-        i, j = i + step[0], j + step[1]
+        i = i + step[0]
+        j = j + step[1]
         j = j % ny if periodic else j
         if not (0 <= i < nx and 0 <= j < ny and open_cells[i, j]):
             break

@@ -12,7 +12,9 @@ from roughcontact._base.units import si
 
 # Misfit that is allowed whatever the uncertainties, over the value and over its change, and the fewest loads and their
 # smallest ratio: a straight line through any smooth curve fits in a shorter range, and a logarithm has a small change.
-_MISFIT, _LOADS, _RATIO = 0.01, 4, 10.0
+_MISFIT = 0.01
+_LOADS = 4
+_RATIO = 10.0
 
 
 @attrs.frozen
@@ -66,14 +68,16 @@ def fit_power(pressures: Array, values: Array, uncertainties: Array) -> PowerFit
                 continue
             found = _fit(pressures[chosen], values[chosen], uncertainties[chosen] / values[chosen])
             if found is not None:
-                best, widest = found, ratio
+                best = found
+                widest = ratio
                 break
     return best
 
 
 def _fit(pressures: Array, values: Array, relative: Array) -> PowerFit | None:
     """Return the line through the logarithms of all these values; None if one of them is off."""
-    x, y = np.log(pressures), np.log(values)
+    x = np.log(pressures)
+    y = np.log(values)
     allowed = np.maximum(relative, _MISFIT)
     weights = 1.0 / allowed**2
     pivot, level = (float(np.average(each, weights=weights)) for each in (x, y))

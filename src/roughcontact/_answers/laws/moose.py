@@ -34,7 +34,8 @@ def write_function(
     MOOSE, PiecewiseLinear, https://mooseframework.inl.gov/source/functions/PiecewiseLinear.html;
     ThermalContact, https://mooseframework.inl.gov/modules/heat_transfer/index.html
     """
-    system, name = unit_system(units), keyword_name(name)
+    system = unit_system(units)
+    name = keyword_name(name)
     if law[column].unit != THERMAL:
         raise InputError(f"The thermal contact of MOOSE takes a conductance in {THERMAL}, not the column {column!r}.")
     gap = number(min_gap, "The smallest gap", "m", above=0.0) * system.length[1]

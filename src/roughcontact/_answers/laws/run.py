@@ -159,7 +159,8 @@ def _describe(problem: ContactProblem) -> tuple[str, ...]:
     grid = plan.grid
     limit = float(np.min(plan.pressure_limit))
     capped = f"pressure limit {limit:g} Pa" if math.isfinite(limit) else "no pressure limit"
-    size, cells = " x ".join(f"{side:g}" for side in grid.size), " x ".join(map(str, grid.shape))
+    size = " x ".join(f"{side:g}" for side in grid.size)
+    cells = " x ".join(map(str, grid.shape))
     return (
         "Law of a rough interface by roughcontact: all pressures are nominal, force over nominal area.",
         f"Contact modulus E* {plan.modulus:g} Pa, {capped}, periodic domain of {size} m with {cells} cells.",

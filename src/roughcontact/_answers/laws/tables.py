@@ -15,7 +15,8 @@ from roughcontact.errors import InputError
 if TYPE_CHECKING:
     from roughcontact._answers.laws.law import InterfaceLaw
 
-THERMAL, ELECTRICAL = "W/(m2 K)", "S/m2"
+THERMAL = "W/(m2 K)"
+ELECTRICAL = "S/m2"
 # Characters of a comment.
 _WIDTH = 100
 

@@ -74,7 +74,8 @@ class Conductance:
         if math.isinf(self.value):
             return f"infinite conductance{doubtful}"
         relative = f"{100 * self.uncertainty / self.value:.2g} %" if self.value > 0.0 else "0 %"
-        heat, heat_per_area = si(self.value, "W/K", 5), si(self.per_area, "W/(m2 K)", 5)
+        heat = si(self.value, "W/K", 5)
+        heat_per_area = si(self.per_area, "W/(m2 K)", 5)
         # The same number, with the same prefix, is an electrical conductance.
         current = heat.partition(" ")[2].replace("W/K", "S")
         current_per_area = heat_per_area.partition(" ")[2].replace("W/(m2 K)", "S/m2")
@@ -145,7 +146,8 @@ class ContactConductance(Response[Conductance]):
         else:
             answer = tangent.solve(np.ones(solution.grid.shape), _TOLERANCE)
             currents, std = _find_currents(solution, answer, tangent, area, compliance)
-            currents, std = analogy * currents, analogy * std
+            currents = analogy * currents
+            std = analogy * std
         value = float(np.sum(currents))
         return Conductance(value, std, value / solution.grid.area, currents, constriction, film, warnings)
 

@@ -24,11 +24,14 @@ from roughcontact._solve.solution import Area, ContactSolution
 
 # Area by which cells act as a smaller punch, in cells, for a row of L sides: a L - b ln L - c. Solved for periodic
 # strips with edges of slopes 0 to 1/16 beside Westergaard's closed form, which it meets to 0.005 of a side.
-_ROW, _KINK, _END = 0.1736, 0.154, 0.0866
+_ROW = 0.1736
+_KINK = 0.154
+_END = 0.0866
 # Power of the side of a cell across the row over that along it, in the second term.
 _ASPECT = 0.7
 # C^2 over h q^2 / (2 pi), q^2 averaged over the sides: of a wide contact, and the radius in cells that lowers it.
-_SINGULAR, _NARROW = 1.346, 0.147
+_SINGULAR = 1.346
+_NARROW = 0.147
 # Inverse of the compliance of a film, over that of a cell, h/E*, at which half of that area is left; set on balls.
 _EVEN = 3.0
 # Resolution ratio at which half of the correction is left: beyond, the area between the cells is not known either.
@@ -37,7 +40,8 @@ _UNRESOLVED = 0.8
 _TRUSTED = 0.9
 # Relative standard deviations of the stiffness: of a patch of radius a cells over a^(-3/2), for the positions of the
 # cells; of all together over the resolution ratio to the power 3/2.
-_CELLS, _COMMON = 0.03, 0.02
+_CELLS = 0.03
+_COMMON = 0.02
 # ... and the fraction of the correction.
 _UNSURE = 0.25
 # Radius over the root of the resolution ratio, in cells, of a contact patch between the cells that no cell shows, of
@@ -72,7 +76,8 @@ def correct_edges(
     film
         Compliance of a film on the cells, m/Pa, so that all of them together yield as one on the area of the contact.
     """
-    count, cell = solution.patches.count, solution.grid.cell_area
+    count = solution.patches.count
+    cell = solution.grid.cell_area
     labels = solution.patches.labels.ravel()
     cells_of = np.bincount(labels[np.flatnonzero(cells)], minlength=count + 1)[1:].astype(np.float64)
     lost, sides, squares, along = _measure_rows(solution, answer, cells)
@@ -90,7 +95,8 @@ def correct_edges(
     trust = _find_trust(solution, ratio)
     correction = 2.0 * trust * slope * acting * (np.sqrt(growth) - 1.0)
     stiffness = _sum_patches(labels, answer, count) * cell
-    total, nominal = float(stiffness.sum()), float(acting.sum())
+    total = float(stiffness.sum())
+    nominal = float(acting.sum())
     unsure = _UNSURE * abs(float(correction.sum()))
     growing = float(np.sum(slope * acting))
     in_film = np.zeros(count)
@@ -141,13 +147,15 @@ def _sum_patches(labels: IntArray, values: Array, count: int) -> Array:
 
 def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tuple[Array, Array, Array, Array]:
     """Return what each patch lacks, in cells; the length of its sides, m; sum and integral of q^2 over them."""
-    count, labels = solution.patches.count, solution.patches.labels
+    count = solution.patches.count
+    labels = solution.patches.labels
     lost, sides, squares, along = (np.zeros(count + 1) for _ in range(4))
     for axis in (0, 1):
         # Rows of sides that face x lie along y, and the other way round.
         mask, contact = (marked if axis == 0 else marked.T for marked in (cells, solution.contact))
         label, field = (labels, answer) if axis == 0 else (labels.T, answer.T)
-        across, side = solution.grid.spacing[axis], solution.grid.spacing[1 - axis]
+        across = solution.grid.spacing[axis]
+        side = solution.grid.spacing[1 - axis]
         for step in (-1, 1):
             facing = mask & ~_shift(contact, step, solution.boundary)
             i, j = np.nonzero(facing)

@@ -90,7 +90,8 @@ def _of_participation(solution: ContactSolution) -> Sensitivity:
     if largest == 0.0:
         raise InputError("The participation has no gradient where nothing is in contact.")
     relative = solution.pressure / largest
-    total, square = float(relative.sum()), float(np.einsum("ij,ij->", relative, relative))
+    total = float(relative.sum())
+    square = float(np.einsum("ij,ij->", relative, relative))
     factor = 2.0 * _PARTICIPATION * solution.grid.cell_area * total / square
     return Sensitivity(pressure=factor * (1.0 - total / square * relative) / largest)
 
@@ -117,7 +118,8 @@ def _find_sharpening(solution: ContactSolution, weights: Array) -> Array:
     unit approach: the load that presses a round tip by itself to the size of the patch. Patches that carry another load
     are of several summits, and are omitted.
     """
-    labels, shape = solution.patches.labels, solution.grid.shape
+    labels = solution.patches.labels
+    shape = solution.grid.shape
     tangent = Tangent(solution)
     answer = tangent.solve(np.ones(shape), _TOLERANCE).values
     cells = np.flatnonzero(answer)
@@ -171,7 +173,8 @@ def _find_neighbours(
         other = cells + (moved % shape[axis] - place) * stride
         if solution.non_measured is not None:
             missing = solution.non_measured.ravel()[other]
-            moved, other = np.where(missing, place, moved), np.where(missing, cells, other)
+            moved = np.where(missing, place, moved)
+            other = np.where(missing, cells, other)
         sides.append((moved, other))
     (before, low), (behind, high) = sides
     return low, high, np.asarray((behind - before) * solution.grid.spacing[axis], dtype=np.float64)

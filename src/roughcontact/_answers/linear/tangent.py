@@ -29,7 +29,8 @@ from roughcontact.errors import NotConverged
 # Relative residuals from here on are reached in float32, whose rounding is 6e-8 of the right side for each product.
 _SINGLE = 1e-4
 # Iterations after which a solve is given up, and those without a smaller residual after which only rounding is left.
-_ITERATIONS, _IDLE = 400, 15
+_ITERATIONS = 400
+_IDLE = 15
 # Relative residual that counts as solved where rounding prevents a smaller one.
 _ROUNDING = 1e-8
 # Singular values of the products of two pressures, over the larger, below which they are one; float32 has 1e-7.
@@ -217,7 +218,8 @@ class _System:
             iterations += 1
         products = iterations + len(space.vectors) + self.preconditioner.products
         if right.dtype == np.float64:
-            residual, products = right - self._apply(values), products + 1
+            residual = right - self._apply(values)
+            products += 1
         return values, residual, iterations, products
 
     def _find_space(self, weights: RealArray) -> _Space:
@@ -244,7 +246,8 @@ class _Space:
     """
 
     def __init__(self, vectors: list[RealArray], images: list[RealArray]) -> None:
-        self.vectors, self._images = vectors, images
+        self.vectors = vectors
+        self._images = images
         products = [[_dot(one, other) for other in images] for one in vectors]
         self._inverse = np.linalg.pinv(products, rcond=_DISTINCT) if vectors else np.zeros((0, 0))
 

@@ -87,7 +87,8 @@ def _find_deviation(displacement: Array, traction: Array) -> float:
     # Uniform traction on a periodic boundary displaces nothing.
     if not (total > 0.0 and mean > 0.0):
         return 0.0
-    weights, mean = traction / total, mean / total
+    weights = traction / total
+    mean = mean / total
     return math.sqrt(max(float(np.sum(weights * (displacement / mean - 1.0) ** 2)), 0.0))
 
 

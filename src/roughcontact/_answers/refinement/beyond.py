@@ -67,7 +67,8 @@ class BeyondResolution:
     @property
     def range(self) -> tuple[float, float]:
         """The area if the surface ends at one of the wavelengths or between, m2: from, to, by two deviations."""
-        low, high = self.means - _HOLDS * self.stds, self.means + _HOLDS * self.stds
+        low = self.means - _HOLDS * self.stds
+        high = self.means + _HOLDS * self.stds
         return max(0.0, float(low.min())), float(high.max())
 
     def __repr__(self) -> str:
@@ -77,7 +78,8 @@ class BeyondResolution:
         nominal = self.measured.value / self.measured.fraction if self.measured.fraction else 0.0
         lines = ["   shortest wave   cells  rms slope         area         +-  of nominal, %"]
         row = "{:>16} {:>7} {:>10} {:>12} {:>10} {:>14.4g}"
-        area, std = si(self.measured.value, "m2"), si(self.measured.uncertainty, "m2", 2)
+        area = si(self.measured.value, "m2")
+        std = si(self.measured.uncertainty, "m2", 2)
         lines.append(row.format("as measured", "", "", area, std, 100.0 * self.measured.fraction))
         for wave, slope, mean, std in zip(self.wavelengths, self.rms_slopes, self.means, self.stds, strict=True):
             texts = si(wave, "m"), f"{wave / self.cell:.3g}", f"{slope:.3g}", si(mean, "m2"), si(std, "m2", 2)
@@ -153,7 +155,8 @@ def beyond_resolution(
     measured = problem.solve(**load.arguments).area()
     # Deviations of the spectrum at equal probabilities, so that a few realizations have its standard deviation.
     deviations = [NormalDist().inv_cdf((index + 0.5) / count) for index in range(count)]
-    areas, slopes = [], []
+    areas = []
+    slopes = []
     for wave in waves:
         drawn = [
             _extend(problem, Continuation(wave, waves[-1], resolved, (seed, index), deviation)).solve(**load.arguments)

@@ -107,14 +107,16 @@ class PartialSlip:
         """
         points = integer(points, "The number of points", at_least=1)
         forces = np.linspace(0.0, self.tangential_force, points + 1)
-        moved, std = np.zeros(points + 1), np.zeros(points + 1)
+        moved = np.zeros(points + 1)
+        std = np.zeros(points + 1)
         near = [self.contact]
         for k in range(1, points + 1):
             last = k == points
             found = self.stick_contact if last else _solve_stick(near, self.contact, forces[k] / self.friction)
             near = [*near[-1:], found]
             one = _widen(_displace(self.contact, found, self.friction * self.compliance_ratio), self._unsure)
-            moved[k], std[k] = one.value, one.uncertainty
+            moved[k] = one.value
+            std[k] = one.uncertainty
         return FrettingLoop(forces, moved, std)
 
     def __str__(self) -> str:

@@ -76,8 +76,11 @@ def cell_stress(depth: Depth, shape: tuple[int, int], sides: Pair, dtype: type[A
 
 def _sum_corners(x: RealArray, y: RealArray, z: Any, poisson: float) -> tuple[RealArray, ...]:
     """Return the terms of one corner for each component; those that depend on x or on y alone are omitted."""
-    scale, shear = 0.5 / math.pi, 1.0 - 2.0 * poisson
-    xx, yy, xy = x * x, y * y, x * y
+    scale = 0.5 / math.pi
+    shear = 1.0 - 2.0 * poisson
+    xx = x * x
+    yy = y * y
+    xy = x * y
     square = xx + yy
     r = np.sqrt(square + z * z)
     # At the surface the quotient is infinite and its arc tangent a right angle.
@@ -86,8 +89,10 @@ def _sum_corners(x: RealArray, y: RealArray, z: Any, poisson: float) -> tuple[Re
     beyond = r + z
     # The difference of both arc tangents as one of them, R - z without cancellation.
     c = np.arctan(xy * (square / beyond) / (xx * r + z * yy))
-    along_x, along_y = 1.0 / (r * (xx + z * z)), 1.0 / (r * (yy + z * z))
-    bend_x, bend_y = (z * scale) * xy * along_x, (z * scale) * xy * along_y
+    along_x = 1.0 / (r * (xx + z * z))
+    along_y = 1.0 / (r * (yy + z * z))
+    bend_x = (z * scale) * xy * along_x
+    bend_y = (z * scale) * xy * along_y
     v *= scale
     c *= scale * shear
     # V_xx + V_yy and both C together follow from Laplace's equation.

@@ -18,12 +18,16 @@ from roughcontact._solve.solution import ContactSolution, Estimate, Response, re
 from roughcontact.errors import InputError
 
 # Relative distance from the yield stress at which the search ends, and number of solves in it.
-_CLOSE, _MAXIMUM_TRIES = 1e-4, 25
+_CLOSE = 1e-4
+_MAXIMUM_TRIES = 25
 # Slope of the stress over the load, both logarithmic: of a ball, and the smallest that is used.
-_SLOPE, _FLATTEST = 1.0 / 3.0, 0.05
+_SLOPE = 1.0 / 3.0
+_FLATTEST = 0.05
 # Largest step of the load, and relative width of a bracket in which the stress jumps from cell to cell, both
 # logarithmic; distance of two loads from which their slope is used.
-_STEP, _NARROW, _APART = math.log(300.0), 1e-4, 1e-2
+_STEP = math.log(300.0)
+_NARROW = 1e-4
+_APART = 1e-2
 # Largest part of the load that the bodies can carry.
 _CARRIED = 0.999
 

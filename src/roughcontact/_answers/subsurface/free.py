@@ -14,7 +14,8 @@ from roughcontact._base.checks import Pair, RealArray, Waves
 from roughcontact._base.machine.threads import map_tiles, split, threads_for
 
 # Columns that are multiplied and transformed at a time, and rows: few enough for the cache.
-_COLUMNS, _ROWS = 32, 64
+_COLUMNS = 32
+_ROWS = 64
 # Square of the depth over the area of a cell from which the corners of a cell cancel too much for float32.
 _FAR = 256.0
 
@@ -90,7 +91,8 @@ def _multiply(
     waves: Waves, symbol: RealArray, odd_in_x: bool, odd_in_y: bool, shape: tuple[int, int], length: int
 ) -> RealArray:
     """Return the field of the product of waves and symbol, its first cells only."""
-    mx, half = waves.shape[0], symbol.shape[0]
+    mx = waves.shape[0]
+    half = symbol.shape[0]
     factor = np.array((1.0, -1j, -1.0)[odd_in_x + odd_in_y], dtype=waves.dtype)[()]
     mirrored = -factor if odd_in_x else factor
     kept = np.empty((shape[0], waves.shape[1]), dtype=waves.dtype)

@@ -107,7 +107,8 @@ def _find_peak(
 
 def _fit_parabola(left: float, middle: float, right: float) -> tuple[float, float]:
     """Return where a parabola through three points has its maximum, in steps from the middle, and its rise above it."""
-    bend, slope = left - 2.0 * middle + right, 0.5 * (right - left)
+    bend = left - 2.0 * middle + right
+    slope = 0.5 * (right - left)
     if bend >= 0.0:
         return 0.0, 0.0
     shift = min(max(-slope / bend, -0.5), 0.5)
@@ -141,7 +142,8 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
         if coefficients[0] < 0.0:
             shift = float(np.clip(-0.5 * coefficients[1] / coefficients[0], place[0], place[2]))
             rise = float(np.polyval(coefficients, shift)) - value
-            value, depth = value + rise, depth * math.exp(shift)
+            value = value + rise
+            depth = depth * math.exp(shift)
     else:
         end = "the smallest" if top == 0 else "the largest"
         warnings.append(

@@ -20,7 +20,9 @@ from roughcontact._base.machine.threads import threads_for
 _NO_ALIASES = 4.0
 # Aliases on each side, averages of neighbouring partial sums (Euler's method), and Chebyshev nodes of their sum in the
 # square of the phase: with half as many of each the stress changes by 1e-6 of the pressure.
-_ALIASES, _AVERAGES, _NODES = 16, 8, 14
+_ALIASES = 16
+_AVERAGES = 8
+_NODES = 14
 # Depth in sides of a cell, times the order, from which an alias has died: exp(-2 pi 3) = 6e-9.
 _REACH = 3.0
 # Terms of a sum that are added at a time.
@@ -163,9 +165,12 @@ def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float) -> list
     pairs = [(m, n) for m in range(along_x.orders.size) for n in range(along_y.orders.size)]
     for start in range(0, len(pairs), step):
         m, n = (np.array(side) for side in zip(*pairs[start : start + step], strict=True))
-        x, y = along_x.wavenumbers[:, np.newaxis, m], along_y.wavenumbers[:, n]
-        even_x, even_y = along_x.amplitudes[:, np.newaxis, m], along_y.amplitudes[:, n]
-        odd_x, odd_y = along_x.slopes[m], along_y.slopes[n]
+        x = along_x.wavenumbers[:, np.newaxis, m]
+        y = along_y.wavenumbers[:, n]
+        even_x = along_x.amplitudes[:, np.newaxis, m]
+        even_y = along_y.amplitudes[:, n]
+        odd_x = along_x.slopes[m]
+        odd_y = along_y.slopes[n]
         q = np.sqrt(x * x + y * y)
         decay = np.exp(-kind(z) * q)
         even = even_x * even_y * decay

@@ -33,7 +33,11 @@ from roughcontact.errors import InputError
 
 # Depths by default: from half a cell, each so many times the last, to two radii of the largest patch, at least some
 # cells and at most half a side of the domain.
-_FIRST, _RATIO, _RADII, _FEWEST, _LAST = 0.5, 1.15, 2.0, 4.0, 0.5
+_FIRST = 0.5
+_RATIO = 1.15
+_RADII = 2.0
+_FEWEST = 4.0
+_LAST = 0.5
 # Largest depth, in sides of the domain, for which the stress is computed.
 _DEEPEST = 100.0
 _SHARP = "the contact has a sharp edge or reaches the border, where the stress is unbounded: it depends on the grid"

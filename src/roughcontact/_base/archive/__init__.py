@@ -40,9 +40,11 @@ _SEALED = re.compile(rb"roughcontact file, format (\d{1,9}), sha256 [0-9a-f]{64}
 # Bytes of a header; that of a problem takes some thousands.
 _LONGEST_HEADER = 2**22
 # Bytes to which an npz file may expand, beside a multiple of its own size: heights deflate by 1 to 2, zeros by 1000.
-_EXPANDED, _EXPANSION = 2**24, 20
+_EXPANDED = 2**24
+_EXPANSION = 20
 # Levels of brackets in a header, of which a sum of surfaces takes three, and characters of a number; float64 takes 24.
-_DEPTH, _LONGEST_NUMBER = 150, 40
+_DEPTH = 150
+_LONGEST_NUMBER = 40
 # Bytes of the header of an npy file, of which numpy parses at most 10000.
 _NPY_HEADER = 2**14
 # Possessive: a text of a million letters must not take a million steps back.
@@ -138,7 +140,8 @@ def unpack(packed: Mapping[str, RealArray], *, complete: bool = True) -> tuple[d
     """Return the arrays and the header of `pack`; ValueError unless the arrays are those that the header lists."""
     header = _header(packed)
     arrays = {name: array for name, array in packed.items() if name != HEADER}
-    listed, found = header.pop("arrays"), {name: digest_of(array) for name, array in arrays.items()}
+    listed = header.pop("arrays")
+    found = {name: digest_of(array) for name, array in arrays.items()}
     if not found.items() <= listed.items() or (complete and len(found) < len(listed)):
         raise ValueError("its arrays are not those that its header lists")
     return arrays, header
@@ -183,7 +186,8 @@ def read_npy(file: IO[bytes], size: int, most: int | None = None) -> RealArray:
     version = np.lib.format.read_magic(start)
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, fortran_order, dtype = read(start)
-    count, left = math.prod(shape), size - file.seek(start.tell())
+    count = math.prod(shape)
+    left = size - file.seek(start.tell())
     if dtype.kind not in "biufU" or min(shape, default=0) < 0 or count * dtype.itemsize > left:
         raise ValueError(f"it declares an array of type {dtype} and shape {shape} in {left} bytes")
     if most is not None and count > most:

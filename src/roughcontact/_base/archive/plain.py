@@ -64,7 +64,8 @@ def describe(value: object, arrays: dict[str, RealArray]) -> Described:
     cls = type(value)
     if not attrs.has(cls) and not isinstance(value, _plug_in_bases()):
         raise InputError.about("A value kept in a file", value, "numbers, texts, arrays or attrs classes made of them")
-    part, fields = _kind_and_name(cls), _fields_of(value)
+    part = _kind_and_name(cls)
+    fields = _fields_of(value)
     with contextlib.suppress(InputError):
         if attrs.has(cls) or not fields:
             return {**part, "fields": {key: describe(item, arrays) for key, item in fields.items()}}
@@ -129,7 +130,8 @@ def rebuild_fields(
     given = {renamed.get(key, key): item for key, item in given.items()}
     needed = {key for key, field in fields.items() if field.default is attrs.NOTHING}
     if not needed <= set(given) <= set(fields):
-        known, got = ", ".join(fields) or "nothing", f"{', '.join(given)!r:.{_TEXT}}" if given else "nothing"
+        known = ", ".join(fields) or "nothing"
+        got = f"{', '.join(given)!r:.{_TEXT}}" if given else "nothing"
         raise InputError(f"The fields of the {kind} {name!r} are {known}, but the file gives {got}.")
     hints = _hints(cls)
     bases_of = {key: tuple(_bases_in(hints.get(field.name, Any))) for key, field in fields.items()}

@@ -28,7 +28,8 @@ def programs(classes: Iterable[type], own: str) -> list[str]:
     Those that no installed distribution defines, as in a script or a notebook, give a digest of their source, and
     of the functions, classes and plain values of their module that it names. The package `own` gives nothing.
     """
-    found, ours = set(), {own, *sys.stdlib_module_names}
+    found = set()
+    ours = {own, *sys.stdlib_module_names}
     for cls in classes:
         for base in cls.__mro__:
             if _top(base) not in ours:

@@ -24,7 +24,8 @@ Mask: TypeAlias = npt.NDArray[np.bool_]
 Waves: TypeAlias = npt.NDArray[np.complexfloating[Any, Any]]
 Pair: TypeAlias = tuple[float, float]
 # Magnitudes of quantities in SI units; products of a few of them stay within float64.
-SMALLEST, LARGEST = 1e-60, 1e60
+SMALLEST = 1e-60
+LARGEST = 1e60
 # Characters of a path: PATH_MAX of Linux, the largest of the systems.
 _LONGEST_PATH = 4096
 
@@ -236,12 +237,14 @@ def heights_array(values: npt.ArrayLike, *, nan: bool = False) -> Array:
     if array.ndim != 2 or array.size < 2:
         raise InputError.about(what, array.shape, "a two-dimensional array [x, y] of at least two cells")
     array = np.ascontiguousarray(array, dtype=np.float64)
-    low, high = float(array.min()), float(array.max())
+    low = float(array.min())
+    high = float(array.max())
     if nan and math.isnan(low):
         measured = array[~np.isnan(array)]
         if not measured.size:
             raise InputError("No point of the height map was measured: at least one is needed.")
-        low, high = float(measured.min()), float(measured.max())
+        low = float(measured.min())
+        high = float(measured.max())
     if not (math.isfinite(low) and math.isfinite(high)):
         missing = array.size - int(np.count_nonzero(np.isfinite(array)))
         raise InputError(

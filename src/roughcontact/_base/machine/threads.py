@@ -140,7 +140,8 @@ def split(length: int, step: int) -> list[slice]:
 
 def tiles_of(values: npt.NDArray[Any]) -> list[slice]:
     """Return the tiles of a pass over an array, along its first axis; an array of another kind than numpy's is one."""
-    length, width = values.shape[0], max(1, math.prod(values.shape[1:]))
+    length = values.shape[0]
+    width = max(1, math.prod(values.shape[1:]))
     return split(length, max(1, _TILE // width) if isinstance(values, np.ndarray) else max(1, length))
 
 

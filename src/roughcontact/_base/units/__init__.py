@@ -11,7 +11,8 @@ import numpy as np
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
 # Areas and volumes, whose prefix is raised to the power behind it; and units with another power or an inverse.
-_AREA_OR_VOLUME, _POWER = re.compile(r"m([23])\b"), re.compile(r"[^\W\d]+\d|1/")
+_AREA_OR_VOLUME = re.compile(r"m([23])\b")
+_POWER = re.compile(r"[^\W\d]+\d|1/")
 
 # Decimals beyond which a number is written with an exponent.
 _DECIMALS = 9

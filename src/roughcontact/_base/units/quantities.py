@@ -27,9 +27,14 @@ _PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, 
 _PREFIXES |= {"": 0, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12}
 Dimension: TypeAlias = tuple[int, int, int, int]
 # Powers of metre, kilogram, second and radian.
-_LENGTH, _MASS, _TIME, _ANGLE = (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)
+_LENGTH = (1, 0, 0, 0)
+_MASS = (0, 1, 0, 0)
+_TIME = (0, 0, 1, 0)
+_ANGLE = (0, 0, 0, 1)
 # The same of forces, of pressures and of numbers.
-_FORCE, _PRESSURE, _NONE = (1, 1, -2, 0), (-1, 1, -2, 0), (0, 0, 0, 0)
+_FORCE = (1, 1, -2, 0)
+_PRESSURE = (-1, 1, -2, 0)
+_NONE = (0, 0, 0, 0)
 # Units that take a prefix: their power of ten in SI units.
 _METRIC: dict[str, tuple[int, Dimension]] = {
     "m": (0, _LENGTH),
@@ -41,7 +46,8 @@ _METRIC: dict[str, tuple[int, Dimension]] = {
     "rad": (0, _ANGLE),
 }
 # Units that take none: their value in SI units (NIST SP 811, appendix B).
-_POUND, _INCH = 4.4482216152605, 0.0254
+_POUND = 4.4482216152605
+_INCH = 0.0254
 _OTHERS: dict[str, tuple[float, Dimension]] = {
     "Å": (1e-10, _LENGTH),
     "in": (_INCH, _LENGTH),
@@ -89,11 +95,14 @@ def _refusal(text: str, reason: str, unit: str) -> ValueError:
 
 def _unit_of(name: str) -> tuple[float, int, Dimension]:
     """Return the value of a unit in SI units, a factor and a power of ten, and its dimension; `KeyError` if unknown."""
-    factor, ten, total = 1.0, 0, [0, 0, 0, 0]
+    factor = 1.0
+    ten = 0
+    total = [0, 0, 0, 0]
     for sign, one, power in _FACTOR.findall(name):
         exponent = (-1 if sign == "/" else 1) * (_POWERS.get(power) or int(power))
         value, prefix, dimension = _one_unit(one)
-        factor, ten = factor * value**exponent, ten + exponent * prefix
+        factor = factor * value**exponent
+        ten = ten + exponent * prefix
         total = [before + exponent * more for before, more in zip(total, dimension, strict=True)]
     return factor, ten, (total[0], total[1], total[2], total[3])
 

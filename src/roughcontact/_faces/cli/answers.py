@@ -29,7 +29,8 @@ def to_json(solutions: Sequence[rc.ContactSolution], estimator: str | None = Non
 
 
 def _describe(solution: rc.ContactSolution, estimator: str | None) -> dict[str, Any]:
-    accuracy, peak = solution.accuracy, solution.peak_pressure()
+    accuracy = solution.accuracy
+    peak = solution.peak_pressure()
     return {
         "status": solution.status.name,
         "converged": solution.status.success,

@@ -15,7 +15,8 @@ from roughcontact.reference import roughness
 # Fraction of the variance of the heights that is form, above which the spectrum is that of the form.
 _FORM = 0.5
 # Degree of the polynomial that is taken for form: tilt, curvature and twist; and the fewest cells along an axis for it.
-_DEGREE, _FEWEST = 2, 8
+_DEGREE = 2
+_FEWEST = 8
 
 
 def describe_map(surface: rc.HeightMap) -> str:

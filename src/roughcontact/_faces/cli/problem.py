@@ -49,7 +49,8 @@ def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.G
     form = options.detrend if options.counterbody_detrend is None else options.counterbody_detrend
     counterbody = _read(options.counterbody, options, *_counterbody_size_and_unit(options), form)
     if options.match is None:
-        body, counterbody = _resample(body, options), _resample(counterbody, options)
+        body = _resample(body, options)
+        counterbody = _resample(counterbody, options)
         if not body.grid.matches(counterbody.grid):
             raise rc.InputError(
                 f"The height maps are given on {body.grid} and {counterbody.grid}: give --match bilinear, which "
@@ -71,7 +72,8 @@ def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.G
 
 def _counterbody_size_and_unit(options: argparse.Namespace) -> tuple[list[float] | None, float | None]:
     """Return size and unit of the second map: its own, or those of the first if its file does not state them."""
-    size, unit = options.counterbody_size, options.counterbody_unit
+    size = options.counterbody_size
+    unit = options.counterbody_unit
     if size is None or unit is None:
         raw = read_raw(Path(options.counterbody), **_options_of_reader(options, options.counterbody))
         size = options.size if size is None and raw.size is None else size

@@ -42,7 +42,9 @@ class _Line:
     """The text, when it was started, and how many characters it takes on the terminal."""
 
     def __init__(self, text: str) -> None:
-        self.text, self.started, self.shown = text, time.monotonic(), 0
+        self.text = text
+        self.started = time.monotonic()
+        self.shown = 0
 
     def change(self, text: str) -> None:
         self.text = text

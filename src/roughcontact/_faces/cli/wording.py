@@ -49,7 +49,8 @@ def name_advice(text: str) -> str:
 
 
 def _option(found: re.Match[str]) -> str:
-    name, value = found["name"], found["value"] or ""
+    name = found["name"]
+    value = found["value"] or ""
     words = value if value[:1] == "'" and not value.strip("'").isalpha() else value.strip("'")
     if value.startswith("("):
         words = value.removesuffix(", m").strip("()").replace(",", "").replace("x y", "X Y")

@@ -9,10 +9,13 @@ from collections.abc import Iterable
 import attrs
 
 # These are those of CITATION.cff (tests/test_html.py compares them); the year is that of the licence.
-TITLE, AUTHORS, YEAR = "roughcontact", "The roughcontact developers", 2026
+TITLE = "roughcontact"
+AUTHORS = "The roughcontact developers"
+YEAR = 2026
 ADDRESS = "https://github.com/roughcontact/roughcontact"
 PAPER = "A numerical-analytical approach to determining the real contact area of rough surface contact"
-JOURNAL, PAPER_YEAR = "Tribology - Materials, Surfaces & Interfaces", 2020
+JOURNAL = "Tribology - Materials, Surfaces & Interfaces"
+PAPER_YEAR = 2020
 PAPER_DOI = "10.1080/17515831.2020.1720382"
 # Where in a book a formula stands.
 _PLACE = re.compile(r", (?:sections?|sec\.|eqs?\.) .*")
@@ -57,7 +60,8 @@ def write_bibtex(version: str) -> str:
 def _references_in(docstring: str) -> list[Reference]:
     """Return the references of a docstring: what stands before each DOI in its section of references."""
     _, _, section = docstring.partition(_HEAD)
-    found, start = [], 0
+    found = []
+    start = 0
     for doi in _DOI.finditer(section := section.partition("\n\n")[0]):
         text = _PLACE.sub("", " ".join(section[start : doi.start()].split()).strip(" ,;-"))
         found.append(Reference(f"{text}.", f"https://doi.org/{doi[1]}"))

@@ -54,7 +54,8 @@ def can_draw() -> bool:
 
 def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture]:
     """Yield each registered panel of a kind of subject; what refuses, or fails, says why."""
-    names, first = (name for name in panels if _draws(name, kind)), _FIRST[kind]
+    names = (name for name in panels if _draws(name, kind))
+    first = _FIRST[kind]
     for name in sorted(names, key=lambda name: (first.index(name) if name in first else len(first), name)):
         caption = (inspect.getdoc(panels[name]) or name).partition("\n\n")[0].replace("\n", " ")
         try:

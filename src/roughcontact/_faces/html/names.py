@@ -46,7 +46,8 @@ def describe_material(material: Material) -> str:
 
 
 def _describe_quantity(field: attrs.Attribute[object], value: Array) -> str:
-    low, high = float(np.min(value)), float(np.max(value))
+    low = float(np.min(value))
+    high = float(np.max(value))
     unit = field.metadata["unit"]
     texts = dict.fromkeys(si(one, unit) if unit else f"{one:.6g}" for one in (low, high))
     return f"{_LAWS.get(field.name, field.name.replace('_', ' '))} {' to '.join(texts)}"

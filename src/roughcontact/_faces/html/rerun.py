@@ -34,7 +34,8 @@ def write_script(solution: ContactSolution, problem: ContactProblem, load: Mappi
         made = writer.write_problem(problem)
         modules = sorted({"hashlib", *writer.modules})
     except _NotInAScript:
-        made, modules = _FROM_FILE, ["hashlib"]
+        made = _FROM_FILE
+        modules = ["hashlib"]
     imports = "".join(f"import {name}\n" for name in modules)
     given = ", ".join(f"{kind}={_write_number(value)}" for kind, value in load.items())
     return (

@@ -14,7 +14,8 @@ from roughcontact.errors.door import guarded
 # Lowest end of a band over the value, on logarithmic axes.
 _LOWEST = 0.05
 # Characters of a legend that an inch holds, and those that a mark and the blank behind a column take.
-_PER_INCH, _MARK = 22.0, 10
+_PER_INCH = 22.0
+_MARK = 10
 
 
 @guarded

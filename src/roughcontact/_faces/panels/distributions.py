@@ -16,7 +16,8 @@ from roughcontact._faces.panels.fields import areas_of_patches, pressure_scale
 from roughcontact._faces.panels.theme import theme_of
 
 # Bins of a histogram for n numbers: about the cubic root of n, within these bounds.
-_FEWEST, _MOST = 8, 60
+_FEWEST = 8
+_MOST = 60
 # Fraction of the maximum pressure up to which the law of the edge is drawn.
 _DRAWN = 0.7
 # Cells below which the area of a patch is hardly known.
@@ -36,7 +37,8 @@ class PressureHistogramPanel(Panel):
 
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a solution; see `Panel.draw`."""
-        theme, (factor, unit) = theme_of(axes), pressure_scale(subject)
+        theme = theme_of(axes)
+        factor, unit = pressure_scale(subject)
         saturated = subject.saturated & subject.contact
         values = factor * subject.pressure[subject.contact & ~saturated]
         highest = factor * float(subject.pressure.max()) or 1.0
@@ -72,7 +74,8 @@ class PatchSizesPanel(Panel):
 
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a solution; see `Panel.draw`."""
-        theme, areas = theme_of(axes), np.sort(areas_of_patches(subject))
+        theme = theme_of(axes)
+        areas = np.sort(areas_of_patches(subject))
         cell = subject.grid.cell_area
         factor, unit = prefixed(max(float(areas.max(initial=0.0)), cell), "m", 2)
         scale_axes(axes, x=f"patch area, {unit}", y="number of patches at least as large", logarithmic="xy")

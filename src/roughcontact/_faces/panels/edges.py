@@ -12,7 +12,9 @@ from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution
 
 # Width of the line over that of a cell, and its bounds, points.
-_WIDTH, _THINNEST, _THICKEST = 0.3, 0.03, 1.0
+_WIDTH = 0.3
+_THINNEST = 0.03
+_THICKEST = 1.0
 # Mean width of the contact patches, cells, below which the line is thinner, so that it does not hide them.
 _NARROW = 8.0
 
@@ -24,7 +26,8 @@ def draw_edges(axes: Any, solution: ContactSolution, color: str) -> None:
     """
     from matplotlib.collections import LineCollection
 
-    size, (factor, _) = np.array(solution.grid.size), length_scale(solution.grid)
+    size = np.array(solution.grid.size)
+    factor, _ = length_scale(solution.grid)
     lines = []
     for line in LevelSet().contours(solution):
         if solution.boundary is Boundary.FREE:

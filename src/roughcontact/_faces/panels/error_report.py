@@ -27,7 +27,8 @@ _SHORT = 5.0
 # Numbers with a smaller ratio are one and the same.
 _ALIKE = 1.001
 # Size of the numbers beside the points, points, and where they may stand: from the point, in points.
-_NUMBERS, _BESIDE = 7, ((5, 4), (5, -10), (-20, 4), (-20, -10))
+_NUMBERS = 7
+_BESIDE = ((5, 4), (5, -10), (-20, 4), (-20, -10))
 
 
 def draw_report(report: ErrorReport, path: Path) -> None:
@@ -35,7 +36,8 @@ def draw_report(report: ErrorReport, path: Path) -> None:
     require_matplotlib()
     from matplotlib.figure import Figure
 
-    names, ending = report.reference.quantities, path.suffix.lstrip(".")
+    names = report.reference.quantities
+    ending = path.suffix.lstrip(".")
     # In memory: when a disk is full, some formats fail in other ways than by an error of the system.
     content = io.BytesIO()
     with apply_theme():
@@ -57,7 +59,8 @@ def draw_errors(axes: Any, report: ErrorReport, quantity: str) -> None:
     if not lines:
         axes.text(0.5, 0.5, "nothing to compare", ha="center", transform=axes.transAxes)
         return
-    bound, parts = report.reference.relative_uncertainty(quantity), find_varying_parts(report.rows)
+    bound = report.reference.relative_uncertainty(quantity)
+    parts = find_varying_parts(report.rows)
     estimators = list(dict.fromkeys(rows[0].estimator for rows in lines))
     setups = list(dict.fromkeys(rows[0].setup[:-1] for rows in lines))
     for rows in lines:
@@ -70,7 +73,8 @@ def draw_errors(axes: Any, report: ErrorReport, quantity: str) -> None:
             label = label.removeprefix(rows[0].estimator).removeprefix(", ") or rows[0].solver
         _draw_line(axes, rows, quantity, bound, color, setup, label)
     front = report.front(quantity)
-    x, y = [row.cost(quantity) for row in front], [_height(row, quantity, bound) for row in front]
+    x = [row.cost(quantity) for row in front]
+    y = [_height(row, quantity, bound) for row in front]
     axes.plot(x, y, color="0.8", linewidth=7, solid_capstyle="round", zorder=0, label="Pareto front")
     if bound > 0.0:
         label = "error bound of the reference"
@@ -132,8 +136,10 @@ def _select_lines(rows: Sequence[ReportRow], quantity: str) -> list[list[ReportR
 def _draw_line(
     axes: Any, rows: Sequence[ReportRow], quantity: str, bound: float, color: str, setup: int, label: str
 ) -> None:
-    marker, dashes = _MARKERS[setup % len(_MARKERS)], _DASHES[setup % len(_DASHES)]
-    x, y = [row.cost(quantity) for row in rows], [_height(row, quantity, bound) for row in rows]
+    marker = _MARKERS[setup % len(_MARKERS)]
+    dashes = _DASHES[setup % len(_DASHES)]
+    x = [row.cost(quantity) for row in rows]
+    y = [_height(row, quantity, bound) for row in rows]
     times = [row.timing(quantity) for row in rows]
     spread = [[time.median - time.minimum for time in times], [time.maximum - time.median for time in times]]
     axes.errorbar(x, y, xerr=spread, linewidth=1.2, linestyle=dashes, elinewidth=0.8, color=color)

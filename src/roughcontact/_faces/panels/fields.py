@@ -105,7 +105,8 @@ class PressurePanel(Panel):
 
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a solution; see `Panel.draw`."""
-        theme, (factor, unit) = theme_of(axes), pressure_scale(subject)
+        theme = theme_of(axes)
+        factor, unit = pressure_scale(subject)
         axes.set_facecolor(theme.open)
         shown = np.where(subject.contact, factor * subject.pressure, np.nan)
         highest = factor * float(subject.pressure.max())
@@ -178,5 +179,6 @@ class PatchesPanel(Panel):
 
 def areas_of_patches(solution: ContactSolution) -> Array:
     """Return the area of each patch, shape (count,), m2: estimated, or counted where it is not."""
-    estimated, counted = solution.area().patches, solution.patches.areas
+    estimated = solution.area().patches
+    counted = solution.patches.areas
     return counted if estimated is None else np.where(estimated > 0.0, estimated, counted)

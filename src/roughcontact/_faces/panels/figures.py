@@ -23,7 +23,8 @@ _STANDARD = {
 # Characters in a line of a sentence that stands in place of a panel.
 _WIDTH = 40
 # Characters of a title that an inch holds, and the height of a line, inches.
-_PER_INCH, _LINE = 13.0, 0.18
+_PER_INCH = 13.0
+_LINE = 0.18
 
 
 def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bool) -> Any:
@@ -143,7 +144,8 @@ def _keep_colors(figure: Any) -> None:
     """Let ticks that are made later, at drawing, have the colours and sizes of the theme."""
     from matplotlib import rcParams
 
-    color, size = rcParams["xtick.color"], rcParams["xtick.labelsize"]
+    color = rcParams["xtick.color"]
+    size = rcParams["xtick.labelsize"]
     for axes in figure.axes:
         axes.tick_params(which="both", color=color, labelcolor=color, labelsize=size)
 

@@ -25,7 +25,8 @@ def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes:
             axes = pyplot.subplots(layout="constrained")[1]
     if not isinstance(axes, Axes):
         raise InputError.about("The axes", axes, "an Axes of matplotlib, or None")
-    values, theme = column.values, theme_of(axes)
+    values = column.values
+    theme = theme_of(axes)
     shown = np.isfinite(values) & (values > 0.0)
     factor, unit = prefixed(float(np.sqrt(pressures.min() * pressures.max())), "Pa")
     name = column.name.replace("_", " ")

@@ -13,13 +13,17 @@ from roughcontact._faces.panels.maps import proportion
 from roughcontact._parts.grid import Grid
 
 # Side of a square map, and what labels beside and below it take, inches.
-_SIDE, _BESIDE, _BELOW = 3.0, 1.3, 0.65
+_SIDE = 3.0
+_BESIDE = 1.3
+_BELOW = 0.65
 # Width and height of axes with curves, inches.
 _CURVES = (3.6, 2.9)
 # Smallest width and height of a panel alone and of one among others, inches.
-_ALONE, _AMONG = (2.8, 2.4), (1.3, 0.8)
+_ALONE = (2.8, 2.4)
+_AMONG = (1.3, 0.8)
 # Width over height from which maps are stacked, and below which they stand in one row.
-_WIDE, _TALL = 2.2, 0.55
+_WIDE = 2.2
+_TALL = 0.55
 # Pixels an inch of saved figures: at least the first number, at most the second, else one for each cell.
 _PIXELS = (150.0, 300.0)
 
@@ -66,10 +70,12 @@ def _arrange_maps(grid: Grid, count: int, engine: str) -> Layout:
     width, height = (side, side / ratio) if ratio > 1.0 else (side * ratio, side)
     dpi = max(grid.shape[0] / width, grid.shape[1] / height)
     if engine == "constrained":
-        width, height = max(width, _CURVES[0] - 0.7), max(height, _CURVES[1] - 0.5)
+        width = max(width, _CURVES[0] - 0.7)
+        height = max(height, _CURVES[1] - 0.5)
     # Legends and curves need as much beside and below narrow domains.
     smallest = _ALONE if count == 1 else _AMONG
-    width, height = max(width, smallest[0]), max(height, smallest[1])
+    width = max(width, smallest[0])
+    height = max(height, smallest[1])
     if count == 1:
         # Constrained layout cuts the labels of a map alone: it is sized before its proportions are.
         engine = "compressed"
@@ -98,7 +104,8 @@ def title_of_solution(solution: Any) -> str:
 
 def percent(fraction: float, uncertainty: float) -> str:
     """Return a fraction and its standard deviation in per cent, to the digits that it is known to."""
-    value, spread = 100.0 * fraction, 100.0 * uncertainty
+    value = 100.0 * fraction
+    spread = 100.0 * uncertainty
     if not 0.0 < spread < math.inf:
         return f"{value:.4g} %"
     digits = min(max(1 - math.floor(math.log10(spread)), 0), 12)
@@ -109,7 +116,9 @@ def percent(fraction: float, uncertainty: float) -> str:
 
 def title_of_surface(sampled: Any) -> str:
     """Return the rms height of a surface and its cells."""
-    rms, (nx, ny), (lx, ly) = si(sampled.rms_height, "m", 3), sampled.grid.shape, sampled.grid.size
+    rms = si(sampled.rms_height, "m", 3)
+    nx, ny = sampled.grid.shape
+    lx, ly = sampled.grid.size
     size = si(lx, "m", 4) if lx == ly else f"{si(lx, 'm', 4)} x {si(ly, 'm', 4)}"
     return f"Rms height {rms} on {size}, {nx} x {ny} cells"
 

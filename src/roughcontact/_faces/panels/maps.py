@@ -18,7 +18,8 @@ from roughcontact.errors.door import guarded
 _NARROW = 6.0
 # Percentiles between which the colours lie if a few pits or spikes would use most of them: where the range of all
 # values is more than so many times that between the percentiles.
-_ENDS, _FAR = (0.1, 99.9), 1.3
+_ENDS = (0.1, 99.9)
+_FAR = 1.3
 # Width of a colour bar over the mean side of its map.
 _BAR = 0.05
 
@@ -39,7 +40,8 @@ def set_plane(axes: Any, grid: Grid) -> tuple[float, float, float, float]:
     """Label axes as the plane of a grid, its origin at the centre, and return the extent of images on them."""
     from matplotlib.ticker import MaxNLocator
 
-    (lx, ly), (factor, unit) = grid.size, length_scale(grid)
+    lx, ly = grid.size
+    factor, unit = length_scale(grid)
     extent = (-0.5 * lx * factor, 0.5 * lx * factor, -0.5 * ly * factor, 0.5 * ly * factor)
     ratio = proportion(grid)
     true = ratio == lx / ly
@@ -125,11 +127,13 @@ def add_colorbar(axes: Any, image: Any, label: str, extend: str) -> None:
     from matplotlib.colors import LogNorm
     from matplotlib.ticker import MaxNLocator
 
-    figure, ink = axes.get_figure(), theme_of(axes).ink
+    figure = axes.get_figure()
+    ink = theme_of(axes).ink
     if figure.get_layout_engine() is None:
         bar = figure.colorbar(image, ax=axes, extend=extend, fraction=0.046, pad=0.03)
     else:
-        (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+        left, right = axes.get_xlim()
+        low, high = axes.get_ylim()
         ratio = (right - left) / (high - low) if axes.get_aspect() == 1.0 else 1.0
         width = _BAR / ratio**0.5
         bar = figure.colorbar(image, cax=axes.inset_axes((1.0 + 0.6 * width, 0.0, width, 1.0)), extend=extend)

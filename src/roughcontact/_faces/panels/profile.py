@@ -53,17 +53,21 @@ class ProfilePanel(Panel):
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a solution; see `Panel.draw`."""
         row, place = self._find_row(subject)
-        theme, (along, unit), (factor, high_unit) = theme_of(axes), length_scale(subject.grid), height_scale(subject)
+        theme = theme_of(axes)
+        along, unit = length_scale(subject.grid)
+        factor, high_unit = height_scale(subject)
         x = along * (subject.grid.x if self.axis == 0 else subject.grid.y).ravel()
         lower, upper = (factor * self._cut(field, row) for field in find_surfaces(subject))
         level = np.nanmean(lower) if np.isfinite(lower).any() else 0.0
-        lower, upper = lower - level, upper - level
+        lower = lower - level
+        upper = upper - level
         known = np.concatenate((lower, upper))[np.isfinite(np.concatenate((lower, upper)))]
         low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
         margin = _MARGIN * (high - low) or 1.0
         half = 0.5 * subject.grid.size[self.axis] * along
         ends = np.concatenate(([-half], x, [half]))
-        below, above = np.pad(lower, 1, mode="edge"), np.pad(upper, 1, mode="edge")
+        below = np.pad(lower, 1, mode="edge")
+        above = np.pad(upper, 1, mode="edge")
         axes.fill_between(ends, low - margin, below, color=theme.body, linewidth=0.0, label="body")
         axes.fill_between(ends, above, high + margin, color=theme.counterbody, linewidth=0.0, label="counterbody")
         axes.plot(x, lower, color=theme.ink, linewidth=0.6, label="_body")
@@ -103,9 +107,12 @@ def find_surfaces(solution: ContactSolution) -> tuple[Array, Array]:
     Where saturated cells overlap, the softer body is flattened.
     """
     materials = {} if solution.origin is None else solution.origin.materials
-    heights, part, body_yields = -solution.initial_gap, 1.0, np.array(True)
+    heights = -solution.initial_gap
+    part = 1.0
+    body_yields = np.array(True)
     if materials:
-        body, counterbody = materials["body"], materials["counterbody"]
+        body = materials["body"]
+        counterbody = materials["counterbody"]
         heights = np.asarray(solution.origin.problem["body"].heights(solution.grid))  # type: ignore[union-attr]
         part = body.compliance / (body.compliance + counterbody.compliance)
         body_yields = np.less_equal(body.pressure_limit, counterbody.pressure_limit)

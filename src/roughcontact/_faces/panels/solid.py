@@ -23,7 +23,9 @@ _POINTS = 1024
 # From where the view looks: to the right, to the front and from above, in longer sides of the domain.
 _CAMERA = (1.05, -1.82, 1.43)
 # Pixels of the window, and sizes of its title and numbers.
-_WINDOW, _TITLE, _NUMBERS = (1200, 900), 12, 10
+_WINDOW = (1200, 900)
+_TITLE = 12
+_NUMBERS = 10
 
 
 @attrs.frozen(eq=False)

@@ -79,7 +79,8 @@ class SpectrumPanel(Panel):
 
 def spectral_density(sampled: SampledSurface) -> tuple[Array, Array, Array]:
     """Return wave numbers, rad/m, shapes (nx, 1) and (1, ny), and the density there, shape (nx, ny), m4."""
-    heights, (dx, dy) = sampled.heights, sampled.grid.spacing
+    heights = sampled.heights
+    dx, dy = sampled.grid.spacing
     if np.isnan(heights).any():
         heights = fill(heights)
     if sampled.periodic or min(heights.shape) < 4:
@@ -93,12 +94,15 @@ def spectral_density(sampled: SampledSurface) -> tuple[Array, Array, Array]:
 def average_in_bands(q: Array, density: Array) -> tuple[Array, Array]:
     """Return wave numbers and the mean density of the waves, shapes (n,), in bands of equal ratio with waves."""
     used = q > 0.0
-    q, density = q[used], density[used]
+    q = q[used]
+    density = density[used]
     if not q.size:
         return np.empty(0), np.empty(0)
-    low, high = float(q.min()), float(q.max()) * (1.0 + 1e-9)
+    low = float(q.min())
+    high = float(q.max()) * (1.0 + 1e-9)
     count = max(round(_BANDS * math.log10(high / low)), 1)
     edges = np.geomspace(low * (1.0 - 1e-9), high, count + 1)
-    mean, centre = mean_in_bands(q, density, edges), mean_in_bands(q, np.log(q), edges)
+    mean = mean_in_bands(q, density, edges)
+    centre = mean_in_bands(q, np.log(q), edges)
     drawn = np.isfinite(mean) & (mean > _ROUNDING * density.max(initial=0.0))
     return np.exp(centre[drawn]), mean[drawn]

@@ -58,13 +58,15 @@ class BearingCurvePanel(Panel):
 
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a surface; see `Panel.draw`."""
-        theme, (factor, unit) = theme_of(axes), _scale(subject)
+        theme = theme_of(axes)
+        factor, unit = _scale(subject)
         known = subject.heights[np.isfinite(subject.heights)]
         heights = known - known.mean()
         levels = np.linspace(heights.min(), heights.max(), _LEVELS)
         if known.size == subject.heights.size and np.ptp(heights) > 0.0:
             curve = bearing_area(subject.heights, levels)
-            fractions, deviations = curve.fractions, curve.uncertainties
+            fractions = curve.fractions
+            deviations = curve.uncertainties
         else:
             fractions = 1.0 - np.searchsorted(np.sort(heights), levels, side="right") / heights.size
             deviations = np.zeros(levels.size)
@@ -95,7 +97,8 @@ class AutocorrelationPanel(Panel):
 
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a surface; see `Panel.draw`."""
-        theme, (dx, dy) = theme_of(axes), subject.grid.spacing
+        theme = theme_of(axes)
+        dx, dy = subject.grid.spacing
         if not np.nanmax(subject.heights) > np.nanmin(subject.heights):
             raise InputError("The surface is flat, so that it has no autocorrelation to draw.")
         correlation = correlate(subject.heights, subject.periodic)
@@ -141,7 +144,8 @@ def correlate(heights: Array, periodic: bool) -> Array:
 def average_radially(values: Array, spacing: tuple[float, float]) -> tuple[Array, Array]:
     """Return distances, m, and the mean of values, shape (nx, ny), in complete rings one cell wide."""
     nx, ny = values.shape
-    x, y = np.arange(nx) * spacing[0], np.arange(ny) * spacing[1]
+    x = np.arange(nx) * spacing[0]
+    y = np.arange(ny) * spacing[1]
     step = max(spacing)
     # Distances of a whole number of cells and a half lie in the outer ring, however they are rounded.
     ring = np.floor(np.hypot(x[:, np.newaxis], y) / step + (0.5 + _ROUNDING)).astype(np.intp)

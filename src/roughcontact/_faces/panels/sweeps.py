@@ -84,7 +84,9 @@ class LoadApproachPanel(Panel):
         approach, deviation = (np.array([getattr(one, name) for one in found]) for name in ("value", "uncertainty"))
         factor, unit = prefixed(float(np.abs(approach).max()), "m")
         order = np.argsort(approach, kind="stable")
-        x, y, spread = factor * approach[order], loads[order], factor * deviation[order]
+        x = factor * approach[order]
+        y = loads[order]
+        spread = factor * deviation[order]
         scale_axes(axes, x=f"approach since first touch, {unit}", y=label)
         line = draw_band(axes, x, y, np.zeros(y.size))
         axes.fill_betweenx(y, x - 2.0 * spread, x + 2.0 * spread, color=line.get_color(), alpha=0.25, linewidth=0.0)

@@ -37,7 +37,8 @@ _LOOKED_AT = 4096
 
 def find_foreign(file: Path) -> str:
     """Return what a file is that holds no height map, and what to do; nothing if it is not known."""
-    start, end = b"", b""
+    start = b""
+    end = b""
     with contextlib.suppress(OSError), file.open("rb") as stream:
         start = stream.read(_LOOKED_AT).lstrip(b"\xef\xbb\xbf \t\r\n").lower()
         stream.seek(max(0, stream.seek(0, os.SEEK_END) - 2 * len(SEAL)))

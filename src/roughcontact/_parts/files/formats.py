@@ -25,9 +25,12 @@ from roughcontact.errors import InputError, MissingPackage
 # Endings of files that need no instrument's reader.
 _ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .mat"
 # Descriptions in the archives of instruments, and their bytes: elements of XML take twenty times as much memory.
-_TEXTS, _LONGEST_TEXT = (".xml", ".txt"), 2**22
+_TEXTS = (".xml", ".txt")
+_LONGEST_TEXT = 2**22
 # Numbers in a row of a profile x z and of a list of points x y z; and rows from which on a table is one: 3 x 3 points.
-_COLUMNS_OF_PROFILES, _COLUMNS_OF_POINTS, _ROWS_OF_LISTS = 2, 3, 9
+_COLUMNS_OF_PROFILES = 2
+_COLUMNS_OF_POINTS = 3
+_ROWS_OF_LISTS = 9
 
 
 @attrs.frozen
@@ -46,7 +49,8 @@ class NpzReader(SurfaceReader):
             data = read_npz(file, {"heights", "size", "periodic"}, deflated=True)
         if "heights" not in data:
             raise InputError("it holds no array named 'heights'")
-        size, periodic = data.get("size"), data.get("periodic", np.array(False))
+        size = data.get("size")
+        periodic = data.get("periodic", np.array(False))
         if size is not None and (size.dtype.kind not in "iuf" or size.shape not in ((), (1,), (2,))):
             raise InputError(
                 f"its array 'size' must hold one length or two, m, but has {size.dtype} of shape {size.shape}"
@@ -137,7 +141,8 @@ class TextReader(SurfaceReader):
         # A number takes 25 characters at most, as numpy.savetxt writes it.
         _require_memory(path, 16.0 / 25.0)
         table = read_table(path, self.separator, self.decimal, self.skip_rows)
-        heights, stated = table.numbers, read_header(table.header)
+        heights = table.numbers
+        stated = read_header(table.header)
         if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] == _COLUMNS_OF_PROFILES:
             raise InputError(
                 f"each of its {heights.shape[0]} rows holds 2 numbers, as in a list of points x z of a profile, but a "

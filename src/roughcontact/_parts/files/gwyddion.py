@@ -40,7 +40,8 @@ def read_header(lines: Sequence[str]) -> Stated:
     InputError
         If its values are not lengths.
     """
-    sides, unit = {}, None
+    sides = {}
+    unit = None
     for line in lines:
         if found := _SIDE.fullmatch(line):
             length = metres(found[3])
@@ -49,5 +50,6 @@ def read_header(lines: Sequence[str]) -> Stated:
             unit = metres(found[1])
             if unit is None:
                 raise InputError(f"its header states values in {found[1]!a}, which is not a known unit of length")
-    width, height = sides.get("Width"), sides.get("Height")
+    width = sides.get("Width")
+    height = sides.get("Height")
     return Stated((width, height) if width and height else None, unit)

@@ -100,7 +100,8 @@ def _find_separator(lines: Sequence[str], decimal: str) -> str:
 def _judge_commas(lines: Sequence[str]) -> str:
     """Return what separates numbers without points where there are commas, and perhaps blanks."""
     text = "\n".join(lines)
-    inside, beside = re.search(r"[0-9],[0-9]", text), re.search(r", | ,", text)
+    inside = re.search(r"[0-9],[0-9]", text)
+    beside = re.search(r", | ,", text)
     if not inside or (not beside and not _SINGLE.fullmatch(text) and " " not in text):
         return ","
     if not beside and " " in text:

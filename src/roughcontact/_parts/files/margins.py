@@ -36,11 +36,14 @@ def require_heights(table: Array) -> None:
     # The corner, where there are both margins, belongs to neither.
     row, column = (_margin(side[0, 1:], side[1, 1:]) for side in (table, table.T))
     if row and column:
-        what, counts = "its first row and its first column", row == column == _COUNT
+        what = "its first row and its first column"
+        counts = row == column == _COUNT
     elif row := _margin(table[0], table[1]):
-        what, counts = "its first row", row == _COUNT
+        what = "its first row"
+        counts = row == _COUNT
     elif column := _margin(table[:, 0], table[:, 1]):
-        what, counts = "its first column", column == _COUNT
+        what = "its first column"
+        counts = column == _COUNT
     else:
         return
     skip = "skip them with skip_rows=" if what == "its first row" else "save the heights without them"

@@ -22,17 +22,23 @@ from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, pu
 from roughcontact.errors import InputError, MissingPackage
 
 # Bytes to which compressed arrays may expand, beside a multiple of the file: heights deflate by 1 to 2, zeros by 1000.
-_EXPANDED, _EXPANSION = 2**21, 20
+_EXPANDED = 2**21
+_EXPANSION = 20
 # Bytes of the head of a file, and of the flags, dimensions and name before the numbers of an array.
-_HEAD, _LONGEST_NAME = 128, 64
+_HEAD = 128
+_LONGEST_NAME = 64
 # Types of data by number: integers and floats of MATLAB.
 _TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 # Types of an array with its head, and of one that is deflated.
-_MATRIX, _COMPRESSED = 14, 15
+_MATRIX = 14
+_COMPRESSED = 15
 # Classes of arrays: 6 to 15, double to uint64; the flags of complex ones, and of those of true and false.
-_NUMBERS, _COMPLEX, _LOGICAL = range(6, 16), 0x0800, 0x0200
+_NUMBERS = range(6, 16)
+_COMPLEX = 0x0800
+_LOGICAL = 0x0200
 # Arrays that give the sides of a map, and the longest side of one, m.
-_SIZES, _METRE = ("size", "lx", "ly", "dx", "dy"), 1.0
+_SIZES = ("size", "lx", "ly", "dx", "dy")
+_METRE = 1.0
 # The signature of HDF5 behind the head of a file of MATLAB's.
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 # Filters of HDF5 that MATLAB uses: deflate and shuffle.
@@ -73,7 +79,8 @@ def read_mat(path: Path) -> dict[str, RealArray]:
 
 def _elements(data: bytes | memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
     """Yield the type and the content of each data element, which are aligned to 8 bytes unless compressed."""
-    view, place = memoryview(data), 0
+    view = memoryview(data)
+    place = 0
     while place + 8 <= len(view):
         kind, size = struct.unpack_from(f"{order}II", view, place)
         if kind >> 16:

@@ -30,7 +30,8 @@ def put_on_grid(points: Array) -> RawMap:
     InputError
         If they do not lie on a regular grid, on most of its points and once on each.
     """
-    (i, nx, dx), (j, ny, dy) = _indices(points[:, 0]), _indices(points[:, 1])
+    i, nx, dx = _indices(points[:, 0])
+    j, ny, dy = _indices(points[:, 1])
     if not _LISTED * nx * ny <= len(points) <= nx * ny:
         raise _irregular(len(points))
     heights = np.full((nx, ny), np.nan)

@@ -167,7 +167,8 @@ def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> 
     if heights.ndim != 2 or not heights.size or np.size(size) == 1:
         return
     nx, ny = heights.shape
-    here, turned = (sides[0] / nx, sides[1] / ny), (sides[0] / ny, sides[1] / nx)
+    here = (sides[0] / nx, sides[1] / ny)
+    turned = (sides[0] / ny, sides[1] / nx)
     if abs(here[0] / here[1] - 1.0) > _SQUARE and abs(turned[0] / turned[1] - 1.0) <= _SQUARE:
         raise InputError(
             f"The file {file.name} has {nx} rows of {ny} numbers: on {si(sides[0], 'm')} x {si(sides[1], 'm')}, a row "

@@ -29,7 +29,8 @@ _MARKS = {
 # Characters of a wrong field or line that are shown.
 _SHOWN = 40
 # Lines of heights from which separator and decimal mark are found, and lines of a header that are kept.
-_SAMPLE, _HEADER = 20, 1000
+_SAMPLE = 20
+_HEADER = 1000
 # A comment at the end of a line: the numbers of some C libraries hold the mark too, 1.#QNAN.
 _COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#.*", re.DOTALL)
 
@@ -77,7 +78,8 @@ def _nothing(header: list[str]) -> str:
 
 def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tuple[int, str]]:
     """Yield the lines of heights with their places; those of words before the first go into the header."""
-    begun, waiting = False, list[tuple[int, str]]()
+    begun = False
+    waiting = list[tuple[int, str]]()
     for place, line in lines:
         content = _COMMENT.sub("", line).strip(" \r\n").replace('"', "")
         if "\0" in content:
@@ -91,32 +93,39 @@ def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tu
         waiting.extend([(place, content)] if content else [])
         if holds:
             yield from waiting
-            begun, waiting = True, []
+            begun = True
+            waiting = []
     yield from waiting
 
 
 def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> Array:
     numbers = array.array("d")
-    columns, rows, ends, padded = 0, 0, 0, 0
+    columns = 0
+    rows = 0
+    ends = 0
+    padded = 0
     for place, content in lines:
         # A line of tabs alone is a row without measured points, where tabs separate.
         if not content.strip() and layout.separator != "\t":
             continue
-        row, ended = _parse(content, layout, place), layout.ends(content)
+        row = _parse(content, layout, place)
+        ended = layout.ends(content)
         columns = columns or len(row)
         # One separator at the end of a row, of some rows or of all, adds no point.
         if ended and len(row) == columns + 1:
             row.pop()
         elif not ended and len(row) == columns - 1 and ends == rows:
             row.append(math.nan)
-            ended, padded = True, place
+            ended = True
+            padded = place
         if len(row) != columns:
             raise InputError(
                 f"line {place} has {len(row)} numbers, but the lines before it have {columns}: write nan for a point "
                 "that was not measured; if those lines are a header, say how many lines with skip_rows="
             )
         numbers.extend(row)
-        rows, ends = rows + 1, ends + ended
+        rows += 1
+        ends = ends + ended
     if not rows:
         raise InputError("it holds no numbers")
     if padded and ends < rows:

@@ -20,9 +20,11 @@ from roughcontact.errors import InputError, MissingPackage
 # Tags: the value of points without data in geographic images.
 _NODATA = 42113
 # Bytes to which an image may expand, beside a multiple of those of its file.
-_EXPANDED, _EXPANSION = 2**22, 50
+_EXPANDED = 2**22
+_EXPANSION = 50
 # Compressions that are read: none, LZW, deflate by its two numbers, PackBits; others lose digits or are rare.
-_COMPRESSIONS, _DEFLATE = {1, 5, 8, 32773, 32946}, {8, 32946}
+_COMPRESSIONS = {1, 5, 8, 32773, 32946}
+_DEFLATE = {8, 32946}
 # Pixels per metre above which a resolution is that of a measurement: printers and screens have 72 to 2400 to the inch.
 _MEASURED = 3000 / 0.0254
 # Metres in the units of resolution that TIFF has: inch and centimetre.
@@ -84,7 +86,8 @@ class TiffReader(SurfaceReader):
 
 def _require_heights(page: Any, size: int) -> None:
     """Refuse colours, and an image that its file cannot hold."""
-    shape, dtype = page.shape, page.dtype
+    shape = page.shape
+    dtype = page.dtype
     if len(shape) != 2 or page.samplesperpixel != 1 or int(page.photometric) not in (0, 1):
         channels = f"{page.samplesperpixel} channels" if page.samplesperpixel > 1 else f"shape {shape}"
         raise InputError(

@@ -15,7 +15,8 @@ from roughcontact.errors import InputError
 
 # Cells per wave number at which a spectrum is that of the body and not of the cells, and the relative change of the
 # modulus below which a body is homogeneous.
-_FINE, _EVEN = 1e-3, 1e-3
+_FINE = 1e-3
+_EVEN = 1e-3
 
 
 class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method below, or both

@@ -14,14 +14,18 @@ from roughcontact._parts.kernels.base import InfluenceKernel
 # Cells with an offset up to _NEAR or _FAR, in shorter sides, are integrated by edges or by
 # _POINTS_BETWEEN Gauss points across, all others by _POINTS_FAR. The integrand is analytic up to the field
 # point, so that the error falls as (4 offset)^(-2 points): below 2e-16 (test_kernels: 1e-14 of mpmath).
-_NEAR, _FAR = 10, 110
-_POINTS_BETWEEN, _POINTS_FAR = 5, 3  # Gauss points, see above
+_NEAR = 10
+_FAR = 110
+# Gauss points, see above
+_POINTS_BETWEEN = 5
+_POINTS_FAR = 3
 # Chebyshev nodes of the alias sum in the square of the phase along the longer side. The nearest
 # singularity, for square cells, makes the coefficients fall by 5.8 each: 5.8^-20 = 5e-16.
 _NODES = 20
 # Aliases on each side, and averages of neighbouring partial sums (Euler's method): each average more than
 # halves the alternating rest (test_kernels: 1e-12 of plain sums).
-_ALIASES, _AVERAGES = 32, 16
+_ALIASES = 32
+_AVERAGES = 16
 
 
 @attrs.frozen
@@ -59,7 +63,8 @@ class Love(InfluenceKernel):
 
     def coefficients(self, shape: tuple[int, int], spacing: Pair, compliance: float) -> Array:
         """Return the influence coefficients, shape (nx, ny), m/Pa; see `SupportsCoefficients`."""
-        i, j = np.arange(shape[0], dtype=np.float64), np.arange(shape[1], dtype=np.float64)
+        i = np.arange(shape[0], dtype=np.float64)
+        j = np.arange(shape[1], dtype=np.float64)
         dx, dy = spacing
         if dx < dy:
             return np.ascontiguousarray(self.coefficients(shape[::-1], (dy, dx), compliance).T)
@@ -129,7 +134,8 @@ def _integrate_gauss(i: Array, j: Array, aspect: float, points: int) -> Array:
 
 def _integrate_edges(i: Array, j: Array, aspect: float) -> Array:
     """Add the four edges: signed distance times the logarithm of the edge seen from the origin."""
-    x, y = (i * aspect)[:, np.newaxis], j[np.newaxis, :]
+    x = (i * aspect)[:, np.newaxis]
+    y = j[np.newaxis, :]
     across = [side * (x + 0.5 * side * aspect) * _edge_log(x + 0.5 * side * aspect, y, 1.0) for side in (-1, 1)]
     along = [side * (y + 0.5 * side) * _edge_log(y + 0.5 * side, x, aspect) for side in (-1, 1)]
     return np.asarray(across[0] + across[1] + along[0] + along[1], dtype=np.float64)
@@ -137,7 +143,8 @@ def _integrate_edges(i: Array, j: Array, aspect: float) -> Array:
 
 def _edge_log(distance: Array, middle: Array, length: float) -> Array:
     """Return ln((r1 + r2 + l) / (r1 + r2 - l)) of an edge, r1 and r2 being the distances of its ends."""
-    r1, r2 = np.hypot(distance, middle - 0.5 * length), np.hypot(distance, middle + 0.5 * length)
+    r1 = np.hypot(distance, middle - 0.5 * length)
+    r2 = np.hypot(distance, middle + 0.5 * length)
     # Opposite the middle of a long edge r1 + r2 - l cancels; there r1 = r2.
     slack = np.where(middle == 0.0, 2.0 * distance**2 / (r1 + 0.5 * length), r1 + r2 - length)
     return np.asarray(np.log1p(2.0 * length / slack), dtype=np.float64)
@@ -182,7 +189,8 @@ def _aliases_along_x(theta_x: Array, theta_y: Array, aspect: float) -> Array:
     """Sum the aliases along x alone, shape (|theta_x|, |theta_y|)."""
     orders, weights = _alternating_weights()
     others = orders != 0
-    orders, weights = orders[others], weights[others]
+    orders = orders[others]
+    weights = weights[others]
     x = theta_x[:, np.newaxis] + 2 * np.pi * orders
     factors = weights * _alias_sinc(theta_x, orders)
     total = np.zeros((theta_x.size, theta_y.size))

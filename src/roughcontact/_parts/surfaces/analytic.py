@@ -78,7 +78,8 @@ class SphereSurface(Surface):
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, zero at the summit."""
         _require_memory(grid, "A sphere", 3)
-        x, y = (grid.x - self.center[0]) / self.radius, (grid.y - self.center[1]) / self.radius
+        x = (grid.x - self.center[0]) / self.radius
+        y = (grid.y - self.center[1]) / self.radius
         square = x**2 + y**2
         if square.max() > 1.0:
             raise InputError(
@@ -107,7 +108,8 @@ class ParaboloidSurface(Surface):
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, zero at the summit."""
         _require_memory(grid, "A paraboloid", 1)
-        x, y = grid.x - self.center[0], grid.y - self.center[1]
+        x = grid.x - self.center[0]
+        y = grid.y - self.center[1]
         return np.asarray(-(x * (x / (2 * self.radius[0])) + y * (y / (2 * self.radius[1]))), dtype=np.float64)
 
 

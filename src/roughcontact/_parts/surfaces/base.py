@@ -111,7 +111,8 @@ class Surface(abc.ABC):
         Where the domain is periodic, heights that depend on its size are interpolated. `InputError` if the surface is
         not known between the points of the grid.
         """
-        parts, name = _checked_parts(self), type(self).__name__
+        parts = _checked_parts(self)
+        name = type(self).__name__
         if parts:
             return self.with_parts([part.shift_half_cell(grid, periodic=periodic) for part in parts])
         if self.own_grid is not None:
@@ -173,7 +174,8 @@ class Surface(abc.ABC):
             raise InputError("The surface has no grid of its own: give one, rc.Grid(shape, size), first.")
         if not isinstance(chosen, Grid):
             raise InputError.about("The grid", grid, "rc.Grid(shape, size)")
-        heights, missing = np.array(self.heights(chosen)), self.non_measured_on(chosen)
+        heights = np.array(self.heights(chosen))
+        missing = self.non_measured_on(chosen)
         if missing is not None:
             heights[missing] = np.nan
         return SampledSurface(heights, chosen, bool(getattr(self, "periodic", False)))
@@ -185,7 +187,8 @@ class Surface(abc.ABC):
         """
         if isinstance(increment, bool) or not isinstance(increment, (int, np.integer)):
             raise InputError.about("The increment of the seeds", increment, "a whole number")
-        parts, result = _checked_parts(self), self
+        parts = _checked_parts(self)
+        result = self
         seed: Any = _fields(self).get("seed")
         is_random = isinstance(seed, (int, np.integer)) and not isinstance(seed, bool)
         if is_random:
@@ -297,5 +300,6 @@ def _checked_parts(surface: Surface) -> tuple[Surface, ...]:
 
 def _enlarge(surface: Surface, grid: Grid, more: int) -> Array:
     """Return the heights on a grid with `more` cells of the same size along each axis."""
-    (nx, ny), (dx, dy) = grid.shape, grid.spacing
+    nx, ny = grid.shape
+    dx, dy = grid.spacing
     return surface.heights(Grid((nx + more, ny + more), ((nx + more) * dx, (ny + more) * dy)))

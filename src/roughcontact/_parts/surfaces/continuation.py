@@ -76,7 +76,8 @@ class Continuation:
         return surface.with_parts(parts) if parts else surface
 
     def _extend_map(self, source: HeightMap, place: int) -> HeightMap:
-        grid, shape = source.grid, cells_for(source.size, self.shortest)
+        grid = source.grid
+        shape = cells_for(source.size, self.shortest)
         resolved = self.resolved or _CELLS * max(grid.spacing)
         law = fit_power_law(source.values, grid, resolved)
         rng = np.random.default_rng(np.random.SeedSequence(self.seed[0], spawn_key=(self.seed[1], place)))
@@ -94,7 +95,8 @@ class Continuation:
         modes = scipy.fft.rfft2(rng.standard_normal(fine), norm="ortho")
         kx, ky = (min(m, n) // 2 for m, n in zip(grid.shape, fine, strict=True))
         spectrum = np.zeros((grid.shape[0], grid.shape[1] // 2 + 1), dtype=np.complex128)
-        spectrum[:kx, :ky], spectrum[-kx:, :ky] = modes[:kx, :ky], modes[-kx:, :ky]
+        spectrum[:kx, :ky] = modes[:kx, :ky]
+        spectrum[-kx:, :ky] = modes[-kx:, :ky]
         qx = 2.0 * np.pi * scipy.fft.fftfreq(grid.shape[0], grid.spacing[0])[:, np.newaxis]
         qy = 2.0 * np.pi * scipy.fft.rfftfreq(grid.shape[1], grid.spacing[1])[np.newaxis, :]
         q = np.hypot(qx, qy)

@@ -29,7 +29,8 @@ _RIDGE = 1e-12
 # Cells along the side of an aggregate.
 _SIDE = 3
 # Relative residual to which conjugate gradients go, and steps; 15 to 40 are needed.
-_TOLERANCE, _STEPS = 1e-13, 300
+_TOLERANCE = 1e-13
+_STEPS = 300
 
 
 def complete(heights: Array, where: str, treatment: str, option: str = "") -> tuple[Array, Mask | None, str]:
@@ -159,7 +160,8 @@ def smooth_over(heights: Array, holes: Mask) -> Array:
         )
         touching = holes.ravel()[left] | holes.ravel()[middle] | holes.ravel()[right]
         columns = np.stack([left, middle, right])[:, touching].T
-        values, rows = np.tile([1.0, -2.0, 1.0], len(columns)), np.repeat(np.arange(len(columns)), 3)
+        values = np.tile([1.0, -2.0, 1.0], len(columns))
+        rows = np.repeat(np.arange(len(columns)), 3)
         differences.append(csr_array((values, (rows, columns.ravel())), shape=(len(columns), heights.size)))
     bending = vstack(differences).tocsc()
     known = np.where(holes, 0.0, heights)

@@ -28,10 +28,12 @@ def polynomial(values: Array, degree: int, non_measured: Mask | None, shape: tup
     n = degree + 1
     qx, qy = ((p[:, :, np.newaxis] * p[:, np.newaxis, :]).reshape(len(p), n * n) for p in (px, py))
     if non_measured is None:
-        sums, moments = np.outer(qx.sum(axis=0), qy.sum(axis=0)), px.T @ values @ py
+        sums = np.outer(qx.sum(axis=0), qy.sum(axis=0))
+        moments = px.T @ values @ py
     else:
         counts = (~non_measured).astype(np.float64)
-        sums, moments = qx.T @ counts @ qy, px.T @ (values * counts) @ py
+        sums = qx.T @ counts @ qy
+        moments = px.T @ (values * counts) @ py
     sums = sums.reshape(n, n, n, n)
     gram = np.array([[sums[i, k, j, m] for k, m in terms] for i, j in terms])
     solved, _, rank, _ = np.linalg.lstsq(gram, np.array([moments[term] for term in terms]))
@@ -65,7 +67,8 @@ def sphere(values: Array, x: Array, y: Array, non_measured: Mask | None) -> tupl
     from scipy.optimize import least_squares
 
     length = float(max(np.abs(x).max(), np.abs(y).max()))
-    x, y = x / length, y / length
+    x = x / length
+    y = y / length
     mean = float(values.mean())
     heights = (values - mean) / length
     use = slice(None) if non_measured is None else ~non_measured

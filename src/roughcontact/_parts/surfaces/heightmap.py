@@ -32,7 +32,8 @@ _DEGREES = {"mean": 0, "plane": 1}
 
 
 def _size(value: float | Sequence[float], height_map: Any) -> Pair:
-    sides, (nx, ny) = pair(value, "The size of the height map", "m", above=0.0), height_map.values.shape
+    sides = pair(value, "The size of the height map", "m", above=0.0)
+    nx, ny = height_map.values.shape
     if nx != ny and np.size(value) == 1:
         raise InputError(
             f"A height map of {nx} x {ny} points needs both sides, size=(x, y), m (on the command line --size X Y), "
@@ -208,7 +209,8 @@ class HeightMap(Surface):
         non_measured = None
         if self.non_measured is not None:
             # A new point is non-measured if more than half of its weight lies on non-measured points.
-            weights, near = self.non_measured.astype(np.float64), "mean" if interpolation == "mean" else "bilinear"
+            weights = self.non_measured.astype(np.float64)
+            near = "mean" if interpolation == "mean" else "bilinear"
             non_measured = resample(weights, target, near, periodic=self.periodic) > 0.5
         pitch = " x ".join(si(step, "m") for step in Grid(target, self.size).spacing)
         return attrs.evolve(

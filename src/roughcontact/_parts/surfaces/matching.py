@@ -118,13 +118,16 @@ class PlacedMap(Surface):
 
     def _indices(self, x: Array, y: Array) -> tuple[Array, Array]:
         """Return positions in cells of the map, shapes that broadcast."""
-        x, y = x - self.offset[0], y - self.offset[1]
+        x = x - self.offset[0]
+        y = y - self.offset[1]
         if self.rotation != 0.0:
-            cos, sin = math.cos(self.rotation), math.sin(self.rotation)
+            cos = math.cos(self.rotation)
+            sin = math.sin(self.rotation)
             x, y = cos * x + sin * y, cos * y - sin * x
         if self.mirrored:
             x = -x
-        (nx, ny), (dx, dy) = self.source.grid.shape, self.source.grid.spacing
+        nx, ny = self.source.grid.shape
+        dx, dy = self.source.grid.spacing
         return x / dx + 0.5 * (nx - 1), y / dy + 0.5 * (ny - 1)
 
     def _require_cover(self, grid: Grid) -> None:
@@ -212,7 +215,8 @@ def match(
 def _finer_cells(body: HeightMap, placed: PlacedMap, size: Pair) -> tuple[int, int]:
     """Return the cells of a grid that is as fine as the finer map along each axis."""
     dx, dy = placed.source.grid.spacing
-    cos, sin = abs(math.cos(placed.rotation)), abs(math.sin(placed.rotation))
+    cos = abs(math.cos(placed.rotation))
+    sin = abs(math.sin(placed.rotation))
     # The pitch of the rotated map along an axis, by the cells that a line along it crosses.
     rotated = 1.0 / math.hypot(cos / dx, sin / dy), 1.0 / math.hypot(sin / dx, cos / dy)
     pitches = (min(one, other) for one, other in zip(body.grid.spacing, rotated, strict=True))
@@ -224,7 +228,8 @@ def _overlap(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
     """Return centre and sides of the largest rectangle that both cover, in the frame of the body, m."""
     if placed.source.periodic:
         return (0.0, 0.0), body.size
-    cos, sin = abs(math.cos(placed.rotation)), abs(math.sin(placed.rotation))
+    cos = abs(math.cos(placed.rotation))
+    sin = abs(math.sin(placed.rotation))
     if min(cos, sin) >= _ALIGNED:
         return _largest_rectangle(body, placed)
     lx, ly = placed.source.size
@@ -239,7 +244,8 @@ def _overlap(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
 
 def _intersect(one: float, other: float, offset: float) -> tuple[float, float]:
     """Return centre and length of the intersection of two intervals; the first is centred."""
-    low, high = max(-0.5 * one, offset - 0.5 * other), min(0.5 * one, offset + 0.5 * other)
+    low = max(-0.5 * one, offset - 0.5 * other)
+    high = min(0.5 * one, offset + 0.5 * other)
     return 0.5 * (low + high), high - low
 
 
@@ -255,7 +261,8 @@ def _largest_rectangle(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
     normals, reach = _half_planes(placed.source.size, placed.rotation, placed.offset)
     if not body.periodic:
         more = _half_planes(body.size, 0.0, (0.0, 0.0))
-        normals, reach = np.vstack([normals, more[0]]), np.concatenate([reach, more[1]])
+        normals = np.vstack([normals, more[0]])
+        reach = np.concatenate([reach, more[1]])
     unit = min(*placed.source.size, *body.size)
     bounds = [(None, None), (None, None), (0.0, None)]
 
@@ -276,7 +283,8 @@ def _largest_rectangle(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
 
 def _half_planes(size: Pair, rotation: float, offset: Pair) -> tuple[Array, Array]:
     """Return the normals, shape (4, 2), and the bounds, shape (4,), of a rectangle: inside, n . p <= bound."""
-    cos, sin = math.cos(rotation), math.sin(rotation)
+    cos = math.cos(rotation)
+    sin = math.sin(rotation)
     normals = np.array([[cos, sin], [-cos, -sin], [-sin, cos], [sin, -cos]])
     reach = 0.5 * np.array([size[0], size[0], size[1], size[1]])
     return normals, reach + normals @ np.array(offset)

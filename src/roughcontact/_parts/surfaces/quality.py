@@ -15,12 +15,14 @@ from roughcontact._parts.surfaces.filling import smooth_over
 from roughcontact._parts.surfaces.spectrum import mean_in_bands, power_spectrum
 
 # Sides of the part in the middle that is examined, and of the smallest map that is, cells: for each statistic enough.
-_PART, _SMALLEST = 256, 32
+_PART = 256
+_SMALLEST = 32
 # Edges of bands of a third of an octave, from waves of 16 cells to those of two, rad a cell.
 _EDGES = math.pi * 2.0 ** (np.arange(-9, 1) / 3.0)
 # Self-affine surfaces have slopes of -2 to -4, from means over cells to -5; a blur by s cells adds -2 (s q)^2. Long
 # waves are few, so that their slopes scatter.
-_BLURRED, _SCATTERED = -5.5, -6.5
+_BLURRED = -5.5
+_SCATTERED = -6.5
 # A spectrum that drops by this factor within a third of an octave was computed, with a shortest wave.
 _COMPUTED = 1e-5
 # Point samples of a surface of Hurst exponent 0.3 have -1.8 over the upper octave, white noise 0.
@@ -31,10 +33,13 @@ _RISE = 1.3
 _ZERO = 1e-6
 # Fewer different third differences, evenly spaced within this fraction, mean steps of more than a twentieth of their
 # rms; shapes with flats have nine at most.
-_FEW, _EVEN, _FEWEST = 200, 0.1, 9
+_FEW = 200
+_EVEN = 0.1
+_FEWEST = 9
 # Third differences that agree within this fraction of their rms are equal, and the fraction of different ones above
 # which heights are not rounded.
-_LEVEL, _DISTINCT = 1e-5, 0.3
+_LEVEL = 1e-5
+_DISTINCT = 0.3
 # Fraction of non-measured points above which a map is not judged.
 _MOST_HOLES = 0.5
 # ... and above which it is not judged for noise: the surface through the holes has some.
@@ -43,10 +48,12 @@ _NOISE = "the shortest waves of the map are mostly noise, which makes the area t
 # Fraction of points that are the mean of their neighbours above which they are filled in.
 _FILLED = 0.02
 # Amplitude of a periodic part of the differences in interpolated maps, over their mean and over the median amplitude.
-_PERIODIC, _PEAK = 0.1, 12.0
+_PERIODIC = 0.1
+_PEAK = 12.0
 # Waves that a map is made of, and cells for each, below which its differences are periodic without interpolation: sums
 # of 1 to 40 waves have up to 37, rough maps interpolated four times at least 57 on 160 x 160 cells, 20 on 64 x 64.
-_MANY_WAVES, _CELLS_PER_WAVE = 40, 300
+_MANY_WAVES = 40
+_CELLS_PER_WAVE = 300
 _ADVICE = "a finer grid cannot bring them back (rc.beyond_resolution gives the range of areas)"
 
 
@@ -103,7 +110,8 @@ def _middle(values: Any) -> Any:
 
 def _take_middle(heights: Array, non_measured: Mask | None) -> Array:
     """Return the part that is examined, smooth over non-measured points; nothing of it if these are the most."""
-    part, holes = _middle(heights), None if non_measured is None else _middle(non_measured)
+    part = _middle(heights)
+    holes = None if non_measured is None else _middle(non_measured)
     if holes is not None and holes.any():
         if holes.mean() > _MOST_HOLES:
             return np.zeros((0, 0))

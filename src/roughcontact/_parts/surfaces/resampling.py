@@ -33,7 +33,8 @@ def resample(values: Array, shape: tuple[int, int], interpolation: str, *, perio
     if interpolation == "fourier":
         return fourier(values, shape)
     if interpolation == "mean":
-        (nx, ny), (mx, my) = values.shape, shape
+        nx, ny = values.shape
+        mx, my = shape
         return np.asarray(values.reshape(mx, nx // mx, my, ny // my).mean(axis=(1, 3)), dtype=np.float64)
     if interpolation == "bilinear":
         return bilinear(values, shape, periodic=periodic)
@@ -71,8 +72,10 @@ def interpolate(values: Array, i: Array, j: Array, interpolation: str, *, period
 
 def shift_by_half_cell(values: Array, grid: Grid) -> Array:
     """Return periodic heights on a grid, moved by half a cell along both axes, shape `grid.shape`, m."""
-    (nx, ny), (dx, dy) = grid.shape, grid.spacing
-    i, j = (grid.x - 0.5 * dx) / dx + 0.5 * (nx - 1), (grid.y - 0.5 * dy) / dy + 0.5 * (ny - 1)
+    nx, ny = grid.shape
+    dx, dy = grid.spacing
+    i = (grid.x - 0.5 * dx) / dx + 0.5 * (nx - 1)
+    j = (grid.y - 0.5 * dy) / dy + 0.5 * (ny - 1)
     return interpolate(values, i, j, "fourier", periodic=True)
 
 
@@ -100,7 +103,8 @@ def fourier(values: Array, shape: tuple[int, int]) -> Array:
 
 def _linear(values: Array, result: Array, *, periodic: bool) -> Array:
     """Return `result`, filled with values interpolated linearly along the first axis."""
-    (old, _), (count, width) = values.shape, result.shape
+    old, _ = values.shape
+    count, width = result.shape
     position = (np.arange(count) + 0.5) * (old / count) - 0.5
     if not periodic:
         position = np.clip(position, 0.0, old - 1.0)
@@ -108,7 +112,8 @@ def _linear(values: Array, result: Array, *, periodic: bool) -> Array:
     weight = (position - lower)[:, np.newaxis]
     step = max(1, _BLOCK // width)
     for part in (slice(start, start + step) for start in range(0, count, step)):
-        left, right = values[lower[part] % old], values[(lower[part] + 1) % old]
+        left = values[lower[part] % old]
+        right = values[(lower[part] + 1) % old]
         result[part] = (1.0 - weight[part]) * left + weight[part] * right
     return result
 

@@ -18,7 +18,8 @@ from roughcontact.errors import InputError
 # Wavelengths that miss a limit by no more than this fraction count as inside: rounding.
 _ROUNDING = 1e-9
 # Peak memory of the heights in numbers of float64 for each wave, and for each cell; measured.
-_PER_WAVE, _PER_CELL = 9.1, 5.1
+_PER_WAVE = 9.1
+_PER_CELL = 5.1
 
 
 def _hurst(value: float) -> float:
@@ -151,7 +152,8 @@ class SelfAffineSurface(Surface):
 
     def _modes(self, qx: Array, qy: Array, inner: tuple[int, ...]) -> npt.NDArray[np.complex128]:
         """Return the Fourier coefficients of a real surface with exactly the given rms height or slope."""
-        cos, sin = math.cos(self.lay), math.sin(self.lay)
+        cos = math.cos(self.lay)
+        sin = math.sin(self.lay)
         q = np.hypot(self.peklenik * (cos * qx + sin * qy), cos * qy - sin * qx)
         inside = q * self.longest >= 2 * np.pi * (1 - _ROUNDING)
         shown, counted = (
@@ -168,7 +170,8 @@ class SelfAffineSurface(Surface):
         magnitude = np.where(counted[box], np.abs(modes[box]), 0.0)
         rms = self.rms_height
         if rms is None:
-            rms, magnitude = self.rms_slope, np.hypot(qx, qy)[box] * magnitude
+            rms = self.rms_slope
+            magnitude = np.hypot(qx, qy)[box] * magnitude
         return np.asarray(np.where(shown, modes * (rms / np.sqrt(np.sum(magnitude**2))), 0.0))
 
     def _noise(self, inner: tuple[int, ...], outer: tuple[int, ...]) -> Array:
@@ -176,7 +179,8 @@ class SelfAffineSurface(Surface):
         noise = np.random.default_rng(self.seed).standard_normal((2, *(2 * m + 1 for m in inner)))
         if inner == outer:
             return noise
-        (mx, my), (nx, ny) = inner, outer
+        mx, my = inner
+        nx, ny = outer
         wider = np.empty((2, 2 * nx + 1, 2 * ny + 1))
         # A stream for each row, and in it the long waves first.
         order = np.argsort(np.abs(np.arange(-ny, ny + 1)), kind="stable")

@@ -19,9 +19,12 @@ from roughcontact.errors import InputError
 _FORM = 2
 # Ratio of the longest to the shortest wave through which a power law is fitted, the bands in it, and the sectors of
 # direction over half a turn: two octaves of waves, a thousand of them on 128 x 128 cells.
-_RANGE, _BANDS, _SECTORS = 4.0, 6, 16
+_RANGE = 4.0
+_BANDS = 6
+_SECTORS = 16
 # Waves a side below which window and form change the power, and the smallest ratio of the longest to the shortest wave.
-_WAVES, _NARROW = 6.0, 2.0
+_WAVES = 6.0
+_NARROW = 2.0
 # Standard deviation of the exponent from the unknown transfer function of a measurement: point samples lower it by 0.1
 # to 0.2, means over cells raise it by 0.05 to 0.15 (self-affine surfaces, Hurst exponents 0.3, 0.8; 128 x 128 cells).
 _SAMPLING = 0.15
@@ -100,8 +103,10 @@ def fit_power_law(heights: Array, grid: Grid, shortest: float) -> PowerLaw:
         If the map is too small, or its spectrum does not fall with the wave number.
     """
     qx, qy, power = power_spectrum(heights, 2)
-    qx, qy = qx / grid.spacing[0], qy / grid.spacing[1]
-    q, limit = np.hypot(qx, qy), 2.0 * math.pi / shortest
+    qx = qx / grid.spacing[0]
+    qy = qy / grid.spacing[1]
+    q = np.hypot(qx, qy)
+    limit = 2.0 * math.pi / shortest
     start = max(limit / _RANGE, 2.0 * math.pi * _WAVES / min(grid.size))
     if start * _NARROW > limit:
         raise InputError(
@@ -131,7 +136,8 @@ def fit_power_law(heights: Array, grid: Grid, shortest: float) -> PowerLaw:
         )
     stds = math.sqrt(excess / float(np.sum(weight))), math.hypot(math.sqrt(excess / spread), _SAMPLING)
     inside = (q >= start) & (q <= limit)
-    sector, scaled = _sector(qx, qy)[inside], power[inside] * (q[inside] * math.exp(-pivot)) ** exponent
+    sector = _sector(qx, qy)[inside]
+    scaled = power[inside] * (q[inside] * math.exp(-pivot)) ** exponent
     modes = np.bincount(sector, minlength=_SECTORS)
     total = np.bincount(sector, weights=scaled, minlength=_SECTORS)
     return PowerLaw(total / np.maximum(modes, 1), math.exp(pivot), exponent, *stds)

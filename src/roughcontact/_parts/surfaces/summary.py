@@ -27,7 +27,9 @@ def check_history(value: Sequence[str]) -> tuple[str, ...]:
 
 def list_facts(height_map: HeightMap) -> list[str]:
     """Return cells, size, heights, history and non-measured points of a map, line by line."""
-    grid, heights, missing = height_map.grid, height_map.values, height_map.non_measured
+    grid = height_map.grid
+    heights = height_map.values
+    missing = height_map.non_measured
     measured = heights if missing is None else heights[~missing]
     low, high, rms, dx, dy = (
         si(float(value), "m") for value in (measured.min(), measured.max(), measured.std(), *grid.spacing)

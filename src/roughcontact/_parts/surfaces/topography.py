@@ -61,7 +61,8 @@ def make_topography(height_map: HeightMap) -> Any:
         raise MissingPackage(
             "A topography needs the package SurfaceTopography: pip install SurfaceTopography."
         ) from None
-    heights, mask = height_map.values.copy(), height_map.non_measured
+    heights = height_map.values.copy()
+    mask = height_map.non_measured
     return Topography(
         heights if mask is None else np.ma.masked_array(heights, mask),
         height_map.size,

@@ -69,7 +69,8 @@ class _PaddedConvolution(PreparedConvolution):
 
     def apply(self, pressure: RealArray) -> RealArray:
         symbol = self.symbol_float32 if pressure.dtype == np.float32 else self.symbol
-        mx, half = self.padded[0], self.symbol.shape[0]
+        mx = self.padded[0]
+        half = self.symbol.shape[0]
 
         def multiply(columns: Waves, block: slice) -> None:
             columns[:half] *= symbol[:, block]

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 # Sides of the padded grid of the inverse on a free boundary: at least this multiple of the domain's, and this
 # many cells more, so that opposite borders hardly interact. 1.125 and 1.5, 8 and 32 cells change the products of
 # the default solver by less than 1 % (docs/studies/solver_constants.py).
-_PADDED, _PADDING = 1.25, 16
+_PADDED = 1.25
+_PADDING = 16
 # Amplitudes below this fraction of the mean are rounding, or ringing of the kernel: their inverse is bounded.
 _SMALLEST = 1e-6
 # Waves from which on they are multiplied by columns: in float32 that takes 5 % less than three passes on
@@ -88,7 +89,8 @@ class InverseConvolution:
 
     def coefficients(self, reach: int) -> RealArray:
         """Return the pressure at (i, j) cells from a unit displacement of one, shape (reach + 1, reach + 1)."""
-        (mx, my), columns = self.padded, self.stiffness.shape[1]
+        mx, my = self.padded
+        columns = self.stiffness.shape[1]
         offsets = 2.0 * np.pi * np.arange(reach + 1)
         x = np.cos(np.outer(offsets, np.arange(mx) / mx)).astype(self.stiffness.dtype) / mx
         y = np.cos(np.outer(np.arange(columns) / my, offsets)).astype(self.stiffness.dtype) / my
@@ -121,7 +123,8 @@ def _multiply_columns(waves: Waves, symbol: RealArray, length: int) -> Waves:
         multiply_columns(waves, length, lambda columns, block: np.multiply(columns, symbol[:, block], out=columns))
         return waves
     # Two one-dimensional transforms are twice as fast as scipy's two-dimensional inverse.
-    rows, threads = waves.shape[0], threads_for(2 * symbol.size)
+    rows = waves.shape[0]
+    threads = threads_for(2 * symbol.size)
     waves = scipy.fft.fft(waves, n=length, axis=0, overwrite_x=True, workers=threads)
     waves *= symbol
     back: Waves = scipy.fft.ifft(waves, axis=0, overwrite_x=True, workers=threads)

@@ -39,16 +39,20 @@ _CURVATURE = 0.75
 # ... and that of a grid of half the cells, beside the only one that was solved: three cells to a wave.
 _RESOLVED = 0.5
 # Fewest cells along an axis of the coarsest grid, and the number that those of others are multiples of.
-_COARSEST, _MULTIPLE = 64, 8
+_COARSEST = 64
+_MULTIPLE = 8
 # Order at which the uncertainty falls with the cell before two grids have shown it, bounds for what they show, and
 # bounds of the factor between the cells of two grids.
-_ORDER, _ORDERS, _FACTORS = 3.0, (1.0, 4.0), (1.15, 4.0)
+_ORDER = 3.0
+_ORDERS = (1.0, 4.0)
+_FACTORS = (1.15, 4.0)
 # Factor on the cells that the next grid seems to need, because the uncertainty scatters.
 _MARGIN = 1.05
 # Factor between the cells of two grids of which the first met the accuracy and disagreed with the one before.
 _AGAIN = 1.5
 # Cells to which a grid is refined without being asked, about ten seconds, and times the cells of the grid given.
-_UNASKED, _TIMES_GIVEN = 2**22, 64
+_UNASKED = 2**22
+_TIMES_GIVEN = 64
 _NO_HEIGHTS = "the heights are known at the points of a map only, and a finer grid cannot add any: measure a finer map"
 
 
@@ -75,7 +79,8 @@ class Target:
 
     def measure(self, solution: ContactSolution) -> Trial:
         """Return what a grid gives."""
-        area, peak = (math.nan, math.nan), (math.nan, math.nan)
+        area = (math.nan, math.nan)
+        peak = (math.nan, math.nan)
         if self.area_within is not None:
             found = solution.area()
             area = found.value, found.uncertainty
@@ -104,7 +109,9 @@ def solve_within(
         )
     problem = _choose_tolerance(problem, target) if tolerance is None else with_tolerance(problem, tolerance)
     trials: list[Trial] = []
-    rung, solution, shortfall = _coarsest(problem), None, ""
+    rung = _coarsest(problem)
+    solution = None
+    shortfall = ""
     while True:
         start = None
         if solution is not None:
@@ -163,7 +170,8 @@ def _has_map(problem: ContactProblem) -> bool:
 
 def _coarsest(problem: ContactProblem) -> ContactProblem:
     """Return the problem on the coarsest grid that shows the curvature of its heights; a map is not coarsened."""
-    shape, stride = problem.plan.grid.shape, 1
+    shape = problem.plan.grid.shape
+    stride = 1
     if _has_map(problem):
         return problem
     all_of_it = _mean_square_curvature(problem.initial_gap, problem.plan.grid)
@@ -180,7 +188,8 @@ def _coarsest(problem: ContactProblem) -> ContactProblem:
 
 def _mean_square_curvature(gap: Array, grid: Grid) -> float:
     """Return the mean square second differences of the gap, 1/m2, where it is below its mean."""
-    low, total = gap < gap.mean(), 0.0
+    low = gap < gap.mean()
+    total = 0.0
     for values, there, step in zip((gap, gap.T), (low, low.T), grid.spacing, strict=True):
         bends = np.diff(values, 2, axis=0)[there[1:-1]]
         # Fewer than three cells show no curvature.
@@ -192,7 +201,8 @@ def _is_confirmed(rung: ContactProblem, problem: ContactProblem, trials: list[Tr
     """Return whether a grid agrees with the one before, or a finer one shows no sharper heights."""
     if len(trials) > 1:
         one, other = trials[-2:]
-        area, peak = other.area - one.area, other.peak - one.peak
+        area = other.area - one.area
+        peak = other.peak - one.peak
         # Comparisons with nan, where nothing is asked, are false.
         return not (
             abs(area) > 2.0 * math.hypot(one.area_uncertainty, other.area_uncertainty)
@@ -211,7 +221,8 @@ def _is_confirmed(rung: ContactProblem, problem: ContactProblem, trials: list[Tr
 
 def _refine(problem: ContactProblem, trials: list[Trial], target: Target) -> ContactProblem:
     """Return the problem on the grid that should meet the target; `InputError` with the reason if there is none."""
-    excess, order = target.excess(trials[-1]), _ORDER
+    excess = target.excess(trials[-1])
+    order = _ORDER
     cells = [math.sqrt(math.prod(trial.shape)) for trial in trials]
     if len(trials) > 1 and math.isfinite(before := target.excess(trials[-2])) and excess > 0.0:
         observed = math.log(before / excess) / math.log(cells[-1] / cells[-2])

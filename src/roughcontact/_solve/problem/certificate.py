@@ -123,7 +123,9 @@ def _by_transforms(convolution: PreparedConvolution) -> PreparedConvolution:
 
 def _require_confirmed(stated: ContactSolution, again: ContactSolution, initial_gap: Array) -> None:
     """Raise `InputError` unless a solution states the gap of its problem and, up to rounding, what was recomputed."""
-    residuals, found, moduli = stated.residuals, again.residuals, again.moduli or ()
+    residuals = stated.residuals
+    found = again.residuals
+    moduli = again.moduli or ()
     displaced = float(np.abs(again.displacement).max())
     margin = _SAME + _ROUNDING * (displaced + float(np.abs(again.initial_gap).max())) / found.scale
     pairs: dict[str, tuple[ArrayLike, ArrayLike, float]] = {

@@ -18,7 +18,8 @@ _TRANSFORMS = {Boundary.FREE: 64.0, Boundary.PERIODIC: 40.0, Boundary.WRAPPED: 4
 # Seconds that a solve takes on the smallest grid, measured on the same.
 _ANY_GRID = 0.1
 # Cells along a side of the transform that is timed, and how often it is.
-_TIMED, _REPEATS = 256, 5
+_TIMED = 256
+_REPEATS = 5
 
 
 def forecast_seconds(plan: SolvePlan) -> float:

@@ -176,7 +176,8 @@ def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = 
 
     `limit` is the memory that it may take, bytes; None for what the machine has.
     """
-    shape, needed = " x ".join(map(str, grid.shape)), memory_of_solve(grid, boundary, 0.0)
+    shape = " x ".join(map(str, grid.shape))
+    needed = memory_of_solve(grid, boundary, 0.0)
 
     def advise(available: int) -> str:
         sides = (_round_down(math.sqrt(available / needed) * n) for n in grid.shape)
@@ -280,7 +281,8 @@ def _list_borders(solver: Solver, boundary: Boundary) -> list[str]:
 
 
 def _format_range(limit: Array) -> str:
-    low, high = float(limit.min()), float(limit.max())
+    low = float(limit.min())
+    high = float(limit.max())
     if math.isinf(low):
         return "none"
     return si(low, "Pa") if low == high else f"{si(low, 'Pa')} to {si(high, 'Pa')}"

@@ -201,7 +201,8 @@ class ContactProblem:
             carries it.
         """
         load = Load.of(pressure=pressure, force=force, approach=approach)
-        throw, on_step = flag(throw, "throw="), callback(on_step, "on_step=", "step")
+        throw = flag(throw, "throw=")
+        on_step = callback(on_step, "on_step=", "step")
         target = Target.of(area_within, peak_within)
         if target is None:
             problem = self if tolerance is None else with_tolerance(self, tolerance)

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
 # Depth of non-measured points that touch, over the sum of the last depth and the approach, and the exponent that it
 # gets in the last round: after eight rounds they are 4^36 = 5e21 times deeper.
-_DEEPER, _MAXIMUM_DEEPENED = 4.0, 8
+_DEEPER = 4.0
+_MAXIMUM_DEEPENED = 8
 
 
 def run_solve(
@@ -59,7 +60,8 @@ def _solve(
     started: float,
 ) -> ContactSolution:
     """Solve until no non-measured point touches; `started` is the time of the clock at the start."""
-    plan, deepened = problem.plan, 0
+    plan = problem.plan
+    deepened = 0
     while True:
         task = attrs.evolve(make_task(plan, gap.values, load, start), on_step=on_step)
         outcome = plan.solver.solve(problem.convolution, task)

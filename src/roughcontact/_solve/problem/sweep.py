@@ -31,7 +31,9 @@ _NARROW = 1e-6
 _LIGHTEST = 1e-20
 # Powers of the pressure (first) and of the overlap (last) that are extrapolated; maximum pressure, over the limit, of
 # a cell that is not saturated.
-_POWER, _BELOW, _OVERLAP = 1.75, 0.97, 2.0 / 3.0
+_POWER = 1.75
+_BELOW = 0.97
+_OVERLAP = 2.0 / 3.0
 # Relative difference of two loads, or of their approaches, up to which they are one: rounding.
 _EQUAL = 1e-9
 # Ratio of two loads below which a solve from coarse grids is as fast as one from the other solution.
@@ -102,14 +104,18 @@ class Sweep:
         a single load it is nan. The stiffness at a load, with its uncertainty, is `ContactSolution.stiffness`.
         """
         order = np.argsort(self.force, kind="stable")
-        force, approach = self.force[order], self.approach[order]
+        force = self.force[order]
+        approach = self.approach[order]
         differ = [np.diff(one) > _EQUAL * np.abs(one[1:]) for one in (force, approach)]
         is_new = np.append(True, differ[0] & differ[1])
-        force, approach, last = force[is_new], approach[is_new], int(is_new.sum()) - 1
+        force = force[is_new]
+        approach = approach[is_new]
+        last = int(is_new.sum()) - 1
         slopes = np.full(last + 1, np.nan)
         if last > 0:
             place = np.arange(last + 1)
-            above, below = np.minimum(place + 1, last), np.maximum(place - 1, 0)
+            above = np.minimum(place + 1, last)
+            below = np.maximum(place - 1, 0)
             slopes = (force[above] - force[below]) / (approach[above] - approach[below])
         secants = np.empty(len(order))
         secants[order] = slopes[np.cumsum(is_new) - 1]
@@ -218,7 +224,8 @@ def find_load_of_area(
     fraction = number(fraction, "The fraction of the area", above=0.0)
     if fraction >= 1.0:
         raise InputError.about("The fraction of the area", fraction, "below 1", "Full contact is given by many loads.")
-    low, high = 0.0, maximum
+    low = 0.0
+    high = maximum
     pressure = min(0.5 * fraction * guess, 0.5 * maximum)
     solutions: list[ContactSolution] = []
     for _ in range(_MAXIMUM_TRIES):
@@ -260,7 +267,8 @@ def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | No
     """
     if not solutions:
         return None
-    last, name = solutions[-1], {"pressure": "mean_pressure"}.get(load.kind, load.kind)
+    last = solutions[-1]
+    name = {"pressure": "mean_pressure"}.get(load.kind, load.kind)
     values = [float(getattr(solution, name)) for solution in solutions[-2:]]
     if not _FARTHEST <= load.value / values[-1] <= 1.0 / _FARTHEST:
         return None
@@ -268,8 +276,10 @@ def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | No
         return None
     if len(values) == 1 or values[0] == values[1]:
         return np.asarray(np.minimum(last.pressure * (load.value / values[-1]), last.pressure_limit))
-    step, before = math.log(load.value / values[1]) / math.log(values[1] / values[0]), solutions[-2]
-    cells, peak = np.flatnonzero(last.contact), float(last.pressure.max())
+    step = math.log(load.value / values[1]) / math.log(values[1] / values[0])
+    before = solutions[-2]
+    cells = np.flatnonzero(last.contact)
+    peak = float(last.pressure.max())
     # Powers take a tenth of the time in float32.
     now, then = ((one.pressure.take(cells) / peak).astype(np.float32) ** _POWER for one in (last, before))
     inside = peak * (np.maximum(now + np.float32(step) * (now - then), 0.0) ** (1.0 / _POWER)).astype(np.float64)

@@ -39,7 +39,9 @@ def make_table(sweep: Sweep) -> Table:
 
 def to_dataset(sweep: Sweep) -> Any:
     """Return scalars and fields over the load; see `Sweep.to_xarray`."""
-    first, kind, loads = sweep.solutions[0], "pressure", sweep.mean_pressure
+    first = sweep.solutions[0]
+    kind = "pressure"
+    loads = sweep.mean_pressure
     origins = [solution.origin for solution in sweep.solutions]
     kinds = {next(iter(origin.load)) for origin in origins if origin is not None}
     if len(kinds) == 1 and None not in origins:

@@ -16,7 +16,9 @@ from roughcontact.errors import InputError
 LOAD_TOLERANCE = 1e-12
 # Range of dimensionless loads and approaches: beyond 1e15 the displacement hides the heights from float64, and
 # float32, in which solvers iterate, holds 1e-38 to 1e38. Limits above the third number are not reached.
-_SMALLEST, _LARGEST, _UNLIMITED = 1e-30, 1e15, 1e30
+_SMALLEST = 1e-30
+_LARGEST = 1e15
+_UNLIMITED = 1e30
 
 
 def pressure_unit(plan: SolvePlan) -> float:
@@ -49,7 +51,8 @@ def make_task(plan: SolvePlan, initial_gap: Array, load: Load, start: Array | No
     if start is not None and load.kind == "pressure" and not start.max() > _SMALLEST:
         # What carries no load cannot be scaled to one.
         start = None
-    gap, measured = initial_gap / plan.peak_to_valley, None if plan.non_measured is None else ~plan.non_measured
+    gap = initial_gap / plan.peak_to_valley
+    measured = None if plan.non_measured is None else ~plan.non_measured
     return Task(
         initial_gap=gap,
         mean_pressure=load.value / unit if load.kind == "pressure" else None,
@@ -96,7 +99,8 @@ def maximum_pressure(plan: SolvePlan) -> float:
 
 
 def _limit_approach(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
-    height, full = plan.peak_to_valley, float(initial_gap.mean())
+    height = plan.peak_to_valley
+    full = float(initial_gap.mean())
     if not _SMALLEST * height < load.value < _LARGEST * height:
         raise InputError(
             f"The approach of {load.value:g} m leaves the range of float64 beside the peak-to-valley height of "

@@ -74,7 +74,9 @@ class ContactConditions:
         approach: float | None = None,
         rms: float | None = None,
     ):
-        self._initial_gap, self._limit, self._approach = initial_gap, pressure_limit, approach
+        self._initial_gap = initial_gap
+        self._limit = pressure_limit
+        self._approach = approach
         self._capped = bool(np.isfinite(pressure_limit).any())
         self._rms = float(initial_gap.std()) if rms is None else rms
 
@@ -87,7 +89,8 @@ class ContactConditions:
         tiles = tiles_of(pressure)
 
         def weigh(tile: slice) -> tuple[float, ...]:
-            bearing, moved = pressure[tile], displacement[tile]
+            bearing = pressure[tile]
+            moved = displacement[tile]
             elastic = bearing if not self._capped else np.where(bearing >= self._limits(tile), 0.0, bearing)
             load = np.add.reduce(elastic, axis=None)
             weighted = _dot(elastic, moved + self._initial_gap[tile])

@@ -28,7 +28,8 @@ from roughcontact.errors import InputError
 
 _PROBLEM = {"kind": "part", "name": "roughcontact:ContactProblem"}
 # Heights and waves that the surfaces of a problem from a file may have, beside a multiple of its cells.
-_NUMBERS, _NUMBERS_PER_CELL = 2**20, 32
+_NUMBERS = 2**20
+_NUMBERS_PER_CELL = 32
 
 
 @attrs.frozen(eq=False)

@@ -138,7 +138,8 @@ def _join_runs(starts: IntArray, stops: IntArray, shape: tuple[int, int], bounda
         one = np.repeat(np.arange(starts.size), counts)
         pairs.append((one, np.arange(one.size) + np.repeat(first - (counts.cumsum() - counts), counts)))
     if boundary is not Boundary.FREE:
-        first, last = np.flatnonzero(starts % width == 0), np.flatnonzero(stops % width == ny)
+        first = np.flatnonzero(starts % width == 0)
+        last = np.flatnonzero(stops % width == ny)
         rows = np.full(nx, -1)
         rows[starts[first] // width] = first
         for step in (-1, 0, 1):

@@ -21,14 +21,18 @@ if TYPE_CHECKING:
 
 # Young's modulus of the softest rubbers, Pa, and Poisson's ratio from which on a softer solid is a gel, not a foam
 # (M. F. Ashby, Materials Selection in Mechanical Design); gels and tissues have at least some 100 Pa.
-_RUBBER, _GEL_POISSON, _GEL = 1e6, 0.45, 100.0
+_RUBBER = 1e6
+_GEL_POISSON = 0.45
+_GEL = 100.0
 # Young's modulus above which there is no material, Pa: diamond has 1.05 to 1.2e12.
 _DIAMOND = 1.3e12
 # Young's modulus above that of polymers, Pa, and pressure over it that metals do not bear: the hardness of the
 # hardest steels is 0.04 of it.
-_STIFF, _HARDEST = 10e9, 0.05
+_STIFF = 10e9
+_HARDEST = 0.05
 # Diameter of an atom, m, and the side from which on a domain is longer than rough surfaces are measured on, m.
-_ATOM, _LONGEST = 1e-10, 1.0
+_ATOM = 1e-10
+_LONGEST = 1.0
 # Mean pressure, over E*, below which a load may be in another unit: 10 kPa on steel, 1 Pa on rubber of 10 MPa. Of
 # 100 MPa given as 100, 4e-10 on steel, all is on single cells on grids of up to 1024 x 1024 cells.
 _LIGHTEST = 1e-7

@@ -54,7 +54,8 @@ _SCALARS = {
     "saturated_area_uncertainty": ("standard deviation of the saturated area", "m2"),
 }
 # Bytes that the arrays of a problem may take beside a multiple of their own; masks of bytes are read as they are.
-_COPIED, _COPIES = 2**26, 16
+_COPIED = 2**26
+_COPIES = 16
 _REALS = ("modulus", "approach", "seconds", "edge_shift")
 _COUNTS = ("iterations", "convolutions")
 
@@ -128,7 +129,9 @@ def _usable(path: Path, trouble: str) -> Iterator[None]:
 
 def _require_sound(fields: Mapping[str, Any], arrays: Mapping[str, RealArray]) -> None:
     """Raise `InputError` if the figures and fields of a file contradict each other; no convolution is needed."""
-    pressure, status, residuals = fields["pressure"], fields["status"], fields["residuals"]
+    pressure = fields["pressure"]
+    status = fields["status"]
+    residuals = fields["residuals"]
     gap = fields["initial_gap"] + fields["displacement"] - fields["approach"]
     if not np.array_equal(arrays["gap"], gap, equal_nan=True):
         raise InputError("Its gap is not the initial gap plus displacement minus approach.")
@@ -170,7 +173,8 @@ def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
 def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
     """Return all arrays by name, and everything else as data that JSON can hold."""
     parts: dict[str, RealArray] = {}
-    origin, limit = solution.origin, solution.pressure_limit
+    origin = solution.origin
+    limit = solution.pressure_limit
     described = ("moduli", "boundary", *_REALS, *_COUNTS)
     tables = {name: attrs.asdict(getattr(solution, name)) for name in ("grid", "residuals")}
     header = {
@@ -207,7 +211,8 @@ def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:
     """Return an area and its uncertainty, not a number where it fails: no solution is lost because of its area."""
     try:
         area = getattr(solution, what)()
-        value, uncertainty = float(area.value), float(area.uncertainty)
+        value = float(area.value)
+        uncertainty = float(area.uncertainty)
     except Exception:
         value = uncertainty = math.nan
     return {what: value, f"{what}_uncertainty": uncertainty}

@@ -23,7 +23,8 @@ _UNKNOWN = "not determined"
 # What is said below a maximum pressure that no metal bears.
 MORE_THAN_METALS = "more than metals bear: unless it is meant, give a hardness"
 # Columns of a printed solution, and those of the labels.
-_WIDTH, _LABEL = 80, 15
+_WIDTH = 80
+_LABEL = 15
 # Cells up to which the area is estimated unasked for the one line of `repr`: 0.1 s.
 _SMALL = 2**20
 
@@ -109,7 +110,8 @@ def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: M
 
 def abbreviate(solution: ContactSolution) -> str:
     """Return the solution in one line; the area is in it where it takes a moment only."""
-    shape, (verdict, _, _) = " x ".join(map(str, solution.grid.shape)), str(solution.status).partition(":")
+    shape = " x ".join(map(str, solution.grid.shape))
+    verdict, _, _ = str(solution.status).partition(":")
     texts = [verdict, si(solution.mean_pressure, "Pa")]
     area = _attempt(solution.area, None) if solution.grid.cells <= _SMALL and solution.status.success else None
     if area is not None:

@@ -20,10 +20,16 @@ if TYPE_CHECKING:
 
 # Theory over solved area on isotropic Gaussian surfaces below this fraction of contact, from 1 % on; Hurst exponents
 # 0.3 to 0.8, docs/studies/persson.py.
-_RATIO, _CONTACT = (0.65, 0.9), (0.01, 0.4)
+_RATIO = (0.65, 0.9)
+_CONTACT = (0.01, 0.4)
 # Surfaces that the theory describes: relative sampling error of the mean square height and slope, ratio of the rms
 # slopes along two directions, skewness, kurtosis, and the part of the mean square slope from waves below four cells.
-_FEW_HEIGHTS, _FEW_SLOPES, _LAY, _SKEWNESS, _KURTOSIS, _UNRESOLVED = 0.35, 0.15, 1.5, 0.6, (2.0, 4.5), 0.3
+_FEW_HEIGHTS = 0.35
+_FEW_SLOPES = 0.15
+_LAY = 1.5
+_SKEWNESS = 0.6
+_KURTOSIS = (2.0, 4.5)
+_UNRESOLVED = 0.3
 # Relative standard deviation of the area of one patch at a given load, from random scenes.
 _SCATTER = 0.25
 # Cells of the largest grid whose spectrum is taken unasked: 0.6 s.
@@ -53,7 +59,8 @@ class TheoryBeside:
     departure: float
 
     def __str__(self) -> str:
-        area, gap = float(self.contact.area_fraction), float(self.contact.mean_gap)
+        area = float(self.contact.area_fraction)
+        gap = float(self.contact.mean_gap)
         beside = "" if math.isnan(self.gap_ratio) else f" ({self.gap_ratio:.2f} of the solved)"
         return f"area {100.0 * area:.3g} % ({self.area_ratio:.2f} of the solved), mean gap {si(gap, 'm')}{beside}"
 

@@ -89,7 +89,8 @@ class Task:
     def convert(self, convert: Callable[[Array], Array]) -> Task:
         """Return the same task with each of its arrays converted to another kind."""
         start = None if self.start is None else convert(self.start)
-        gap, limit = convert(self.initial_gap), convert(self.pressure_limit)
+        gap = convert(self.initial_gap)
+        limit = convert(self.pressure_limit)
         return attrs.evolve(self, initial_gap=gap, pressure_limit=limit, start=start)
 
 
@@ -214,7 +215,8 @@ class Monitor:
 @guarded
 def starting_pressure(task: Task) -> Array:
     """Return the start of a task, or a uniform pressure within the limit, at the load; zero for an approach."""
-    shape, limit = task.initial_gap.shape, task.pressure_limit
+    shape = task.initial_gap.shape
+    limit = task.pressure_limit
     if task.mean_pressure is None:
         return np.zeros(shape, like=limit) if task.start is None else task.start
     start = np.minimum(np.full(shape, task.mean_pressure, like=limit), limit) if task.start is None else task.start

@@ -82,7 +82,8 @@ class PolonskyKeer(Solver):
             step = search.step(gap, contact, convolution)
             convolutions += 1
             if step is None and not dropped:
-                dropped, pressure = True, starting_pressure(attrs.evolve(task, start=None))
+                dropped = True
+                pressure = starting_pressure(attrs.evolve(task, start=None))
                 search = _Search(np.zeros_like(pressure))
                 continue
             if step is None:

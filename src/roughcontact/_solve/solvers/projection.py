@@ -13,13 +13,16 @@ from roughcontact.errors.door import guarded
 
 # Rounds of Newton's method for the shift of all cells, and of released ones: it needs about five; bisection to
 # the last bit would need 200.
-_ROUNDS, _RELEASED_ROUNDS = 200, 60
+_ROUNDS = 200
+_RELEASED_ROUNDS = 60
 # Error of the load, over the load, below which the search ends (2 eps), and above which it is not rounding.
-_EXACT, LOAD_ROUNDING = 4e-16, 1e-13
+_EXACT = 4e-16
+LOAD_ROUNDING = 1e-13
 # Cells within this multiple of the expected shift of a bound are near it. The search uses them alone as long as
 # they are at most this fraction of all. Half or double costs up to 5 % more CPU time, or saves 1 %
 # (docs/studies/solver_constants.py).
-_REACH, _FEW = 4.0, 0.3
+_REACH = 4.0
+_FEW = 0.3
 # Error of the load over the change of pressure in a step: each float64 verification restores the load.
 _MISSED = 1e-5
 # A product of float32 vectors below this may have lost terms below 1e-38, the smallest that float32 holds.
@@ -41,7 +44,8 @@ def project_to_load(values: Array, mean: float, pressure_limit: float | Array) -
     pressure_limit
         Maximum pressure, a number or an array that broadcasts to (nx, ny); may be infinite.
     """
-    load, limit = mean * values.size, np.asarray(pressure_limit, like=values)
+    load = mean * values.size
+    limit = np.asarray(pressure_limit, like=values)
     # With the lower shift every cell carries its limit, or at least the mean; with the upper one none carries any.
     lower = float(values.min()) - mean if limit.size == 1 else float((values - limit).min())
     bracket = lower, float(values.max())
@@ -96,7 +100,8 @@ def rescale_to_load(pressure: Array, load: float, pressure_limit: float | Array)
         np.multiply(pressure, max(load - saturated, 0.0) / carried, out=pressure, where=elastic)
         np.minimum(pressure, limit, out=pressure)
     if abs(float(np.add.reduce(pressure, axis=None)) - load) > LOAD_ROUNDING * load:
-        flat, bound = pressure.ravel(), limit.ravel()
+        flat = pressure.ravel()
+        bound = limit.ravel()
         weights = _choose_shifted(flat, load, bound)
         pressure = project_to_weighted_load(flat, weights, load, bound, 0.0).reshape(pressure.shape)
     return pressure
@@ -134,9 +139,11 @@ def _find_shift_near_bounds(values: Array, weights: RealArray, load: float, limi
         near |= values > (limit if excess > 0.0 else limit.astype(weights.dtype) - swing)
     if not 0 < np.count_nonzero(near) <= _FEW * near.size:
         return None
-    inside, slopes = values[near], weights[near].astype(np.float64)
+    inside = values[near]
+    slopes = weights[near].astype(np.float64)
     far = float(np.add.reduce(values)) - float(np.add.reduce(inside))
-    far_weight, bracket = weight - float(np.add.reduce(slopes)), (-reach, reach)
+    far_weight = weight - float(np.add.reduce(slopes))
+    bracket = (-reach, reach)
     shift = _find_shift(inside, slopes, load - far, limits_at(limit, near), bracket, error, far_weight)
     return shift if abs(shift) < 0.5 * reach else None
 
@@ -165,7 +172,9 @@ def _find_shift(
         slope = elsewhere + float(moved)
         if excess > 0.0:
             # The shift only grows from here, so that cells open now stay open.
-            lower, values, limit = shift, values[contact], limits_at(limit, contact)
+            lower = shift
+            values = values[contact]
+            limit = limits_at(limit, contact)
             weights = weights if weights is None else weights[contact]
         else:
             upper = shift
@@ -217,14 +226,17 @@ class LoadControl:
 
     def admissible(self, direction: RealArray, weights: RealArray, released: ReleasedCells) -> RealArray:
         """Return the nearest direction, in the metric 1/w, of sum zero that moves no released cell outward."""
-        change, weight = total(direction), total(weights)
+        change = total(direction)
+        weight = total(weights)
         shift = change / weight
         cells = np.concatenate((released.low, released.high))
-        values, slopes = direction[cells].astype(np.float64), weights[cells].astype(np.float64)
+        values = direction[cells].astype(np.float64)
+        slopes = weights[cells].astype(np.float64)
         inward = np.repeat((1.0, -1.0), (released.low.size, released.high.size))
         held = np.zeros(cells.size, dtype=bool)
         for _ in range(_RELEASED_ROUNDS):
-            before, held = held, inward * (values - shift * slopes) < 0.0
+            before = held
+            held = inward * (values - shift * slopes) < 0.0
             slope = weight - float(np.add.reduce(slopes[held]))
             if slope <= 0.0 or np.array_equal(before, held):
                 break

@@ -25,7 +25,8 @@ from roughcontact._solve.solvers.base import (
 
 # A step may raise the energy, but not above the maximum of the last 10, less 1e-4 of the predicted decrease:
 # the values of Birgin, Martinez and Raydan (2000).
-_MEMORY, _DECREASE = 10, 1e-4
+_MEMORY = 10
+_DECREASE = 1e-4
 # Iterations between exact displacements, which are otherwise updated with each step: an update rounds by an eps
 # or two, so that 50 stay well below the resolution of 1e-5.
 _REFRESH = 50
@@ -59,14 +60,18 @@ class SpectralGradient(Solver):
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         monitor = Monitor(task, self.tolerance, self.max_iterations)
         pressure = starting_pressure(task)
-        displacement, convolutions, exact = convolution.apply(pressure), 1, True
+        displacement = convolution.apply(pressure)
+        convolutions = 1
+        exact = True
         energies: deque[float] = deque(maxlen=_MEMORY)
         length = math.nan
         while True:
             violation, status = monitor.judge(pressure, displacement)
             if not exact and (status is not None or len(monitor.errors) % _REFRESH == 0):
                 # Only an exact displacement may decide, so that rounding does not accumulate.
-                displacement, convolutions, exact = convolution.apply(pressure), convolutions + 1, True
+                displacement = convolution.apply(pressure)
+                convolutions += 1
+                exact = True
                 monitor.errors.pop()
                 continue
             if status is not None:
@@ -75,12 +80,14 @@ class SpectralGradient(Solver):
             gradient -= violation.approach
             energies.append(_energy(pressure, displacement, gradient, convolution))
             if math.isnan(length):
-                length, convolutions = _first_length(gradient, convolution), convolutions + 1
+                length = _first_length(gradient, convolution)
+                convolutions += 1
             projected = nearest_pressure(_advance(pressure, gradient, -length), task)
             step = projected - pressure
             change = convolution.apply(step)
             convolutions += 1
-            slope, curvature = convolution.dot(gradient, step), convolution.dot(step, change)
+            slope = convolution.dot(gradient, step)
+            curvature = convolution.dot(step, change)
             if not (slope < 0.0 and math.isfinite(curvature)):
                 return monitor.outcome(pressure, Status.STALLED, convolutions)
             part = 1.0
@@ -90,7 +97,8 @@ class SpectralGradient(Solver):
                 # Not so where a uniform pressure, which displaces nothing on a periodic domain, meets an approach.
                 length = convolution.dot(step, step) / curvature
             pressure = projected if part == 1.0 else np.clip(_advance(pressure, step, part), 0.0, task.pressure_limit)
-            displacement, exact = _advance(displacement, change, part), False
+            displacement = _advance(displacement, change, part)
+            exact = False
 
 
 def _advance(start: Array, direction: Array, length: float) -> Array:
@@ -107,6 +115,7 @@ def _energy(pressure: Array, displacement: Array, gradient: Array, convolution: 
 def _first_length(gradient: Array, convolution: PreparedConvolution) -> float:
     """Return the step that minimises the energy along the gradient at constant load, without bounds."""
     direction = gradient - convolution.sum(gradient) / gradient.size
-    square, curvature = convolution.dot(direction, direction), convolution.dot(direction, convolution.apply(direction))
+    square = convolution.dot(direction, direction)
+    curvature = convolution.dot(direction, convolution.apply(direction))
     # Lengths are in cells and E* = 1: a pressure displaces its own cell by about its own value.
     return square / curvature if curvature > 0.0 else 1.0

@@ -169,7 +169,8 @@ def run_chain(chain: Chain) -> ChainResult:
     chain = attrs.evolve(chain)
     keys = chain.solution_keys()
     for index in order_of_solving(chain.loads):
-        key, load = keys[index], chain.loads[index]
+        key = keys[index]
+        load = chain.loads[index]
         try:
             record, solution = _find(chain, key, load)
             if record is None:
@@ -183,7 +184,8 @@ def run_chain(chain: Chain) -> ChainResult:
         except NotWritten as error:
             return ChainResult(_in_order(records), computed - 1, name_full_disk(chain.folder, error))
         except Exception as error:
-            record, solution = chain.record(key, load, *status_of(error)), None
+            record = chain.record(key, load, *status_of(error))
+            solution = None
         records[index] = record
         if solution is not None:
             solutions = [*solutions[-1:], solution]
@@ -225,7 +227,8 @@ def _load(chain: Chain, key: str) -> ContactSolution | None:
 
 def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
     """Return the record of a solution, with the areas that the one before does not have."""
-    areas, failures = dict(record.areas), []
+    areas = dict(record.areas)
+    failures = []
     for name in chain.areas:
         if name not in areas:
             try:

@@ -39,7 +39,8 @@ def describe_study(
     sampled
         Whether the known problem is the first of several.
     """
-    plans, kind = [problem.plan for _, problem in known], loads[0].kind
+    plans = [problem.plan for _, problem in known]
+    kind = loads[0].kind
     count = math.prod(map(len, axes.values())) * len(loads)
     cells = sum(plan.grid.cells for plan in plans) / len(plans) * count
     seconds = sum(map(forecast_seconds, plans)) / len(plans) * count

@@ -25,7 +25,9 @@ _FIGURES = ("status", "force", "mean_pressure", "approach", "iterations", "convo
 # Columns of a table that are named as those of a sweep.
 _COLUMNS = {"saturated": "saturated_area"}
 # Characters of the list of records and of one, which takes some 500 and its warnings; and the end of the list.
-_LONGEST_INDEX, _LONGEST_RECORD, _END = 2**28, 2**16, "\n]}\n"
+_LONGEST_INDEX = 2**28
+_LONGEST_RECORD = 2**16
+_END = "\n]}\n"
 
 
 def _key(value: str) -> str:
@@ -117,14 +119,16 @@ class Record:
     def row(self) -> dict[str, Any]:
         """Return the figures by name, one for each column of a table; the parameters come first."""
         figures = attrs.asdict(self, recurse=False)
-        areas, parameters = figures.pop("areas"), figures.pop("parameters")
+        areas = figures.pop("areas")
+        parameters = figures.pop("parameters")
         figures = {_COLUMNS.get(name, name): value for name, value in figures.items()}
         figures["warnings"] = " ".join(self.warnings)
         if parameters:
             del figures["seed"]
             figures = {**parameters, **figures}
         for name, (value, uncertainty) in areas.items():
-            figures[f"area {name}"], figures[f"uncertainty {name}"] = value, uncertainty
+            figures[f"area {name}"] = value
+            figures[f"uncertainty {name}"] = uncertainty
         return figures
 
 

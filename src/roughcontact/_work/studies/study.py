@@ -224,7 +224,8 @@ class Study:
         # Closed, so that an exception of `on_records` cancels the tasks that wait.
         with contextlib.closing(run_chains(chains, executor)) as results:
             for position, result in results:
-                done[position], computed = result.records, computed + result.computed
+                done[position] = result.records
+                computed = computed + result.computed
                 stops += [reason for reason in (result.stopped, result.lost) if reason]
                 if any(known.get(record.key) != record for record in result.records):
                     stops += _list_records(index, _in_order(done, known))

@@ -33,7 +33,8 @@ from roughcontact.errors import InputError
 _REGISTRIES: tuple[Registry[Any], ...] = (surfaces, materials, kernels, convolvers, solvers)
 _TABLES = ("problems", "study")
 # Errors that are listed, and characters of each.
-_SHOWN, _TEXT = 10, 500
+_SHOWN = 10
+_TEXT = 500
 # A key of more than 64 parts, of words and of texts.
 _LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){64}""")
 _READING = ("size", "non_measured", "unit", "reader", "separator", "decimal", "skip_rows", "rows", "variable", "page")

@@ -15,12 +15,15 @@ from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot
 
 # Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient,
 # which is also the factor that shortens a rejected step.
-_FIRST, _LONGEST, _CAREFUL = 0.65, 1.5, 0.3
+_FIRST = 0.65
+_LONGEST = 1.5
+_CAREFUL = 0.3
 # Rejected steps before the descent ends: 0.3^40 = 1e-21 of the first is below any rounding.
 _BACKTRACKS = 40
 # A clipped step on which the energy has its minimum at a part above the first is taken in full, above the second
 # up to the minimum; else it is rejected.
-_FULL, _SHORTENED = 0.75, 0.1
+_FULL = 0.75
+_SHORTENED = 0.1
 # Slope along the conjugate direction over that along the preconditioned gradient, below which only rounding is left of
 # the former: they are equal but for cells that are released or clipped.
 _DOWNHILL = 0.01
@@ -85,7 +88,9 @@ class Descent:
 
     def start(self, pressure: Array, gap: RealArray) -> None:
         """Continue from a pressure and its gap, both flat; the gap, float32, is updated in place."""
-        self.pressure, self.gap, self._level = pressure, gap, 0.0
+        self.pressure = pressure
+        self.gap = gap
+        self._level = 0.0
         active = active_cells(pressure, lambda tile: self._inside(pressure[tile], self._limits(tile)))
         weights = self._preconditioner.weights(active) if active.count else active.ones
         self._state = ActiveState(active, active.gather(pressure), active.gather(gap), weights)
@@ -134,8 +139,10 @@ class Descent:
         level = np.float32(self._find_level(inside))
 
         def mark(tile: slice) -> Mask:
-            pressure, gap = self.pressure[tile], self.gap[tile]
-            contact, low = pressure > 0.0, gap < level
+            pressure = self.pressure[tile]
+            gap = self.gap[tile]
+            contact = pressure > 0.0
+            low = gap < level
             if not self._capped:
                 return contact | low
             high = gap > level
@@ -161,7 +168,8 @@ class Descent:
             contact = self.pressure > 0.0
             if contact.any() and not contact.all():
                 # A level that releases saturated cells must release open ones too, or nothing can move.
-                saturated, opened = self.gap[contact].max(), self.gap[~contact].min()
+                saturated = self.gap[contact].max()
+                opened = self.gap[~contact].min()
                 return self._control.level_between(float(saturated), float(opened))
         return self._control.level(self._state.gap, self._state.weights * inside)
 
@@ -215,7 +223,9 @@ class Descent:
             if part > 0.0:
                 state.active.store(self.pressure, pressure)
                 self._add_to_gap(change, np.float32(part))
-                self._step, self._change, self._curvature = field, change, part * curvature
+                self._step = field
+                self._change = change
+                self._curvature = part * curvature
                 self._state = ActiveState(state.active, pressure, state.active.gather(self.gap), state.weights)
                 return True
             self._length *= _CAREFUL

@@ -41,7 +41,8 @@ def half_space_inverse(inverse: InverseConvolution, spacing: Pair) -> InverseCon
 
     Its flat-punch weights are above zero, where those of a steep inverse ring.
     """
-    (mx, my), (dx, dy) = inverse.padded, spacing
+    mx, my = inverse.padded
+    dx, dy = spacing
     q = np.hypot(np.fft.fftfreq(mx, dx)[:, np.newaxis], np.fft.rfftfreq(my, dy)[np.newaxis, :])
     scale = float(inverse.axes[1][1]) / float(q[0, 1])
     stiffness = np.asarray(scale * q, dtype=inverse.stiffness.dtype, like=inverse.stiffness)
@@ -87,7 +88,8 @@ class ExtendedInverse:
 
     def apply(self, active: ActiveCells, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual, without its rigid part."""
-        (nx, ny), (mx, my) = self._shape, self._inverse.padded
+        nx, ny = self._shape
+        mx, my = self._inverse.padded
         field = self._embed(active.scatter(residual))
         field += self._factor * self._apply_average(field)
         # A last row or column beyond the padded grid is zero and stays so.
@@ -137,7 +139,8 @@ def _spread_blocks(values: RealArray, axis: int) -> RealArray:
     coarse = np.moveaxis(values, axis, 0)
     shape = [n * (1 + (k == axis)) for k, n in enumerate(values.shape)]
     result = np.empty(shape, dtype=values.dtype, like=values)
-    fine, quarter = np.moveaxis(result, axis, 0), np.float32(0.25) * coarse
+    fine = np.moveaxis(result, axis, 0)
+    quarter = np.float32(0.25) * coarse
     np.multiply(coarse, np.float32(0.75), out=fine[0::2])
     fine[1::2] = fine[0::2]
     fine[2::2] += quarter[:-1]
@@ -150,7 +153,8 @@ def _spread_blocks(values: RealArray, axis: int) -> RealArray:
 def _gather_blocks(values: RealArray, axis: int) -> RealArray:
     """Apply half of the transpose of `_spread_blocks`: weighted means."""
     fine = np.moveaxis(values, axis, 0)
-    first, second = fine[0::2], fine[1::2]
+    first = fine[0::2]
+    second = fine[1::2]
     means = first + second
     means *= np.float32(0.375)
     eighth = np.float32(0.125) * first

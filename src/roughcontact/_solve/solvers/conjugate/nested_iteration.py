@@ -15,11 +15,14 @@ from roughcontact._solve.solvers.conjugate.openings import NearlyFull
 from roughcontact._solve.solvers.conjugate.refinement import Refinement
 
 # Axes are halved down to this many cells, and to the second number where only the approach is wanted.
-_COARSEST, _ESTIMATE = 32, 64
+_COARSEST = 32
+_ESTIMATE = 64
 # Error and iterations at which a coarse solve ends: its grid makes it no better than that.
-_TOLERANCE, _ITERATIONS = 4e-2, 5
+_TOLERANCE = 4e-2
+_ITERATIONS = 5
 # ... and one from which an approach is estimated.
-_ESTIMATED, _ESTIMATES = 1e-2, 60
+_ESTIMATED = 1e-2
+_ESTIMATES = 60
 # Factor on the estimated approach, for its error; a window that proves too small is enlarged.
 _MARGIN = 1.02
 # Sides of a window are multiples of so many cells, so that they can be halved.
@@ -59,7 +62,8 @@ def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGue
     halved = coarsen(convolution.setup.grid, task)
     if halved is None:
         return _guess_without_grids(convolution, task)
-    coarse, coarse_task = convolution.on(halved[0]), halved[1]
+    coarse = convolution.on(halved[0])
+    coarse_task = halved[1]
     guess = nested_iteration(coarse, coarse_task)
     gap = np.zeros(guess.pressure.shape, dtype=np.float32, like=guess.pressure)
     if not guess.closed:
@@ -79,7 +83,8 @@ def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGue
 
 def start_from(convolution: PreparedConvolution, task: Task, start: Array) -> InitialGuess:
     """Return the pressure of a start, copied; near full contact the gap that it leaves too, as from a coarser grid."""
-    guess, bearing = InitialGuess(start.copy(), 0.0), start > 0.0
+    guess = InitialGuess(start.copy(), 0.0)
+    bearing = start > 0.0
     if task.capped or np.count_nonzero(bearing) <= _NEARLY_FULL * start.size:
         return guess
     full = _close(convolution, task)
@@ -101,9 +106,11 @@ def _refine(
 
     The pressure is interpolated where it bears on the coarse grid, or where it must because the gap is negative.
     """
-    pressure, shape = guess.pressure, task.initial_gap.shape
+    pressure = guess.pressure
+    shape = task.initial_gap.shape
     fx, fy = (n // m for n, m in zip(shape, pressure.shape, strict=True))
-    products, nearly_full = guess.products / (fx * fy), None
+    products = guess.products / (fx * fy)
+    nearly_full = None
     gap = _interpolate(displacement, fx, fy)
     gap += task.initial_gap
     is_open = (gap >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)
@@ -153,7 +160,8 @@ def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[flo
         return None, False
     while max(half[0].shape) > _ESTIMATE and (coarser := coarsen(*half)) is not None:
         half = coarser
-    coarse, coarse_task = convolution.on(half[0]), half[1]
+    coarse = convolution.on(half[0])
+    coarse_task = half[1]
     refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _ESTIMATED, _ESTIMATES))
     _, violation, _ = refinement.run(_guess_without_grids(coarse, coarse_task).pressure)
     return violation.approach, refinement.met_limit
@@ -191,11 +199,13 @@ def _interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
     """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
     # The second axis first, while there are fewer rows: its steps are not contiguous.
     if fy == 2:
-        coarse, fine = values, np.empty((values.shape[0], 2 * values.shape[1]), dtype=values.dtype, like=values)
+        coarse = values
+        fine = np.empty((values.shape[0], 2 * values.shape[1]), dtype=values.dtype, like=values)
         map_tiles(lambda rows: _double(coarse[rows].T, fine[rows].T), tiles_of(coarse))
         values = fine
     if fx == 2:
-        rough, smooth = values, np.empty((2 * values.shape[0], values.shape[1]), dtype=values.dtype, like=values)
+        rough = values
+        smooth = np.empty((2 * values.shape[0], values.shape[1]), dtype=values.dtype, like=values)
         map_tiles(lambda columns: _double(rough[:, columns], smooth[:, columns]), tiles_of(rough.T))
         values = smooth
     return values
@@ -203,8 +213,11 @@ def _interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
 
 def _double(coarse: RealArray, fine: RealArray) -> None:
     """Interpolate along the first axis, a quarter of a coarse cell to both sides of its centre."""
-    middle, near, far = 0.9375 * coarse, 0.15625 * coarse, 0.09375 * coarse
-    lower, upper = fine[0::2], fine[1::2]
+    middle = 0.9375 * coarse
+    near = 0.15625 * coarse
+    far = 0.09375 * coarse
+    lower = fine[0::2]
+    upper = fine[1::2]
     lower[:] = upper[:] = middle
     lower[1:] += near[:-1]
     lower[0] += near[-1]
@@ -239,7 +252,9 @@ class Window:
 
     def task(self, task: Task) -> Task:
         """Return the same task for the cells inside: the same load, limit and start."""
-        inside, mean, limit = self.restrict(task.initial_gap), task.mean_pressure, task.pressure_limit
+        inside = self.restrict(task.initial_gap)
+        mean = task.mean_pressure
+        limit = task.pressure_limit
         return attrs.evolve(
             task,
             initial_gap=inside,
@@ -250,7 +265,8 @@ class Window:
 
     def convolution(self, convolution: PreparedConvolution) -> PreparedConvolution:
         """Return the convolution of the cells inside."""
-        (dx, dy), (nx, ny) = convolution.setup.grid.spacing, (s.stop - s.start for s in (self.rows, self.columns))
+        dx, dy = convolution.setup.grid.spacing
+        nx, ny = (s.stop - s.start for s in (self.rows, self.columns))
         return convolution.on(Grid((nx, ny), (nx * dx, ny * dy)))
 
     def contains_contact(self, initial_gap: Array, approach: float) -> bool:
@@ -277,7 +293,8 @@ def find_window(convolution: PreparedConvolution, task: Task, approach: float) -
 
 def _extent(marked: IntArray, count: int) -> slice:
     """Return a range that contains the marked of `count` cells and is a multiple of `_ROUND` long."""
-    first, last = int(marked[0]), int(marked[-1]) + 1
+    first = int(marked[0])
+    last = int(marked[-1]) + 1
     length = min(-(-(last - first + 2) // _ROUND) * _ROUND, count)
     start = min(max(first - (length - (last - first)) // 2, 0), count - length)
     return slice(start, start + length)

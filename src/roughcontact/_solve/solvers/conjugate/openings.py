@@ -17,7 +17,8 @@ from roughcontact._solve.solvers.projection import ApproachControl, total
 # Stiffness that supports waves longer than the openings, over the mean one of a punch of their shape.
 _SUPPORT = 0.25
 # Error to which float32 tells a pressure, and the factor by which a pass in float32 may lower the error.
-_SINGLE, _GAIN = 1e-6, 2e-5
+_SINGLE = 1e-6
+_GAIN = 2e-5
 # A pass that cannot reach the goal ends at this multiple of what float32 tells: the next one starts anew.
 _EARLY = 10.0
 
@@ -62,9 +63,12 @@ class Openings:
     """
 
     def __init__(self, start: NearlyFull, monitor: Monitor) -> None:
-        self._inverse, self._closing, self._monitor = start.inverse, start.closing, monitor
+        self._inverse = start.inverse
+        self._closing = start.closing
+        self._monitor = monitor
         self.gap = start.gap.astype(np.float64)
-        shape, inverse = start.closing.shape, start.inverse
+        shape = start.closing.shape
+        inverse = start.inverse
         single = attrs.evolve(inverse, stiffness=inverse.stiffness.astype(np.float32))
         self._single = single
         self._preconditioner = OpeningPreconditioner(single, shape)

@@ -15,11 +15,14 @@ from roughcontact._solve.solvers.conjugate.weights import PunchWeights
 from roughcontact._solve.solvers.projection import dot, total
 
 # Waves are long up to this multiple of the wave whose stiffness is the mean weight; blocks resolve so much more.
-_CUT, _RESOLVED = 3.0, 1.5
+_CUT = 3.0
+_RESOLVED = 1.5
 # Maximum cells along a block, and minimum blocks along an axis.
-_LARGEST_BLOCK, _FEWEST_BLOCKS = 64, 8
+_LARGEST_BLOCK = 64
+_FEWEST_BLOCKS = 8
 # Conjugate gradients on the blocks at most, and the relative residual at which they end.
-_STEPS, _ENOUGH = 4, 0.02
+_STEPS = 4
+_ENOUGH = 0.02
 # Bound of the exponent that cuts the short waves off: exp(30) = 1e13 is beyond float32's resolution.
 _EXPONENT = 30.0
 # Singular values of the two rigid pressures, over the larger, below which they are one; float32 has 1e-7.
@@ -92,7 +95,8 @@ def multiply_active(
     active: ActiveCells, vector: RealArray, inverse: InverseConvolution, symbol: RealArray, shape: tuple[int, int]
 ) -> RealArray:
     """Return the vector of a field that is zero where it is not active, with its waves multiplied by a symbol."""
-    field, rows = active.scatter(vector).reshape(shape), active.few_rows(shape[1])
+    field = active.scatter(vector).reshape(shape)
+    rows = active.few_rows(shape[1])
     return active.gather(inverse.multiply(field, symbol, inverse.padded, rows).ravel())
 
 

@@ -26,9 +26,12 @@ _EARLY = 10.0
 # The estimate aims at this fraction of the tolerance, which the verification has to meet.
 _MARGIN = 0.7
 # Below the first factor of its error a pass ends after three iterations that do not lower the error to a third.
-_LATE, _SLOW, _PATIENCE = 3e-3, 1.0 / 3.0, 3
+_LATE = 3e-3
+_SLOW = 1.0 / 3.0
+_PATIENCE = 3
 # Iterations of a pass, and verifications of a solve, that may go by without the error being halved.
-_IDLE, _STALLED = 30, 5
+_IDLE = 30
+_STALLED = 5
 
 
 class Refinement:
@@ -76,11 +79,13 @@ class Refinement:
     @property
     def level(self) -> GridLevel:
         """The work so far."""
-        single, inverse = self._estimates, self._others
+        single = self._estimates
+        inverse = self._others
         if self._openings is not None:
             inverse += self._openings.products
         if self._started:
-            single, inverse = single + self._descent.products, inverse + self._preconditioner.products
+            single = single + self._descent.products
+            inverse = inverse + self._preconditioner.products
         iterations = max(len(self._monitor.errors) - 1, 0)
         return GridLevel(self._task.initial_gap.shape, iterations, self._verifications, single, inverse)
 
@@ -92,12 +97,14 @@ class Refinement:
         if self._openings is not None:
             pressure = self._openings.approximate(_MARGIN * self._monitor.tolerance)
             return pressure, self._openings.gap.astype(np.float32)
-        shape, flat = pressure.shape, self._restore(pressure.reshape(-1))
+        shape = pressure.shape
+        flat = self._restore(pressure.reshape(-1))
         displacement = self._convolution.apply(flat.astype(np.float32).reshape(shape))
         self._estimates += 1
         violation, _ = self._monitor.judge(flat.reshape(shape), displacement)
         largest = float(max(displacement.max(), -displacement.min())) / violation.scale
-        goal, exact = _MARGIN * self._monitor.tolerance, _SINGLE * max(1.0, largest)
+        goal = _MARGIN * self._monitor.tolerance
+        exact = _SINGLE * max(1.0, largest)
         if goal < exact:
             goal = _EARLY * exact
         gap = self._find_gap(displacement, violation)
@@ -108,8 +115,11 @@ class Refinement:
 
     def run(self, pressure: Array) -> tuple[Array, Violation, Status]:
         """Return the solution from a start, shape (nx, ny), changed in place, its violation and how the solve ended."""
-        shape, flat = pressure.shape, pressure.reshape(-1)
-        best, idle, goal = math.inf, 0, _MARGIN * self._monitor.tolerance
+        shape = pressure.shape
+        flat = pressure.reshape(-1)
+        best = math.inf
+        idle = 0
+        goal = _MARGIN * self._monitor.tolerance
         while True:
             if self._openings is not None:
                 flat = self._openings.solve(goal).reshape(-1)
@@ -159,9 +169,13 @@ class Refinement:
         """Iterate until the estimate of the error makes a verification worth its convolution; return the gap."""
         self._started = True
         self._descent.start(pressure, gap)
-        error, slow, best, idle = violation.error, 0, violation.error, 0
+        error = violation.error
+        slow = 0
+        best = violation.error
+        idle = 0
         while self._monitor.has_iterations_left and self._descent.iterate():
-            previous, error = error, self._descent.error() / violation.scale
+            previous = error
+            error = self._descent.error() / violation.scale
             self._monitor.record(error)
             late = error < _LATE * violation.error
             slow = slow + 1 if late and error > _SLOW * previous else 0

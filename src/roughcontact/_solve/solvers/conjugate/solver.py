@@ -114,7 +114,8 @@ class ProjectedConjugateGradient(Solver):
         approach, met_limit = estimate_approach(convolution, task)
         while approach is not None and (window := find_window(convolution, task, approach)) is not None:
             found = self._solve_on_grid(window.convolution(convolution), window.task(task))
-            approach, met_limit = found.approach, met_limit or found.met_limit
+            approach = found.approach
+            met_limit = met_limit or found.met_limit
             pressure = window.embed(found.outcome.pressure, task.initial_gap.shape)
             if not found.outcome.status.success or window.contains_contact(task.initial_gap, approach):
                 return GridSolution(attrs.evolve(found.outcome, pressure=pressure), approach, met_limit)
@@ -179,9 +180,12 @@ class ProjectedConjugateGradient(Solver):
             pressure = np.broadcast_to(task.pressure_limit, pressure.shape).copy()
             _, status = monitor.judge(pressure, convolution.apply(pressure))
             return monitor.outcome(pressure, status or Status.STALLED, 1)
-        low, high = -math.inf, math.log(closing)
+        low = -math.inf
+        high = math.log(closing)
         missing = math.log(max(closing - (float(pressure.mean()) or 0.5 * closing), _NEAREST * closing))
-        power, before, work = _POWER, None, []
+        power = _POWER
+        before = None
+        work = []
         for _ in range(_TRIES):
             mean = closing - math.exp(missing)
             start = np.minimum(pressure * (mean / (float(pressure.mean()) or mean)), task.pressure_limit)
@@ -200,7 +204,8 @@ class ProjectedConjugateGradient(Solver):
             low, high = (low, missing) if excess > 0.0 else (missing, high)
             if before is not None and (missing - before[0]) * (excess - before[1]) > 0.0:
                 power = (excess - before[1]) / (missing - before[0])
-            before, trial = (missing, excess), missing - excess / power
+            before = (missing, excess)
+            trial = missing - excess / power
             # Between full contact and the first saturated cell the approach is constant: only halving gets past.
             if beyond or not low < trial < high:
                 trial = 0.5 * (low + high) if math.isfinite(low) else high - 1.0
@@ -227,7 +232,8 @@ def _append(before: Outcome, after: Outcome) -> Outcome:
 def _can_search_loads(convolution: PreparedConvolution, task: Task) -> bool:
     if task.approach is None or convolution.setup.boundary is not Boundary.PERIODIC:
         return False
-    full, limited = float(task.initial_gap.mean()), bool(np.isfinite(task.pressure_limit).all())
+    full = float(task.initial_gap.mean())
+    limited = bool(np.isfinite(task.pressure_limit).all())
     return task.approach > _NEAR_FULL * full and (limited or task.approach < full)
 
 

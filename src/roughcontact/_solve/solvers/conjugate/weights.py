@@ -13,7 +13,8 @@ from roughcontact._solve.solvers.projection import total
 
 # Weights are computed again when so many cells have changed since, over the active ones, or over the passive ones and
 # so much of the grid if that is less: the stencil omits how far cells act.
-_CHANGED, _PASSIVE = 0.5, 0.02
+_CHANGED = 0.5
+_PASSIVE = 0.02
 # Fraction of all cells that change at once above which a product is faster than the stencil.
 _MANY = 0.03
 # Cells to each side over which a cell that joins or leaves acts: the inverse kernel falls as the third power of
@@ -68,18 +69,24 @@ class PunchWeights:
         """Add amounts times the inverse kernel around cells."""
         if self._stencil is None:
             self._stencil = self._inverse.coefficients(_REACH)
-        (nx, ny), padded = self._shape, self._inverse.padded
+        nx, ny = self._shape
+        padded = self._inverse.padded
         # On a small periodic grid a cell is reached once.
         x, y = (np.arange(-reach, reach + 1) for reach in (min(_REACH, (m - 1) // 2) for m in padded))
         rows, columns = np.divmod(cells, ny)
         far = (np.minimum(rows, nx - 1 - rows) >= _REACH) & (np.minimum(columns, ny - 1 - columns) >= _REACH)
-        inner, inner_amounts, near = cells[far], amounts[far], ~far
-        rows, columns, near_amounts = rows[near], columns[near], amounts[near]
+        inner = cells[far]
+        inner_amounts = amounts[far]
+        near = ~far
+        rows = rows[near]
+        columns = columns[near]
+        near_amounts = amounts[near]
         for i, j in itertools.product(x.tolist(), y.tolist()):
             value = self._stencil[abs(i), abs(j)]
             self._field[inner + (i * ny + j)] += value * inner_amounts
             if near_amounts.size:
-                row, column = (rows + i) % padded[0], (columns + j) % padded[1]
+                row = (rows + i) % padded[0]
+                column = (columns + j) % padded[1]
                 inside = (row < nx) & (column < ny)
                 self._field[row[inside] * ny + column[inside]] += value * near_amounts[inside]
 

@@ -22,7 +22,8 @@ UNITS = {"area": "m2", "p_max": "Pa", "approach": "m"}
 QUANTITIES = tuple(UNITS)
 _ALLOWED = "a Reference, or an object or dict with at least one of area (m2), p_max (Pa) and approach (m)"
 # The reference has this many times the cells a side of the finest case, up to 4096 x 4096 cells in all.
-_FINER, _MAX_CELLS = 2, 2**24
+_FINER = 2
+_MAX_CELLS = 2**24
 # Grids of the reference: three give a limit and an order, the fourth tests both.
 _GRIDS = 4
 
@@ -132,7 +133,8 @@ def solve_reference(
     """
     smooth = _is_smooth(problem, interpolation)
     ladder = solve_ladder(_make_problems(attrs.evolve(problem, solver="auto"), finest, interpolation, smooth), load)
-    solutions, last = ladder.solutions, ladder.solutions[-1]
+    solutions = ladder.solutions
+    last = ladder.solutions[-1]
     area = ladder.area
     known: dict[str, Any] = {"area": area.value, "area_error": 2.0 * area.uncertainty}
     values = {"p_max": [float(solution.pressure.max()) for solution in solutions]}
@@ -153,7 +155,8 @@ def _make_problems(
     """Return the problem on the grids of the reference, from coarse to fine; only the finest must be possible."""
     nx, ny = finest if smooth else problem.plan.grid.shape
     if smooth and nx * ny * _FINER**2 <= _MAX_CELLS:
-        nx, ny = _FINER * nx, _FINER * ny
+        nx = _FINER * nx
+        ny = _FINER * ny
     problems = [problem if (nx, ny) == problem.plan.grid.shape else on_grid(problem, (nx, ny), interpolation)]
     for level in range(1, _GRIDS):
         if nx % 2**level or ny % 2**level or min(nx, ny) < 2 ** (level + 1):

@@ -56,7 +56,8 @@ class ErrorReport:
         choice(quantity, "The quantity", QUANTITIES)
         bound = self.reference.relative_uncertainty(quantity)
         known = [row for row in self.rows if math.isfinite(row.error(quantity))]
-        best, front = math.inf, []
+        best = math.inf
+        front = []
         for row in sorted(known, key=lambda row: (row.cost(quantity), row.error(quantity))):
             error = max(row.error(quantity), bound)
             if error < _EQUAL * best:
@@ -116,7 +117,8 @@ class ErrorReport:
             text = si(value, UNITS[name], 5)
             bound = format_percent(self.reference.relative_uncertainty(name)).removeprefix("+")
             known.append(f"{_LABELS[name]} {text} +- {bound} %")
-        row, varying = self.rows[0], find_varying_parts(self.rows)
+        row = self.rows[0]
+        varying = find_varying_parts(self.rows)
         common = [getattr(row, name) for name in ("kernel", "convolver", "solver") if name not in varying]
         if len({row.tolerance for row in self.rows}) == 1:
             common.append(f"tolerance {row.tolerance:.0e}")
@@ -124,7 +126,8 @@ class ErrorReport:
 
     def _make_table(self) -> tuple[Table, list[str]]:
         """Return the table and its footnotes."""
-        parts, known = find_varying_parts(self.rows), self.reference.quantities
+        parts = find_varying_parts(self.rows)
+        known = self.reference.quantities
         headings = [
             "cells",
             *parts,
@@ -180,7 +183,8 @@ class ErrorReport:
 
     def _make_records(self) -> Table:
         """Return every row with all digits."""
-        timings, front = ("cpu", "wall", "solve_cpu", "area_cpu"), {id(row) for row in self.front()}
+        timings = ("cpu", "wall", "solve_cpu", "area_cpu")
+        front = {id(row) for row in self.front()}
         names = [
             *("nx", "ny", "kernel", "convolver", "solver", "tolerance", "estimator"),
             *("area_m2", "area_uncertainty_m2", "p_max_Pa", "approach_m"),

@@ -148,7 +148,9 @@ def advise(rows: Sequence[ReportRow], reference: Reference, area: float) -> str:
         text = f"The reference area is known to {_percent(bound)} only, which does not resolve {_percent(area)}."
         return text if bound > 1.0 else f"{text} {advise(rows, reference, bound)}"
     judged = [row for row in rows if "area" not in row.of_reference]
-    groups, parts, target = group_by_setup(judged), find_varying_parts(rows), f"For an area error of {_percent(area)}"
+    groups = group_by_setup(judged)
+    parts = find_varying_parts(rows)
+    target = f"For an area error of {_percent(area)}"
     if not groups:
         why = "All cases failed" if len(judged) == len(rows) else "No case but the reference itself was solved"
         return f"{why}, so there is no advice."

@@ -216,7 +216,8 @@ def _measure_times(
 
 
 def _measure_time(work: Callable[[], T]) -> tuple[T, tuple[float, float]]:
-    cpu, wall = time.process_time(), time.perf_counter()
+    cpu = time.process_time()
+    wall = time.perf_counter()
     result = work()
     return result, (time.process_time() - cpu, time.perf_counter() - wall)
 

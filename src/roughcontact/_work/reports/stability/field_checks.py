@@ -13,10 +13,13 @@ from roughcontact._work.reports.stability.rules import RULES
 
 def check_residuals(solved: SolvedProblem) -> list[Check]:
     """Return how the solve ended, the error of the load, and the residuals of the contact conditions."""
-    solution, residuals = solved.solution, solved.solution.residuals
-    verdict, advice = Verdict.PASS, ""
+    solution = solved.solution
+    residuals = solved.solution.residuals
+    verdict = Verdict.PASS
+    advice = ""
     if solution.status is not Status.CONVERGED:
-        verdict, advice = Verdict.ATTENTION if solution.status.success else Verdict.FAIL, RULES["convergence"].advice
+        verdict = Verdict.ATTENTION if solution.status.success else Verdict.FAIL
+        advice = RULES["convergence"].advice
     finding = f"{solution.status}; {solution.iterations} iterations, {solution.convolutions} convolutions"
     gap = "pressure-weighted mean gap in contact, over the scale of the residuals"
     overlap = "maximum overlap outside saturated cells, over the scale of the residuals"
@@ -30,7 +33,8 @@ def check_residuals(solved: SolvedProblem) -> list[Check]:
 
 def check_model(solved: SolvedProblem) -> list[Check]:
     """Return whether units, domain, grid and half-space suit the contact."""
-    plan, solution = solved.problem.plan, solved.solution
+    plan = solved.problem.plan
+    solution = solved.solution
     findings = find_scene(solution.initial_gap, plan.grid, plan.boundary, plan.materials) + find_contact(solution)
     checks = [
         skip(finding.rule, finding.text)
@@ -43,7 +47,8 @@ def check_model(solved: SolvedProblem) -> list[Check]:
 
 def check_area(solution: ContactSolution) -> list[Check]:
     """Return the relative uncertainty of the real contact area, and the number of its warnings."""
-    name, area = "area: uncertainty", solution.area()
+    name = "area: uncertainty"
+    area = solution.area()
     warnings = assess("area: warnings", len(area.warnings), "; ".join(area.warnings) or "no warnings")
     if not area.value > 0.0:
         return [skip(name, "there is no contact"), warnings]
@@ -52,7 +57,9 @@ def check_area(solution: ContactSolution) -> list[Check]:
 
 
 def _check_load(solved: SolvedProblem) -> Check:
-    name, load, grid = "load balance", solved.load, solved.solution.grid
+    name = "load balance"
+    load = solved.load
+    grid = solved.solution.grid
     if load.kind == "approach":
         return skip(name, "the approach is given, and the load follows from it")
     force = load.value if load.kind == "force" else load.value * grid.area

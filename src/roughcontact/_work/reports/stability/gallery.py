@@ -28,7 +28,8 @@ from roughcontact.errors.door import guarded
 # Cells a side, few enough for plain sums.
 _CELLS = 48
 # Young's modulus and hardness, Pa; their size does not matter.
-_YOUNG, _HARDNESS = 1e9, 1e6
+_YOUNG = 1e9
+_HARDNESS = 1e6
 _BOTH = ("free", "periodic")
 
 
@@ -137,7 +138,8 @@ def _solve(case: Case) -> GalleryRow:
     load = abs(math.fsum(solution.pressure.ravel()) / solution.grid.cells / case.pressure - 1.0)
     verdict = Verdict.ATTENTION
     if solution.status.success:
-        rule, rounded = RULES["complementarity"], solution.status is Status.CONVERGED_TO_ROUNDING
+        rule = RULES["complementarity"]
+        rounded = solution.status is Status.CONVERGED_TO_ROUNDING
         confirmed = gap <= (rule.admissible if rounded else rule.good) and load <= RULES["load balance"].good
         verdict = Verdict.PASS if confirmed else Verdict.FAIL
     work = solution.iterations, solution.convolutions
@@ -146,7 +148,8 @@ def _solve(case: Case) -> GalleryRow:
 
 def _recompute(problem: ContactProblem, solution: ContactSolution) -> float:
     """Return the violation of the contact conditions with the displacement by plain sums, over its scale."""
-    plan, unit = problem.plan, pressure_unit(problem.plan)
+    plan = problem.plan
+    unit = pressure_unit(problem.plan)
     displacement = sum_displacement(problem, solution.pressure, np.arange(plan.grid.cells)).reshape(plan.grid.shape)
     conditions = ContactConditions(solution.initial_gap / plan.peak_to_valley, plan.pressure_limit / unit)
     return conditions.measure(solution.pressure / unit, displacement / plan.peak_to_valley).error
@@ -191,7 +194,8 @@ def _magnitudes() -> tuple[Case, ...]:
 
 
 def _shapes() -> tuple[Case, ...]:
-    needle, step = np.zeros((_CELLS, _CELLS)), np.zeros((_CELLS, _CELLS))
+    needle = np.zeros((_CELLS, _CELLS))
+    step = np.zeros((_CELLS, _CELLS))
     needle[_CELLS // 2, _CELLS // 3] = 1e-2
     step[: _CELLS // 2] = 1e-2
     noise = np.random.default_rng(0).standard_normal((2, 4096))
@@ -209,7 +213,8 @@ def _shapes() -> tuple[Case, ...]:
 
 
 def _loads() -> tuple[Case, ...]:
-    rough, above = 1e-2 * _rough(), float(np.nextafter(_HARDNESS, np.inf))
+    rough = 1e-2 * _rough()
+    above = float(np.nextafter(_HARDNESS, np.inf))
     return (
         *(_case(f"one cell in contact, {boundary}", _rough(), load=1e-9, boundary=boundary) for boundary in _BOTH),
         *(_case(f"full contact, {boundary}", rough, load=1e2, boundary=boundary) for boundary in _BOTH),

@@ -17,9 +17,11 @@ from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact._work.reports.stability.check import Check, SolvedProblem, assess, skip
 
 # Differences of order n of 1/r are n!/r^n of it: 2e-17 for n = 12 beyond 128 cells, below float64's rounding.
-_ORDER, _FAR = 12, 128
+_ORDER = 12
+_FAR = 128
 # Grid on which both forms are compared, cells a side, and the distance from the loaded cell, cells, within which.
-_CELLS, _NEAR = 64, 8
+_CELLS = 64
+_NEAR = 8
 # Laplacians after which Love's kernel and its images differ by 3e-15 there, for cells of any aspect.
 _LAPLACIANS = 4
 # Aspect of the cells up to which that grid is square in metres and still small (8 x 64 by 64 cells).
@@ -51,7 +53,8 @@ def check_kernel(solved: SolvedProblem) -> list[Check]:
 
 def _check_convolution(solved: SolvedProblem) -> Check:
     """Return the digits that the displacement loses against plain sums."""
-    name, solution = "convolution: digits lost", solved.solution
+    name = "convolution: digits lost"
+    solution = solved.solution
     if solution.boundary is Boundary.PERIODIC and max(solution.grid.shape) > _MAX_SIDE:
         return skip(name, f"plain sums of waves take too long beyond {_MAX_SIDE} cells a side")
     if not solution.contact.any():
@@ -72,7 +75,8 @@ def _check_coefficients(plan: SolvePlan) -> Check:
         return skip(name, "the boundary is periodic: the spectrum is used, not the coefficients")
     if not isinstance(plan.kernel, SupportsCoefficients):
         return skip(name, "the kernel has no real-space coefficients")
-    kernel, noise = _bind(plan), 0.0
+    kernel = _bind(plan)
+    noise = 0.0
     for axis, cells in enumerate(plan.grid.shape):
         count = max(cells, 2 * _FAR)
         strip = kernel.coefficients((count, 1) if axis == 0 else (1, count), plan.grid.spacing).ravel()[_FAR:]
@@ -91,7 +95,8 @@ def _check_forms(plan: SolvePlan) -> Check:
     dx, dy = plan.grid.spacing
     if not 1.0 / _MAX_ASPECT <= dx / dy <= _MAX_ASPECT:
         return skip(name, f"for cells of aspect above {_MAX_ASPECT:g} the comparison would need too large a grid")
-    kernel, shape = _bind(plan), (round(_CELLS * max(1.0, dy / dx)), round(_CELLS * max(1.0, dx / dy)))
+    kernel = _bind(plan)
+    shape = (round(_CELLS * max(1.0, dy / dx)), round(_CELLS * max(1.0, dx / dy)))
     one, other = (
         _apply_laplacians(scipy.fft.irfft2(spectrum(kernel, shape, plan.grid.spacing), s=shape))
         for spectrum in (wrapped_spectrum, periodic_spectrum)

@@ -18,7 +18,8 @@ from roughcontact._work.reports.stability.check import Check, SolvedProblem, ass
 from roughcontact.errors import InputError, NotConverged
 
 # The solver in float64 runs on up to 512 x 512 cells, where 3000 iterations take about a minute.
-_MAX_CELLS, _MAX_ITERATIONS = 2**18, 3000
+_MAX_CELLS = 2**18
+_MAX_ITERATIONS = 3000
 # Cells a side below which a grid of half as many is too coarse for a comparison.
 _MIN_SIDE = 16
 # Cells up to which a grid that cannot be halved is doubled: four times as many take seconds.
@@ -29,7 +30,9 @@ _ORDER = 4.0
 
 def check_precision(solved: SolvedProblem) -> Check:
     """Return the change of the pressure by a solver that works in float64 throughout."""
-    name, solution, solver = "float32 iterations", solved.solution, solved.problem.plan.solver
+    name = "float32 iterations"
+    solution = solved.solution
+    solver = solved.problem.plan.solver
     if not isinstance(solver, ProjectedConjugateGradient):
         return skip(name, f"{type(solver).__name__} does not work in float32")
     if solution.grid.cells > _MAX_CELLS:
@@ -79,7 +82,8 @@ def change_cells(problem: ContactProblem) -> ContactProblem:
     try:
         return halve_cells(problem)
     except InputError as error:
-        (nx, ny), reason = problem.plan.grid.shape, str(error)
+        nx, ny = problem.plan.grid.shape
+        reason = str(error)
         if nx * ny > _MAX_DOUBLED or problem.plan.pressure_limit.ndim:
             raise
     try:
@@ -107,7 +111,8 @@ def shift_half_cell(problem: ContactProblem) -> ContactProblem:
         raise InputError("The pressure limit is an array, which is not known between its cells.")
     if plan.non_measured is not None:
         raise InputError("A surface has non-measured points, which cannot be shifted by half a cell.")
-    grid, periodic = plan.grid, plan.boundary is not Boundary.FREE
+    grid = plan.grid
+    periodic = plan.boundary is not Boundary.FREE
     body, counterbody = (
         Body(HeightMap(side.surface.shift_half_cell(grid, periodic=periodic).heights(grid), grid.size), side.material)
         for side in (problem.body, problem.counterbody)
@@ -131,7 +136,8 @@ def _answers(solved: SolvedProblem, solution: ContactSolution, summit: float) ->
 
 
 def _compare(name: str, before: tuple[float, str], after: tuple[float, str], doubled: bool) -> Check:
-    (old, unit), (new, _) = before, after
+    old, unit = before
+    new, _ = after
     if old == 0.0:
         return skip(name, "there is no contact")
     finding = f"relative change, from {old:.5g} to {new:.5g} {unit}"

@@ -55,7 +55,8 @@ class StabilityReport:
         return Table(columns).to_html(summarize([check.verdict for check in self.checks]))
 
     def __str__(self) -> str:
-        lines, before = [summarize([check.verdict for check in self.checks]), ""], ""
+        lines = [summarize([check.verdict for check in self.checks]), ""]
+        before = ""
         for check in self._worst_first:
             lines.append(str(attrs.evolve(check, finding="as above") if check.finding == before else check))
             before = check.finding
