@@ -56,7 +56,10 @@ def is_numeric(node):
 
 
 def find_constants(path):
-    """Return (line, name, whether a comment explains it) of each numeric constant of a module."""
+    """Return (line, name, whether a comment explains it) of each numeric constant of a module.
+
+    A comment explains the constants on the lines right below it.
+    """
     with tokenize.open(path) as file:
         comments = {
             token.start[0] for token in tokenize.generate_tokens(file.readline) if token.type == tokenize.COMMENT
@@ -66,9 +69,12 @@ def find_constants(path):
         targets = (
             node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
         )
+        lines = set(range(node.lineno, node.end_lineno + 1))
+        explained = node.lineno - 1 in comments or bool(comments & lines)
+        if targets and explained:
+            comments |= lines
         if targets and node.value is not None and is_numeric(node.value):
-            explained = node.lineno - 1 in comments or comments & set(range(node.lineno, node.end_lineno + 1))
-            found.append((node.lineno, ast.unparse(targets[0]), bool(explained)))
+            found.append((node.lineno, ast.unparse(targets[0]), explained))
     return found
 
 
