@@ -129,6 +129,22 @@ def test_files_import_each_other_in_no_circle():
     assert find_circle({name: {one.name for one in IMPORTS[name] if not one.is_annotation} for name in NAMES}) == ""
 
 
+def test_most_imports_name_a_room_and_not_its_files():
+    deep = [(name, one.name) for name, imports in IMPORTS.items() for one in imports if one.name.count(".") > 2]
+    assert sum(room_of(name) != room_of(other) for name, other in deep) <= 100
+
+
+def test_each_assignment_has_a_line_of_its_own():
+    # Those left swap values, or need the old one for another.
+    statements = [node for path in NAMES.values() for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))]
+    packed = [
+        node
+        for node in statements
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Tuple) and isinstance(node.value, ast.Tuple)
+    ]
+    assert len(packed) <= 10
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_a_module_holds_one_subject(name):
     assert NAMES[name].read_text(encoding="utf-8").count("\n") <= 500

@@ -14,8 +14,7 @@ from roughcontact._base import checks
 from roughcontact._base.archive import read_npz, replacing
 from roughcontact._base.checks import Array
 from roughcontact._parts.grid import Grid
-from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface
-from roughcontact._parts.surfaces.filling import fill
+from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface, fill
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 

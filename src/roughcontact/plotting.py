@@ -11,7 +11,7 @@ from roughcontact._faces.panels.law import draw_column
 from roughcontact._faces.panels.maps import draw_map, draw_mask, name_colors
 from roughcontact._faces.panels.solid import view_solution, view_surface
 from roughcontact._faces.panels.theme import DARK, LIGHT, Theme, style, theme_of
-from roughcontact._parts.surfaces.sampled import SampledSurface
+from roughcontact._parts.surfaces import SampledSurface
 
 __all__ = [
     "DARK",

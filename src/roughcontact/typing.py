@@ -31,12 +31,18 @@ from roughcontact._parts.load import Load
 from roughcontact._parts.surfaces import MatchedPair, Separated
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._solve.problem import SolvePlan, Sweep
-from roughcontact._solve.solution import GridLevel, Origin, Residuals
-from roughcontact._solve.solution.accuracy import Accuracy, Trial
-from roughcontact._solve.solution.conditions import ContactConditions, Violation
-from roughcontact._solve.solution.fields import ContactFields
-from roughcontact._solve.solution.patches import ContactPatches
-from roughcontact._solve.solution.theory import TheoryBeside
+from roughcontact._solve.solution import (
+    Accuracy,
+    ContactConditions,
+    ContactFields,
+    ContactPatches,
+    GridLevel,
+    Origin,
+    Residuals,
+    TheoryBeside,
+    Trial,
+    Violation,
+)
 from roughcontact._solve.solvers import (
     Monitor,
     Outcome,

@@ -13,8 +13,7 @@ from roughcontact._parts.files import SurfaceReader
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Elastic, Material, Rigid, combined_pressure_limit, contact_modulus
 from roughcontact._parts.surfaces import ParaboloidSurface, Surface
-from roughcontact._solve.problem.body import Body
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact.errors import InputError
 from roughcontact.testing.claim import DoesNotApply, claim, pickled, require, require_equal
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from roughcontact._base.checks import Array, Pair
 from roughcontact._parts.grid import Boundary
-from roughcontact._parts.kernels import InfluenceKernel
-from roughcontact._parts.kernels.base import SupportsCoefficients, SupportsSpectrum
+from roughcontact._parts.kernels import InfluenceKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact.testing.claim import DoesNotApply, claim, require, require_close, require_equal
 from roughcontact.testing.oracle import displace
 

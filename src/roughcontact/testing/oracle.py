@@ -16,8 +16,7 @@ from roughcontact._base.checks import Mask, RealArray
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.kernels import BoundKernel
 from roughcontact._parts.load import Load
-from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.problem.task import LOAD_TOLERANCE
+from roughcontact._solve.problem import LOAD_TOLERANCE, ContactProblem
 from roughcontact._solve.solution import ContactSolution
 
 LongArray: TypeAlias = npt.NDArray[np.longdouble]

@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact._base.checks import RealArray
 from roughcontact._parts.grid import Boundary
-from roughcontact._solve.problem.sweep import Sweep
+from roughcontact._solve.problem import Sweep
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.plotting import Panel, SampledSurface, make_figure
 from roughcontact.testing.claim import DoesNotApply, claim, pickled, require

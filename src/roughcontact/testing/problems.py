@@ -15,8 +15,7 @@ from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.load import Load
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import HeightMap, ParaboloidSurface, SelfAffineSurface, WavySurface
-from roughcontact._solve.problem.body import Body
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._solve.solvers import Solver
 from roughcontact.errors import InputError

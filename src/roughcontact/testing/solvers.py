@@ -9,8 +9,7 @@ import numpy as np
 
 from roughcontact._base.checks import RealArray
 from roughcontact._solve.convolvers import ConvolutionSetup, PreparedConvolution
-from roughcontact._solve.problem import ContactProblem
-from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task
+from roughcontact._solve.problem import LOAD_TOLERANCE, ContactProblem, make_task
 from roughcontact._solve.solution import ContactSolution, Status
 from roughcontact._solve.solvers import Solver
 from roughcontact.errors import InputError

@@ -8,8 +8,7 @@ from roughcontact._base.checks import Array
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import HeightMap
-from roughcontact._solve.problem.body import Body
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solvers import Solver
 from roughcontact.errors import MissingPackage
 

@@ -14,10 +14,8 @@ from roughcontact._base.checks import number
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.load import Load
-from roughcontact._parts.surfaces.statistics import rms_slope
-from roughcontact._solve.problem import ContactProblem
-from roughcontact._solve.problem.sweep import predict_pressure
-from roughcontact._solve.problem.task import maximum_pressure
+from roughcontact._parts.surfaces import rms_slope
+from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure
 from roughcontact._solve.solution import ContactSolution, Estimate
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded

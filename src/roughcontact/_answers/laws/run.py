@@ -12,8 +12,7 @@ from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, interpolatio
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.load import FIRST_LOADING, Load
-from roughcontact._solve.problem import ContactProblem
-from roughcontact._solve.problem.sweep import order_of_solving, predict_pressure
+from roughcontact._solve.problem import ContactProblem, order_of_solving, predict_pressure
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded

@@ -11,8 +11,7 @@ import numpy as np
 from roughcontact._answers.linear.sensitivities import SENSITIVITIES, Sensitivity, mark_summit
 from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base.checks import Array, callback, choice, numbers, read_only
-from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solution.responses import Response, responses
+from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
 from roughcontact.errors.door import outside, warn
 

@@ -10,8 +10,7 @@ import numpy as np
 from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base.checks import Array, IntArray
 from roughcontact._parts.grid import Boundary
-from roughcontact._solve.problem import problem_of
-from roughcontact._solve.problem.run import computing
+from roughcontact._solve.problem import computing, problem_of
 from roughcontact._solve.solution import ContactSolution
 from roughcontact.errors import InputError
 

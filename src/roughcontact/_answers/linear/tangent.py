@@ -18,12 +18,9 @@ import numpy as np
 from roughcontact._base.checks import Array, Mask, RealArray, read_only
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
-from roughcontact._solve.problem import problem_of
-from roughcontact._solve.problem.run import computing
+from roughcontact._solve.problem import computing, problem_of
 from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCells, active_cells
-from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner
-from roughcontact._solve.solvers.projection import dot, total
+from roughcontact._solve.solvers import ActiveCells, MaskedCells, Preconditioner, active_cells, dot, total
 from roughcontact.errors import NotConverged
 
 # Relative residuals from here on are reached in float32, whose rounding is 6e-8 of the right side for each product.

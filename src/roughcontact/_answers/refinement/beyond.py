@@ -12,11 +12,8 @@ from roughcontact._base.checks import Array, integer, number
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.load import Load
-from roughcontact._parts.surfaces.continuation import Continuation, cells_for, find_maps
-from roughcontact._parts.surfaces.statistics import rms_slope
-from roughcontact._solve.problem.body import Body
-from roughcontact._solve.problem.plan import require_memory_of_solve
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._parts.surfaces import Continuation, cells_for, find_maps, rms_slope
+from roughcontact._solve.problem import Body, ContactProblem, require_memory_of_solve
 from roughcontact._solve.solution import Area
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded

@@ -10,10 +10,8 @@ import attrs
 from roughcontact._base.checks import integer
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.load import Load
-from roughcontact._parts.surfaces.resampling import bilinear
-from roughcontact._solve.problem.plan import require_memory_of_solve
-from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.problem.resolution import resample_problem
+from roughcontact._parts.surfaces import bilinear
+from roughcontact._solve.problem import ContactProblem, require_memory_of_solve, resample_problem
 from roughcontact._solve.solution import DEFAULT_AREA, Area, AreaEstimator, ContactSolution, areas
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded

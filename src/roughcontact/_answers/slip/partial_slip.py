@@ -15,10 +15,8 @@ from roughcontact._base.checks import Array, Mask, integer, number, read_only
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.load import Load
-from roughcontact._solve.problem import problem_of
-from roughcontact._solve.problem.sweep import predict_pressure
-from roughcontact._solve.solution import ContactSolution, Estimate
-from roughcontact._solve.solution.responses import Response, responses
+from roughcontact._solve.problem import predict_pressure, problem_of
+from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
 
 # Fraction of the force of sliding up to which the errors of the two approaches cancel (measured on balls of 3 to 24

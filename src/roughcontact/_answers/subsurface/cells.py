@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import Pair, RealArray
-from roughcontact._base.machine.threads import map_tiles, split
+from roughcontact._base.machine import map_tiles, split
 
 # The components of the stress in their order (Voigt's).
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")

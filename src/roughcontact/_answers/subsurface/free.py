@@ -11,7 +11,7 @@ import scipy.fft
 from roughcontact._answers.subsurface.cells import COMPONENTS, ODD_IN_X, ODD_IN_Y, Depth, cell_stress
 from roughcontact._answers.subsurface.planes import StressPlanes, coarsen
 from roughcontact._base.checks import Pair, RealArray, Waves
-from roughcontact._base.machine.threads import map_tiles, split, threads_for
+from roughcontact._base.machine import map_tiles, split, threads_for
 
 # Columns that are multiplied and transformed at a time, and rows: few enough for the cache.
 _COLUMNS = 32

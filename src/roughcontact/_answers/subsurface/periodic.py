@@ -14,7 +14,7 @@ from numpy.polynomial import chebyshev
 from roughcontact._answers.subsurface.cells import COMPONENTS, ODD_IN_X, ODD_IN_Y
 from roughcontact._answers.subsurface.planes import StressPlanes, coarsen
 from roughcontact._base.checks import Array, IntArray, Pair, RealArray, Waves
-from roughcontact._base.machine.threads import threads_for
+from roughcontact._base.machine import threads_for
 
 # Depth, in sides of a cell, from which aliases have died: exp(-4 pi) = 3e-6.
 _NO_ALIASES = 4.0

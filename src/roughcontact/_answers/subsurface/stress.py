@@ -23,8 +23,7 @@ from roughcontact._answers.subsurface.maximum import (
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
 from roughcontact._answers.subsurface.planes import StressPlanes, common_step, find_steps
 from roughcontact._base.checks import Array, choice, frozen_array, numbers, read_only
-from roughcontact._base.machine.memory import require_memory
-from roughcontact._base.machine.threads import use_threads
+from roughcontact._base.machine import require_memory, use_threads
 from roughcontact._base.units import outlined, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.problem import problem_of

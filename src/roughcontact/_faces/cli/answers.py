@@ -13,9 +13,8 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import si
 from roughcontact._base.units.text import fit
 from roughcontact._faces.cli.wording import name_advice
-from roughcontact._solve.problem.sweep import Sweep
-from roughcontact._solve.problem.sweep_table import make_table
-from roughcontact._solve.solution.origin import versions
+from roughcontact._solve.problem import Sweep, make_table
+from roughcontact._solve.solution import versions
 
 
 def to_json(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:

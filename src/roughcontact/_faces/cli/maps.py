@@ -8,8 +8,8 @@ import roughcontact as rc
 from roughcontact._base.checks import Array
 from roughcontact._base.units.text import fit
 from roughcontact._faces.cli.wording import name_advice, name_options
-from roughcontact._parts.surfaces.summary import list_facts
-from roughcontact._solve.solution.plausibility import find_scene
+from roughcontact._parts.surfaces import list_facts
+from roughcontact._solve.solution import find_scene
 from roughcontact.reference import roughness
 
 # Fraction of the variance of the heights that is form, above which the spectrum is that of the form.

@@ -11,7 +11,7 @@ from roughcontact._base import checks
 from roughcontact._base.units.text import fit
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
-from roughcontact._solve.solution.netcdf import require_netcdf
+from roughcontact._solve.solution import require_netcdf
 
 PICTURES = frozenset({".png", ".svg", ".pdf"})
 

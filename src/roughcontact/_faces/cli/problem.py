@@ -10,7 +10,7 @@ import roughcontact as rc
 from roughcontact._faces.cli.options import OF_READERS
 from roughcontact._parts.files.reading import options_of, read_raw
 from roughcontact._parts.load import Load
-from roughcontact._solve.problem.plan import require_memory_of_solve
+from roughcontact._solve.problem import require_memory_of_solve
 
 
 def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:

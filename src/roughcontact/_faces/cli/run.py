@@ -17,7 +17,7 @@ from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.options import whole_number
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.cli.wording import name_advice
-from roughcontact._solve.solution.several import kind_of
+from roughcontact._solve.solution import kind_of
 from roughcontact._work.studies import Record, StudyResult
 from roughcontact.errors import InputError
 

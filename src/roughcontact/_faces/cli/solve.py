@@ -21,8 +21,8 @@ from roughcontact._faces.cli.problem import loads_of, problem_of
 from roughcontact._faces.cli.progress import describe_steps, show_progress
 from roughcontact._faces.cli.wording import name_advice
 from roughcontact._parts.load import Load
-from roughcontact._parts.surfaces.continuation import find_maps
-from roughcontact._solve.problem.sweep import run_sweep
+from roughcontact._parts.surfaces import find_maps
+from roughcontact._solve.problem import run_sweep
 
 
 class Solve(Command):

@@ -12,7 +12,7 @@ from typing import Any
 import attrs
 
 from roughcontact._faces.panels.figures import make_figure
-from roughcontact._solve.problem.sweep import Sweep
+from roughcontact._solve.problem import Sweep
 from roughcontact._solve.solution import ContactSolution
 from roughcontact.plotting import panels
 

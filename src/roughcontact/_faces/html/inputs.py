@@ -8,13 +8,9 @@ from roughcontact._faces.html.elements import escape, quantity
 from roughcontact._faces.html.names import describe_material
 from roughcontact._faces.html.rerun import describe_part, hash_pressure
 from roughcontact._parts.load import Load
-from roughcontact._parts.surfaces import Surface
-from roughcontact._parts.surfaces.continuation import find_maps
-from roughcontact._solve.problem import ContactProblem
-from roughcontact._solve.problem.source import problem_of
-from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solution.origin import key_of_origin, versions
-from roughcontact._solve.solution.summary import describe_work
+from roughcontact._parts.surfaces import Surface, find_maps
+from roughcontact._solve.problem import ContactProblem, problem_of
+from roughcontact._solve.solution import ContactSolution, describe_work, key_of_origin, versions
 from roughcontact.errors import RoughContactError
 
 _MEANINGS = {

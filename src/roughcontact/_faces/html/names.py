@@ -15,8 +15,7 @@ from roughcontact._faces.html.rerun import describe_part
 from roughcontact._parts.load import Load
 from roughcontact._parts.materials import Material, Rigid
 from roughcontact._parts.surfaces import FlatSurface, HeightMap, Surface, SurfaceSum
-from roughcontact._solve.problem import ContactProblem
-from roughcontact._solve.problem.body import Body
+from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import ContactSolution
 
 # Where the name of a file stands in the history of a map.

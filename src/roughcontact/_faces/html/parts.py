@@ -11,9 +11,8 @@ from roughcontact._faces.html.elements import element, escape, grid, items, sect
 from roughcontact._faces.html.figures import Picture, draw_panels
 from roughcontact._faces.html.wording import name_advice
 from roughcontact._parts.load import Load
-from roughcontact._solve.problem.sweep import Sweep
-from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solution.several import gather_warnings, list_quantities, name_load
+from roughcontact._solve.problem import Sweep
+from roughcontact._solve.solution import ContactSolution, gather_warnings, list_quantities, name_load
 
 # The quantity that a load gives.
 _GIVEN = {"pressure": "mean pressure", "force": "force", "approach": "approach"}

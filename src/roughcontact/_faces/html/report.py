@@ -29,13 +29,21 @@ from roughcontact._faces.html.parts import (
 from roughcontact._faces.html.rerun import write_script
 from roughcontact._faces.html.style import CSS
 from roughcontact._parts.load import Load
-from roughcontact._solve.problem import ContactProblem
-from roughcontact._solve.problem.sweep import Sweep
-from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution, SolutionWriter, areas
-from roughcontact._solve.solution.origin import versions
-from roughcontact._solve.solution.plausibility import exceeds_metals
-from roughcontact._solve.solution.several import name_load, note_loads
-from roughcontact._solve.solution.summary import MORE_THAN_METALS, describe_maps, list_all_warnings, list_answers
+from roughcontact._solve.problem import ContactProblem, Sweep
+from roughcontact._solve.solution import (
+    DEFAULT_AREA,
+    MORE_THAN_METALS,
+    ContactSolution,
+    SolutionWriter,
+    areas,
+    describe_maps,
+    exceeds_metals,
+    list_all_warnings,
+    list_answers,
+    name_load,
+    note_loads,
+    versions,
+)
 
 # Nothing is fetched and nothing runs, whatever a text of the page holds.
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"

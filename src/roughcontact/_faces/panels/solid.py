@@ -12,7 +12,7 @@ from roughcontact._base.units import prefixed, si
 from roughcontact._faces.panels.layout import title_of
 from roughcontact._faces.panels.theme import DARK, LIGHT, Theme
 from roughcontact._parts.grid import Grid
-from roughcontact._parts.surfaces.sampled import SampledSurface
+from roughcontact._parts.surfaces import SampledSurface
 from roughcontact._solve.solution import ContactSolution
 from roughcontact.errors import MissingPackage
 

@@ -14,9 +14,7 @@ from roughcontact._base.units import prefixed
 from roughcontact._faces.panels.base import Panel
 from roughcontact._faces.panels.curves import add_key, scale_axes
 from roughcontact._faces.panels.theme import theme_of
-from roughcontact._parts.surfaces.filling import fill
-from roughcontact._parts.surfaces.sampled import SampledSurface
-from roughcontact._parts.surfaces.spectrum import mean_in_bands, power_spectrum
+from roughcontact._parts.surfaces import SampledSurface, fill, mean_in_bands, power_spectrum
 from roughcontact.errors import InputError
 
 # Bands of wave numbers a decade.

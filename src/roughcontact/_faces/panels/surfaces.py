@@ -14,7 +14,7 @@ from roughcontact._faces.panels.base import Panel
 from roughcontact._faces.panels.curves import add_key, scale_axes
 from roughcontact._faces.panels.maps import draw_map, draw_mask, name_colors
 from roughcontact._faces.panels.theme import theme_of
-from roughcontact._parts.surfaces.sampled import SampledSurface
+from roughcontact._parts.surfaces import SampledSurface
 from roughcontact.errors import InputError
 from roughcontact.reference.bearing import bearing_area
 

@@ -12,7 +12,7 @@ from roughcontact._base.units import prefixed
 from roughcontact._faces.panels.base import Panel
 from roughcontact._faces.panels.curves import draw_band, scale_axes
 from roughcontact._faces.panels.layout import loads_of
-from roughcontact._solve.problem.sweep import Sweep
+from roughcontact._solve.problem import Sweep
 from roughcontact._solve.solution import Estimate
 from roughcontact.errors import InputError
 

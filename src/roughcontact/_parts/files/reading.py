@@ -17,8 +17,7 @@ from roughcontact._base.checks import Array, choice, number, pair
 from roughcontact._base.units import si
 from roughcontact._parts.files.base import RawMap, SurfaceReader, readers
 from roughcontact._parts.files.foreign import find_foreign
-from roughcontact._parts.surfaces import HeightMap
-from roughcontact._parts.surfaces.filling import TREATMENTS, complete
+from roughcontact._parts.surfaces import TREATMENTS, HeightMap, complete
 from roughcontact.errors import InputError, RoughContactError, shorten
 from roughcontact.errors.door import guarded
 

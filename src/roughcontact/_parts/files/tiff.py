@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import Array, Pair, integer
-from roughcontact._base.machine.memory import require_memory
+from roughcontact._base.machine import require_memory
 from roughcontact._parts.files.base import RawMap, SurfaceReader
 from roughcontact._parts.files.gwyddion import metres
 from roughcontact.errors import InputError, MissingPackage

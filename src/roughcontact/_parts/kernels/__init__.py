@@ -6,6 +6,7 @@ from roughcontact._parts.kernels.base import (
     SupportsCoefficients,
     SupportsSpectrum,
     kernels,
+    require_form,
 )
 from roughcontact._parts.kernels.fourier import FourierHalfSpace
 from roughcontact._parts.kernels.love import Love
@@ -18,4 +19,5 @@ __all__ = [
     "SupportsCoefficients",
     "SupportsSpectrum",
     "kernels",
+    "require_form",
 ]

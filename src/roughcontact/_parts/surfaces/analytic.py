@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import Array, Pair, number, pair
-from roughcontact._base.machine.memory import require_memory
+from roughcontact._base.machine import require_memory
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface

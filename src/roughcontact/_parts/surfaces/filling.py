@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from roughcontact._base.checks import Array, Mask
-from roughcontact._base.machine.memory import require_memory
+from roughcontact._base.machine import require_memory
 from roughcontact.errors import InputError
 
 _DONE = {"fill": "filled from their neighbours", "keep": "kept so"}

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import scipy.fft
 
 from roughcontact._base.checks import Array, choice
-from roughcontact._base.machine.memory import require_memory
+from roughcontact._base.machine import require_memory
 from roughcontact._parts.grid import Grid
 
 # Memory of each interpolation in float64 arrays of the new grid (of the finer one for "fourier"), with the new map.

@@ -10,7 +10,7 @@ import numpy.typing as npt
 import scipy.fft
 
 from roughcontact._base.checks import Array, integer, number
-from roughcontact._base.machine.memory import require_memory
+from roughcontact._base.machine import require_memory
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface
 from roughcontact.errors import InputError

@@ -4,7 +4,7 @@ from roughcontact._solve.convolvers.base import ConvolutionSetup, Convolver, Pre
 from roughcontact._solve.convolvers.circular import CircularFFT
 from roughcontact._solve.convolvers.dcfft import DCFFT
 from roughcontact._solve.convolvers.direct import Direct
-from roughcontact._solve.convolvers.inverse import InverseConvolution
+from roughcontact._solve.convolvers.inverse import InverseConvolution, periodic_spectrum, wrapped_spectrum
 
 __all__ = [
     "DCFFT",
@@ -15,4 +15,6 @@ __all__ = [
     "InverseConvolution",
     "PreparedConvolution",
     "convolvers",
+    "periodic_spectrum",
+    "wrapped_spectrum",
 ]

@@ -12,8 +12,13 @@ import numpy as np
 from roughcontact._base.checks import Array, RealArray, frozen_array
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, SupportsCoefficients, SupportsSpectrum
-from roughcontact._parts.kernels.base import require_form
+from roughcontact._parts.kernels import (
+    BoundKernel,
+    InfluenceKernel,
+    SupportsCoefficients,
+    SupportsSpectrum,
+    require_form,
+)
 from roughcontact._solve.convolvers.inverse import InverseConvolution, approximate_inverse, periodic_spectrum
 from roughcontact.errors import InputError
 

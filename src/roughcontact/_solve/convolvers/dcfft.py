@@ -9,7 +9,7 @@ import numpy as np
 import scipy.fft
 
 from roughcontact._base.checks import Array, RealArray, Waves
-from roughcontact._base.machine.threads import threads_for
+from roughcontact._base.machine import threads_for
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import BoundKernel

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import scipy.fft
 
 from roughcontact._base.checks import Array, IntArray, Pair, RealArray, Waves
-from roughcontact._base.machine.threads import threads_for
+from roughcontact._base.machine import threads_for
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.kernels import BoundKernel, SupportsSpectrum

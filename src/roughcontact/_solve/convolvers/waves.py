@@ -8,7 +8,7 @@ import numpy as np
 import scipy.fft
 
 from roughcontact._base.checks import RealArray, Waves
-from roughcontact._base.machine.threads import map_tiles, split, threads_for
+from roughcontact._base.machine import map_tiles, split, threads_for
 
 # Bytes along a row of the columns that are transformed at a time: few enough for the cache, enough for the vector
 # units. On 512 x 512 and 1024 x 1024 cells 16 and 32 columns of float64 are fastest; 8 take 6 % longer, 128 take 13 %.

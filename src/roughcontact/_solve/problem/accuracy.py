@@ -15,11 +15,10 @@ import scipy.fft
 from roughcontact._base.checks import Array, number
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.load import Load
-from roughcontact._parts.surfaces.resampling import bilinear
+from roughcontact._parts.surfaces import bilinear
 from roughcontact._solve.problem.plan import require_memory_of_solve
 from roughcontact._solve.problem.resolution import resample_problem
-from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution
-from roughcontact._solve.solution.accuracy import Accuracy, Trial
+from roughcontact._solve.solution import DEFAULT_AREA, Accuracy, ContactSolution, Trial
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError, NotEnoughMemory
 

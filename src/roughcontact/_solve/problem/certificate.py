@@ -12,8 +12,7 @@ from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedC
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure_unit
-from roughcontact._solve.solution import ContactSolution, Residuals, Status
-from roughcontact._solve.solution.conditions import ContactConditions
+from roughcontact._solve.solution import ContactConditions, ContactSolution, Residuals, Status
 from roughcontact._solve.solvers import Outcome, Task
 from roughcontact.errors import InputError
 

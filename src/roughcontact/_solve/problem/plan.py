@@ -9,8 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import Array, Mask, number
-from roughcontact._base.machine.memory import available_memory, require_memory
-from roughcontact._base.machine.threads import choose_threads
+from roughcontact._base.machine import available_memory, choose_threads, require_memory
 from roughcontact._base.units import PlainText, binary, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import InfluenceKernel
@@ -19,7 +18,7 @@ from roughcontact._parts.materials import Material, Rigid, combined_pressure_lim
 from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct
 from roughcontact._solve.problem.body import Body, InitialGap
-from roughcontact._solve.solution.plausibility import find_scene
+from roughcontact._solve.solution import find_scene
 from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver
 from roughcontact.errors import InputError
 

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import Array
-from roughcontact._base.machine.threads import use_threads
+from roughcontact._base.machine import use_threads
 from roughcontact._parts.load import Load
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.certificate import certify

@@ -15,9 +15,7 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, counted, si
 from roughcontact._parts.load import Load
 from roughcontact._solve.problem.sweep_table import make_table, to_dataset
-from roughcontact._solve.solution import AreaEstimator, ContactSolution, writers
-from roughcontact._solve.solution.several import note_loads
-from roughcontact._solve.solution.writers import page_or_file
+from roughcontact._solve.solution import AreaEstimator, ContactSolution, note_loads, page_or_file, writers
 from roughcontact.errors import InputError
 
 # Relative error of the area at which the search for its load ends; where the area jumps from cell to cell,

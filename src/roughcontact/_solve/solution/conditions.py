@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import Array
-from roughcontact._base.machine.threads import map_tiles, tiles_of
+from roughcontact._base.machine import map_tiles, tiles_of
 
 # Range of the displacement, over the maximum pressure, below which the pressure is uniform up to rounding.
 _UNIFORM = 1e-12

@@ -23,7 +23,7 @@ import numpy as np
 
 from roughcontact._base.checks import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.surfaces.filling import WIDEST, fill, solve_in_bands
+from roughcontact._parts.surfaces import WIDEST, fill, solve_in_bands
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution

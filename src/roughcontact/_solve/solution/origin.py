@@ -22,8 +22,7 @@ from roughcontact._base.archive.plain import (
 from roughcontact._base.checks import RealArray
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Material
-from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface, Surface
-from roughcontact._parts.surfaces.continuation import find_maps
+from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface, Surface, find_maps
 from roughcontact.errors import InputError
 
 _PROBLEM = {"kind": "part", "name": "roughcontact:ContactProblem"}

@@ -13,7 +13,7 @@ from roughcontact._base.checks import Array, Mask
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
-from roughcontact._parts.surfaces.statistics import border_jump, rms_slope
+from roughcontact._parts.surfaces import border_jump, rms_slope
 from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
 
 if TYPE_CHECKING:

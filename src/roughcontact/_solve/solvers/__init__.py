@@ -7,26 +7,36 @@ from roughcontact._solve.solvers.base import (
     Step,
     Task,
     nearest_pressure,
+    positive_tolerance,
     solvers,
     starting_pressure,
 )
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
+from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCells, active_cells
+from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner
 from roughcontact._solve.solvers.polonsky_keer import PolonskyKeer
-from roughcontact._solve.solvers.projection import project_to_load, rescale_to_load
+from roughcontact._solve.solvers.projection import dot, project_to_load, rescale_to_load, total
 from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 
 __all__ = [
+    "ActiveCells",
+    "MaskedCells",
     "Monitor",
     "Outcome",
     "PolonskyKeer",
+    "Preconditioner",
     "ProjectedConjugateGradient",
     "Solver",
     "SpectralGradient",
     "Step",
     "Task",
+    "active_cells",
+    "dot",
     "nearest_pressure",
+    "positive_tolerance",
     "project_to_load",
     "rescale_to_load",
     "solvers",
     "starting_pressure",
+    "total",
 ]

@@ -14,8 +14,7 @@ import numpy as np
 from roughcontact._base.checks import Array, integer, number
 from roughcontact._base.registry import Registry
 from roughcontact._solve.convolvers import PreparedConvolution
-from roughcontact._solve.solution import GridLevel, Status
-from roughcontact._solve.solution.conditions import ContactConditions, Violation
+from roughcontact._solve.solution import ContactConditions, GridLevel, Status, Violation
 from roughcontact._solve.solvers.projection import LOAD_ROUNDING, project_to_load, rescale_to_load
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded

@@ -10,10 +10,8 @@ import numpy as np
 from roughcontact._base.checks import Array, Mask, callback, instance_of, integer, number
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary
-from roughcontact._parts.surfaces import HeightMap
-from roughcontact._parts.surfaces.statistics import repeats
-from roughcontact._solve.problem.body import Body
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._parts.surfaces import HeightMap, repeats
+from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import Area, ContactSolution
 from roughcontact._work.processes.flattening import FlatteningModel, flattening_models
 from roughcontact.errors import InputError

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import number
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem import ContactProblem
 from roughcontact._work.studies.record import Record
 from roughcontact.errors import InputError, RoughContactError, shorten
 from roughcontact.errors.door import outside

@@ -13,13 +13,8 @@ import attrs
 
 from roughcontact._base.archive.plain import key_of
 from roughcontact._parts.load import Load
-from roughcontact._solve.problem.body import Body
-from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.problem.sweep import order_of_solving, predict_pressure
-from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solution.origin import solution_key
-from roughcontact._solve.solution.storage import read_figures, write
-from roughcontact._solve.solution.summary import list_all_warnings
+from roughcontact._solve.problem import Body, ContactProblem, order_of_solving, predict_pressure
+from roughcontact._solve.solution import ContactSolution, list_all_warnings, read_figures, solution_key, write
 from roughcontact._work.studies.failures import name_exception, name_full_disk, status_of
 from roughcontact._work.studies.record import Record, read_solution, solution_path
 from roughcontact.errors import InputError, NotWritten

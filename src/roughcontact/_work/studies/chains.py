@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 
 from roughcontact._parts.load import Load
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem import ContactProblem
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, Unbuilt
 from roughcontact._work.studies.record import Record

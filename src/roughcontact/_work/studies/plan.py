@@ -8,8 +8,7 @@ from typing import Any
 
 from roughcontact._base.units import PlainText, binary
 from roughcontact._parts.load import Load
-from roughcontact._solve.problem.forecast import forecast_seconds
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem import ContactProblem, forecast_seconds
 
 # Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts.
 _CONVOLUTIONS = 25

@@ -15,8 +15,7 @@ import attrs
 from roughcontact._base.archive import replacing
 from roughcontact._base.archive.plain import describe, rebuild
 from roughcontact._base.units.text import printable
-from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution, Status
-from roughcontact._solve.solution.storage import read
+from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution, Status, read
 from roughcontact.errors import InputError
 
 _FORMAT = "roughcontact study, format 1"

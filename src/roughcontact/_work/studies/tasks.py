@@ -6,7 +6,7 @@ import pickle
 from collections.abc import Generator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
 
-from roughcontact._base.machine.threads import share_machine
+from roughcontact._base.machine import share_machine
 from roughcontact._work.studies.chain import Chain, ChainResult, Unbuilt, run_chain
 from roughcontact._work.studies.failures import name_exception
 from roughcontact.errors import RoughContactError

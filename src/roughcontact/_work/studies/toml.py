@@ -24,8 +24,7 @@ from roughcontact._parts.kernels import kernels
 from roughcontact._parts.materials import materials
 from roughcontact._parts.surfaces import HeightMap, Surface, surfaces
 from roughcontact._solve.convolvers import convolvers
-from roughcontact._solve.problem.plan import require_memory_of_solve
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem import ContactProblem, require_memory_of_solve
 from roughcontact._solve.solvers import solvers
 from roughcontact._work.studies.study import Study
 from roughcontact.errors import InputError

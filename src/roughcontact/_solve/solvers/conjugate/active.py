@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.checks import Array, IntArray, Mask, RealArray
-from roughcontact._base.machine.threads import map_tiles, tiles_of
+from roughcontact._base.machine import map_tiles, tiles_of
 
 # Fraction of active cells above which fields with zeros are faster than lists of cells; 0.2 and 0.8 change the
 # CPU time by less than 3 % (docs/studies/solver_constants.py).

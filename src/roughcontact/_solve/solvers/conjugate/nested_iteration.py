@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import Array, IntArray, Mask, RealArray
-from roughcontact._base.machine.threads import map_tiles, tiles_of
+from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel

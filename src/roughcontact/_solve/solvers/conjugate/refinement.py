@@ -9,8 +9,7 @@ import numpy as np
 
 from roughcontact._base.checks import Array, RealArray
 from roughcontact._solve.convolvers import PreparedConvolution
-from roughcontact._solve.solution import GridLevel, Status
-from roughcontact._solve.solution.conditions import Violation
+from roughcontact._solve.solution import GridLevel, Status, Violation
 from roughcontact._solve.solvers.base import Monitor, Task
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.openings import NearlyFull, Openings

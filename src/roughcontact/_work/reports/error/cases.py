@@ -13,9 +13,8 @@ from roughcontact._base.checks import integer
 from roughcontact._base.registry import Registry
 from roughcontact._parts.kernels import InfluenceKernel, kernels
 from roughcontact._solve.convolvers import Convolver, convolvers
-from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.solvers import Solver, solvers
-from roughcontact._solve.solvers.base import positive_tolerance
+from roughcontact._solve.problem import ContactProblem
+from roughcontact._solve.solvers import Solver, positive_tolerance, solvers
 from roughcontact.errors import InputError
 
 # Cells a side below which a coarser grid is solved only if it is listed.

@@ -17,7 +17,7 @@ from roughcontact._base.units import si
 from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._parts.load import Load
 from roughcontact._solve.convolvers import Convolver
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import DEFAULT_AREA, Area, AreaEstimator, ContactSolution
 from roughcontact._solve.solution import areas as area_registry
 from roughcontact._solve.solvers import Solver

@@ -13,7 +13,7 @@ import attrs
 
 from roughcontact._base.units.text import WIDTH
 from roughcontact._parts.load import Load
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._work.reports.stability.rules import RULES
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._solve.solution import ContactSolution, Status
-from roughcontact._solve.solution.plausibility import find_contact, find_scene
+from roughcontact._solve.solution import ContactSolution, Status, find_contact, find_scene
 from roughcontact._work.reports.stability.check import Check, SolvedProblem, Verdict, assess, skip
 from roughcontact._work.reports.stability.rules import RULES
 

@@ -14,11 +14,8 @@ from roughcontact._base.tables import Table
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic
 from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface
-from roughcontact._solve.problem.body import Body
-from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.problem.task import pressure_unit
-from roughcontact._solve.solution import ContactSolution, Status
-from roughcontact._solve.solution.conditions import ContactConditions
+from roughcontact._solve.problem import Body, ContactProblem, pressure_unit
+from roughcontact._solve.solution import ContactConditions, ContactSolution, Status
 from roughcontact._work.reports.stability.check import Verdict, find_worst, format_row, summarize
 from roughcontact._work.reports.stability.kernel_checks import sum_displacement
 from roughcontact._work.reports.stability.rules import RULES

@@ -11,9 +11,8 @@ import scipy.fft
 from roughcontact._base.checks import Array, IntArray
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
-from roughcontact._solve.convolvers.inverse import periodic_spectrum, wrapped_spectrum
-from roughcontact._solve.problem.plan import SolvePlan
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.convolvers import periodic_spectrum, wrapped_spectrum
+from roughcontact._solve.problem import ContactProblem, SolvePlan
 from roughcontact._work.reports.stability.check import Check, SolvedProblem, assess, skip
 
 # Differences of order n of 1/r are n!/r^n of it: 2e-17 for n = 12 beyond 128 cells, below float64's rounding.

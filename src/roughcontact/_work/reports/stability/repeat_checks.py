@@ -10,8 +10,7 @@ import numpy as np
 from roughcontact._answers.refinement import on_grid
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.surfaces import HeightMap
-from roughcontact._solve.problem.body import Body
-from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._solve.solvers import ProjectedConjugateGradient, SpectralGradient
 from roughcontact._work.reports.stability.check import Check, SolvedProblem, assess, skip

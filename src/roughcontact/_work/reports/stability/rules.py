@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES, Rule
+from roughcontact._solve.solution import PLAUSIBILITY_RULES, Rule
 
 _KERNEL = "Use a kernel whose sums do not cancel, such as 'love', or report the error to its author."
 _SOLVER = "Read the status; try solver='spectral-gradient', or lengths and moduli in units nearer to one."
