@@ -102,8 +102,8 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
         area=area,
         length=owners.sum(chords * smooth),
         euler=owners.sum(euler * smooth),
-        sharp=owners.sum(jagged * weight) / np.maximum(total, cell),
-        alike=_divide(owners.sum(alike * weight), total),
+        sharp=_divide(owners.sum(jagged * weight), total, 0.0),
+        alike=_divide(owners.sum(alike * weight), total, 1.0),
         meeting=owners.sum(meeting * weight),
     )
 
@@ -118,8 +118,8 @@ def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -
     return beside, np.asarray(beside & ~(unknown | touching).all(axis=0))
 
 
-def _divide(sums: Array, counts: Array) -> Array:
-    return np.divide(sums, counts, out=np.ones_like(sums), where=counts > 0.0)
+def _divide(sums: Array, counts: Array, otherwise: float) -> Array:
+    return np.divide(sums, counts, out=np.full_like(sums, otherwise), where=counts > 0.0)
 
 
 def _count_alike(parts: Array, chords: Array, distance: Corners) -> Array:
