@@ -366,3 +366,19 @@ def test_an_argument_of_a_wrong_type_is_named_though_its_type_is_imported_for_an
 def test_an_argument_that_does_not_fit_is_named(ask, words):
     with pytest.raises(rc.InputError, match=words):
         ask()
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: rc.Grid((8, 8)),
+        lambda: rc.Grid((8, 8), 1.0, cells=8),
+        lambda: problem().solve(1e6),
+        lambda: rc.WavySurface(amplitude=1e-6, wavelength=1e-5).heights(8),
+    ],
+)
+def test_a_wrong_call_is_a_type_error_and_an_input_error(call):
+    with pytest.raises(TypeError) as met:
+        call()
+    assert type(met.value).__name__ == "WrongCall"
+    assert isinstance(met.value, rc.InputError)

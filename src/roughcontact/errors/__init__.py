@@ -63,6 +63,10 @@ class NoSuchItem(InputError, IndexError):
     """There is no item at this position of a sequence."""
 
 
+class WrongCall(InputError, TypeError):
+    """Arguments of a call are missing, unknown, misplaced or of a wrong type."""
+
+
 class MissingPackage(RoughContactError, ImportError):
     """An optional package is needed for what was asked, and is not installed."""
 

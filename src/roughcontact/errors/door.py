@@ -26,6 +26,7 @@ from roughcontact.errors import (
     OutOfMemory,
     RoughContactError,
     UnexpectedError,
+    WrongCall,
     short,
     shorten,
 )
@@ -205,7 +206,7 @@ def _guard_generator(function: Callable[..., Iterator[Any]], call: str) -> Calla
 
 
 def _explained(error: Exception, call: str, function: Any, args: Any, kwargs: Any) -> Exception:
-    """Return the error of a call: an `InputError` for an argument of a wrong type, or the translated one."""
+    """Return the error of a call: a `WrongCall` for arguments that do not fit its signature, or the translated one."""
     changed = translated(error, call)
     if not isinstance(changed, UnexpectedError) and not isinstance(error, TypeError):
         return changed
@@ -213,12 +214,12 @@ def _explained(error: Exception, call: str, function: Any, args: Any, kwargs: An
     try:
         given = signature.bind(*args, **kwargs).arguments
     except TypeError as wrong:
-        return _misplaced(call, signature, args) or InputError(f"{call}({', '.join(_names(signature))}): {wrong}.")
+        return _misplaced(call, signature, args) or WrongCall(f"{call}({', '.join(_names(signature))}): {wrong}.")
     hints = typing.get_type_hints(function, {}, _Names(vars(sys.modules[function.__module__])))
     for name, value in given.items():
         if name in hints and not _is_a(value, hints[name]):
             kind = signature.parameters[name].annotation
-            return InputError.about(f"{name}= of {call}", value, f"of type {getattr(kind, '__name__', kind)}")
+            return WrongCall.about(f"{name}= of {call}", value, f"of type {getattr(kind, '__name__', kind)}")
     return _misfit(error, call, given) or changed
 
 
@@ -235,7 +236,7 @@ def _names(signature: inspect.Signature) -> list[str]:
     return [name for name in signature.parameters if name not in ("self", "cls")]
 
 
-def _misplaced(call: str, signature: inspect.Signature, args: Any) -> InputError | None:
+def _misplaced(call: str, signature: inspect.Signature, args: Any) -> WrongCall | None:
     """Return the error of an argument that must be given by name, but is not; None if there is none."""
     kinds = {name: one.kind for name, one in signature.parameters.items()}
     named = [name for name, kind in kinds.items() if kind is inspect.Parameter.KEYWORD_ONLY]
@@ -246,7 +247,7 @@ def _misplaced(call: str, signature: inspect.Signature, args: Any) -> InputError
         return None
     value = short(args[places])
     others = f", or {', '.join(f'{name}=' for name in named[1:])}" if named[1:] else ""
-    return InputError(f"{call} takes what was given as {value} by name: write {named[0]}={value}{others}.")
+    return WrongCall(f"{call} takes what was given as {value} by name: write {named[0]}={value}{others}.")
 
 
 def _misfit(error: Exception, call: str, given: dict[str, Any]) -> InputError | None:
