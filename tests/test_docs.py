@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import importlib
 import importlib.util
+import inspect
 import pkgutil
 import re
 import shutil
@@ -55,6 +56,32 @@ def test_examples_in_docstrings(name):
     result = doctest.testmod(importlib.import_module(name), optionflags=doctest.ELLIPSIS)
     assert result.failed == 0
     assert result.attempted > 0 or name not in WITH_EXAMPLES
+
+
+# Base classes whose examples are the plug-ins, errors of the machine and its files, and what solves for a minute.
+WITHOUT_EXAMPLES = {
+    "Convolver",
+    "FileError",
+    "InfluenceKernel",
+    "Material",
+    "MissingPackage",
+    "OutOfMemory",
+    "Panel",
+    "SolutionWriter",
+    "Solver",
+    "StudyStopped",
+    "SurfaceReader",
+    "UnexpectedError",
+    "beyond_resolution",
+    "stability_gallery",
+}
+
+
+@pytest.mark.parametrize("name", sorted(set(roughcontact.__all__) - WITHOUT_EXAMPLES))
+def test_each_public_class_and_function_shows_an_example(name):
+    public = getattr(roughcontact, name)
+    if inspect.isclass(public) or inspect.isfunction(public):
+        assert re.search(r"^Examples\n-{8}\n[^>]*>>> ", inspect.getdoc(public), flags=re.MULTILINE)
 
 
 def test_examples_in_the_reference():

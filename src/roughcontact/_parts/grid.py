@@ -17,7 +17,14 @@ _MAX_CELLS = 2**28
 
 
 class Boundary(StrEnum):
-    """What lies beyond the border of the grid."""
+    """What lies beyond the border of the grid.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rc.Boundary("periodic") is rc.Boundary.PERIODIC
+    True
+    """
 
     FREE = "free"
     PERIODIC = "periodic"

@@ -17,14 +17,31 @@ _PAGE = 4000
 
 
 class RoughContactError(Exception):
-    """The root of every error raised on purpose by this package."""
+    """The root of every error raised on purpose by this package.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> issubclass(rc.InputError, rc.RoughContactError)
+    True
+    """
 
     def __str__(self) -> str:
         return _shorten_words(super().__str__())
 
 
 class InputError(RoughContactError, ValueError):
-    """Bad input: the sentence says which value, what was given, what is allowed and what to do."""
+    """Bad input: the sentence says which value, what was given, what is allowed and what to do.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> try:
+    ...     rc.Elastic(young=-1.0, poisson=0.3)
+    ... except rc.InputError as error:
+    ...     print(error)
+    Young's modulus must be a finite number, above 0 (Pa), but got -1.0.
+    """
 
     @classmethod
     def about(cls, what: str, got: object, allowed: str, advice: str = "") -> InputError:
@@ -91,6 +108,18 @@ class NotConverged(RoughContactError, RuntimeError):
         What did not converge.
     solution
         The unfinished `ContactSolution`, with its `status` and `residuals`.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> solver = rc.PolonskyKeer(max_iterations=1)
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), solver=solver)
+    >>> try:
+    ...     problem.solve(force=1.0)
+    ... except rc.NotConverged as error:
+    ...     print(error.solution.iterations)
+    1
     """
 
     def __init__(self, reason: str, solution: Any) -> None:

@@ -40,6 +40,14 @@ class CellCount(AreaEstimator):
 
     Nearly always too large, for a cell counts as soon as the contact reaches into it. The uncertainty
     is that excess as `Perimeter` estimates it.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> print(problem.solve(force=1.0).area("cell-count"))
+    (742 +- 46) µm2, (7.42 +- 0.46) % of nominal [cell-count]
     """
 
     def estimate(self, solution: ContactSolution) -> Area:
@@ -66,6 +74,14 @@ class Perimeter(AreaEstimator):
     ----------
     Yastrebov, Anciaux, Molinari, Tribol. Int. 114 (2017) 161-171,
     https://doi.org/10.1016/j.triboint.2017.04.023
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> print(problem.solve(force=1.0).area("perimeter"))
+    (696 +- 50) µm2, (6.96 +- 0.50) % of nominal [perimeter]
     """
 
     def estimate(self, solution: ContactSolution) -> Area:
@@ -100,6 +116,14 @@ class LevelSet(AreaEstimator):
     References
     ----------
     Johnson, Contact Mechanics (1985), section 5.1, https://doi.org/10.1017/CBO9781139171731
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> print(problem.solve(force=1.0).area("level-set"))
+    (688 +- 20) µm2, (6.88 +- 0.20) % of nominal [level-set]
     """
 
     def estimate(self, solution: ContactSolution) -> Area:
@@ -132,6 +156,14 @@ class LevelSetRichardson(AreaEstimator):
     References
     ----------
     Richardson, Phil. Trans. R. Soc. A 210 (1911) 307-357, https://doi.org/10.1098/rsta.1911.0009
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> print(problem.solve(force=1.0).area("level-set-richardson"))
+    (688 +- 20) µm2, (6.88 +- 0.20) % of nominal [level-set-richardson]
     """
 
     def estimate(self, solution: ContactSolution) -> Area:
@@ -157,6 +189,14 @@ class Hertz(AreaEstimator):
     References
     ----------
     Johnson, Contact Mechanics (1985), section 4.2, https://doi.org/10.1017/CBO9781139171731
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> print(problem.solve(force=1.0).area("hertz"))
+    (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [hertz]
     """
 
     def estimate(self, solution: ContactSolution) -> Area:
@@ -188,6 +228,14 @@ class Blend(AreaEstimator):
     References
     ----------
     Johnson, Contact Mechanics (1985), sections 4.2 and 5.1, https://doi.org/10.1017/CBO9781139171731
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> print(problem.solve(force=1.0).area("blend"))
+    (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [blend]
     """
 
     def estimate(self, solution: ContactSolution) -> Area:

@@ -83,6 +83,16 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
         If no load closes all paths, or no load leaves one open.
     NotConverged
         If a contact does not converge.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> body = rc.Body(wave, rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> found = rc.find_percolation(problem)
+    >>> print(found.pressure)
+    6.8043 GPa +- 1.8 %
     """
     if not isinstance(problem, ContactProblem):
         raise InputError.about("What is solved", problem, "a ContactProblem")

@@ -57,6 +57,16 @@ def interface_law(
         If the boundary is not periodic, a load is given twice or cannot be carried, or a response means nothing here.
     NotConverged
         If a solution is not certified.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> body = rc.Body(wave, rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> law = rc.interface_law(problem, pressure=[10e6, 20e6, 40e6])
+    >>> [f"{pressure / 1e6:g} MPa" for pressure in law.pressures]
+    ['10 MPa', '20 MPa', '40 MPa']
     """
     if not isinstance(problem, ContactProblem):
         raise InputError.about("The problem of a law", problem, "a ContactProblem")

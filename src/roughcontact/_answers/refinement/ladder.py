@@ -46,6 +46,15 @@ def on_grid(problem: ContactProblem, shape: tuple[int, int], interpolation: str 
     ------
     InputError
         If a surface is not known between the points of its grid, or the pressure limit is an array.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> finer = rc.on_grid(problem, (64, 64))
+    >>> finer.grid.shape
+    (64, 64)
     """
     return resample_problem(require_problem(problem), shape, interpolation)
 
@@ -138,6 +147,14 @@ def extrapolate(
         If a surface is not known on the finer grids.
     NotConverged
         If a solution is not certified.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> print(rc.extrapolate(problem, force=1.0).area)
+    (689.257 +- 0.017) µm2, (6.89257 +- 0.00017) % of nominal [blend]
     """
     levels = integer(levels, "The number of grids", at_least=2)
     areas.resolve(estimator)

@@ -109,6 +109,13 @@ class Estimate:
         SI unit; empty for a count.
     warnings
         Why the value must not be trusted, in sentences; empty without a reason.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> stiffness = rc.Estimate(12.3e6, 0.2e6, "N/m")
+    >>> print(stiffness)
+    12.3 MN/m +- 1.6 %
     """
 
     value: float

@@ -70,6 +70,18 @@ def read_surface(
         would be square if the rows were those of y, and ``rows=`` is not given.
     MissingPackage
         If the package that reads such files is not installed.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> import numpy as np
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "map.txt"
+    ...     np.savetxt(path, np.zeros((8, 4)))
+    ...     print(rc.read_surface(path, size=(8e-6, 4e-6)).grid)
+    8 x 4 cells on 8 µm x 4 µm
     """
     choice(non_measured, "The treatment of non-measured points", TREATMENTS)
     file = checks.path(path, "The height map")

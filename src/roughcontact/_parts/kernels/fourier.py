@@ -20,6 +20,15 @@ class FourierHalfSpace(InfluenceKernel):
     References
     ----------
     Stanley, Kato, J. Tribol. 119 (1997) 481-485, https://doi.org/10.1115/1.2833523
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> body = rc.Body(wave, rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic", kernel="fourier")
+    >>> print(problem.solve(pressure=100e6).status)
+    converged: the conditions of contact hold within the tolerance
     """
 
     edge_shift: ClassVar[float] = 0.0

@@ -44,6 +44,13 @@ class Elastic(Material):
         Young's modulus, Pa, above zero.
     poisson
         Poisson's ratio, above -1 and at most 0.5.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> steel = rc.Elastic(young=210e9, poisson=0.3)
+    >>> print(f"{steel.young / 1e9:g} GPa")
+    210 GPa
     """
 
     young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
@@ -75,6 +82,15 @@ class ElasticPerfectlyPlastic(Material):
         Poisson's ratio, above -1 and at most 0.5.
     hardness
         Contact pressure at full plasticity, Pa, above zero: a number, or an array of the grid's shape (nx, ny).
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), steel)
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> print(f"{problem.solve(force=3.0).pressure.max() / 1e9:g} GPa")
+    2 GPa
     """
 
     young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
@@ -96,7 +112,17 @@ class ElasticPerfectlyPlastic(Material):
 
 @attrs.frozen
 class Rigid(Material):
-    """A body that does not deform."""
+    """A body that does not deform.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rigid = rc.Body(rc.SphereSurface(radius=1e-3), rc.Rigid())
+    >>> rubber = rc.Body(rc.FlatSurface(), rc.Elastic(young=2e6, poisson=0.5))
+    >>> problem = rc.ContactProblem(rigid, rubber, grid=rc.Grid((32, 32), 200e-6))
+    >>> print(problem.solve(force=1e-5).area())
+    (625.924 +- 0.014) µm2, (1.564811 +- 0.000035) % of nominal [blend]
+    """
 
     @property
     def compliance(self) -> float:

@@ -47,7 +47,14 @@ def _require_memory(grid: Grid, what: str, arrays: int) -> None:
 
 @attrs.frozen
 class FlatSurface(Surface):
-    """A plane: zero everywhere."""
+    """A plane: zero everywhere.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> print(rc.FlatSurface().heights(rc.Grid((2, 2), 1e-6)).tolist())
+    [[0.0, 0.0], [0.0, 0.0]]
+    """
 
     def heights(self, grid: Grid) -> Array:
         """Return zeros, shape `grid.shape`, m."""
@@ -65,6 +72,14 @@ class SphereSurface(Surface):
         Radius R of the sphere, m.
     center
         Position (x, y) of the summit relative to the centre of the domain, m.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.SphereSurface(radius=1e-3)
+    >>> heights = ball.heights(rc.Grid((3, 3), 30e-6))
+    >>> print(f"{1e9 * (heights[1, 1] - heights[0, 1]):.1f} nm")
+    50.0 nm
     """
 
     radius: float = attrs.field(converter=_radius, metadata={"unit": "m"})
@@ -100,6 +115,14 @@ class ParaboloidSurface(Surface):
         Radii of curvature along x and y, or of both, m.
     center
         Position (x, y) of the summit relative to the centre of the domain, m.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> barrel = rc.ParaboloidSurface(radius=(1e-3, 2e-3))
+    >>> heights = barrel.heights(rc.Grid((3, 3), 30e-6))
+    >>> print(f"{1e9 * (heights[1, 1] - heights[1, 0]):.1f} nm")
+    25.0 nm
     """
 
     radius: Pair = attrs.field(converter=_radii, metadata={"unit": "m"})
@@ -131,6 +154,14 @@ class WavySurface(Surface):
         Wavelength along x and y, or of both, m.
     phase
         Phase along x and y, or of both, rad.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> heights = wave.heights(rc.Grid((64, 64), 100e-6))
+    >>> print(f"{1e6 * heights.max():.2f} µm")
+    1.99 µm
     """
 
     amplitude: Pair = attrs.field(converter=_amplitude, metadata={"unit": "m"})

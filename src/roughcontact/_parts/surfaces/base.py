@@ -28,6 +28,15 @@ class Surface(abc.ABC):
     attributes of a plain class, that hold a surface or a tuple of surfaces. Grid, provenance, non-measured points and
     random seeds are then those of the parts. That holds where the heights follow from those of the parts point by
     point; a surface that moves or stretches others returns no `parts` and overrides what it needs of the rest.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> class Step(rc.Surface):
+    ...     def heights(self, grid):
+    ...         return 1e-6 * (grid.x > 0.0) + 0.0 * grid.y
+    >>> print(Step().heights(rc.Grid((2, 2), 1e-6)).tolist())
+    [[0.0, 0.0], [1e-06, 1e-06]]
     """
 
     @abc.abstractmethod

@@ -82,6 +82,15 @@ class HeightMap(Surface):
     InputError
         If the heights are not a two-dimensional array of at least two numbers, one is infinite, no point was measured,
         or the mask of non-measured points has another shape.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> import numpy as np
+    >>> heights = 1e-6 * np.random.default_rng(0).standard_normal((32, 32))
+    >>> surface = rc.HeightMap(heights, size=32e-6)
+    >>> print(surface.grid)
+    32 x 32 cells on 32 µm x 32 µm
     """
 
     _heights: Array = attrs.field(converter=measured_heights, alias="heights")

@@ -59,6 +59,17 @@ class PlacedMap(Surface):
     ------
     InputError
         If the interpolation is unknown or is ``"fourier"`` for a map that is rotated or not periodic.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> import numpy as np
+    >>> ridge = np.zeros((32, 32))
+    >>> ridge[16] = 1e-6
+    >>> turned = rc.PlacedMap(rc.HeightMap(ridge, size=32e-6), rotation=np.pi / 2)
+    >>> heights = turned.heights(rc.Grid((16, 16), 16e-6))
+    >>> heights.shape
+    (16, 16)
     """
 
     source: HeightMap = attrs.field(validator=instance_of(HeightMap, "What is placed", "a HeightMap"))
@@ -194,6 +205,16 @@ def match(
     ------
     InputError
         If the maps do not overlap, or the domain is larger than the overlap.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> import numpy as np
+    >>> rng = np.random.default_rng(0)
+    >>> lower, upper = (rc.HeightMap(1e-6 * rng.standard_normal((32, 32)), size=32e-6) for _ in range(2))
+    >>> pair = rc.match(lower, upper, offset=(4e-6, 0.0), mirrored=True)
+    >>> print(pair.grid)
+    28 x 32 cells on 28 µm x 32 µm
     """
     for side in (body, counterbody):
         _is_map(None, None, side)

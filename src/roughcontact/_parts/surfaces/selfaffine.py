@@ -84,6 +84,14 @@ class SelfAffineSurface(Surface):
     Jacobs, Junge, Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001, https://doi.org/10.1088/2051-672X/aa51f8
 
     Peklenik, Proc. Inst. Mech. Eng. 182(3K) (1967) 108 (the number gamma)
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4e-6, longest=32e-6, seed=1)
+    >>> heights = rough.heights(rc.Grid((64, 64), 64e-6))
+    >>> heights.shape
+    (64, 64)
     """
 
     hurst: float = attrs.field(converter=_hurst)

@@ -27,6 +27,14 @@ class DCFFT(Convolver):
     References
     ----------
     Liu, Wang, Liu, Wear 243 (2000) 101-111, https://doi.org/10.1016/S0043-1648(00)00427-0
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), convolver=rc.DCFFT())
+    >>> print(problem.solve(force=1.0).area())
+    (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [blend]
     """
 
     boundaries = frozenset({Boundary.FREE})

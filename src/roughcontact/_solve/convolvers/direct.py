@@ -20,6 +20,14 @@ class Direct(Convolver):
     """Direct summation: the work grows as the square of the number of cells, the memory in proportion to it.
 
     For very small grids, and to check the transforms, with which it shares no code.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((16, 16), 100e-6), convolver=rc.Direct())
+    >>> print(problem.solve(force=1.0).area())
+    (689.244 +- 0.023) µm2, (6.89244 +- 0.00023) % of nominal [blend]
     """
 
     boundaries = frozenset({Boundary.FREE, Boundary.WRAPPED})

@@ -23,6 +23,14 @@ class Body:
         Its heights, positive towards the other body.
     material
         Its elastic constants and hardness.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> steel = rc.Elastic(young=210e9, poisson=0.3)
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), steel)
+    >>> print(ball.material)
+    Elastic(young=210000000000.0, poisson=0.3)
     """
 
     surface: Surface = attrs.field(validator=instance_of(Surface, "The surface of a body", "a Surface"))

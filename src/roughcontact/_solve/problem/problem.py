@@ -66,6 +66,17 @@ class ContactProblem:
     ------
     InputError
         If the parts do not fit together.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> solution = problem.solve(force=1.0)
+    >>> print(solution.area())
+    (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [blend]
+    >>> print(solution.peak_pressure())
+    2.1762 GPa +- 0.004 %
     """
 
     body: Body = attrs.field(validator=_is_body)

@@ -45,7 +45,22 @@ T = TypeVar("T")
 
 @attrs.frozen(eq=False, kw_only=True)
 class ContactSolution(ContactFields):
-    """A solved contact: its fields, the certificate, and all that is asked of them."""
+    """A solved contact: its fields, the certificate, and all that is asked of them.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> body = rc.Body(wave, rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> solution = problem.solve(pressure=100e6)
+    >>> solution.pressure.shape
+    (32, 32)
+    >>> print(solution.status)
+    converged: the conditions of contact hold within the tolerance
+    >>> print(solution.area())
+    (176.343 +- 0.056) µm2, (1.76343 +- 0.00056) % of nominal [blend]
+    """
 
     def area(self, estimator: str | AreaEstimator = DEFAULT_AREA) -> Area:
         """Return the real contact area.

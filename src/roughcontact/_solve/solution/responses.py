@@ -17,6 +17,19 @@ class Response(abc.ABC, Generic[T_co]):
     """What a contact does: its answer to a small change, a current, a flow. Subclass it and define `respond`.
 
     What is asked beside the contact, a conductivity or depths, are fields of the subclass.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> class OpenVolume(rc.Response):
+    ...     def respond(self, solution):
+    ...         volume = float(solution.gap.sum()) * solution.grid.cell_area
+    ...         return rc.Estimate(volume, 0.01 * volume, "m3")
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> body = rc.Body(wave, rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> print(problem.solve(pressure=100e6).response(OpenVolume()))
+    18139 µm3 +- 1 %
     """
 
     @abc.abstractmethod

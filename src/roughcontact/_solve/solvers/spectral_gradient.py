@@ -52,6 +52,14 @@ class SpectralGradient(Solver):
     ----------
     Birgin, Martinez, Raydan, SIAM J. Optim. 10 (2000) 1196-1211,
     https://doi.org/10.1137/S1052623497330963
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), solver=rc.SpectralGradient())
+    >>> print(problem.solve(force=1.0).status)
+    converged: the conditions of contact hold within the tolerance
     """
 
     tolerance: float = attrs.field(converter=positive_tolerance, default=DEFAULT_TOLERANCE)

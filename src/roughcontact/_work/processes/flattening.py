@@ -14,7 +14,21 @@ from roughcontact.errors import InputError
 
 
 class FlatteningModel(abc.ABC):
-    """A model of plastic flattening; a class of your own gives the loss of height."""
+    """A model of plastic flattening; a class of your own gives the loss of height.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> class HalfOverlap(rc.Overlap):
+    ...     def height_loss(self, solution):
+    ...         return 0.5 * super().height_loss(solution)
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    >>> body = rc.Body(wave, steel)
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> print(rc.run_in(problem, pressure=100e6, model=HalfOverlap()).shakedown)
+    True
+    """
 
     @abc.abstractmethod
     def height_loss(self, solution: ContactSolution) -> Array:
@@ -35,6 +49,16 @@ class Overlap(FlatteningModel):
     carry the same pressure elastically, so that one cycle is shakedown. (The approach counts from first touch, which
     is later by the height that the highest summit lost.) The volume is not conserved. The same rule is used, for
     instance, by Weber et al., Nat. Commun. 9 (2018) 888, https://doi.org/10.1038/s41467-018-02981-y
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    >>> body = rc.Body(wave, steel)
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> print(rc.run_in(problem, pressure=100e6, model=rc.Overlap()).shakedown)
+    True
     """
 
     def height_loss(self, solution: ContactSolution) -> Array:
@@ -49,6 +73,16 @@ class UniformRise(FlatteningModel):
     Conserved is the volume, and so the mean height. Loaded again in the same place, the raised surface carries part of
     the load. In full contact all cells rise. The rise was observed on confined specimens by Pullen and Williamson,
     Proc. R. Soc. Lond. A 327 (1972) 159, https://doi.org/10.1098/rspa.1972.0038
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    >>> body = rc.Body(wave, steel)
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> print(rc.run_in(problem, pressure=100e6, model=rc.UniformRise()).shakedown)
+    True
     """
 
     def height_loss(self, solution: ContactSolution) -> Array:

@@ -143,6 +143,17 @@ def run_in(
         displaced although its heights do not repeat, or the model does not return heights.
     NotConverged
         If a contact is not certified.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    >>> body = rc.Body(wave, steel)
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> worn = rc.run_in(problem, pressure=100e6)
+    >>> print(f"{1e18 * worn.volume:.0f} µm3 flattened, shakedown: {worn.shakedown}")
+    78 µm3 flattened, shakedown: True
     """
     _is_problem(None, None, problem)
     chosen = flattening_models.resolve(model)

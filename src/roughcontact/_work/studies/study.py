@@ -103,6 +103,17 @@ class Study:
         If an argument is of a wrong type, there is not exactly one list of loads, a load cannot be carried,
         or seeds are given for a problem without random surfaces; if the axes are not parameters of the function, or
         it does not build its first problem.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> study = rc.Study(problems=problem, force=[0.5, 1.0])
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     print(len(study.run(folder)))
+    2
     """
 
     problems: Mapping[str, ContactProblem] = attrs.field(converter=_problems)

@@ -75,6 +75,14 @@ class ProjectedConjugateGradient(Solver):
     ----------
     Polonsky, Keer, Wear 231 (1999) 206-219, https://doi.org/10.1016/S0043-1648(99)00113-1;
     Vollebregt, J. Optim. Theory Appl. 162 (2014) 862-879, https://doi.org/10.1007/s10957-013-0499-x
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), solver=rc.ProjectedConjugateGradient())
+    >>> print(problem.solve(force=1.0).status)
+    converged: the conditions of contact hold within the tolerance
     """
 
     omitted: ClassVar[tuple[str, ...]] = (

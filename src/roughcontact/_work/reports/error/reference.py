@@ -62,6 +62,13 @@ class Reference:
     ------
     InputError
         If it is empty, or a value is not positive and finite.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> exact = rc.Reference(area=1.5e-9, area_error=1e-12, source="closed form")
+    >>> print(exact.source)
+    closed form
     """
 
     area: float | None = _value("area")

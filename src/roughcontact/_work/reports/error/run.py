@@ -172,6 +172,15 @@ def error_vs_time(
         If the load, a part or a list is not valid, or a surface is not known on the grid of the reference.
     NotConverged
         If the reference solution is not verified.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> report = rc.error_vs_time(problem, force=1.0, cells=[16, 32], repeats=1)
+    >>> len(report.rows)
+    4
     """
     if not isinstance(problem, ContactProblem):
         raise InputError.about("The problem", problem, "a ContactProblem")

@@ -92,6 +92,15 @@ def stability(
     ------
     InputError
         If `problem` is not a `ContactProblem`, not exactly one load is given, or it cannot be carried.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> report = rc.stability(problem, force=1.0)
+    >>> print(report.verdict)
+    pass
     """
     if not isinstance(problem, ContactProblem):
         raise InputError.about("The problem", problem, "a ContactProblem")
