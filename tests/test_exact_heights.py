@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -12,7 +13,7 @@ from exact_contacts import distances, with_fields
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, rim_ratio
 from roughcontact._answers.areas.hertz import _find_tip_error
-from roughcontact._answers.areas.rise import find_rise
+from roughcontact._answers.areas.rise import find_rise, fit_hyperboloid
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._solve.solution.healing import heal
 
@@ -141,14 +142,46 @@ def test_the_spread_of_the_curvature_is_the_same_of_transposed_heights():
 
 @pytest.mark.parametrize("radius", [0.01, 0.1, 0.3, 0.6, 2.0, 3.0, 5.0])
 def test_the_height_of_rounded_tips(radius):
-    """Tips of less than a cell are hyperboloids, others are polynomials, whose height is surer than that of a tip."""
+    """They are hyperboloids, whatever their radius."""
     x, y = np.arange(21.0)[:, np.newaxis] - 9.63, np.arange(19.0) - 9.21
     gap = np.sqrt(x**2 + y**2 + radius**2) - radius
     rise, std = find_rise(gap, rc.Boundary.FREE)
     true = gap.min()
-    assert abs(rise - true) <= max(2.5 * std, 1e-9)
-    assert rise == pytest.approx(true, rel=0.03)
-    assert std < (0.05 if radius < 1.0 else 0.02) * true
+    assert rise == pytest.approx(true, rel=1e-3)
+    assert abs(rise - true) <= std < 0.05 * true
+
+
+@pytest.mark.parametrize("power", [1.25, 1.5, 1.75])
+def test_the_height_of_tips_between_a_cone_and_a_paraboloid(power):
+    rng = np.random.default_rng(8)
+    ratios = []
+    for _ in range(40):
+        x, y = (
+            np.arange(cells)[:, np.newaxis] - middle
+            for cells, middle in zip((21, 19), rng.uniform(8, 12, 2), strict=True)
+        )
+        gap = (x**2 + y.T**2) ** (0.5 * power)
+        rise, std = find_rise(gap, rc.Boundary.FREE)
+        assert rise == pytest.approx(gap.min(), abs=0.1)
+        ratios.append((rise - gap.min()) / max(std, 1e-12))
+    assert np.mean(np.abs(ratios) <= 2.0) >= 0.9
+
+
+def test_waves_and_rough_surfaces_have_no_tips():
+    rng = np.random.default_rng(4)
+    for along_x, along_y in itertools.product((4, 6, 9, 16, 60, 1e3), repeat=2):
+        x, y = np.mgrid[-2:3, -2:3] - rng.uniform(-0.4, 0.4, (2, 1, 1))
+        wave = 2.0 - np.cos(2.0 * np.pi * x / along_x) - np.cos(2.0 * np.pi * y / along_y)
+        assert fit_hyperboloid(wave) == (None, 0.0)
+    heights = rc.SelfAffineSurface(hurst=0.5, rms_height=1.0, shortest=3.0, longest=48.0, seed=2).heights(
+        rc.Grid((96, 96), 96.0)
+    )
+    highest = [
+        place for place in np.argwhere(heights > np.quantile(heights, 0.95)) if 2 <= min(place) <= max(place) < 94
+    ]
+    assert len(highest) > 200
+    for i, j in highest:
+        assert fit_hyperboloid(-heights[i - 2 : i + 3, j - 2 : j + 3]) == (None, 0.0)
 
 
 @pytest.mark.parametrize("place", [(0, 11), (23, 11), (9, 0), (9, 20), (0, 0), (23, 20)])

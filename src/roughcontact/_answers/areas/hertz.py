@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from weakref import WeakKeyDictionary
 
 import attrs
@@ -62,7 +63,9 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     growth = _plastic_growth(solution, patches.forces * sharing.factor, area)
     area = area * growth
     constant, square, fourth = calibration.HERTZ_ERROR
-    slight = constant * summits.spread / (summits.spread + calibration.EVEN)
+    # Positions err with the longer side of a cell.
+    oblong = math.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
+    slight = constant * oblong * summits.spread / (summits.spread + calibration.EVEN)
     error = calibration.EXACT + slight + square * summits.spread**2 + fourth * summits.spread**4
     error = error + calibration.HERTZ_LAYERED * summits.change + calibration.SHARED * np.abs(1.0 - shared)
     unresolved, large = calibration.HERTZ_RESOLUTION

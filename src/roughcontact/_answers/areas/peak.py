@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import attrs
 import numpy as np
 
@@ -9,6 +11,7 @@ from roughcontact._answers.areas import quantity_calibration as calibration
 from roughcontact._answers.areas.cells import extend, find_cut_patches, grow
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
+from roughcontact._answers.areas.rise import BESIDE, fit_hyperboloid
 from roughcontact._answers.areas.summits import Summits
 from roughcontact._answers.areas.total import warn_if_uncertain
 from roughcontact._base.checks import Array, IntArray, Mask
@@ -74,7 +77,8 @@ class PeakPressure(QuantityEstimator):
         sharp = patches.cells[top] >= _SHARP_PATCH and _lies_at_step(solution, highest[top : top + 1])
         sharp = sharp or bool(_find_cut(solution, highest[top])) or bool(find_cut_patches(solution).any())
         more = _HOLES if _meets_holes(solution) else _SHARP if sharp else None
-        uncertainty = float(std[top]) if more is None else peak
+        pointed = peak * _find_point_error(solution, highest[top : top + 1], int(patches.cells[top]))
+        uncertainty = math.hypot(float(std[top]), pointed) if more is None else peak
         peak = min(peak, float(limit.max()))
         return warn_if_uncertain(peak, uncertainty, "Pa", _list_warnings(solution, area, more))
 
@@ -104,6 +108,15 @@ def _find_tip_error(cells: IntArray, sharpness: Array) -> Array:
     first, certain, most = calibration.PEAK_TIP
     part = np.clip((sharpness - first) / (certain - first), 0.0, 1.0)
     return np.asarray(most * part * cells**-0.25)
+
+
+def _find_point_error(solution: ContactSolution, highest: IntArray, cells: int) -> float:
+    """Return the relative error for the pressure at a tip that its gap shows, whose pressure shows no more."""
+    near = _gather(solution.initial_gap, solution.boundary, highest, BESIDE)
+    pointed = fit_hyperboloid(near[..., 0])[1]
+    certain, first, steep = calibration.PEAK_POINT
+    sharp = certain * min(pointed / first, 1.0) + steep * max(pointed - first, 0.0)
+    return float(sharp * cells**-0.25)
 
 
 def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Array) -> tuple[Array, Array]:

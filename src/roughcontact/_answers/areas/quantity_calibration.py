@@ -23,6 +23,9 @@ PEAK_OPEN = (0.1, 0.12, 4.0)
 # Relative standard deviation for tips: the sharpness from which it is added, that from which it is added whole, and its
 # size, times the fourth root of the number of cells; no unit. Set on r^1.5.
 PEAK_TIP = (0.3, 0.36, 0.45)
+# The same for tips that the gap shows: its size up to a measure of how pointed they are, that measure, and its slope
+# beyond it. Set on r^1.25, r^1.5 and r^1.75.
+PEAK_POINT = (0.4, 0.4, 6.0)
 # What is added to the resolution ratio under the sharpness, so that rounding does not count.
 SMALLEST_RATIO = 0.01
 # Relative standard deviation of a summit's maximum pressure: the lower bound, over that of its area, and at a free
@@ -107,6 +110,9 @@ MEAN_ERROR = 0.1
 # unit, and that of the height of a tip over itself.
 RISE_ERROR = 1.5
 POINTED_RISE = 0.03
+# What polynomials lack of the height of a tip between a cone and a paraboloid, over how pointed it is: the part of the
+# second differences that is added to the height, and the standard deviation over it. Set on tips r^1.25 to r^1.75.
+SHARP_RISE = (0.06, 0.4)
 # Resolution ratios between which the summits between the cells are lost.
 UNRESOLVED = (1.4, 2.0)
 # Standard deviation of the height of the highest summit over h^2 times the curvature under the contact: where they are

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from roughcontact._answers.areas.quantity_calibration import POINTED_RISE, RISE_ERROR
+from roughcontact._answers.areas.quantity_calibration import POINTED_RISE, RISE_ERROR, SHARP_RISE
 from roughcontact._answers.areas.spline import BEYOND, continue_beyond
 from roughcontact._base.checks import Array, Mask
 from roughcontact._parts.grid import Boundary
@@ -19,11 +19,17 @@ _REACH = 4
 _FURTHEST = 0.75
 _PLACES = np.linspace(-_FURTHEST, _FURTHEST, 13)
 # Cells on each side of a tip through which a hyperboloid is taken.
-_BESIDE = 2
-# A hyperboloid is a tip if its radius at the tip, over the range of the gap around it, and what it leaves of the gap,
-# over what a paraboloid leaves, are smaller.
-_BLUNT = 0.3
+BESIDE = 2
+# What a paraboloid leaves of the gap around a summit, over its range, below which the summit is one.
+_PARABOLOID = 1e-6
+# Smallest ratio of the principal curvatures of a hyperboloid: any ridge has one through five cells across it.
+_SLENDEREST = 0.1
+# What a hyperboloid leaves of the gap, over what a paraboloid leaves: below the first it is the summit, below the
+# second if its radius at the tip, over the range of the gap, is smaller than that, and from the third on no tip.
+_EXACT_MISFIT = 0.02
 _MISFIT = 0.2
+_BLUNT = 0.3
+_ROUND_MISFIT = 0.3
 # Second difference where a line has no kink, over the largest beside it.
 _KINKLESS = 1e-6
 
@@ -58,7 +64,7 @@ def find_rise(
     linear
         Whether the gap is linear between points, with its summits at points.
     """
-    if min(gap.shape) < 2 * _BESIDE + 1:
+    if min(gap.shape) < 2 * BESIDE + 1:
         return 0.0, float(np.ptp(gap))
     measured = gap if missing is None else np.where(missing, np.inf, gap)
     near, summits = _gather_highest(gap, measured, boundary)
@@ -69,11 +75,15 @@ def find_rise(
     near = near[summits]
     rough, fine = (_interpolate(near, reach) for reach in (_REACH - 1, _REACH))
     best = int(np.argmin(fine))
-    tip = _find_tip(near[best])
+    beside = slice(_REACH - BESIDE, _REACH + BESIDE + 1)
+    tip, pointed = fit_hyperboloid(near[best][beside, beside])
     if tip is not None:
         rise = max(highest - tip, 0.0)
         return rise, POINTED_RISE * rise
-    return max(highest - float(fine[best]), 0.0), RISE_ERROR * abs(float(fine[best] - rough.min()))
+    rise = max(highest - float(fine[best]), 0.0)
+    # Polynomials lack part of the height of tips between a cone and a paraboloid.
+    lacking = pointed * (rise + SHARP_RISE[0] * _find_bend(near[best]))
+    return rise + lacking, math.hypot(RISE_ERROR * float(fine[best] - rough.min()), SHARP_RISE[1] * lacking)
 
 
 def _gather_highest(gap: Array, measured: Array, boundary: Boundary) -> tuple[Array, Mask]:
@@ -122,33 +132,46 @@ def _interpolate(near: Array, reach: int) -> Array:
     return derive(0, 0) + np.where(inside, 0.5 * (x * along_x + y * along_y), 0.0)
 
 
-def _find_tip(near: Array) -> float | None:
-    """Return the gap at the tip of a summit, m; none where the summit is round.
+def _find_bend(near: Array) -> float:
+    """Return the sum of the second differences of the gap along x and y at a summit, m."""
+    here = near[_REACH, _REACH]
+    beside = near[_REACH - 1, _REACH] + near[_REACH + 1, _REACH] + near[_REACH, _REACH - 1] + near[_REACH, _REACH + 1]
+    return float(beside - 4.0 * here)
 
-    Paraboloids and cones are hyperboloids, (g + t)^2 a quadratic, which is linear in its seven numbers.
+
+def fit_hyperboloid(near: Array) -> tuple[float | None, float]:
+    """Return the gap at the tip of a hyperboloid, m, or none, and how pointed the summit is, from 0 to 1.
+
+    Paraboloids and cones are hyperboloids, (g + t)^2 a quadratic, which is linear in its seven numbers. The second is
+    zero on paraboloids, waves, rough surfaces and round tips, about 0.3 to 0.5 on tips r^1.5 and one on cones.
+
+    Parameters
+    ----------
+    near
+        Gap around a summit, m, shape (5, 5).
     """
-    beside = slice(_REACH - _BESIDE, _REACH + _BESIDE + 1)
-    lowest = near[_REACH, _REACH]
-    wide = float(np.ptp(near[beside, beside]))
+    lowest = near[BESIDE, BESIDE]
+    wide = float(np.ptp(near))
     if wide == 0.0:
-        return None
-    gap = ((near[beside, beside] - lowest) / wide).ravel()
-    x, y = (part.ravel() for part in np.mgrid[-_BESIDE : _BESIDE + 1, -_BESIDE : _BESIDE + 1].astype(np.float64))
+        return None, 0.0
+    gap = ((near - lowest) / wide).ravel()
+    x, y = (part.ravel() for part in np.mgrid[-BESIDE : BESIDE + 1, -BESIDE : BESIDE + 1].astype(np.float64))
     forms = np.stack((np.ones_like(x), x, y, x * x, x * y, y * y), axis=1)
-    round_off = gap - forms @ np.linalg.lstsq(forms, gap, rcond=None)[0]
+    round_off = float(np.linalg.norm(gap - forms @ np.linalg.lstsq(forms, gap, rcond=None)[0]))
     *form, shift = np.linalg.lstsq(np.column_stack((forms, -2.0 * gap)), gap**2, rcond=None)[0]
     hessian = np.array(((2.0 * form[3], form[4]), (form[4], 2.0 * form[5])))
-    if hessian[0, 0] <= 0.0 or np.linalg.det(hessian) <= 0.0:
-        return None
+    smaller, larger = np.linalg.eigvalsh(hessian)
+    if round_off < _PARABOLOID or smaller <= _SLENDEREST * larger or larger <= 0.0:
+        return None, 0.0
     place = -np.linalg.solve(hessian, form[1:3])
     if np.max(np.abs(place)) > _FURTHEST:
-        return None
-    radius = shift**2 + form[0] + 0.5 * float(np.dot(form[1:3], place))
+        return None, 0.0
+    radius = max(shift**2 + form[0] + 0.5 * float(np.dot(form[1:3], place)), 0.0)
     found = np.sqrt(np.maximum(forms @ form + shift**2, 0.0)) - shift
-    misfit = float(np.linalg.norm(found - gap)) / max(float(np.linalg.norm(round_off)), 1e-12)
-    if radius > _BLUNT**2 or misfit > _MISFIT:
-        return None
-    return float(lowest + wide * (math.sqrt(max(radius, 0.0)) - shift))
+    misfit = float(np.linalg.norm(found - gap)) / round_off
+    if misfit < _EXACT_MISFIT or (misfit < _MISFIT and radius < _BLUNT**2):
+        return float(lowest + wide * (math.sqrt(radius) - shift)), 1.0 if radius < _BLUNT**2 else 0.0
+    return None, max(1.0 - misfit / _ROUND_MISFIT, 0.0)
 
 
 def _extend_lines(near: Array) -> float:
