@@ -13,12 +13,13 @@ import pytest
 import roughcontact as rc
 from roughcontact import reference
 from roughcontact._answers.areas import ellipse
-from roughcontact._answers.areas.cells import count_sides, find_straight_rows, grow
+from roughcontact._answers.areas.cells import count_sides, find_straight_rows
 from roughcontact._answers.areas.polygons import find_kinds, measure_polygons
 from roughcontact._answers.linear.edge_correction import _find_rows, _shift
 from roughcontact._base.archive import remove_stale
 from roughcontact._parts.files.margins import require_heights
 from roughcontact._parts.files.points import put_on_grid
+from roughcontact._parts.grid import grow
 from roughcontact._parts.load import Load
 from roughcontact._solve.problem.sweep import Sweep, predict_pressure
 from roughcontact._solve.solvers.conjugate.descent import Descent

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import StrEnum
+from typing import Any
 
 import attrs
 import numpy as np
+import numpy.typing as npt
 
-from roughcontact._base.checks import Array, Pair, integer, pair
+from roughcontact._base.checks import Array, Mask, Pair, integer, pair
 from roughcontact._base.units import si
 from roughcontact.errors import InputError
 
@@ -120,3 +122,21 @@ class Grid:
 def _centres(count: int, size: float) -> Array:
     # Twice the offset is an integer, so that mirror images are exact.
     return np.asarray((2 * np.arange(count) + 1 - count) * (0.5 * size / count), dtype=np.float64)
+
+
+def extend(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArray[Any]:
+    """Return a field with `width` cells more on each side: periodic images, or the outermost cells repeated."""
+    return np.pad(field, width, mode="edge" if boundary is Boundary.FREE else "wrap")
+
+
+def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
+    """Return a mask with all cells up to `width` cells from a marked one marked, along rows, columns and diagonals."""
+    nx, ny = mask.shape
+    extended = extend(mask, width, boundary)
+    along_x = extended[:nx].copy()
+    for step in range(1, 2 * width + 1):
+        along_x |= extended[step : step + nx]
+    grown = along_x[:, :ny].copy()
+    for step in range(1, 2 * width + 1):
+        grown |= along_x[:, step : step + ny]
+    return grown

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import attrs
 import numpy as np
-import numpy.typing as npt
 
 from roughcontact._base.checks import Array, IntArray, Mask
-from roughcontact._parts.grid import Boundary
+from roughcontact._parts.grid import Boundary, extend
 from roughcontact._solve.solution import ContactSolution
 
 # Cells of the smallest patch that may have a sharp edge: in a smaller one three cells in a row rise outward by chance.
@@ -20,11 +17,6 @@ _INWARD = 2
 _STEPPED = 4.0
 # Steps, in cells, from a cell to its eight neighbours.
 _NEIGHBOURS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
-
-
-def extend(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArray[Any]:
-    """Return a field with `width` cells more on each side: periodic images, or the outermost cells repeated."""
-    return np.pad(field, width, mode="edge" if boundary is Boundary.FREE else "wrap")
 
 
 @attrs.frozen(eq=False)
@@ -76,19 +68,6 @@ def split(cells: IntArray, width: int) -> tuple[IntArray, IntArray]:
     """Return the rows and columns of flat indices; faster than `numpy.divmod`."""
     i = cells // width
     return i, cells - i * width
-
-
-def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
-    """Return a mask with all cells up to `width` cells from a marked one marked, along rows, columns and diagonals."""
-    nx, ny = mask.shape
-    extended = extend(mask, width, boundary)
-    along_x = extended[:nx].copy()
-    for step in range(1, 2 * width + 1):
-        along_x |= extended[step : step + nx]
-    grown = along_x[:, :ny].copy()
-    for step in range(1, 2 * width + 1):
-        grown |= along_x[:, step : step + ny]
-    return grown
 
 
 def find_cut_cells(solution: ContactSolution) -> Mask:

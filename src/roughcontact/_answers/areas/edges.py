@@ -8,11 +8,11 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import find_cut_cells, find_sharp_edges, find_straight_rows, grow
+from roughcontact._answers.areas.cells import find_cut_cells, find_sharp_edges, find_straight_rows
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
 from roughcontact._answers.areas.curvature import curvature_resolution, find_filled, lay_ratio, rim_ratio
 from roughcontact._base.checks import Array
-from roughcontact._parts.grid import Boundary
+from roughcontact._parts.grid import Boundary, grow
 from roughcontact._solve.solution import ContactSolution
 
 # Area between a smooth convex edge and its chords, in cells around each piece: a chord of length l cuts off

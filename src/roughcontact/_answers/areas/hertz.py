@@ -9,12 +9,13 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import extend, split
+from roughcontact._answers.areas.cells import split
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.sharing import Sharing, share_load
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._answers.areas.summits import Summits, find_summits
 from roughcontact._base.checks import Array, IntArray
+from roughcontact._parts.grid import extend
 from roughcontact._solve.solution import ContactSolution
 
 # Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.

@@ -8,14 +8,14 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import quantity_calibration as calibration
-from roughcontact._answers.areas.cells import extend, find_cut_patches, grow
+from roughcontact._answers.areas.cells import find_cut_patches
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
 from roughcontact._answers.areas.rise import BESIDE, fit_hyperboloid
 from roughcontact._answers.areas.summits import Summits
 from roughcontact._answers.areas.total import warn_if_uncertain
 from roughcontact._base.checks import Array, IntArray, Mask
-from roughcontact._parts.grid import Boundary
+from roughcontact._parts.grid import Boundary, extend, grow
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, QuantityEstimator, quantities
 
 # Change of the maximum pressure over 3 F / 2A of a summit c2 r^2 + c4 r^4, times c4 a^2 / c2: (32/9 - 32/5) / 4.

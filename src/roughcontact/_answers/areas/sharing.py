@@ -19,12 +19,12 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import Surroundings, grow, split
+from roughcontact._answers.areas.cells import Surroundings, split
 from roughcontact._answers.areas.ellipse import find_axes_ratio, find_depth, points_of_punch
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._answers.areas.summits import SLENDEREST, Summits, solve_for_area, unwrap
 from roughcontact._base.checks import Array, IntArray, Mask
-from roughcontact._parts.grid import Boundary
+from roughcontact._parts.grid import Boundary, grow
 from roughcontact._parts.kernels import Love
 from roughcontact._solve.solution import ContactSolution
 

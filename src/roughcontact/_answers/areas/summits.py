@@ -6,12 +6,12 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import grow, split
+from roughcontact._answers.areas.cells import split
 from roughcontact._answers.areas.ellipse import find_area_factor, find_axes_ratio, points_of_hertz
 from roughcontact._answers.areas.far_field import FarField, find_far_field
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._base.checks import Array, IntArray, Mask
-from roughcontact._parts.grid import Boundary
+from roughcontact._parts.grid import Boundary, grow
 from roughcontact._solve.solution import ContactSolution
 
 # Smallest ratio of the principal curvatures of a summit: longer contacts are not elliptic on a rough surface.

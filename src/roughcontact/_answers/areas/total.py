@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from roughcontact._answers.areas.cells import extend
 from roughcontact._answers.areas.contour import find_modulus_change
 from roughcontact._answers.areas.edges import TracedEdges
 from roughcontact._base.checks import Array
+from roughcontact._parts.grid import extend
 from roughcontact._solve.solution import Area, ContactSolution, Estimate
 
 # Fraction of the counted area in patches of fewer than four cells above which the grid does not resolve the contact ...

@@ -110,7 +110,18 @@ def solve_in_bands(matrix: Any, right: Array, widest: int) -> Array | None:
     from scipy.linalg import solveh_banded
     from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
-    order = reverse_cuthill_mckee(matrix.tocsr(), symmetric_mode=True)
+    matrix = matrix.tocsr()
+    alone = np.diff(matrix.indptr) == 1
+    if alone.any():
+        found = np.empty(right.shape)
+        found[alone] = right[alone] / matrix.diagonal()[alone]
+        if not alone.all():
+            others = solve_in_bands(matrix[~alone][:, ~alone], right[~alone], widest)
+            if others is None:
+                return None
+            found[~alone] = others
+        return found
+    order = reverse_cuthill_mckee(matrix, symmetric_mode=True)
     number = np.empty_like(order)
     number[order] = np.arange(order.size, dtype=order.dtype)
     entries = matrix.tocoo()

@@ -15,14 +15,14 @@ Duchon, Splines minimizing rotation-invariant semi-norms in Sobolev spaces (1977
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 import attrs
 import numpy as np
 
 from roughcontact._base.checks import Array, IntArray, Mask
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Boundary, Grid, extend, grow
 from roughcontact._parts.surfaces import WIDEST, fill, solve_in_bands
 
 if TYPE_CHECKING:
@@ -37,6 +37,8 @@ _HARMONIC = 1e-9
 _UNSURE = 0.5
 # Overlap of a point that touches over p h / E* of its surroundings: 1.1 for one cell in an even pressure (exact).
 _OVERLAP = 0.3
+# Steps to the cells around one.
+_AROUND = np.mgrid[-1:2, -1:2].reshape(2, 9)
 # Second differences along x and y, and across a cell: steps from it along both axes, and weights.
 _DIFFERENCES = (
     ((-1, 0, 1.0), (0, 0, -2.0), (1, 0, 1.0)),
@@ -73,11 +75,14 @@ def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
 
 def _overlaps(gap: Array, solution: ContactSolution, missing: Mask) -> Mask:
     """Return at which missing points this initial gap is closed, for the pressure around it, beyond its own error."""
-    from scipy import ndimage
-
-    around = ndimage.maximum_filter(solution.pressure, 3, mode="constant")[missing]
+    overlap = solution.approach - gap[missing] - solution.displacement[missing]
+    places = np.flatnonzero(overlap > 0.0)
+    i, j = (index[places, np.newaxis] + _AROUND[axis] for axis, index in enumerate(np.nonzero(missing)))
+    around = extend(solution.pressure, 1, solution.boundary)[i + 1, j + 1].max(axis=1)
     depth = around * math.sqrt(solution.grid.cell_area) / solution.modulus
-    return np.asarray(solution.approach - gap[missing] - solution.displacement[missing] > _OVERLAP * depth)
+    result = np.zeros(overlap.shape, dtype=bool)
+    result[places] = overlap[places] > _OVERLAP * depth
+    return result
 
 
 def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
@@ -101,10 +106,7 @@ def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
 
 def _bend_near(gap: Array, missing: Mask, places: Mask, solution: ContactSolution) -> Array:
     """Return a gap with that of minimum bending at the missing points near others, both masks of the gap's shape."""
-    from scipy import ndimage
-
-    mode: Literal["constant", "wrap"] = "constant" if solution.boundary is Boundary.FREE else "wrap"
-    near = missing & ndimage.maximum_filter(places, 2 * _NEAR + 1, mode=mode)
+    near = missing & grow(places, _NEAR, solution.boundary)
     if not near.any():
         return gap
     result = gap.copy()
