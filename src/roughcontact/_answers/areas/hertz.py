@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from weakref import WeakKeyDictionary
 
 import attrs
@@ -65,7 +64,7 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     area = area * growth
     constant, square, fourth = calibration.HERTZ_ERROR
     # Positions err with the longer side of a cell.
-    oblong = math.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
+    oblong = (max(solution.grid.spacing) / min(solution.grid.spacing)) ** 0.25
     slight = constant * oblong * summits.spread / (summits.spread + calibration.EVEN)
     error = calibration.EXACT + slight + square * summits.spread**2 + fourth * summits.spread**4
     error = error + calibration.HERTZ_LAYERED * summits.change + calibration.SHARED * np.abs(1.0 - shared)

@@ -113,7 +113,7 @@ def solve_in_bands(matrix: Any, right: Array, widest: int) -> Array | None:
     matrix = matrix.tocsr()
     alone = np.diff(matrix.indptr) == 1
     if alone.any():
-        found = np.empty(right.shape)
+        found: Array = np.empty(right.size)
         found[alone] = right[alone] / matrix.diagonal()[alone]
         if not alone.all():
             others = solve_in_bands(matrix[~alone][:, ~alone], right[~alone], widest)
@@ -134,7 +134,7 @@ def solve_in_bands(matrix: Any, right: Array, widest: int) -> Array | None:
     # Twice as wide takes four times as long.
     kind = np.ceil(np.log2(widths + 1.0)).astype(np.intp)[hole]
     lower = below >= 0
-    found = np.empty(order.size)
+    found = np.empty(right.size)
     for one in np.unique(kind):
         members = order[kind[order] == one]
         number[members] = np.arange(members.size, dtype=order.dtype)
