@@ -115,7 +115,7 @@ def report(
         for solution, _, _, case in area_classes.cases(name, split, folder):
             true, std = true_value(name, case, solution, NAMES[quantity])
             if math.isfinite(true) and true > 0.0:
-                found = solution.estimate(quantity)
+                found = solution.response(quantity)
                 rows.append((found.value / true - 1.0, found.uncertainty / true, std / true, case))
         if not rows:
             continue

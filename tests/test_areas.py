@@ -106,7 +106,8 @@ def test_an_estimator_that_fails_is_named():
 def test_an_area_reads_well():
     assert str(rc.Area(2e-9, 0.012, 1e-10, "count")) == "(2000 +- 100) µm2, (1.200 +- 0.060) % of nominal [count]"
     assert str(rc.Area(0.0, 0.0, 1e-12, "count")) == "(0.0 +- 1.0) µm2 [count]"
-    assert str(rc.Area(2e-9, 0.012, 1e-10, "count", warnings=("it is late",))).endswith("[count]; doubtful: it is late")
+    warned = rc.Area(2e-9, 0.012, 1e-10, "count", warnings=("it is late",))
+    assert str(warned).endswith("[count]; uncertain: it is late")
 
 
 def test_the_length_of_the_edge():

@@ -117,7 +117,7 @@ def test_full_contact_says_that_nothing_resists():
     found = full.conductance(50.0)
     assert found.value == math.inf
     assert any("touch everywhere" in warning for warning in found.warnings)
-    assert str(found).startswith("infinite conductance; doubtful: ")
+    assert str(found).startswith("infinite conductance; uncertain: ")
     assert not full.conductance(50.0, film_resistance=1e-9).warnings
 
 

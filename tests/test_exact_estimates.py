@@ -150,20 +150,20 @@ def test_length_approach_and_mean_gap_of_an_exact_ball(cell):
     lowest = exact.initial_gap.min()
     options = {"initial_gap": exact.initial_gap - lowest, "approach": exact.approach - lowest}
     solution = with_fields(grid, exact.pressure, exact.gap, **options)
-    assert solution.estimate("perimeter").value == pytest.approx(2.0 * np.pi * a, rel=3e-3)
-    approach = solution.estimate("approach")
+    assert solution.response("perimeter").value == pytest.approx(2.0 * np.pi * a, rel=3e-3)
+    approach = solution.response("approach")
     assert approach.value == pytest.approx(a**2 / radius, rel=1e-6)
     assert approach.uncertainty < 0.01 * approach.value
-    gap = solution.estimate("mean-gap")
+    gap = solution.response("mean-gap")
     shifted = with_fields(grid, exact.pressure, exact.gap, edge_shift=0.018, **options)
     shift, std = find_shift(shifted)
-    found, fraction = shifted.estimate("mean-gap"), shifted.area().fraction
+    found, fraction = shifted.response("mean-gap"), shifted.area().fraction
     assert gap.value - found.value == pytest.approx(shift * (1.0 - fraction), rel=1e-6)
     assert found.uncertainty >= std * (1.0 - fraction) * (1.0 - 1e-9)
     periodic = with_fields(grid, exact.pressure, exact.gap, boundary="periodic", **options)
-    assert periodic.estimate("mean-gap").value == pytest.approx(exact.gap.mean(), rel=1e-9)
-    assert shifted.estimate("approach").value == pytest.approx(a**2 / radius + shift, rel=1e-6)
-    count = solution.estimate("patches")
+    assert periodic.response("mean-gap").value == pytest.approx(exact.gap.mean(), rel=1e-9)
+    assert shifted.response("approach").value == pytest.approx(a**2 / radius + shift, rel=1e-6)
+    count = solution.response("patches")
     assert count.value == 1.0
     assert count.uncertainty < 0.2
 
@@ -172,7 +172,7 @@ def test_saturated_cells_have_no_gap_in_the_mean():
     grid = rc.Grid((10, 12), 1.0)
     pressure, gap = np.zeros(grid.shape), np.full(grid.shape, 3e-6)
     pressure[2:6, 2:6], gap[2:6, 2:6] = 2.0, -1e-6
-    found = with_fields(grid, pressure, gap, limit=2.0, boundary="periodic").estimate("mean-gap")
+    found = with_fields(grid, pressure, gap, limit=2.0, boundary="periodic").response("mean-gap")
     assert found.value == pytest.approx(3e-6 * 104 / 120)
 
 
@@ -202,5 +202,5 @@ def test_the_mean_gap_of_a_free_domain_is_the_integral_over_it(cell):
     grid = rc.Grid((16, 13), (16.0 * cell[0], 13.0 * cell[1]))
     gap = 1e-3 + 2e-3 * grid.x**2 + 1e-3 * grid.y**2
     exact = 1e-3 + (2e-3 * grid.size[0] ** 2 + 1e-3 * grid.size[1] ** 2) / 12.0
-    assert with_fields(grid, 0.0, gap).estimate("mean-gap").value == pytest.approx(exact, rel=1e-9)
-    assert with_fields(grid, 0.0, gap, boundary="periodic").estimate("mean-gap").value == pytest.approx(gap.mean())
+    assert with_fields(grid, 0.0, gap).response("mean-gap").value == pytest.approx(exact, rel=1e-9)
+    assert with_fields(grid, 0.0, gap, boundary="periodic").response("mean-gap").value == pytest.approx(gap.mean())

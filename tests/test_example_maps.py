@@ -107,7 +107,7 @@ def test_the_line_of_the_readme_gives_a_contact_whose_area_is_known(tmp_path, mo
     assert main([*line.split(), "-o", "contact.npz"]) == 0
     # A dozen saturated cells are not an area: that one is doubtful, and nothing else.
     said = " ".join(capsys.readouterr().out.split()).split("warning ")[1:]
-    assert all(text.startswith("The saturated area is doubtful") for text in said)
+    assert all(text.startswith("The saturated area is uncertain") for text in said)
     solution = rc.ContactSolution.load("contact.npz")
     assert solution.warnings == ()
     area = solution.area()

@@ -28,7 +28,7 @@ def test_the_approach_of_a_cone_at_any_place(shape, cell):
         center = rng.uniform(-1.5, 1.5, 2) * cell
         radius = rng.uniform(2.0, 3.2) * max(cell)
         solution, true = press_cone(shape, cell, center, radius)
-        found = solution.estimate("approach")
+        found = solution.response("approach")
         assert found.value == pytest.approx(true, rel=0.025)
         assert abs(found.value - true) <= 2.0 * found.uncertainty < 0.2 * true
 
@@ -36,7 +36,7 @@ def test_the_approach_of_a_cone_at_any_place(shape, cell):
 def test_the_approach_of_a_fine_cone_with_its_tip_between_four_cells():
     solution, true = press_cone((40, 40), (1.0, 1.0), (0.0, 0.0), 12.0)
     assert solution.approach < 0.97 * true
-    found = solution.estimate("approach")
+    found = solution.response("approach")
     assert found.value == pytest.approx(true, rel=1e-3)
     assert found.uncertainty < 5e-3 * true
 
@@ -59,7 +59,7 @@ def test_the_highest_summit_is_not_that_of_the_highest_cell(lower):
     added = []
     for one in (problem, deeper):
         solution = one.solve(force=0.5)
-        added.append(solution.estimate("approach").value - solution.approach)
+        added.append(solution.response("approach").value - solution.approach)
     assert added[0] - added[1] == pytest.approx(max(0.0, -lower) * rise, abs=5e-3 * rise)
 
 
@@ -81,7 +81,7 @@ def test_a_linear_map_touches_first_at_the_highest_of_its_points(factor):
     highest = float(points.max() - points.mean())
     gap = float(fine.gap.mean())
     for name, true in (("mean-gap", gap), ("approach", highest - gap)):
-        found = solution.estimate(name)
+        found = solution.response(name)
         assert found.value == pytest.approx(true, rel=2e-3)
         assert abs(found.value - true) <= 2.0 * found.uncertainty < 0.01 * true
 
@@ -94,8 +94,8 @@ def test_four_cells_a_wave_show_the_highest_summit():
         body = rc.Body(rc.HeightMap(heights, size=12.0, periodic=True), ELASTIC)
         solution = rc.ContactProblem(body, boundary="periodic").solve(pressure=2e-3)
         # What is added for uniform pressure on each cell is subtracted from the gap.
-        shift = solution.gap.mean() - solution.estimate("mean-gap").value
-        found = solution.estimate("approach")
+        shift = solution.gap.mean() - solution.response("mean-gap").value
+        found = solution.response("approach")
         rise = found.value - solution.approach - shift
         assert rise == pytest.approx(highest - heights.max(), abs=most * found.value)
         assert abs(rise - highest + heights.max()) <= 2.0 * found.uncertainty
@@ -117,5 +117,5 @@ def test_a_ball_that_yields_has_a_wider_uncertainty():
     for material in (ELASTIC, rc.ElasticPerfectlyPlastic(1.0, 0.0, limit)):
         body = rc.Body(rc.ParaboloidSurface(radius), material)
         solutions.append(rc.ContactProblem(body, grid=rc.Grid((48, 48), 4.8)).solve(force=force))
-    elastic, plastic = (solution.estimate("approach").uncertainty for solution in solutions)
+    elastic, plastic = (solution.response("approach").uncertainty for solution in solutions)
     assert plastic > 5.0 * elastic

@@ -57,18 +57,18 @@ def lose_points(contact, fraction, grouped, seed):
 def test_points_that_are_missing_outside_the_contact_change_no_number(shape, cell, make, grouped):
     heights, boundary, load = make(shape, cell)
     whole = press(heights, cell, boundary, load)
-    area, gap = whole.area(), whole.estimate("mean-gap")
+    area, gap = whole.area(), whole.response("mean-gap")
     for number, fraction in enumerate(FRACTIONS):
         mask = lose_points(whole.contact, fraction, grouped, number)
         holed = press(heights, cell, boundary, load, mask)
         # Groups beside the contact hide its edge.
         assert holed.area().value == pytest.approx(area.value, rel=1e-2 if grouped else 3e-3)
         assert holed.area().uncertainty == pytest.approx(area.uncertainty, rel=0.1, abs=2e-4 * area.value)
-        assert holed.estimate("perimeter").value == pytest.approx(whole.estimate("perimeter").value, rel=0.03)
-        found = holed.estimate("mean-gap")
+        assert holed.response("perimeter").value == pytest.approx(whole.response("perimeter").value, rel=0.03)
+        found = holed.response("mean-gap")
         assert found.value == pytest.approx(gap.value, rel=1e-2 if grouped else 4e-3)
         assert abs(found.value - gap.value) <= 2.0 * found.uncertainty
-        found, true = holed.estimate("approach"), whole.estimate("approach")
+        found, true = holed.response("approach"), whole.response("approach")
         assert abs(found.value - true.value) <= 2.0 * found.uncertainty
 
 
@@ -107,7 +107,7 @@ def test_mean_gap_of_a_ball_on_a_free_domain(shape):
         grid = rc.Grid((finer * shape[0], finer * shape[1]), shape)
         heights = np.array(rc.ParaboloidSurface(4e4, center=(0.3, 0.1)).heights(grid))
         solution = press(heights, (1.0 / finer, 1.0 / finer), "free", {"force": 4 * 4.0**2 / 3e4})
-        means.append(solution.estimate("mean-gap"))
+        means.append(solution.response("mean-gap"))
     assert abs(means[0].value - means[1].value) <= 2.0 * means[0].uncertainty
     assert means[0].uncertainty < 1e-3 * means[0].value
 
@@ -119,7 +119,7 @@ def test_a_hole_that_covers_a_corner_and_whole_rows_is_filled():
     mask[27:, 34:] = True
     whole, holed = press(heights, (1.0, 2.0), boundary, load), press(heights, (1.0, 2.0), boundary, load, mask)
     assert holed.area().value == pytest.approx(whole.area().value, rel=1e-4)
-    found, true = holed.estimate("mean-gap"), whole.estimate("mean-gap")
+    found, true = holed.response("mean-gap"), whole.response("mean-gap")
     # The bulk of the corner is filled by the harmonic surface.
     assert found.value == pytest.approx(true.value, rel=0.05)
     assert math.isfinite(found.uncertainty)
@@ -135,7 +135,7 @@ def test_holes_of_any_size_are_filled_alike(make, monkeypatch):
         monkeypatch.setattr("roughcontact._solve.solution.healing.WIDEST", widest)
         monkeypatch.setattr("roughcontact._parts.surfaces.filling.WIDEST", widest)
         solution = press(heights, (1.0, 3.0), boundary, load, mask)
-        found.append([solution.estimate(name).value for name in ("mean-gap", "approach", "perimeter")])
+        found.append([solution.response(name).value for name in ("mean-gap", "approach", "perimeter")])
     assert found[1] == pytest.approx(found[0], rel=1e-9)
 
 
@@ -148,4 +148,4 @@ def test_narrow_grids_with_missing_points(shape):
     mask.flat[[0, -1]] = True
     solution = press(heights, (1.0, 1.0), "free", {"force": 1e-3}, mask)
     assert solution.area().value > 0.0
-    assert math.isfinite(solution.estimate("mean-gap").value)
+    assert math.isfinite(solution.response("mean-gap").value)

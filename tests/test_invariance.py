@@ -21,7 +21,7 @@ from roughcontact.plotting import SampledSurface, make_figure
 from strategies import STRICT, seeds
 
 AREAS = sorted(rc.areas)
-QUANTITIES = sorted(rc.quantities)
+QUANTITIES = ("approach", "mean-gap", "patches", "peak-pressure", "perimeter")
 # Panels whose curves are named after the axes have the names exchanged by a transposition.
 EXCHANGED = {"along x": "along y", "along y": "along x"}
 THOUSAND = 1000.0
@@ -127,7 +127,7 @@ def scenes(draw):
 
 def read_answers(solution):
     answers = {f"area {name}": solution.area(name) for name in AREAS}
-    answers |= {f"estimate {name}": solution.estimate(name) for name in QUANTITIES}
+    answers |= {f"estimate {name}": solution.response(name) for name in QUANTITIES}
     if solution.saturated.any():
         answers["saturated area"] = solution.saturated_area()
     return answers

@@ -61,7 +61,7 @@ class TestLaw:
             solution = problem().solve(pressure=PRESSURES[index])
             area = solution.area()
             assert law["area"].values[index] == pytest.approx(area.fraction, rel=2e-4)
-            assert law["mean_gap"].values[index] == pytest.approx(solution.estimate("mean-gap").value, rel=1e-3)
+            assert law["mean_gap"].values[index] == pytest.approx(solution.response("mean-gap").value, rel=1e-3)
             assert law["area"].uncertainties[index] == pytest.approx(area.uncertainty / GRID.area, rel=0.05)
         # N/m and W/K over the nominal area.
         assert law["stiffness"].values == pytest.approx(1e7 * PRESSURES, rel=1e-9)

@@ -44,7 +44,7 @@ def press(seed, load, cells):
 
 
 def ask_quantities(solution):
-    return {name: solution.estimate(name) for name in QUANTITIES}
+    return {name: solution.response(name) for name in QUANTITIES}
 
 
 def ask_responses(solution):
@@ -132,7 +132,7 @@ def test_the_unit_of_length_changes_no_estimate_of_many_small_patches(boundary, 
         solution = rc.ContactProblem(body, boundary=boundary, threads=1).solve(pressure=load * stress, tolerance=1e-9)
         assert solution.patches.count > 5
         found = [solution.area(name) for name in AREAS]
-        found += [solution.estimate(name) for name in QUANTITIES]
+        found += [solution.response(name) for name in QUANTITIES]
         units = [length**2] * len(AREAS) + [stress, length, 1.0, length, length]
         return np.array([[one.value / unit, one.uncertainty / unit] for one, unit in zip(found, units, strict=True)])
 

@@ -292,7 +292,7 @@ def test_ends_and_refusals():
     for response in ("stiffness", "tangential-stiffness"):
         assert full.response(response).value == math.inf
         assert any("touch everywhere" in warning for warning in full.response(response).warnings)
-        assert str(full.response(response)).startswith("inf N/m; doubtful: ")
+        assert str(full.response(response)).startswith("inf N/m; uncertain: ")
     light = rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=1e6)
     empty = attrs.evolve(light, pressure=0.0 * light.pressure)
     assert empty.stiffness().value == 0.0

@@ -718,7 +718,7 @@ class TestFiles:
         begins = f"4 solves, 4 of them now, in {folder}".split()
         # Only estimates are doubtful, which leaves the status at 0, as of `solve`.
         assert printed[: len(begins)] == begins
-        assert "warning The contact area is doubtful: the" in " ".join(printed)
+        assert "warning The contact area is uncertain: the" in " ".join(printed)
         assert max(map(len, out.splitlines())) <= 80
         lines = [line.split() for line in out.splitlines()]
         start = next(place for place, line in enumerate(lines) if line[:4] == ["problem", "load", "area", "blend,"])

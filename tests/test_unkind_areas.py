@@ -75,7 +75,7 @@ def test_the_uncertainty_of_paraboloids_is_at_most_three_times_the_error():
 def test_perimeters_of_oblique_strips_are_within_two_and_no_large_error_goes_unwarned():
     ratios, unwarned = [], []
     for case in itertools.islice(unkind_classes.strips("held-out"), 18):
-        length = case.problem().solve(**case.load).estimate("perimeter")
+        length = case.problem().solve(**case.load).response("perimeter")
         error = abs(length.value - case.true["perimeter"])
         ratios.append(error / length.uncertainty)
         unwarned.append(0.0 if length.warnings else error / case.true["perimeter"])
@@ -94,8 +94,8 @@ def test_perimeters_of_light_contacts_with_a_lay_are_within_two():
             rc.ContactProblem(body, grid=rc.Grid((cells, cells), 12.0), boundary="periodic").solve(pressure=5e-4)
             for cells in (240, 60)
         )
-        length = coarse.estimate("perimeter")
-        ratios.append(abs(length.value - true.estimate("perimeter").value) / length.uncertainty)
+        length = coarse.response("perimeter")
+        ratios.append(abs(length.value - true.response("perimeter").value) / length.uncertainty)
     assert sum(ratio <= 2.0 for ratio in ratios) >= 10, max(ratios)
 
 
@@ -120,7 +120,7 @@ def press_cut(shape, cell, seed, finer):
 def test_rough_contacts_that_a_free_border_cuts_are_within_two(quantity, cut_contacts):
     ratios = []
     for coarse, fine in cut_contacts:
-        found, true = coarse.estimate(quantity), fine.estimate(quantity)
+        found, true = coarse.response(quantity), fine.response(quantity)
         ratios.append(abs(found.value - true.value) / found.uncertainty)
     assert sum(ratio <= 2.0 for ratio in ratios) >= len(ratios) - 1, ratios
 
@@ -150,6 +150,6 @@ def test_approach_of_ellipses_on_long_cells():
         exact = hertz_elliptic(force, radii, 1.0)
         body = rc.Body(rc.ParaboloidSurface(radii[::step], center=(0.3, -0.2)), rc.Elastic(1.0, 0.0))
         solution = rc.ContactProblem(body, grid=rc.Grid(shape[::step], size[::step])).solve(force=force)
-        found = solution.estimate("approach")
+        found = solution.response("approach")
         assert abs(found.value - exact.approach) <= 2.0 * found.uncertainty
         assert found.uncertainty < 1e-3 * found.value

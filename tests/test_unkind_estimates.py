@@ -61,7 +61,7 @@ def test_the_true_maximum_pressure_is_within_two_standard_deviations(name):
 def test_the_true_approach_of_pointed_summits_is_within_two_standard_deviations(power):
     ratios = []
     for case in itertools.islice(unkind_classes.tip("held-out", power), 15):
-        found = case.problem().solve(**case.load).estimate("approach")
+        found = case.problem().solve(**case.load).response("approach")
         ratios.append(abs(found.value - case.true["approach"]) / found.uncertainty)
     assert sum(ratio <= 2.0 for ratio in ratios) >= 14, max(ratios)
 

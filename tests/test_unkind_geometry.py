@@ -36,7 +36,7 @@ def test_slender_ellipses_in_domains_of_their_shape(ratio, minor, room, turned):
     if turned:
         radii, cells = radii[::-1], cells[::-1]
     solution = press(rc.ParaboloidSurface(radii, center=(0.31, -0.17)), rc.Grid(cells, cells), force=force)
-    area, length = solution.area(), solution.estimate("perimeter")
+    area, length = solution.area(), solution.response("perimeter")
     assert area.value == pytest.approx(math.pi * long * short, rel=2e-3)
     assert_within_two(area, math.pi * long * short)
     assert length.value == pytest.approx(4 * long * ellipe(1 - (short / long) ** 2), rel=2e-3)
@@ -73,7 +73,7 @@ def test_a_maximum_that_a_free_border_cuts_is_unbounded(center):
 def test_the_mean_gap_near_full_contact(pressure):
     surface = rc.WavySurface(amplitude=0.05, wavelength=16.0, phase=(1.0, 2.0))
     fine, *coarse = (
-        press(surface, rc.Grid((cells, cells), 16.0), boundary="periodic", pressure=pressure).estimate("mean-gap")
+        press(surface, rc.Grid((cells, cells), 16.0), boundary="periodic", pressure=pressure).response("mean-gap")
         for cells in (192, 48, 33)
     )
     for one in coarse:
@@ -86,7 +86,7 @@ def test_bodies_that_flow_do_not_overlap_in_the_mean_gap():
     material = rc.ElasticPerfectlyPlastic(1.0, 0.0, 0.02)
     solution = press(surface, rc.Grid((65, 65), 16.0), material, "periodic", pressure=0.018)
     open_gap = float(np.mean(np.where(solution.contact, 0.0, solution.gap)))
-    found = solution.estimate("mean-gap")
+    found = solution.response("mean-gap")
     assert open_gap > 0.0
     assert found.value == pytest.approx(open_gap, rel=0.05)
     assert_within_two(found, open_gap)
@@ -101,7 +101,7 @@ def test_no_estimate_is_sure_of_a_checkered_contact(boundary):
     for name in ("blend", "hertz", "level-set"):
         found = solution.area(name)
         assert abs(found.value - counted) <= 2 * found.uncertainty, name
-    assert solution.estimate("perimeter").value > 0.0
+    assert solution.response("perimeter").value > 0.0
 
 
 @pytest.mark.parametrize("cells", [(64, 64), (65, 33)])

@@ -1,5 +1,6 @@
-"""What a contact does: stiffness, conductance, gradients, stress below the surface, flow, partial slip."""
+"""Numbers of a contact, and what it does: stiffness, conductance, gradients, stress below, flow, partial slip."""
 
+from roughcontact._answers.areas import EdgeLength, MeanGap, PatchCount, PeakPressure, SummitApproach
 from roughcontact._answers.flow.leakage import GapFlow, Leakage
 from roughcontact._answers.flow.percolation import Percolation, find_percolation
 from roughcontact._answers.flow.throats import Throat
@@ -22,18 +23,23 @@ __all__ = [
     "CiavarellaJaeger",
     "Conductance",
     "ContactConductance",
+    "EdgeLength",
     "FirstYield",
     "FrettingLoop",
     "GapFlow",
     "Gradient",
     "Leakage",
+    "MeanGap",
     "PartialSlip",
+    "PatchCount",
+    "PeakPressure",
     "Percolation",
     "Stiffness",
     "Stress",
     "StressBelow",
     "StressField",
     "StressMaximum",
+    "SummitApproach",
     "TangentialStiffness",
     "Throat",
     "YieldPoint",

@@ -1003,7 +1003,7 @@ def test_the_saturated_area_warns_on_the_page_and_in_its_table():
     body = rc.Body(surface, rc.ElasticPerfectlyPlastic(210e9, 0.3, 7e9))
     problem = rc.ContactProblem(body, grid=rc.Grid((48, 48), 48e-6), boundary="periodic")
     solution = problem.solve(force=1.0)
-    found = [text for text in list_all_warnings(solution) if text.startswith("The saturated area is doubtful: ")]
+    found = [text for text in list_all_warnings(solution) if text.startswith("The saturated area is uncertain: ")]
     assert found
     (answer,) = describe_solutions([solution])
     assert answer["warnings"] == [f"{text.rstrip('.')}." for text in list_all_warnings(solution)]
@@ -1040,7 +1040,7 @@ def test_a_column_of_a_sweep_has_one_unit():
 
 
 def test_a_warning_of_several_loads_is_said_once_with_them():
-    edge, fine = "The maximum is doubtful: it lies at an edge.", "About 3.7 cells."
+    edge, fine = "The maximum is uncertain: it lies at an edge.", "About 3.7 cells."
     found = gather_warnings([("5 N", [edge]), ("10 N", [edge, "About 3.9 cells."]), ("20 N", [edge, fine])])
     assert found == [f"At 5 N, 10 N and 20 N: {edge}", f"At 10 N and 20 N (here with the numbers at 20 N): {fine}"]
     assert gather_warnings([("5 N", [edge])]) == [edge]

@@ -75,7 +75,7 @@ class Registry(Generic[T]):
                 owners.add(path_of(self._classes[name]))
             if owners - {path_of(cls)}:
                 raise InputError(
-                    f"The name {name!r} of {self._a_kind} is taken already by {', '.join(sorted(owners))}."
+                    f"The name {name!r} of {self._a_kind} is taken already by {', '.join(sorted(map(_owner, owners)))}."
                 )
             self._classes[name] = checked
             return cls
@@ -101,10 +101,10 @@ class Registry(Generic[T]):
         return self._classes[name]
 
     def __repr__(self) -> str:
-        paths = {name: " and ".join(entry.value for entry in found) for name, found in self._entries().items()}
-        paths |= {name: path_of(cls) for name, cls in self._classes.items()}
+        paths = {name: [entry.value for entry in found] for name, found in self._entries().items()}
+        paths |= {name: [path_of(cls)] for name, cls in self._classes.items()}
         width = max(map(len, paths), default=0)
-        rows = "".join(f"\n  {name:{width}}  {paths[name]}" for name in self)
+        rows = "".join(f"\n  {name:{width}}  {' and '.join(map(_owner, paths[name]))}" for name in self)
         return f"{self.kind}: {len(self)} subclasses of {self.base.__name__}{rows}"
 
     def name_of(self, cls: type) -> str | None:
@@ -199,6 +199,12 @@ def _list_required(cls: type) -> list[str]:
         return []
     several = inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD
     return [name for name, one in parameters if one.default is one.empty and one.kind not in several]
+
+
+def _owner(path: str) -> str:
+    """Return what a message says of a path ``module:name``: ``package:name`` where the module is private."""
+    package = path.partition(".")[0]
+    return f"{package}:{path.partition(':')[2]}" if path.startswith(f"{package}._") else path
 
 
 def path_of(cls: type) -> str:

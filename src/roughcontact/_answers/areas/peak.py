@@ -11,12 +11,13 @@ from roughcontact._answers.areas import quantity_calibration as calibration
 from roughcontact._answers.areas.cells import find_cut_patches
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
+from roughcontact._answers.areas.quantities import Quantity
 from roughcontact._answers.areas.rise import BESIDE, fit_hyperboloid
 from roughcontact._answers.areas.summits import Summits
 from roughcontact._answers.areas.total import warn_if_uncertain
 from roughcontact._base.checks import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, extend, grow
-from roughcontact._solve.solution import Area, ContactSolution, Estimate, QuantityEstimator, quantities
+from roughcontact._solve.solution import Area, ContactSolution, Estimate, responses
 
 # Change of the maximum pressure over 3 F / 2A of a summit c2 r^2 + c4 r^4, times c4 a^2 / c2: (32/9 - 32/5) / 4.
 _QUARTIC = -32.0 / 45.0
@@ -40,9 +41,9 @@ _SHARP = (
 _HOLES = "points inside the contact were not measured: beside them the pressure is unbounded, and depends on the grid"
 
 
-@quantities.register("peak-pressure")
+@responses.register("peak-pressure")
 @attrs.frozen
-class PeakPressure(QuantityEstimator):
+class PeakPressure(Quantity):
     r"""Maximum of the contact pressure, Pa.
 
     Each patch has the maximum :math:`\tfrac{3F}{2A}(1 - \tfrac{32}{45} c_4 a^2 / c_2)` of a summit
@@ -54,8 +55,8 @@ class PeakPressure(QuantityEstimator):
     Popov, Hess, Willert, Handbook of Contact Mechanics (2019), sec. 2.3.8, https://doi.org/10.1007/978-3-662-58709-6
     """
 
-    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
-        """Return the maximum pressure; see `QuantityEstimator.estimate`."""
+    def find(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the maximum pressure; see `Quantity.find`."""
         patches = solution.patches
         if patches.count == 0:
             return Estimate(0.0, 0.0, "Pa")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import abc
 import math
 
 import attrs
@@ -24,7 +25,17 @@ from roughcontact._answers.areas.summits import find_near_holes, is_elliptic
 from roughcontact._answers.areas.total import warn_if_uncertain
 from roughcontact._base.checks import Array
 from roughcontact._parts.grid import Boundary
-from roughcontact._solve.solution import Area, ContactSolution, Estimate, QuantityEstimator, fill_gap, heal, quantities
+from roughcontact._solve.solution import (
+    DEFAULT_AREA,
+    Area,
+    AreaEstimator,
+    ContactSolution,
+    Estimate,
+    Response,
+    fill_gap,
+    heal,
+    responses,
+)
 
 # Area that polygons lack inside a smooth convex edge, which `trace_edges` adds, cells: chords and corners.
 _CUT_OFF = 0.5 + EULER
@@ -36,17 +47,38 @@ _SMALL = (4, 9)
 _OUTWARD = np.array((2.0, -3.0, 1.0))
 
 
-@quantities.register("perimeter")
 @attrs.frozen
-class EdgeLength(QuantityEstimator):
+class Quantity(Response[Estimate]):
+    """A number of the contact that depends on its real area.
+
+    Attributes
+    ----------
+    estimator
+        Registered name or instance of the area estimator.
+    """
+
+    estimator: str | AreaEstimator = DEFAULT_AREA
+
+    def respond(self, solution: ContactSolution) -> Estimate:
+        """Return the number and its uncertainty."""
+        return self.find(heal(solution), solution.area(self.estimator))
+
+    @abc.abstractmethod
+    def find(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the number of a healed solution, given its real contact area."""
+
+
+@responses.register("perimeter")
+@attrs.frozen
+class EdgeLength(Quantity):
     r"""Length of the edge of the contact, m.
 
     Each patch has the length :math:`2\sqrt{\pi A q}` with its area A and the isoperimetric quotient q of
     Hertz's ellipse if it is a single summit, else of its traced edge.
     """
 
-    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
-        """Return the length; see `QuantityEstimator.estimate`."""
+    def find(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the length; see `Quantity.find`."""
         count = solution.patches.count
         if count == 0 or solution.contact.all():
             return Estimate(0.0, 0.0, "m", area.warnings)
@@ -93,16 +125,16 @@ class EdgeLength(QuantityEstimator):
         return warn_if_uncertain(length, std, "m", area.warnings)
 
 
-@quantities.register("patches")
+@responses.register("patches")
 @attrs.frozen
-class PatchCount(QuantityEstimator):
+class PatchCount(Quantity):
     """Number of contact patches: cells that share a side or a corner are one, and so is a summit between the cells.
 
     The common approach tells which summits without a cell in contact touch.
     """
 
-    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
-        """Return the number; see `QuantityEstimator.estimate`."""
+    def find(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the number; see `Quantity.find`."""
         patches = solution.patches
         if patches.count == 0:
             return Estimate(0.0, 0.0, "")
@@ -121,17 +153,17 @@ class PatchCount(QuantityEstimator):
         return Estimate(float(patches.count + hidden), std, "", area.warnings)
 
 
-@quantities.register("approach")
+@responses.register("approach")
 @attrs.frozen
-class SummitApproach(QuantityEstimator):
+class SummitApproach(Quantity):
     """Approach of the bodies since the first touch of the summits between the cells, m.
 
     The attribute `approach` of a solution counts from the highest cell. Added are the height of the summit above that
     cell and what uniform pressure on each cell subtracts: see `MeanGap`.
     """
 
-    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
-        """Return the approach; see `QuantityEstimator.estimate`."""
+    def find(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the approach; see `Quantity.find`."""
         healed = heal(solution)
         linear = healed.patches.count > 0 and measure_bend(healed).linear
         rise, rise_std = find_rise(healed.initial_gap, solution.boundary, solution.non_measured, linear=linear)
@@ -143,17 +175,17 @@ class SummitApproach(QuantityEstimator):
         return warn_if_uncertain(approach, math.hypot(rise_std, hidden, shift_std, cut_std), "m", warnings)
 
 
-@quantities.register("mean-gap")
+@responses.register("mean-gap")
 @attrs.frozen
-class MeanGap(QuantityEstimator):
+class MeanGap(Quantity):
     r"""Mean gap over the domain, m.
 
     With uniform pressure on each cell the approach is too small by :math:`h^2 \kappa / 36`, with the mean curvature
     :math:`\kappa` under the contact, and the mean gap too large (measured; zero for `fourier`).
     """
 
-    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
-        """Return the mean gap; see `QuantityEstimator.estimate`."""
+    def find(self, solution: ContactSolution, area: Area) -> Estimate:
+        """Return the mean gap; see `Quantity.find`."""
         shift, std = find_shift(solution)
         gap, holes_std = fill_gap(solution)
         # Where cells are saturated the bodies flow instead of overlapping.

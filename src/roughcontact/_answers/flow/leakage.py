@@ -12,7 +12,7 @@ from roughcontact._answers.flow.flow_solvers import solve_network
 from roughcontact._answers.flow.flow_uncertainty import estimate_uncertainty
 from roughcontact._answers.flow.throats import Throat, find_throat
 from roughcontact._base.checks import Array, Mask, integer, number, read_only
-from roughcontact._base.units import si
+from roughcontact._base.units import Estimate, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError, NotConverged
@@ -28,7 +28,7 @@ _MOLECULES = 1e-9
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class Leakage:
+class Leakage(Estimate):
     """The flow of a liquid through the gap, driven by a pressure drop between two opposite sides.
 
     Attributes
@@ -37,6 +37,8 @@ class Leakage:
         Volume flow, m3/s; exactly zero if no open path joins both sides.
     uncertainty
         One standard deviation, m3/s, of what the cells do not resolve.
+    unit
+        ``"m3/s"``.
     connected
         Whether an open path joins both sides.
     flow_factor
@@ -55,6 +57,7 @@ class Leakage:
 
     value: float = 0.0
     uncertainty: float = 0.0
+    unit: str = attrs.field(default="m3/s", init=False)
     connected: bool = False
     flow_factor: float = 0.0
     throat: Throat | None = None
@@ -90,13 +93,12 @@ class Leakage:
 
     def __str__(self) -> str:
         axis = "xy"[self.axis]
-        doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
         if not self.connected:
-            return f"no flow along {axis}: no open path joins the two sides{doubtful}"
+            return f"no flow along {axis}: no open path joins the two sides{self._reasons}"
         spread = f"{100 * self.uncertainty / self.value:.2g} %" if self.value > 0.0 else si(self.uncertainty, "m3/s", 2)
         return (
             f"{si(self.value, 'm3/s', 5)} +- {spread} along {axis}, flow factor {self.flow_factor:.4g}; "
-            f"{self.throat}{doubtful}"
+            f"{self.throat}{self._reasons}"
         )
 
 

@@ -124,7 +124,7 @@ def _solve(
         nominal = solution.grid.area
         row = {
             "area": Estimate(area.fraction, area.uncertainty / nominal, "", area.warnings),
-            "mean_gap": solution.estimate("mean-gap"),
+            "mean_gap": solution.response("mean-gap"),
         }
         row |= {name: _read_estimate(solution.response(response), name, response) for name, response in asked.items()}
         named = (f"{name}: {text}" for name in asked for text in row[name].warnings if text not in area.warnings)

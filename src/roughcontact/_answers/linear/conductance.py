@@ -12,7 +12,7 @@ from roughcontact._answers.linear.edge_correction import correct_edges
 from roughcontact._answers.linear.stiffness import describe_full_contact, list_warnings, require_mean_gap, sum_of
 from roughcontact._answers.linear.tangent import LinearSolution, Tangent
 from roughcontact._base.checks import Array, Pair, number, pair, read_only
-from roughcontact._base.units import outlined, si
+from roughcontact._base.units import Estimate, outlined, si
 from roughcontact._solve.solution import Area, ContactSolution, Response, responses
 from roughcontact.errors import InputError
 
@@ -29,7 +29,7 @@ def _film(value: float) -> float:
 
 
 @attrs.frozen(eq=False)
-class Conductance:
+class Conductance(Estimate):
     """The contact conductance: W/K for conductivities in W/(m K), S for conductivities in S/m.
 
     Attributes
@@ -39,6 +39,8 @@ class Conductance:
         boundary without film.
     uncertainty
         One standard deviation, W/K or S.
+    unit
+        ``"W/K"``; the same number is in S where the conductivities are in S/m.
     per_area
         `value` over the nominal area, W/(m2 K) or S/m2.
     patches
@@ -61,6 +63,7 @@ class Conductance:
     patches: Array = attrs.field(converter=read_only, repr=outlined)
     constriction: Array = attrs.field(converter=read_only, repr=outlined)
     film: Array = attrs.field(converter=read_only, repr=outlined)
+    unit: str = attrs.field(default="W/K", init=False)
     warnings: tuple[str, ...] = ()
 
     @property
@@ -70,9 +73,8 @@ class Conductance:
         return 1.0 / self.value - 1.0 / float(np.sum(1.0 / (self.constriction + self.film)))
 
     def __str__(self) -> str:
-        doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
         if math.isinf(self.value):
-            return f"infinite conductance{doubtful}"
+            return f"infinite conductance{self._reasons}"
         relative = f"{100 * self.uncertainty / self.value:.2g} %" if self.value > 0.0 else "0 %"
         heat = si(self.value, "W/K", 5)
         heat_per_area = si(self.per_area, "W/(m2 K)", 5)
@@ -82,7 +84,7 @@ class Conductance:
         return (
             f"{heat} ({current} if the conductivities are in S/m) +- {relative}, "
             f"{heat_per_area} ({current_per_area}) of nominal area, "
-            f"through {self.patches.size} patch{'' if self.patches.size == 1 else 'es'}{doubtful}"
+            f"through {self.patches.size} patch{'' if self.patches.size == 1 else 'es'}{self._reasons}"
         )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact._answers.subsurface.field import StressField, maximum_shear, shear_invariant, von_mises
 from roughcontact._base.checks import Array, RealArray
-from roughcontact._base.units import si
+from roughcontact._base.units import Estimate, si
 from roughcontact._parts.grid import Boundary
 
 # Relative error of the maximum at a depth of n cells, over 1/n^2 and 1/n^4: set on Hertz's balls and on rough
@@ -25,7 +25,7 @@ _SHALLOW = 2.0
 
 
 @attrs.frozen
-class StressMaximum:
+class StressMaximum(Estimate):
     """The maximum of a stress below a surface, and its place.
 
     Attributes
@@ -34,6 +34,8 @@ class StressMaximum:
         The maximum, Pa.
     uncertainty
         One standard deviation, Pa.
+    unit
+        ``"Pa"``.
     x, y, depth
         Its place, m; the origin is the centre of the domain at the surface.
     warnings
@@ -45,13 +47,13 @@ class StressMaximum:
     x: float
     y: float
     depth: float
+    unit: str = attrs.field(default="Pa", init=False)
     warnings: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
         relative = 100.0 * self.uncertainty / self.value if self.value > 0.0 else 0.0
         place = f"x = {si(self.x, 'm')}, y = {si(self.y, 'm')}, depth {si(self.depth, 'm')}"
-        return f"{si(self.value, 'Pa', 5)} +- {relative:.2g} % at {place}{doubtful}"
+        return f"{si(self.value, 'Pa', 5)} +- {relative:.2g} % at {place}{self._reasons}"
 
 
 @attrs.frozen

@@ -123,13 +123,17 @@ class Estimate:
     unit: str
     warnings: tuple[str, ...] = ()
 
+    @property
+    def _reasons(self) -> str:
+        """Why the value must not be trusted, at the end of a line."""
+        return "".join(f"; uncertain: {warning}" for warning in self.warnings)
+
     def __str__(self) -> str:
-        doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
         if not self.unit:
-            return f"{self.value:.6g} +- {self.uncertainty:.2g}{doubtful}"
+            return f"{self.value:.6g} +- {self.uncertainty:.2g}{self._reasons}"
         if math.isinf(self.value):
-            return f"{si(self.value, self.unit)}{doubtful}"
+            return f"{si(self.value, self.unit)}{self._reasons}"
         relative = (
             f"{100 * self.uncertainty / abs(self.value):.2g} %" if self.value else si(self.uncertainty, self.unit)
         )
-        return f"{si(self.value, self.unit, 5)} +- {relative}{doubtful}"
+        return f"{si(self.value, self.unit, 5)} +- {relative}{self._reasons}"

@@ -79,7 +79,7 @@ class LoadApproachPanel(Panel):
 
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a sweep; see `Panel.draw`."""
-        found: list[Estimate] = [solution.estimate("approach") for solution in subject.solutions]
+        found: list[Estimate] = [solution.response("approach") for solution in subject.solutions]
         loads, label = _scale_loads(subject)
         approach, deviation = (np.array([getattr(one, name) for one in found]) for name in ("value", "uncertainty"))
         factor, unit = prefixed(float(np.abs(approach).max()), "m")

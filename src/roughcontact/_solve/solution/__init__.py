@@ -16,11 +16,9 @@ from roughcontact._solve.solution.results import (
     AreaEstimator,
     Estimate,
     GridLevel,
-    QuantityEstimator,
     Residuals,
     Status,
     areas,
-    quantities,
 )
 from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES, Rule
 from roughcontact._solve.solution.several import gather_warnings, kind_of, list_quantities, name_load, note_loads
@@ -49,7 +47,6 @@ __all__ = [
     "Estimate",
     "GridLevel",
     "Origin",
-    "QuantityEstimator",
     "Residuals",
     "Response",
     "Rule",
@@ -75,7 +72,6 @@ __all__ = [
     "name_load",
     "note_loads",
     "page_or_file",
-    "quantities",
     "read",
     "read_figures",
     "require_netcdf",

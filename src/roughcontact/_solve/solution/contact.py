@@ -24,11 +24,8 @@ from roughcontact._solve.solution.results import (
     Area,
     AreaEstimator,
     Estimate,
-    QuantityEstimator,
     areas,
     judge_maps,
-    quantities,
-    require_estimate,
 )
 from roughcontact._solve.solution.saturation import estimate_saturated_area
 from roughcontact._solve.solution.summary import abbreviate, summarize
@@ -96,68 +93,152 @@ class ContactSolution(ContactFields):
         return () if self.origin is None else self.origin.maps
 
     def peak_pressure(self) -> Estimate:
-        """Return the maximum contact pressure between the cells, Pa; see `estimate`."""
-        return self.estimate("peak-pressure")
-
-    def estimate(self, quantity: str | QuantityEstimator, area: str | AreaEstimator = DEFAULT_AREA) -> Estimate:
-        """Return a number of the contact with its uncertainty, given an area estimator.
-
-        The names are ``"peak-pressure"``, ``"perimeter"``, ``"patches"``, ``"mean-gap"`` and ``"approach"``, since the
-        first touch of the summits between the cells.
-        """
-        chosen = quantities.resolve(quantity)
-        return require_estimate(chosen, chosen.estimate(heal(self), self.area(area)))
+        """Return the maximum contact pressure between the cells, Pa; see `roughcontact.responses.PeakPressure`."""
+        return self.response("peak-pressure")
 
     def response(self, response: str | Response[T]) -> T:
-        """Return what the contact does: its answer to a small change, a current, a flow.
+        """Return a number of the contact, or what it does: its answer to a small change, a current, a flow.
 
         Parameters
         ----------
         response
-            Registered name or instance of a response.
+            Registered name or instance of a response. Without arguments go ``"peak-pressure"``, ``"perimeter"``,
+            ``"patches"``, ``"mean-gap"``, ``"approach"`` (since the first touch of the summits between the cells),
+            ``"stiffness"`` and ``"tangential-stiffness"``; others are made with theirs by
+            ``roughcontact.responses.create``.
 
         Raises
         ------
         InputError
-            If there is no such response, or it means nothing for this contact.
+            If there is no such response, it means nothing for this contact, or it returns an `Estimate` without a
+            value.
         """
         chosen: Response[T] = responses.resolve(response)
-        return chosen.respond(self)
+        found = chosen.respond(self)
+        if isinstance(found, Estimate) and not (found.uncertainty >= 0.0 and abs(found.value) >= 0.0):
+            raise InputError(f"The response {chosen!r} returned {found!r}, which has no value or no uncertainty.")
+        return found
 
     def stiffness(self) -> Estimate:
-        """Return the normal stiffness dF/d(approach), N/m; see `roughcontact.responses.Stiffness`."""
+        """Return the normal stiffness dF/d(approach), N/m; `roughcontact.responses.Stiffness` states the equations."""
         return self.response("stiffness")
 
     def conductance(self, conductivity: float | Sequence[float], film_resistance: float = 0.0) -> Conductance:
-        """Return the thermal or electrical contact conductance; see `roughcontact.responses.ContactConductance`."""
+        """Return the thermal or electrical contact conductance, W/K or S.
+
+        `roughcontact.responses.ContactConductance` states the equations.
+
+        Parameters
+        ----------
+        conductivity
+            Of both bodies, or of each (body, counterbody), W/(m K) for heat or S/m for current.
+        film_resistance
+            Resistance of a film on the spots times its area, m2 K/W or Ohm m2.
+
+        Raises
+        ------
+        InputError
+            If a number is not positive, or the boundary has no conductance.
+        """
         asked = responses.create("conductance", conductivity, film_resistance=film_resistance)
         found: Conductance = self.response(asked)
         return found
 
     def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
-        """Return the stress below a surface, Pa, at depths, m; see `roughcontact.responses.StressBelow`."""
+        """Return the stress below a surface; `roughcontact.responses.StressBelow` states the equations.
+
+        Parameters
+        ----------
+        depths
+            Depths below the surface, m, shape (n,); None: from half a cell to two radii of the largest patch.
+        body
+            ``"body"`` or ``"counterbody"``.
+
+        Raises
+        ------
+        InputError
+            If the body has no stress: it is rigid or layered.
+        """
         stress: Stress = self.response(responses.create("stress", depths, body=body))
         return stress
 
     def first_yield(self, yield_stress: float, body: str = "body") -> YieldPoint:
-        """Return the load at which a body first yields below its surface; see `roughcontact.responses.FirstYield`."""
+        """Return the load, N, and depth, m, at which a body first yields below its surface.
+
+        `roughcontact.responses.FirstYield` tells how it is found.
+
+        Parameters
+        ----------
+        yield_stress
+            Yield stress in tension, Pa.
+        body
+            ``"body"`` or ``"counterbody"``.
+
+        Raises
+        ------
+        InputError
+            If the body has no stress, or the contact no problem that can be solved again.
+        """
         found: YieldPoint = self.response(responses.create("first-yield", yield_stress, body=body))
         return found
 
     def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
-        """Return the flow of a liquid through the gap, m3/s; see `roughcontact.responses.GapFlow`."""
+        """Return the flow of a liquid through the gap, m3/s; `roughcontact.responses.GapFlow` states the equations.
+
+        Parameters
+        ----------
+        axis
+            Axis along which it flows: 0 (x) or 1 (y).
+        viscosity
+            Pa s.
+        pressure_drop
+            Between the two sides, Pa.
+
+        Raises
+        ------
+        InputError
+            If a number is not positive, or the axis neither 0 nor 1.
+        """
         asked = responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop)
         found: Leakage = self.response(asked)
         return found
 
     def gradient(self, of: str | Callable[[Array], Array], with_respect_to: str = "heights") -> Array:
-        """Return the derivatives of a number of the contact; see `roughcontact.responses.Gradient`."""
+        """Return the derivatives of a number of the contact; `roughcontact.responses.Gradient` states the equations.
+
+        Parameters
+        ----------
+        of
+            ``"force"``, ``"approach"``, ``"mean-gap"``, ``"participation"`` or ``"area"``; or a function that takes the
+            pressure, shape (nx, ny), Pa, and returns the derivative of a number with respect to it, of that shape.
+        with_respect_to
+            ``"heights"``, m, ``"modulus"``, Pa, or ``"load"``, as it was given.
+
+        Returns
+        -------
+        numpy.ndarray
+            The derivatives, shape (nx, ny) for heights, else ().
+        """
         return self.response(responses.create("gradient", of, with_respect_to=with_respect_to))
 
     def partial_slip(self, *, tangential_force: float, friction: float, axis: int = 0) -> PartialSlip:
-        """Return the contact under a tangential force, N, below that of sliding.
+        """Return the contact under a tangential force below that of sliding.
 
-        See `roughcontact.responses.CiavarellaJaeger`.
+        `roughcontact.responses.CiavarellaJaeger` states the equations.
+
+        Parameters
+        ----------
+        tangential_force
+            N.
+        friction
+            Coefficient of friction.
+        axis
+            Direction of the force: 0 along x, 1 along y.
+
+        Raises
+        ------
+        InputError
+            If the force reaches that of sliding, or the contact has saturated cells.
         """
         asked = responses.create("partial-slip", tangential_force=tangential_force, friction=friction, axis=axis)
         found: PartialSlip = self.response(asked)

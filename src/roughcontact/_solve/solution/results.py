@@ -15,7 +15,7 @@ from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate as Estimate
 from roughcontact._base.units import prefixed, with_spread
 from roughcontact._parts.surfaces import HeightMap
-from roughcontact.errors import InputError
+from roughcontact._solve.solution.responses import Response
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
@@ -134,7 +134,7 @@ class GridLevel:
 
 
 @attrs.frozen
-class Area:
+class Area(Estimate):
     """Real contact area with its uncertainty.
 
     Attributes
@@ -147,6 +147,8 @@ class Area:
         One standard deviation, m2: the true area should lie within two of them.
     estimator
         Name of the estimator.
+    unit
+        ``"m2"``.
     perimeter
         Length of the edge of the contact, m; nan where the estimator does not give it.
     warnings
@@ -169,6 +171,7 @@ class Area:
     fraction: float
     uncertainty: float
     estimator: str
+    unit: str = attrs.field(default="m2", init=False)
     perimeter: float = attrs.field(default=math.nan, kw_only=True)
     warnings: tuple[str, ...] = attrs.field(default=(), kw_only=True)
     patches: Array | None = attrs.field(
@@ -183,8 +186,7 @@ class Area:
             percent = 100.0 * self.fraction
             # In points of percent like the fraction: a relative uncertainty in percent would be taken for points.
             texts.append(f"{with_spread(percent, percent * self.uncertainty / self.value)} % of nominal")
-        doubtful = "".join(f"; doubtful: {warning}" for warning in self.warnings)
-        return f"{', '.join(texts)} [{self.estimator}]{doubtful}"
+        return f"{', '.join(texts)} [{self.estimator}]{self._reasons}"
 
 
 def judge_maps(area: Area, maps: Iterable[HeightMap], cell_area: float) -> Area:
@@ -199,7 +201,7 @@ def judge_maps(area: Area, maps: Iterable[HeightMap], cell_area: float) -> Area:
     return attrs.evolve(area, uncertainty=uncertainty, warnings=(*area.warnings, *warnings))
 
 
-class AreaEstimator(abc.ABC):
+class AreaEstimator(Response[Area]):
     """A rule for the real contact area. Subclass it and define `estimate`.
 
     Examples
@@ -219,34 +221,9 @@ class AreaEstimator(abc.ABC):
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the real contact area and its uncertainty."""
 
-
-class QuantityEstimator(abc.ABC):
-    """A rule for a number of the contact. Subclass it and define `estimate`.
-
-    Examples
-    --------
-    >>> import roughcontact as rc
-    >>> class MeanPressure(rc.QuantityEstimator):
-    ...     def estimate(self, solution, area):
-    ...         value = solution.force / area.value
-    ...         return rc.Estimate(value, value * area.uncertainty / area.value, "Pa")
-    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
-    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
-    >>> print(problem.solve(force=1.0).estimate(MeanPressure()))
-    1.4508 GPa +- 0.0024 %
-    """
-
-    @abc.abstractmethod
-    def estimate(self, solution: ContactSolution, area: Area) -> Estimate:
-        """Return the number and its uncertainty, given the real contact area of the same solution."""
-
-
-def require_estimate(estimator: QuantityEstimator, found: object) -> Estimate:
-    """Return what an estimator has returned, if it is an `Estimate` of finite numbers."""
-    if not isinstance(found, Estimate) or not (math.isfinite(found.value) and found.uncertainty >= 0.0):
-        raise InputError(f"The estimator {estimator!r} returned {found!r}, which is not an Estimate of finite numbers.")
-    return found
+    def respond(self, solution: ContactSolution) -> Area:
+        """Return the real contact area, as `ContactSolution.area` does."""
+        return solution.area(self)
 
 
 areas = Registry(AreaEstimator, "area estimator", "roughcontact.areas")
-quantities = Registry(QuantityEstimator, "estimator of a quantity", "roughcontact.quantities")

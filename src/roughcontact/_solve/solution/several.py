@@ -37,8 +37,8 @@ def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], lis
     """Return the quantities of a solution by name, in SI units, and its warnings with theirs."""
     area = solution.area()
     peak = solution.peak_pressure()
-    gap = solution.estimate("mean-gap")
-    patches = solution.estimate("patches")
+    gap: Estimate = solution.response("mean-gap")
+    patches: Estimate = solution.response("patches")
     found = {
         "contact area": Estimate(area.value, area.uncertainty, "m2"),
         "contact area fraction": Estimate(area.fraction, area.uncertainty / solution.grid.area, ""),

@@ -66,7 +66,7 @@ def list_all_warnings(
         # The others have the warnings of the area too.
         texts = () if found is None else tuple(text for text in found.warnings if text not in seen)
         seen.update(texts)
-        gathered.update(dict.fromkeys(f"The {name} is doubtful: {text}" for text in texts))
+        gathered.update(dict.fromkeys(f"The {name} is uncertain: {text}" for text in texts))
     return list(gathered)
 
 
