@@ -20,7 +20,6 @@ import roughcontact as rc
 from roughcontact._base import archive
 from roughcontact._faces.html import citation, figures, rerun
 from roughcontact._faces.html.elements import escape, quantity
-from roughcontact._faces.html.wording import name_advice
 from roughcontact._solve.solution import origin as origins
 from roughcontact._solve.solution.several import gather_warnings, list_quantities
 
@@ -179,7 +178,7 @@ class TestContent:
         words = text_of(read(solution.to_html()))
         assert solution.warnings
         assert solution.area().warnings
-        for text in map(name_advice, (*solution.warnings, *solution.area().warnings)):
+        for text in (*solution.warnings, *solution.area().warnings):
             assert words.index("Warnings") < words.index(" ".join(text.split())) < words.index("Figures")
 
     def test_saturated_cells_and_kernels_of_layers(self):

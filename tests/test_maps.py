@@ -131,7 +131,7 @@ class TestWarnings:
         assert "of the points of the map are filled from their neighbours, and may touch: keep them" in text
         assert rc.read_surface(tmp_path / "map.npz", non_measured="keep").warnings == ()
         _, out, _ = run("info", tmp_path / "map.npz", "--non-measured", "fill")
-        assert "keep them with --non-measured keep" in " ".join(out.split())
+        assert "and may touch: keep them non-measured" in " ".join(out.split())
         status, out, _ = run("info", tmp_path / "map.npz", "--non-measured", "keep")
         assert status == 0
         assert "warning" not in out

@@ -740,7 +740,7 @@ class TestFiles:
         assert main(["run", str(study_file)]) == 3
         printed = " ".join(capsys.readouterr().out.split())
         assert printed.count("A Young's modulus of 210 Pa is that of a foam or a gel.") == 1
-        assert "for heights of a file in another unit give --unit. [2 of 4 solves]" in printed
+        assert "and the unit of heights from a file. [2 of 4 solves]" in printed
         assert main(["run", str(study_file)]) == 3
 
     def test_warnings_that_differ_in_numbers_alone_are_one(self, tmp_path):

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 from roughcontact import __version__
 from roughcontact._base.units.text import fit, printable
 from roughcontact._faces.cli import Command, commands
-from roughcontact._faces.cli.wording import name_advice, name_options
+from roughcontact._faces.cli.wording import name_options
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import translated
 
@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Exception as error:
         known = translated(error, call)
         if isinstance(known, NotConverged):
-            return _fail(name_advice(known.reason), 1)
+            return _fail(known.reason, 1)
         return _fail(str(known), 1 if isinstance(known, UnexpectedError) else 2)
 
 

@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import LARGEST, Array, number
+from roughcontact._base.warnings import ContactWarning
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
@@ -74,7 +75,7 @@ def exponential(cells: Sequence[float], values: Sequence[float]) -> Extrapolatio
     scales = np.geomspace(0.05 * x[0], 50.0 * x[-1], 400)
     t, limit, slope, residual, warnings = _fit_curve(x, y, scales, lambda t: np.exp(-x / t))
     if not 0.5 * x[0] <= t <= x[-1]:
-        warnings += (f"the decay length t = {t:.3g} cells lies outside the data",)
+        warnings += (ContactWarning(f"the decay length t = {t:.3g} cells lies outside the data", "decay length", t),)
     return Extrapolation("exponential", limit, {"A0": limit, "k": slope, "t": t}, residual, warnings)
 
 
@@ -88,7 +89,7 @@ def power_law(cells: Sequence[float], values: Sequence[float]) -> Extrapolation:
     h = x[0] / x
     q, limit, slope, residual, warnings = _fit_curve(x, y, np.geomspace(0.05, 20.0, 400), lambda q: h**q)
     if not _ORDERS[0] <= q <= _ORDERS[1]:
-        warnings += (f"the order q = {q:.3g} is not plausible",)
+        warnings += (ContactWarning(f"the order q = {q:.3g} is not plausible", "order", q),)
     return Extrapolation("power law", limit, {"A0": limit, "c": float(slope * x[0] ** q), "q": q}, residual, warnings)
 
 
@@ -129,12 +130,13 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
         order = number(order, "The order of the error", at_least=_KNOWN_ORDERS[0], at_most=_KNOWN_ORDERS[1])
     q = order if order is not None else _observe_order(x, y)
     if not math.isfinite(q) or q <= 0.0:
-        warnings += ("the three finest values do not converge with a positive order; the finest is returned",)
+        text = "the three finest values do not converge with a positive order; the finest is returned"
+        warnings += (ContactWarning(text, "order", q),)
         return Extrapolation("Richardson", float(y[-1]), {"q": q}, 0.0, warnings)
     growth = (x[-1] / x[-2]) ** q
     value = float(y[-1] + (y[-1] - y[-2]) / (growth - 1.0))
     if order is None and not _ORDERS[0] <= q <= _ORDERS[1]:
-        warnings += (f"the observed order q = {q:.3g} is not plausible",)
+        warnings += (ContactWarning(f"the observed order q = {q:.3g} is not plausible", "order", q),)
     # The finest grid that was not used shows how well one order describes the data.
     used = 2 if order is not None else 3
     misfit = 0.0
@@ -142,7 +144,10 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
         error = float(y[-used - 1]) - value
         misfit = abs(error - (float(y[-1]) - value) * (x[-1] / x[-used - 1]) ** q)
         if misfit > _MISFIT * abs(error):
-            warnings += (f"the error of the next coarser grid is off by {100 * misfit / abs(error):.0f} %",)
+            off = misfit / abs(error)
+            warnings += (
+                ContactWarning(f"the error of the next coarser grid is off by {100 * off:.0f} %", "misfit", off),
+            )
     return Extrapolation("Richardson", value, {"q": float(q)}, misfit, warnings + _check_monotone(y))
 
 
@@ -196,20 +201,21 @@ def _fit_curve(
     warnings: tuple[str, ...] = ()
     if x.size <= _PARAMETERS:
         exactly = f"determine {_PARAMETERS} parameters exactly: the misfit says nothing"
-        warnings += (
-            f"{x.size} grids {exactly if x.size == _PARAMETERS else f'cannot determine {_PARAMETERS} parameters'}",
-        )
+        text = f"{x.size} grids {exactly if x.size == _PARAMETERS else f'cannot determine {_PARAMETERS} parameters'}"
+        warnings += (ContactWarning(text, "few grids", x.size),)
     step = abs(limit - float(y[-1]))
     if residual > _MISFIT * step:
         part = f"{100 * residual / step:.0f} % of" if step > 0.0 else "more than"
-        warnings += (f"the curve misses the data by {part} its step beyond the finest grid",)
+        text = f"the curve misses the data by {part} its step beyond the finest grid"
+        warnings += (ContactWarning(text, "misfit", residual),)
     return scale, limit, slope, residual, warnings + _check_monotone(y)
 
 
 def _check_monotone(y: Array) -> tuple[str, ...]:
     steps = np.diff(y)
     monotone = (steps >= 0.0).all() or (steps <= 0.0).all()
-    return () if monotone else ("the values do not change monotonically with the grid",)
+    text = "the values do not change monotonically with the grid"
+    return () if monotone else (ContactWarning(text, "monotony"),)
 
 
 def _observe_order(x: Array, y: Array) -> float:

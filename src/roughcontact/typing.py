@@ -13,7 +13,7 @@ results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
              `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`, `TheoryBeside`,
-             `Stress`, `StressField`, `StressMaximum`, `YieldPoint`
+             `Stress`, `StressField`, `StressMaximum`, `YieldPoint`, `ContactWarning`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 responses    `Leakage`, `Throat`, `Percolation`
 ===========  ==========================================================================================================
@@ -24,6 +24,7 @@ from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.archive import replacing
 from roughcontact._base.checks import Array, IntArray, Mask, Pair, RealArray
 from roughcontact._base.tables import Table
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap
 from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
@@ -81,6 +82,7 @@ __all__ = [
     "ContactConditions",
     "ContactFields",
     "ContactPatches",
+    "ContactWarning",
     "ConvolutionSetup",
     "Cycle",
     "ErrorReport",

@@ -30,7 +30,7 @@ def describe_solutions(solutions: Sequence[ContactSolution]) -> list[dict[str, A
             "certified": solution.status.success,
             "seconds": solution.seconds,
             "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
-            "warnings": [end_sentence(in_words_of_page(text)) for text in (*_warn_of_hardness(solution), *warnings)],
+            "warnings": [end_sentence(text) for text in (*_warn_of_hardness(solution), *warnings)],
         }
         for solution, (quantities, warnings) in zip(solutions, found, strict=True)
     ]
@@ -42,7 +42,7 @@ def _warn_of_hardness(solution: ContactSolution) -> list[str]:
     if not exceeds_metals(solution, materials):
         return []
     pressure = si(float(solution.pressure.max()), "Pa", 2)
-    return [f"The maximum pressure, {pressure}, is more than metals bear: unless it is meant, fill in 'Hardness'"]
+    return [f"The maximum pressure, {pressure}, is more than metals bear: unless it is meant, give a hardness"]
 
 
 def list_warnings(answers: list[dict[str, Any]]) -> list[str]:

@@ -9,7 +9,7 @@ from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
 from roughcontact.errors import InputError
 
 from roughcontact_app.scene import Scene
-from roughcontact_app.words import end_sentence, in_words_of_page
+from roughcontact_app.words import end_sentence
 
 
 def describe(scene: Scene) -> dict[str, object]:
@@ -31,7 +31,7 @@ def describe(scene: Scene) -> dict[str, object]:
             ["Non-measured points", _count_non_measured(scene)],
         ],
         "history": list(scene.rough.provenance),
-        "warnings": [end_sentence(in_words_of_page(text)) for text in warnings],
+        "warnings": [end_sentence(text) for text in warnings],
     }
 
 

@@ -8,12 +8,6 @@ from collections.abc import Callable
 from roughcontact._base.units import si
 
 _CONTROLS = {
-    "surface.detrend('plane'), on the command line --detrend plane": "'Form that is removed: plane'",
-    "give a hardness (ElasticPerfectlyPlastic, on the command line --hardness)": "fill in 'Hardness'",
-    "Lengths are in m and moduli in Pa: 5 µm is 5e-6, 210 GPa is 210e9; for heights of a file in another unit give "
-    "unit= (on the command line --unit)": "Check the units that are chosen beside the numbers, and those of the file",
-    "use a surface that repeats, or boundary='free'": "use a surface that repeats, or choose that nothing is beyond "
-    "the border",
     "give decimal=',' or decimal='.'": "write decimals with points, or separate the numbers by semicolons",
     ", or a ParaboloidSurface": " or a larger radius",
     "Say which it is: rows='y', or rows='x'": "Choose which it is beside 'Rows of the file'",
@@ -29,7 +23,6 @@ _CONTROLS = {
     "skip them with skip_rows=": "delete that row",
     ", as by scipy.interpolate.griddata": "",
     "write the heights with numpy.savez(path, heights=heights, size=(lx, ly))": "write one row for each x",
-    " (rc.beyond_resolution gives the range of areas)": "",
     "float64": "double precision",
     "float32": "single precision",
 }

@@ -93,7 +93,7 @@ def _plan(settings: Settings, upload: Upload | None, calibration: float) -> dict
         "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
         "basis": _BASIS if calibration == 1.0 else _CORRECTED,
         "text": in_words_of_page(problem.explain()),
-        "warnings": [end_sentence(in_words_of_page(text)) for text in plan.warnings],
+        "warnings": [end_sentence(text) for text in plan.warnings],
     }
 
 

@@ -16,6 +16,7 @@ from roughcontact._answers.areas.rise import BESIDE, fit_hyperboloid
 from roughcontact._answers.areas.summits import Summits
 from roughcontact._answers.areas.total import warn_if_uncertain
 from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._parts.grid import Boundary, extend, grow
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, responses
 
@@ -35,10 +36,14 @@ _THIRD = np.array((-0.5, 1.0, 0.0, -1.0, 0.5))
 _LARGEST_CHANGE = 0.2
 # Distance of the maximum from the centre of the highest cell, in cells along an axis: half the diagonal.
 _FURTHEST = 0.71
-_SHARP = (
-    "the maximum lies at a sharp edge or at the border, where the pressure is unbounded: its value depends on the grid"
+_SHARP = ContactWarning(
+    "the maximum lies at a sharp edge or at the border, where the pressure is unbounded: its value depends on the grid",
+    "sharp edge",
 )
-_HOLES = "points inside the contact were not measured: beside them the pressure is unbounded, and depends on the grid"
+_HOLES = ContactWarning(
+    "points inside the contact were not measured: beside them the pressure is unbounded, and depends on the grid",
+    "non-measured points",
+)
 
 
 @responses.register("peak-pressure")

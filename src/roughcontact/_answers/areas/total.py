@@ -9,6 +9,7 @@ import numpy as np
 from roughcontact._answers.areas.contour import find_modulus_change
 from roughcontact._answers.areas.edges import TracedEdges
 from roughcontact._base.checks import Array
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._parts.grid import extend
 from roughcontact._solve.solution import Area, ContactSolution, Estimate
 
@@ -78,7 +79,8 @@ def _judge_uncertainty(what: str, value: float, std: float, warnings: tuple[str,
     """Return the warnings, or if there are none and two standard deviations are more than 10 %, that they are."""
     if warnings or std <= _UNCERTAIN * abs(value):
         return warnings
-    return (f"the grid hardly determines {what}, whose uncertainty is above 5 %: refine the grid",)
+    text = f"the grid hardly determines {what}, whose uncertainty is above 5 %: refine the grid"
+    return (ContactWarning(text, "uncertainty", std / abs(value) if value else math.inf),)
 
 
 def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tuple[str, ...]:
@@ -86,19 +88,22 @@ def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tup
     warnings = []
     waves = 2.0 * math.pi / math.sqrt(curvature_resolution) if curvature_resolution > 0.0 else math.inf
     if waves < _CELLS:
-        warnings.append(
+        text = (
             f"the shortest waves have about {waves:.2g} cells; the area needs about 8 "
             "(a finer grid of a measured map adds no heights)"
         )
+        warnings.append(ContactWarning(text, "resolution", waves))
     small = solution.patches.small_fraction
     if small > _SMALL and curvature_resolution > _SMOOTH:
-        warnings.append(f"{100 * small:.3g} % of the counted area is in patches of fewer than four cells")
+        text = f"{100 * small:.3g} % of the counted area is in patches of fewer than four cells"
+        warnings.append(ContactWarning(text, "small patches", small))
     change = find_modulus_change(solution)
     if change > _LAYERED:
-        warnings.append(
+        text = (
             f"the modulus changes by a factor of {math.exp(change):.2g} between wavelengths of about a cell, as on a "
             "thin layer: refine the grid"
         )
+        warnings.append(ContactWarning(text, "layer", math.exp(change)))
     if not solution.status.success:
-        warnings.append("the solution is not converged")
+        warnings.append(ContactWarning("the solution is not converged", "convergence"))
     return tuple(warnings)

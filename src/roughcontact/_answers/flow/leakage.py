@@ -13,6 +13,7 @@ from roughcontact._answers.flow.flow_uncertainty import estimate_uncertainty
 from roughcontact._answers.flow.throats import Throat, find_throat
 from roughcontact._base.checks import Array, Mask, integer, number, read_only
 from roughcontact._base.units import Estimate, si
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError, NotConverged
@@ -164,7 +165,8 @@ class GapFlow(Response[Leakage]):
             return self._measure(solution, network, open_cells, across / along)
         warnings = _list_warnings(solution)
         if find_paths(open_cells, periodic=periodic, corners=True).any():
-            warnings = (*warnings, "The two sides are joined through corners of cells alone: refine the grid.")
+            text = "The two sides are joined through corners of cells alone: refine the grid."
+            warnings = (*warnings, ContactWarning(text, "resolution"))
         return Leakage(grid=solution.grid, **attrs.asdict(self), warnings=warnings)
 
     def _measure(self, solution: ContactSolution, network: FlowNetwork, open_cells: Mask, aspect: float) -> Leakage:
@@ -184,7 +186,8 @@ class GapFlow(Response[Leakage]):
         throat = find_throat(network, lost, open_cells, grid, self.axis, periodic=periodic)
         warnings = (*_list_warnings(solution), *_judge_throat(throat, min(grid.shape)))
         if not warnings and relative > _UNCERTAIN:
-            warnings = ("The grid hardly determines the flow, whose uncertainty is above 10 %: refine the grid.",)
+            text = "The grid hardly determines the flow, whose uncertainty is above 10 %: refine the grid."
+            warnings = (ContactWarning(text, "uncertainty", relative),)
         unit = flow_unit(self.viscosity, self.pressure_drop, network.widest)
         mean = float(np.mean(np.where(find_open_cells(solution), solution.gap, 0.0))) / network.widest
         return Leakage(
@@ -218,9 +221,10 @@ def find_open_cells(solution: ContactSolution) -> Mask:
 
 def _list_warnings(solution: ContactSolution) -> tuple[str, ...]:
     """Return why the gap must not be trusted."""
-    warnings = [] if solution.status.success else [f"The contact is {solution.status}."]
+    warnings = [] if solution.status.success else [ContactWarning(f"The contact is {solution.status}.", "convergence")]
     if solution.non_measured is not None and (count := int(np.count_nonzero(solution.non_measured))):
-        warnings.append(f"{count} non-measured cells are taken as closed: their gap is not known.")
+        text = f"{count} non-measured cells are taken as closed: their gap is not known."
+        warnings.append(ContactWarning(text, "non-measured points", count))
     return tuple(warnings)
 
 
@@ -228,7 +232,9 @@ def _judge_throat(throat: Throat, cells: int) -> tuple[str, ...]:
     """Return why the flow through a throat must not be trusted; cells is the shorter side of the domain."""
     warnings = []
     if throat.cells < min(_CELLS, cells) and throat.fraction >= _FRACTION:
-        warnings.append(f"The critical throat is {throat.cells:.3g} cells across, below {_CELLS:g}: refine the grid.")
+        text = f"The critical throat is {throat.cells:.3g} cells across, below {_CELLS:g}: refine the grid."
+        warnings.append(ContactWarning(text, "resolution", throat.cells))
     if throat.gap < _MOLECULES:
-        warnings.append(f"The gap in the critical throat is {si(throat.gap, 'm', 3)}, of molecular size.")
+        text = f"The gap in the critical throat is {si(throat.gap, 'm', 3)}, of molecular size."
+        warnings.append(ContactWarning(text, "molecular gap", throat.gap))
     return tuple(warnings)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from roughcontact._base.checks import number
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._parts.materials import Material
 from roughcontact.errors import InputError
 
@@ -58,10 +59,11 @@ def judge_coupling(materials: Sequence[Material], modulus: float) -> tuple[str, 
             "displacement are coupled and partial slip does not follow from normal contact. To neglect that, give one "
             "body the contact modulus E* of the pair, Elastic(E* (1 - nu^2), nu), and make the other Rigid()."
         )
-    return (
+    text = (
         f"one of the bodies is rigid: the results are those of two bodies of like materials with the same contact "
-        f"modulus. The coupling of normal and tangential displacement, Dundurs' beta = {abs(beta):.2g}, is neglected",
+        f"modulus. The coupling of normal and tangential displacement, Dundurs' beta = {abs(beta):.2g}, is neglected"
     )
+    return (ContactWarning(text, "coupling", abs(beta)),)
 
 
 def _constants(material: Material) -> tuple[float, float]:

@@ -10,6 +10,7 @@ import numpy as np
 from roughcontact._answers.linear.edge_correction import correct_edges
 from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base.checks import Array
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
@@ -92,9 +93,10 @@ def require_mean_gap(solution: ContactSolution, what: str) -> None:
         )
 
 
-def describe_full_contact(what: str) -> str:
+def describe_full_contact(what: str) -> ContactWarning:
     """Return why what is asked, in words, is infinite in full contact on a periodic boundary."""
-    return f"the surfaces touch everywhere, so that the interface yields nothing and its {what} is infinite"
+    text = f"the surfaces touch everywhere, so that the interface yields nothing and its {what} is infinite"
+    return ContactWarning(text, "full contact")
 
 
 def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple[str, ...]:
@@ -103,4 +105,5 @@ def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple
     edges = (contact[0], contact[-1], contact[:, 0], contact[:, -1])
     if solution.boundary is not Boundary.FREE or not any(edge.any() for edge in edges):
         return warnings
-    return (*warnings, "the contact reaches the border of a free domain, which counts as its edge")
+    text = "the contact reaches the border of a free domain, which counts as its edge"
+    return (*warnings, ContactWarning(text, "edge contact"))

@@ -9,6 +9,7 @@ import attrs
 from roughcontact._answers.linear.coupling import judge_coupling
 from roughcontact._answers.linear.stiffness import find_normal_answer
 from roughcontact._answers.linear.tangential_compliance import find_tangential_compliance, tangential_axis
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._solve.problem import problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
@@ -72,9 +73,10 @@ class TangentialStiffness(Response[Estimate]):
         ratio = 1.0 / compliance.ratio
         too_small = compliance.excess
         if too_small > _TOLD:
-            warnings += (
+            text = (
                 f"the traction is taken to be in proportion to the normal answer, which makes the tangential stiffness "
-                f"too small by about {100 * too_small:.1g} %",
+                f"too small by about {100 * too_small:.1g} %"
             )
+            warnings += (ContactWarning(text, "proportional traction", too_small),)
         std = ratio * math.hypot(normal.uncertainty, _UNSURE * too_small * normal.value)
         return Estimate(ratio * normal.value, std, "N/m", warnings)

@@ -13,6 +13,7 @@ from roughcontact._answers.linear.tangential_compliance import find_tangential_c
 from roughcontact._answers.slip.fretting_loop import FrettingLoop
 from roughcontact._base.checks import Array, Mask, integer, number, read_only
 from roughcontact._base.units import si
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.load import Load
 from roughcontact._solve.problem import predict_pressure, problem_of
@@ -198,9 +199,12 @@ class CiavarellaJaeger(Response[PartialSlip]):
         stick_area, slip_area = _compare_areas(solution, stuck)
         energy = _widen(_dissipate(solution, stuck, 4.0 * self.friction**2 * ratio), unsure)
         if energy.uncertainty > _UNRESOLVED * energy.value and energy.uncertainty > 0.0:
-            warnings += ("the slip zone is too narrow for this grid to resolve the dissipated energy",)
+            text = "the slip zone is too narrow for this grid to resolve the dissipated energy"
+            warnings += (ContactWarning(text, "resolution"),)
         warnings += stick_area.warnings
-        warnings += tuple(str(one.status) for one in (solution, stuck) if not one.status.success)
+        warnings += tuple(
+            ContactWarning(str(one.status), "convergence") for one in (solution, stuck) if not one.status.success
+        )
         return PartialSlip(
             tangential_force=self.tangential_force,
             friction=self.friction,

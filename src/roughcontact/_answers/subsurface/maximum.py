@@ -11,6 +11,7 @@ import numpy as np
 from roughcontact._answers.subsurface.field import StressField, maximum_shear, shear_invariant, von_mises
 from roughcontact._base.checks import Array, RealArray
 from roughcontact._base.units import Estimate, si
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._parts.grid import Boundary
 
 # Relative error of the maximum at a depth of n cells, over 1/n^2 and 1/n^4: set on Hertz's balls and on rough
@@ -148,12 +149,12 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
             depth = depth * math.exp(shift)
     else:
         end = "the smallest" if top == 0 else "the largest"
-        warnings.append(
-            f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
-        )
+        text = f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
+        warnings.append(ContactWarning(text, "depths", depth))
     cells = depth / cell
     if cells < _SHALLOW:
-        warnings.append(f"the maximum lies only {cells:.2g} cells below the surface, where it depends on the grid")
+        text = f"the maximum lies only {cells:.2g} cells below the surface, where it depends on the grid"
+        warnings.append(ContactWarning(text, "resolution", cells))
     inverse = 1.0 / max(cells, 1e-3) ** 2
     relative = math.hypot(_FLOOR, min(_COARSE[0] * inverse + _COARSE[1] * inverse**2, 1.0))
     uncertainty = math.hypot(relative * value, _BETWEEN_DEPTHS * rise)

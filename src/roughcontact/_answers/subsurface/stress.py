@@ -25,6 +25,7 @@ from roughcontact._answers.subsurface.planes import StressPlanes, common_step, f
 from roughcontact._base.checks import Array, choice, frozen_array, numbers, read_only
 from roughcontact._base.machine import require_memory, use_threads
 from roughcontact._base.units import outlined, si
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.problem import problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
@@ -39,7 +40,10 @@ _FEWEST = 4.0
 _LAST = 0.5
 # Largest depth, in sides of the domain, for which the stress is computed.
 _DEEPEST = 100.0
-_SHARP = "the contact has a sharp edge or reaches the border, where the stress is unbounded: it depends on the grid"
+_SHARP = ContactWarning(
+    "the contact has a sharp edge or reaches the border, where the stress is unbounded: it depends on the grid",
+    "sharp edge",
+)
 _DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1e60"
 
 
@@ -67,9 +71,10 @@ class Stress:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Why the stress must not be trusted, in sentences; empty without a reason."""
-        warnings = [] if self.solution.status.success else [str(self.solution.status)]
+        warnings = [] if self.solution.status.success else [ContactWarning(str(self.solution.status), "convergence")]
         if self.solution.boundary is Boundary.WRAPPED:
-            warnings.append("beyond the wrapped border nothing lies for the stress, as if the boundary were free")
+            text = "beyond the wrapped border nothing lies for the stress, as if the boundary were free"
+            warnings.append(ContactWarning(text, "wrapped boundary"))
         return tuple(warnings)
 
     def __len__(self) -> int:

@@ -12,7 +12,6 @@ import roughcontact as rc
 from roughcontact._base.tables import Table
 from roughcontact._base.units import si
 from roughcontact._base.units.text import fit
-from roughcontact._faces.cli.wording import name_advice
 from roughcontact._solve.problem import Sweep, make_table
 from roughcontact._solve.solution import versions
 
@@ -117,7 +116,7 @@ def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = Non
         lines += [f"warning  {text} [at {', '.join(at)}]" for text, at in texts.items()]
     if estimator is not None:
         lines += ["", *(f"Area: {solution.area(estimator)}" for solution in solutions)]
-    return fit(name_advice("\n".join(lines)))
+    return fit("\n".join(lines))
 
 
 def _warnings(solution: rc.ContactSolution) -> tuple[str, ...]:

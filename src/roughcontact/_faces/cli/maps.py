@@ -7,7 +7,7 @@ import numpy as np
 import roughcontact as rc
 from roughcontact._base.checks import Array
 from roughcontact._base.units.text import fit
-from roughcontact._faces.cli.wording import name_advice, name_options
+from roughcontact._faces.cli.wording import name_options
 from roughcontact._parts.surfaces import list_facts
 from roughcontact._solve.solution import find_scene
 from roughcontact.reference import roughness
@@ -33,7 +33,7 @@ def list_warnings(surface: rc.HeightMap) -> list[str]:
     gap = surface.values.max() - surface.values
     units = find_scene(gap, surface.grid, rc.Boundary.FREE, ())[0].warning
     texts = (units, _judge_form(surface), *surface.warnings)
-    return [fit(f"warning       {name_options(name_advice(text), ('unit',))}") for text in texts if text]
+    return [fit(f"warning       {name_options(text, ('unit',))}") for text in texts if text]
 
 
 def _judge_form(surface: rc.HeightMap) -> str:

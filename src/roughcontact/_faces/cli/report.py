@@ -14,7 +14,6 @@ from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.options import NUMBER, add_output, whole_number
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.cli.scenes import Scene, add_scenes, read_scenes
-from roughcontact._faces.cli.wording import name_advice
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.solution import DEFAULT_AREA
 from roughcontact._work.reports.error import ErrorReport
@@ -115,7 +114,7 @@ examples:
         for scene in read_scenes(options):
             with show_progress("solving"):
                 report = rc.stability(scene.problem, **scene.load)
-            print(f"{_heading(scene)}{name_advice(str(report))}")
+            print(f"{_heading(scene)}{report}")
             if estimator is not None:
                 print(fit(f"area: {report.solution.area(estimator)}"))
             status = max(status, _status(report.verdict))
@@ -131,7 +130,7 @@ class _Gallery(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
         """Print the table and exit with its status."""
         gallery = rc.stability_gallery()
-        print(name_advice(str(gallery)))
+        print(gallery)
         parser.exit(_status(gallery.verdict))
 
 

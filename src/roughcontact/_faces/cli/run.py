@@ -13,11 +13,10 @@ from pathlib import Path
 
 from roughcontact._base.units import counted
 from roughcontact._base.units.text import fit
+from roughcontact._base.warnings import kind_of
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.options import whole_number
 from roughcontact._faces.cli.progress import show_progress
-from roughcontact._faces.cli.wording import name_advice
-from roughcontact._solve.solution import kind_of
 from roughcontact._work.studies import Record, StudyResult
 from roughcontact.errors import InputError
 
@@ -43,7 +42,7 @@ examples:
 
         study = read_study(options.study)
         if options.dry_run:
-            print(fit(name_advice(study.explain())))
+            print(fit(study.explain()))
             return 0
         if options.workers < 1:
             raise InputError.about("The number of workers", options.workers, "a whole number of at least 1")
@@ -62,7 +61,7 @@ examples:
         for record in result.failed:
             print(fit(f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}"))
         for text in list_warnings(result):
-            print(fit(name_advice(text)))
+            print(fit(text))
         doubtful = DOUBTFUL if any(record.doubtful for record in result) else 0
         return 1 if result.failed else doubtful
 

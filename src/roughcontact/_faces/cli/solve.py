@@ -19,7 +19,6 @@ from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_num
 from roughcontact._faces.cli.outputs import plan_outputs, write_outputs
 from roughcontact._faces.cli.problem import loads_of, problem_of
 from roughcontact._faces.cli.progress import describe_steps, show_progress
-from roughcontact._faces.cli.wording import name_advice
 from roughcontact._parts.load import Load
 from roughcontact._parts.surfaces import find_maps
 from roughcontact._solve.problem import run_sweep
@@ -84,7 +83,7 @@ examples:
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
         if options.explain or options.dry_run:
-            plan = fit(name_advice(problem.explain()))
+            plan = fit(problem.explain())
             print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
         loads = tuple(problem.require_load(**load.arguments) for load in loads_of(options))
         if options.dry_run:

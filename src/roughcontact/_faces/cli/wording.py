@@ -9,22 +9,6 @@ from collections.abc import Iterable
 _VALUE = r"(?P<value>\((?:x, y|[-+.e0-9, ]+)\)(?:, m\b)?|'[^']*'|-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]+)?)?(?=[\s,.;:)]|$)"
 # "size=(x, y), m (on the command line --size)": what stands in brackets is the option.
 _ASIDE = re.compile(r"\s*\(on the command line (?P<option>--[^()]*)\)")
-# What advice says in Python, by what the command line says instead.
-_ADVICE = {
-    "surface.detrend('plane'), on the command line --detrend plane": "--detrend plane",
-    "or boundary='free'": "or --boundary free",
-    "give a hardness (ElasticPerfectlyPlastic, on the command line --hardness)": "give --hardness",
-    "5 µm is 5e-6, 210 GPa is 210e9;": "write 5um, 210GPa;",
-    "unit= (on the command line --unit)": "--unit",
-    "with non_measured='keep'": "with --non-measured keep",
-    " (rc.beyond_resolution gives the range of areas)": "",
-    "solver='spectral-gradient'": "--solver spectral-gradient",
-}
-# Lines may have been broken at each blank and behind each hyphen of a phrase.
-_PHRASES = {
-    re.compile(re.escape(phrase).replace(r"\ ", r"\s+").replace(r"\-", r"\-\s*")): words
-    for phrase, words in _ADVICE.items()
-}
 # Arguments that are lengths.
 _LENGTHS = ("size", "unit")
 
@@ -39,13 +23,6 @@ def name_options(sentence: str, names: Iterable[str]) -> str:
     aside = re.compile(argument.pattern + _ASIDE.pattern)
     sentence = aside.sub(lambda found: found["option"] if " " in found["option"] else _option(found), sentence)
     return _ASIDE.sub("", argument.sub(_option, sentence)) if argument.search(sentence) else sentence
-
-
-def name_advice(text: str) -> str:
-    """Return results and their warnings, wrapped or not, with options in place of the phrases of Python."""
-    for phrase, words in _PHRASES.items():
-        text = phrase.sub(words, text)
-    return text
 
 
 def _option(found: re.Match[str]) -> str:

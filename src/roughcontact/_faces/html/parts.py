@@ -9,7 +9,6 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate
 from roughcontact._faces.html.elements import element, escape, grid, items, section, tag
 from roughcontact._faces.html.figures import Picture, draw_panels
-from roughcontact._faces.html.wording import name_advice
 from roughcontact._parts.load import Load
 from roughcontact._solve.problem import Sweep
 from roughcontact._solve.solution import ContactSolution, gather_warnings, list_quantities, name_load
@@ -45,8 +44,7 @@ def make_verdict(solutions: Sequence[ContactSolution]) -> str:
 
 def make_warnings(texts: Sequence[str]) -> str:
     """Return the warnings, if there are any."""
-    shown = items([name_advice(text) for text in texts])
-    return element("div", f"<h2>Warnings</h2>{shown}", class_="warnings") if texts else ""
+    return element("div", f"<h2>Warnings</h2>{items(texts)}", class_="warnings") if texts else ""
 
 
 def list_sweep_warnings(sweep: Sweep) -> list[str]:

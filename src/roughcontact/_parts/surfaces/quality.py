@@ -10,6 +10,7 @@ import scipy.fft
 
 from roughcontact._base.checks import Array, Mask
 from roughcontact._base.units import si
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.filling import smooth_over
 from roughcontact._parts.surfaces.spectrum import mean_in_bands, power_spectrum
@@ -44,7 +45,9 @@ _DISTINCT = 0.3
 _MOST_HOLES = 0.5
 # ... and above which it is not judged for noise: the surface through the holes has some.
 _FEW_HOLES = 0.05
-_NOISE = "the shortest waves of the map are mostly noise, which makes the area too small: filter it"
+_NOISE = ContactWarning(
+    "the shortest waves of the map are mostly noise, which makes the area too small: filter it", "noise"
+)
 # Fraction of points that are the mean of their neighbours above which they are filled in.
 _FILLED = 0.02
 # Amplitude of a periodic part of the differences in interpolated maps, over their mean and over the median amplitude.
@@ -54,7 +57,6 @@ _PEAK = 12.0
 # of 1 to 40 waves have up to 37, rough maps interpolated four times at least 57 on 160 x 160 cells, 20 on 64 x 64.
 _MANY_WAVES = 40
 _CELLS_PER_WAVE = 300
-_ADVICE = "a finer grid cannot bring them back (rc.beyond_resolution gives the range of areas)"
 
 
 def list_map_warnings(
@@ -79,24 +81,24 @@ def list_map_warnings(
     cell = max(grid.spacing)
     period = _find_period(part)
     if period > 0.0:
-        return (
-            f"the map looks interpolated (its differences repeat every {period:.2g} cells): use it as it was measured",
+        text = (
+            f"the map looks interpolated (its differences repeat every {period:.2g} cells): use it as it was measured"
         )
+        return (ContactWarning(text, "interpolated map", period),)
     levels = _levels(part)
     steps = np.diff(levels) / float(np.median(np.diff(levels)))
     if _FEWEST < levels.size < _FEW and np.abs(steps - np.rint(steps)).max() < _EVEN:
-        return ("the heights of the map rise in steps as large as their differences: measure with finer steps",)
+        text = "the heights of the map rise in steps as large as their differences: measure with finer steps"
+        return (ContactWarning(text, "stepped map"),)
     warnings = []
     filled = _find_filled(part)
     if levels.size <= _DISTINCT * part.size:
         filled[...] = False
     if filled.mean() > _FILLED:
         share = f"about {100.0 * float(filled.mean()):.2g} % of the points of the map"
-        warnings.append(
-            f"{share} are filled from their neighbours, and may touch: keep them with non_measured='keep'"
-            if was_filled
-            else f"{share} look filled in: mark them non-measured"
-        )
+        known = f"{share} are filled from their neighbours, and may touch: keep them non-measured"
+        text = known if was_filled else f"{share} look filled in: mark them non-measured"
+        warnings.append(ContactWarning(text, "filled points", float(filled.mean())))
     # The edges of harmonic patches look like noise.
     spectrum = _judge_spectrum(smooth_over(part, filled) if filled.any() else part, cell)
     holes = filled if non_measured is None else filled | _middle(non_measured)
@@ -189,10 +191,11 @@ def _judge_spectrum(part: Array, cell: float) -> tuple[str, ...]:
         if drops[first:].min() < _COMPUTED:
             return ()
         wave = 2.0 * math.pi / _EDGES[first + 1]
-        warnings.append(
+        text = (
             f"waves below about {si(wave * cell, 'm', 2)} ({wave:.2g} cells) are faint in the map, as after optical "
-            f"blur or interpolation: {_ADVICE}"
+            "blur or interpolation: a finer grid cannot bring them back"
         )
+        warnings.append(ContactWarning(text, "blurred map", wave * cell))
     if slopes[-1] > max(_WHITE, min(0.0, float(np.mean(slopes[2:5])) + _RISE)):
         warnings.append(_NOISE)
     return tuple(warnings)

@@ -21,7 +21,7 @@ from roughcontact._solve.solution.results import (
     areas,
 )
 from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES, Rule
-from roughcontact._solve.solution.several import gather_warnings, kind_of, list_quantities, name_load, note_loads
+from roughcontact._solve.solution.several import gather_warnings, list_quantities, name_load, note_loads
 from roughcontact._solve.solution.storage import read, read_figures, write
 from roughcontact._solve.solution.summary import (
     MORE_THAN_METALS,
@@ -65,7 +65,6 @@ __all__ = [
     "gather_warnings",
     "heal",
     "key_of_origin",
-    "kind_of",
     "list_all_warnings",
     "list_answers",
     "list_quantities",

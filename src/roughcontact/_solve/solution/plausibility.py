@@ -11,6 +11,7 @@ import numpy as np
 
 from roughcontact._base.checks import Array, Mask
 from roughcontact._base.units import si
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import border_jump, rms_slope
@@ -65,9 +66,11 @@ class Finding:
 
     @property
     def warning(self) -> str:
-        """What is doubtful, and what to do about it; empty if the value is admissible."""
+        """What was found, and what to do about it; empty if the value is admissible."""
         rule = PLAUSIBILITY_RULES[self.rule]
-        return f"{self.text[0].upper()}{self.text[1:]}. {rule.advice}" if self.value > rule.admissible else ""
+        if not self.value > rule.admissible:
+            return ""
+        return ContactWarning(f"{self.text[0].upper()}{self.text[1:]}. {rule.advice}", self.rule, self.value)
 
 
 def find_scene(initial_gap: Array, grid: Grid, boundary: Boundary, materials: Iterable[Material]) -> list[Finding]:

@@ -33,14 +33,14 @@ PLAUSIBILITY_RULES = {
         "quantities that no contact has: a modulus below 1 MPa without the Poisson's ratio of a gel, or above that of "
         "diamond; heights that exceed the domain, or an rms slope above 10; a domain of 1 m or more; cells or "
         "heights below an atom",
-        "Lengths are in m and moduli in Pa: 5 µm is 5e-6, 210 GPa is 210e9; for heights of a file in another unit give "
-        "unit= (on the command line --unit).",
+        "Numbers without a unit are in m and Pa (5um and 210GPa are read too): check them, and the unit of heights "
+        "from a file.",
     ),
     "border jump": Rule(
         3,
         3,
         "rms step across the border over that between neighbours; waves of eight cells have one",
-        "Beyond the border the domain repeats: subtract the tilt, use a surface that repeats, or boundary='free'.",
+        "Beyond the border the domain repeats: subtract the tilt, use a surface that repeats, or a free boundary.",
     ),
     "edge contact": Rule(
         0,
@@ -54,7 +54,7 @@ PLAUSIBILITY_RULES = {
         0.1,
         0.5,
         "fraction of the variance of the heights that is a plane, where a contact reaches a free border",
-        "Subtract the plane: surface.detrend('plane'), on the command line --detrend plane.",
+        "Subtract the plane (detrend).",
     ),
     "cells per contact": Rule(
         0.05,
@@ -72,8 +72,7 @@ PLAUSIBILITY_RULES = {
         0.1,
         0.3,
         "strains are about a third of p / E* (Tabor); linear elasticity holds up to strains of a tenth",
-        "Linear elasticity holds up to strains of about a tenth, p / E* of 0.3: give a hardness "
-        "(ElasticPerfectlyPlastic, on the command line --hardness), or a lower load.",
+        "Linear elasticity holds up to strains of about a tenth, p / E* of 0.3: give a hardness, or a lower load.",
     ),
     "approach": Rule(
         0.1,

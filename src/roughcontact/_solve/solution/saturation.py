@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import attrs
 import numpy as np
 
+from roughcontact._base.warnings import ContactWarning
 from roughcontact._solve.solution.results import Area, AreaEstimator, areas
 
 if TYPE_CHECKING:
@@ -21,7 +22,10 @@ _UNDECIDED = 0.05
 # Standard deviation of the position of the edge of saturated cells beyond that of the edge of the rest, cells: the
 # elastic ring around them is narrow. Measured on 60 balls whose maximum pressure by Hertz is 1.15 to 2.5 times it.
 _EDGE = 0.055
-_RUN_IN = "cells at the pressure limit hardly overlap, as on run-in surfaces: their saturated part is not determined"
+_RUN_IN = ContactWarning(
+    "cells at the pressure limit hardly overlap, as on run-in surfaces: their saturated part is not determined",
+    "run in",
+)
 
 
 def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEstimator) -> Area:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from roughcontact._base.units import Estimate, si
+from roughcontact._base.warnings import kind_of
 from roughcontact._parts.load import FIRST_LOADING, Load
 from roughcontact._solve.solution.results import Area
 from roughcontact._solve.solution.summary import list_all_warnings
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 # Loads that are named where a warning concerns all of them.
 _NAMED = 3
-# A number, and the prefix of its unit.
-_NUMBER = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
 
 
 def name_load(solution: ContactSolution) -> str:
@@ -60,19 +58,13 @@ def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], lis
     return found, list_all_warnings(solution, known)
 
 
-def kind_of(warning: str) -> str:
-    """Return a warning without its numbers: those that differ in these alone are of one kind."""
-    return _NUMBER.sub("#", warning)
-
-
 def gather_warnings(warnings: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     """Return the warnings at several loads, each once with the loads that it concerns.
 
     Parameters
     ----------
     warnings
-        Names of loads, and the warnings at each. Those that differ in their numbers alone are one, with the numbers
-        of the last.
+        Names of loads, and the warnings at each. Those of one rule are one, with the numbers of the last.
     """
     if len(warnings) == 1:
         return list(warnings[0][1])

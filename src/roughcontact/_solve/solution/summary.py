@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
 from roughcontact._base.units import Estimate, counted, prefixed, si, with_spread
+from roughcontact._base.warnings import warn_about
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.plausibility import exceeds_metals
@@ -66,7 +67,7 @@ def list_all_warnings(
         # The others have the warnings of the area too.
         texts = () if found is None else tuple(text for text in found.warnings if text not in seen)
         seen.update(texts)
-        gathered.update(dict.fromkeys(f"The {name} is uncertain: {text}" for text in texts))
+        gathered.update(dict.fromkeys(warn_about(name, text) for text in texts))
     return list(gathered)
 
 

@@ -7,7 +7,7 @@ import math
 from roughcontact._solve.solution import PLAUSIBILITY_RULES, Rule
 
 _KERNEL = "Use a kernel whose sums do not cancel, such as 'love', or report the error to its author."
-_SOLVER = "Read the status; try solver='spectral-gradient', or lengths and moduli in units nearer to one."
+_SOLVER = "Read the status; try the solver spectral-gradient, or lengths and moduli in units nearer to one."
 _GRID = "Refine the grid; for measured maps, measure with a finer pitch."
 _TOLERANCE = "Lower the solver's tolerance."
 
@@ -29,7 +29,7 @@ RULES = {
         1e-5,
         1e-3,
         "at a tolerance of 1e-8 two solvers differ by up to 1e-6 of the peak pressure",
-        "Use solver='spectral-gradient', which works in float64 throughout.",
+        "Use the solver spectral-gradient, which works in float64 throughout.",
     ),
     "coarser grid: area": Rule(
         0.05, 0.2, "at second order a change of 5 % leaves an error of less than 2 % on the finer grid", _GRID
