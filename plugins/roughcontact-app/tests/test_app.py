@@ -945,6 +945,13 @@ def test_refusals_have_the_numbers_and_units_of_the_page(client, given, sentence
     assert sentence in client.refusal("api/plan", given)
 
 
+def test_typical_materials_are_those_of_the_library(client):
+    found = json.loads(client.get("api/start"))["materials"]
+    assert found["glass"] == ["70", "0.22", "5.5"]
+    assert found["rubber"] == ["0.004", "0.495", ""]
+    assert rc.Body(rc.FlatSurface(), "glass").material.hardness == 5.5e9
+
+
 def test_warnings_read_as_in_a_script():
     tilted = rc.HeightMap(np.linspace(0.0, 2e-6, 64)[:, None] + 1e-8 * np.random.default_rng(0).random((64, 64)), 1e-4)
     solution = rc.ContactProblem(rc.Body(tilted, rc.Elastic(210e9, 0.3))).solve(force=0.1)

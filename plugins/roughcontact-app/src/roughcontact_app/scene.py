@@ -13,7 +13,7 @@ from roughcontact._parts.files import RawMap, read_surface
 from roughcontact._parts.files.reading import read_raw
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.load import Load
-from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
+from roughcontact._parts.materials import TYPICAL, Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import FlatSurface, HeightMap, SelfAffineSurface, SphereSurface, Surface, WavySurface
 from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem
 from roughcontact._solve.problem.plan import require_memory_of_solve
@@ -210,3 +210,16 @@ def _make_material(settings: Settings, prefix: str, whose: str) -> Material:
         return Elastic(young, poisson)
     hardness = quantity(settings, f"{prefix}hardness", f"The hardness of {whose}", "modulus")
     return ElasticPerfectlyPlastic(young, poisson, hardness)
+
+
+def list_materials() -> dict[str, list[str]]:
+    """Return Young's modulus, GPa, Poisson's ratio and hardness, GPa, of typical materials, as texts for the form."""
+    return {
+        name: [
+            f"{1e-9 * one.young:g}",
+            f"{one.poisson:g}",
+            f"{1e-9 * one.hardness:g}" if isinstance(one, ElasticPerfectlyPlastic) else "",
+        ]
+        for name, one in TYPICAL.items()
+        if isinstance(one, (Elastic, ElasticPerfectlyPlastic))
+    }

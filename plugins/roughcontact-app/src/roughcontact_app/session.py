@@ -12,7 +12,7 @@ from typing import Any
 from roughcontact_app.folder import PrivateFolder
 from roughcontact_app.jobs import Jobs
 from roughcontact_app.page import Page
-from roughcontact_app.scene import EXAMPLES
+from roughcontact_app.scene import EXAMPLES, list_materials
 from roughcontact_app.settings import DEFAULTS, Settings, read_settings
 from roughcontact_app.uploads import StoredFile, Uploads, known_endings
 
@@ -45,7 +45,12 @@ class Session:
     def describe(self, page: str) -> dict[str, Any]:
         """Return what a page must know at its start, and start what it will soon need."""
         threading.Thread(target=self._prepare, args=(page,), daemon=True).start()
-        return {"defaults": DEFAULTS, "examples": list(EXAMPLES), "endings": known_endings()}
+        return {
+            "defaults": DEFAULTS,
+            "examples": list(EXAMPLES),
+            "materials": list_materials(),
+            "endings": known_endings(),
+        }
 
     def upload(self, source: BufferedIOBase, size: int, name: str, page: str) -> dict[str, Any]:
         """Return digest, name and facts of a file that a page sends."""

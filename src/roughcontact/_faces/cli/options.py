@@ -10,6 +10,7 @@ from typing import Any
 
 from roughcontact._base.units.quantities import parse_quantity
 from roughcontact._parts.load import Load
+from roughcontact._parts.materials import TYPICAL
 
 # Characters of a wrong argument that are shown.
 _SHOWN = 80
@@ -72,7 +73,7 @@ def add_output(parser: argparse.ArgumentParser, folder: str) -> None:
 def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None:
     """Declare a contact problem of measured height maps, and its loads; or a study file, which needs neither."""
     loads = "--pressure P | --force F | --approach D" + ("" if study else " | --loads L ...")
-    parser.usage = f"%(prog)s MAP [MAP] --young E [options]\n           ({loads})"
+    parser.usage = f"%(prog)s MAP [MAP] (--young E | --material NAME) [options]\n           ({loads})"
     _add_maps(parser, study)
     _add_pair(parser)
     load = parser.add_argument_group("load, exactly one").add_mutually_exclusive_group(required=not study)
@@ -107,8 +108,12 @@ def add_accuracy(parser: argparse.ArgumentParser) -> None:
 def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
     for prefix, body, poisson in (("", "body", "0.3"), ("counterbody-", "counterbody", "the body's")):
         group = parser.add_argument_group(f"material of the {body}")
-        modulus = "Young's modulus, such as 210GPa" + (" (rigid)" if prefix else "")
-        group.add_argument(f"--{prefix}young", type=_PASCAL, required=not (prefix or study), metavar="E", help=modulus)
+        rigid = " (rigid)" if prefix else ""
+        choice = group.add_mutually_exclusive_group(required=not (prefix or study))
+        named = f"typical values by name, such as 'bearing steel'{rigid}"
+        choice.add_argument(f"--{prefix}material", choices=TYPICAL, metavar="NAME", help=named)
+        modulus = f"Young's modulus, such as 210GPa{rigid}"
+        choice.add_argument(f"--{prefix}young", type=_PASCAL, metavar="E", help=modulus)
         group.add_argument(f"--{prefix}poisson", type=NUMBER, metavar="NU", help=f"Poisson's ratio ({poisson})")
         group.add_argument(f"--{prefix}hardness", type=_PASCAL, metavar="H", help="hardness, such as 6GPa (elastic)")
 

@@ -10,6 +10,7 @@ import roughcontact as rc
 from roughcontact._faces.cli.options import OF_READERS
 from roughcontact._parts.files.reading import options_of, read_raw
 from roughcontact._parts.load import Load
+from roughcontact._parts.materials import TYPICAL
 from roughcontact._solve.problem import require_memory_of_solve
 
 
@@ -25,7 +26,7 @@ def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
     if options.ball is not None:
         surface = surface + rc.SphereSurface(options.ball)
     return rc.ContactProblem(
-        rc.Body(surface, _material(options.young, options.poisson, options.hardness)),
+        rc.Body(surface, _material(options)),
         rc.Body(counterbody, _counterbody_material(options)),
         grid=grid,
         boundary=options.boundary,
@@ -120,14 +121,20 @@ def _sides(lengths: list[float] | None) -> float | list[float] | None:
 
 
 def _counterbody_material(options: argparse.Namespace) -> rc.Material:
-    if options.counterbody_young is None:
+    if options.counterbody_young is None and options.counterbody_material is None:
         for name in ("counterbody_hardness", "counterbody_poisson"):
             _refuse(options, name, "needs --counterbody-young: without it the counterbody is rigid.")
         return rc.RIGID_FLAT.material
-    poisson = options.poisson if options.counterbody_poisson is None else options.counterbody_poisson
-    return _material(options.counterbody_young, poisson, options.counterbody_hardness)
+    return _material(options, "counterbody_", 0.3 if options.poisson is None else options.poisson)
 
 
-def _material(young: float, poisson: float | None, hardness: float | None) -> rc.Material:
-    poisson = 0.3 if poisson is None else poisson
+def _material(options: argparse.Namespace, prefix: str = "", poisson: float = 0.3) -> rc.Material:
+    """Return the material that options of this prefix name or describe, with this Poisson's ratio if they lack one."""
+    name = getattr(options, f"{prefix}material")
+    young, own, hardness = (getattr(options, prefix + part) for part in ("young", "poisson", "hardness"))
+    if name is not None:
+        for part in ("poisson", "hardness"):
+            _refuse(options, prefix + part, f"is for a Young's modulus: {name!r} has its own.")
+        return TYPICAL[name]
+    poisson = poisson if own is None else own
     return rc.Elastic(young, poisson) if hardness is None else rc.ElasticPerfectlyPlastic(young, poisson, hardness)

@@ -38,8 +38,10 @@ def read_scenes(options: argparse.Namespace) -> list[Scene]:
     """
     loaded = any(getattr(options, name) is not None for name in _LOADS)
     if not options.surface.lower().endswith(".toml"):
-        if options.young is None or not loaded:
-            raise rc.InputError("Height maps need --young, and one of --pressure, --force and --approach.")
+        if (options.young is None and options.material is None) or not loaded:
+            raise rc.InputError(
+                "Height maps need --young or --material, and one of --pressure, --force and --approach."
+            )
         if options.problem is not None:
             raise rc.InputError("--problem is for a study file: give that instead of maps, or omit the option.")
         return [Scene("", problem_of(options), loads_of(options)[0].arguments)]

@@ -2,8 +2,10 @@
 
 from roughcontact._parts.materials.base import Material, combined_pressure_limit, contact_modulus, materials
 from roughcontact._parts.materials.isotropic import Elastic, ElasticPerfectlyPlastic, Rigid
+from roughcontact._parts.materials.typical import TYPICAL, resolve_material
 
 __all__ = [
+    "TYPICAL",
     "Elastic",
     "ElasticPerfectlyPlastic",
     "Material",
@@ -11,4 +13,5 @@ __all__ = [
     "combined_pressure_limit",
     "contact_modulus",
     "materials",
+    "resolve_material",
 ]

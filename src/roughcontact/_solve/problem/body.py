@@ -8,7 +8,7 @@ import numpy as np
 from roughcontact._base.checks import LARGEST, Array, Mask, frozen_array, instance_of
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
-from roughcontact._parts.materials import Material, Rigid
+from roughcontact._parts.materials import Material, Rigid, resolve_material
 from roughcontact._parts.surfaces import FlatSurface, Surface
 from roughcontact.errors import InputError
 
@@ -22,7 +22,9 @@ class Body:
     surface
         Its heights, positive towards the other body.
     material
-        Its elastic constants and hardness.
+        Its elastic constants and hardness: a `Material`, its registered name, or the name of a typical one: bearing,
+        structural or stainless steel, grey cast iron, aluminium alloy, copper, brass, titanium alloy, silicon nitride,
+        alumina, glass, PTFE, PEEK, rubber.
 
     Examples
     --------
@@ -31,10 +33,12 @@ class Body:
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), steel)
     >>> print(ball.material)
     Elastic(young=210000000000.0, poisson=0.3)
+    >>> rc.Body(rc.FlatSurface(), "glass").material.pressure_limit
+    5500000000.0
     """
 
     surface: Surface = attrs.field(validator=instance_of(Surface, "The surface of a body", "a Surface"))
-    material: Material = attrs.field(validator=instance_of(Material, "The material of a body", "a Material"))
+    material: Material = attrs.field(converter=resolve_material)
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights of the surface at the cell centres, shape `grid.shape`, m.

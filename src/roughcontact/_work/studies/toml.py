@@ -21,7 +21,7 @@ from roughcontact._base.units.quantities import parse_quantity
 from roughcontact._parts.files import read_surface
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import kernels
-from roughcontact._parts.materials import materials
+from roughcontact._parts.materials import TYPICAL, Material, materials, resolve_material
 from roughcontact._parts.surfaces import HeightMap, Surface, surfaces
 from roughcontact._solve.convolvers import convolvers
 from roughcontact._solve.problem import ContactProblem, require_memory_of_solve
@@ -122,6 +122,8 @@ def _converter(folder: Path) -> Converter:
                 return _read_map(fields, folder)
             if name == "auto" and not fields:
                 return name
+            if name in TYPICAL and not fields and base is materials.base:
+                return TYPICAL[name]
             cls = registry[name]
             if attrs.has(cls):
                 return converter.structure(fields, cls)
@@ -140,6 +142,9 @@ def _structure_table(converter: Converter, cls: Any) -> Callable[[Any, Any], Any
         for field in attrs.fields(cls)
         if "unit" in field.metadata
     }
+    # A converter of the field itself would be handed the table.
+    materials_of = [field.name for field in attrs.fields(cls) if field.converter is resolve_material]
+    quantities |= {name: override(struct_hook=partial(_structure_as, converter, Material)) for name in materials_of}
     make = make_dict_structure_fn(cls, converter, _cattrs_forbid_extra_keys=True, _cattrs_use_alias=True, **quantities)
 
     def structure(value: Any, kind: Any) -> Any:
@@ -148,6 +153,10 @@ def _structure_table(converter: Converter, cls: Any) -> Callable[[Any, Any], Any
         return make(value, kind)
 
     return structure
+
+
+def _structure_as(converter: Converter, kind: Any, value: Any, _: Any) -> Any:
+    return converter.structure(value, kind)
 
 
 def _in_si(unit: str, value: Any, _: Any = None) -> Any:

@@ -265,7 +265,7 @@ function listen() {
 async function begin() {
   try {
     const start = await get("api/start");
-    settings.prepare(start.defaults, start.examples);
+    settings.prepare(start.defaults, start.examples, start.materials);
     byId("file-input").accept = start.endings.join(",");
   } catch (error) {
     showNoSurface(error.message);

@@ -10,26 +10,10 @@ const UNITS = {
 };
 // At first for each kind of load: a value and its unit.
 const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"] };
-// Young's modulus, GPa, Poisson's ratio and hardness (Vickers), GPa, as typical in textbooks, rounded: a first guess, not a
-// certificate. Polymers have no hardness here: they creep, and theirs depends on time.
-const MATERIALS = {
-  "bearing steel, hardened": ["210", "0.3", "7"],
-  "structural steel": ["210", "0.3", "1.5"],
-  "stainless steel": ["195", "0.3", "1.8"],
-  "grey cast iron": ["120", "0.26", "2"],
-  "aluminium alloy": ["70", "0.33", "1.1"],
-  "copper": ["120", "0.34", "0.8"],
-  "brass": ["100", "0.35", "1.2"],
-  "titanium alloy": ["114", "0.34", "3.4"],
-  "silicon nitride": ["310", "0.27", "15"],
-  "alumina": ["370", "0.22", "16"],
-  "glass": ["70", "0.22", "5.5"],
-  "PTFE": ["0.5", "0.46", ""],
-  "PEEK": ["3.8", "0.4", ""],
-  "rubber": ["0.004", "0.495", ""],
-};
 const FORMS = { plane: "its plane", quadratic: "its form of second degree", sphere: "its sphere" };
 let defaults = {};
+// Young's modulus, GPa, Poisson's ratio and hardness, GPa, of typical materials by name.
+let materials = {};
 
 export const darkness = matchMedia("(prefers-color-scheme: dark)");
 
@@ -38,11 +22,12 @@ function fill(select, options) {
 }
 
 // The page's own first values are those of the server, so that the link can omit them.
-export function prepare(first, examples) {
+export function prepare(first, examples, typical) {
+  materials = typical;
   fill(form.elements.example, Object.fromEntries(examples.map((name) => [name, name.replaceAll("_", " ")])));
   for (const select of form.querySelectorAll("[data-units]")) fill(select, UNITS[select.dataset.units]);
   for (const select of form.querySelectorAll("[data-preset]")) {
-    fill(select, { "": "choose", ...Object.fromEntries(Object.keys(MATERIALS).map((name) => [name, name])) });
+    fill(select, { "": "choose", ...Object.fromEntries(Object.keys(materials).map((name) => [name, name])) });
     select.addEventListener("change", () => choosePreset(select));
   }
   defaults = first;
@@ -50,7 +35,7 @@ export function prepare(first, examples) {
 }
 
 function choosePreset(select) {
-  const values = MATERIALS[select.value];
+  const values = materials[select.value];
   if (!values) return;
   const prefix = select.dataset.preset;
   form.elements[`${prefix}young`].value = values[0];
@@ -64,7 +49,7 @@ function choosePreset(select) {
 function showPresets() {
   for (const select of form.querySelectorAll("[data-preset]")) {
     const text = (name) => form.elements[`${select.dataset.preset}${name}`].value.trim();
-    const found = Object.entries(MATERIALS).find(([, [young, poisson, hardness]]) =>
+    const found = Object.entries(materials).find(([, [young, poisson, hardness]]) =>
       text("young") === young && text("poisson") === poisson && text("hardness") === hardness &&
       text("young_unit") === "GPa" && (!hardness || text("hardness_unit") === "GPa"));
     select.value = found ? found[0] : "";
