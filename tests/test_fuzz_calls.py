@@ -95,7 +95,7 @@ GOOD_FOR = {
     "CircularFFT.prepare": {"kernel": BOUND},
     "Direct.prepare": {"kernel": BOUND, "boundary": rc.Boundary.FREE},
     "DCFFT.require": {"boundary": rc.Boundary.FREE},
-    "ContactProblem": {"grid": GRID}, "Reference": {"area": 1e-9}, "read_surface": {"path": "map.npz"},
+    "ContactProblem": {"grid": GRID}, "typing.KnownAnswer": {"area": 1e-9}, "read_surface": {"path": "map.npz"},
     "run_in": {"problem": LIMITED, "pressure": 1e7}, "ContactSolution.load": {"path": "solution.npz"},
     "Direct.require": {"boundary": rc.Boundary.FREE}, "limited.verify": {"solution": SWEEP.solutions[0]},
     "SelfAffineSurface": {"rms_slope": 0.1},

@@ -14,6 +14,7 @@ from scipy import integrate
 import roughcontact as rc
 from roughcontact._answers.flow import flow_solvers
 from roughcontact._answers.flow.flow_network import make_network
+from roughcontact.responses import find_percolation
 from roughcontact.typing import Residuals
 
 RIDGE = rc.HeightMap(np.tile(1e-4 * np.cos(np.arange(16) * np.pi / 8.0), (16, 1)), size=1.0, periodic=True)
@@ -360,7 +361,7 @@ def test_the_uncertainty_covers_the_change_to_a_fine_grid(seed):
 def test_a_critical_constriction_has_the_exponent_of_dapp_and_mueser():
     wave = rc.Body(rc.WavySurface(1e-3, 1.0), rc.Elastic(1e9, 0.3))
     problem = rc.ContactProblem(wave, grid=rc.Grid((96, 96), 1.0), boundary="periodic", threads=1)
-    closing = rc.find_percolation(problem, within=4e-4)
+    closing = find_percolation(problem, within=4e-4)
     distances = np.array([0.3, 0.2, 0.14, 0.1])
     flows = [
         problem.solve(pressure=closing.pressure.value * (1.0 - one)).leakage(axis=0, **WATER).value for one in distances
@@ -369,14 +370,14 @@ def test_a_critical_constriction_has_the_exponent_of_dapp_and_mueser():
     between = np.sqrt(distances[1:] * distances[:-1])
     assert np.polyfit(between, exponents, 1)[1] == pytest.approx(3.45, abs=0.15)
     # The same at all grids, and along the other axis.
-    other = rc.find_percolation(problem, axis=1, within=4e-4)
+    other = find_percolation(problem, axis=1, within=4e-4)
     assert other.pressure.value == pytest.approx(closing.pressure.value, rel=5e-4)
     assert closing.area_fraction.value == pytest.approx(0.4017, abs=0.003)
     assert "closed along x" in str(closing)
 
 
 def test_isotropic_roughness_closes_at_two_fifths_of_contact():
-    closings = [rc.find_percolation(rough(cells=64, seed=seed), axis=seed % 2) for seed in range(3)]
+    closings = [find_percolation(rough(cells=64, seed=seed), axis=seed % 2) for seed in range(3)]
     fractions = [closing.area_fraction.value for closing in closings]
     assert np.mean(fractions) == pytest.approx(0.42, abs=0.06)
     for closing in closings:
@@ -388,4 +389,4 @@ def test_isotropic_roughness_closes_at_two_fifths_of_contact():
 def test_a_ridge_is_closed_at_any_load():
     problem = rc.ContactProblem(rc.Body(RIDGE, rc.Elastic(1e9, 0.3)), boundary="periodic", threads=1)
     with pytest.raises(rc.InputError, match="No path joins the two sides"):
-        rc.find_percolation(problem, axis=1)
+        find_percolation(problem, axis=1)

@@ -26,6 +26,7 @@ from roughcontact._answers.slip.partial_slip import (
     _dissipate,
 )
 from roughcontact._parts.kernels import Love
+from roughcontact.responses import find_percolation
 
 GRID = rc.Grid((60, 50), (60e-6, 75e-6))
 RADIUS = 1e-3
@@ -143,7 +144,7 @@ def test_the_load_that_closes_a_gap_lies_between_the_last_open_and_the_first_clo
     grid = rc.Grid((32, 24), (32.0, 24.0))
     body = rc.Body(rc.HeightMap(rough(grid), size=grid.size, periodic=True), rc.Elastic(1e9, 0.0))
     given = rc.ContactProblem(body, grid=grid, boundary="periodic", threads=1)
-    found = rc.find_percolation(given, axis=axis, within=0.02)
+    found = find_percolation(given, axis=axis, within=0.02)
     low, high = found.last_open, found.first_closed
     assert found.pressure.value == pytest.approx(math.sqrt(low.mean_pressure * high.mean_pressure))
     assert 1.0 < high.mean_pressure / low.mean_pressure <= 1.02
@@ -154,7 +155,7 @@ def test_the_load_that_closes_a_gap_lies_between_the_last_open_and_the_first_clo
     # Without what the width of paths leaves open, the resolution alone is unsure.
     monkeypatch.setattr(percolation, "_WIDTHS", 0.0)
     unresolved = 0.1 * curvature_resolution(low)
-    sure = rc.find_percolation(given, axis=axis, within=0.02)
+    sure = find_percolation(given, axis=axis, within=0.02)
     assert sure.pressure.uncertainty == pytest.approx(unresolved * found.pressure.value)
     own = low.area().uncertainty / grid.area
     assert sure.area_fraction.uncertainty == pytest.approx(math.hypot(unresolved * found.area_fraction.value, own))

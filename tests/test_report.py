@@ -101,7 +101,7 @@ def made_up(estimator, cells, error, cpu, **more):
 
 
 def report_of(*rows, error=0.0):
-    reference = rc.Reference(area=1.0, area_error=error)
+    reference = rc.typing.KnownAnswer(area=1.0, area_error=error)
     return ErrorReport(rows=rows, reference=reference, nominal=2.0, description="made up", repeats=1)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact.responses import find_percolation
 
 STEEL = rc.Elastic(1.82, 0.3)
 FLAT = rc.Body(rc.FlatSurface(), STEEL)
@@ -102,7 +103,7 @@ def test_the_uncertainty_of_the_load_that_closes_a_gap_is_near_the_error():
         surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4.0, longest=16.0, seed=30 + seed)
         body = rc.Body(surface, STEEL)
         coarse, fine = (
-            rc.find_percolation(
+            find_percolation(
                 rc.ContactProblem(body, FLAT, grid=rc.Grid((cells, cells), 32.0), boundary=boundary, threads=1),
                 axis=axis,
                 within=0.02,

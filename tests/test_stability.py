@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact import testing
 from roughcontact.__main__ import main
 from roughcontact._work.reports.stability import gallery
 from roughcontact._work.reports.stability.gallery import make_cases
@@ -282,7 +283,7 @@ def test_the_page_gives_the_thresholds_as_they_are():
 class TestGallery:
     def test_no_case_is_silently_wrong(self):
         """Each converges and is confirmed by plain sums, is refused in a sentence, or says that it did not converge."""
-        found = rc.stability_gallery()
+        found = testing.stability_gallery()
         assert not [row for row in found.rows if row.verdict is FAIL]
         assert found.verdict is ATTENTION
         rows = {row.case: row for row in found.rows}
@@ -304,7 +305,7 @@ class TestGallery:
 
         monkeypatch.setattr(rc.ContactProblem, "solve", solve)
         monkeypatch.setattr(gallery, "make_cases", lambda: make_cases()[:1])
-        assert rc.stability_gallery().verdict is FAIL
+        assert testing.stability_gallery().verdict is FAIL
 
 
 class TestCommand:
@@ -336,7 +337,7 @@ class TestCommand:
             cells = (line.strip("|").split("|") for line in text.splitlines() if line.startswith("|"))
             return [(row[0].strip(), row[1].strip(), row[-1].strip()) for row in cells if len(row) == 7]
 
-        measured = rows(rc.stability_gallery().to_markdown())
+        measured = rows(testing.stability_gallery().to_markdown())
         assert len(measured) > 40
         assert rows(PAGE.read_text(encoding="utf-8").partition("## The gallery")[2])[: len(measured)] == measured
 

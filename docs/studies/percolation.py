@@ -10,6 +10,7 @@ from doc_tables import DocTable, write_tables
 from leakage import make_problem
 
 import roughcontact as rc
+from roughcontact.responses import find_percolation
 
 # Surfaces on which no weight of the uncertainty was set.
 FRESH = range(41, 51)
@@ -21,7 +22,7 @@ def make_rows() -> list[list[str]]:
     contact: dict[int, list[float]] = {cells: [] for cells in loads}
     for seed in FRESH:
         for cells, kept in loads.items():
-            found = rc.find_percolation(make_problem(seed, cells), axis=seed % 2)
+            found = find_percolation(make_problem(seed, cells), axis=seed % 2)
             kept.append(found.pressure)
             contact[cells].append(100.0 * found.area_fraction.value)
     headings = ["error: median, maximum, %", "stated: median, %", "within 2 std, %"]

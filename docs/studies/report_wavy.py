@@ -41,11 +41,11 @@ class Method:
     cpu: float
 
 
-def make_reference() -> rc.Reference:
+def make_reference() -> rc.typing.KnownAnswer:
     """Return the converged answers of docs/paper.md."""
     area = published.TRUE_AREA[LOAD] / 100 * 250e-6**2
     p_max = published.TRUE_P_MAX[LOAD] * 1e9
-    return rc.Reference(
+    return rc.typing.KnownAnswer(
         area=area, area_error=BOUND * area, p_max=p_max, p_max_error=BOUND * p_max, source="converged answers"
     )
 

@@ -24,7 +24,6 @@ from roughcontact._answers.areas import (
 )
 from roughcontact._answers.laws import interface_law
 from roughcontact._answers.refinement import beyond_resolution, extrapolate, on_grid
-from roughcontact._base.archive.plain import parts
 from roughcontact._parts.files import SurfaceReader, read_surface, readers
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import FourierHalfSpace, InfluenceKernel, Love, kernels
@@ -56,8 +55,8 @@ from roughcontact._solve.solution import (
 from roughcontact._solve.solvers import PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, solvers
 from roughcontact._work.processes.flattening import FlatteningModel, Overlap, UniformRise, flattening_models
 from roughcontact._work.processes.running_in import run_in
-from roughcontact._work.reports.error import Reference, error_vs_time
-from roughcontact._work.reports.stability import stability, stability_gallery
+from roughcontact._work.reports.error import error_vs_time
+from roughcontact._work.reports.stability import stability
 from roughcontact._work.studies import Study
 from roughcontact.errors import (
     FileError,
@@ -71,7 +70,6 @@ from roughcontact.errors import (
 )
 from roughcontact.errors.door import guarded
 from roughcontact.plotting import Panel, panels
-from roughcontact.responses import find_percolation
 
 __version__ = "0.1.0"
 
@@ -117,7 +115,6 @@ __all__ = [
     "PlacedMap",
     "PolonskyKeer",
     "ProjectedConjugateGradient",
-    "Reference",
     "Response",
     "Rigid",
     "RoughContactError",
@@ -139,7 +136,6 @@ __all__ = [
     "convolvers",
     "error_vs_time",
     "extrapolate",
-    "find_percolation",
     "flattening_models",
     "interface_law",
     "kernels",
@@ -147,14 +143,12 @@ __all__ = [
     "materials",
     "on_grid",
     "panels",
-    "parts",
     "read_surface",
     "readers",
     "responses",
     "run_in",
     "solvers",
     "stability",
-    "stability_gallery",
     "surfaces",
     "writers",
 ]
@@ -165,7 +159,7 @@ _SELDOM_TYPED = frozenset({
     "Area", "AreaEstimator", "Blend", "Boundary", "CellCount", "CircularFFT", "Convolver", "DCFFT", "Direct",
     "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "Hertz", "InfluenceKernel", "InputError",
     "LevelSet", "LevelSetRichardson", "Love", "Material", "MissingPackage", "NotConverged", "OutOfMemory",
-    "Overlap", "Panel", "Perimeter", "PolonskyKeer", "ProjectedConjugateGradient", "Reference",
+    "Overlap", "Panel", "Perimeter", "PolonskyKeer", "ProjectedConjugateGradient",
     "Response", "RoughContactError", "SolutionWriter", "Solver", "SpectralGradient", "Status", "StudyStopped",
     "Surface", "SurfaceReader", "UnexpectedError", "UniformRise",
 })  # fmt: skip

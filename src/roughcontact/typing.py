@@ -11,9 +11,9 @@ readers      `RawMap`
 commands     `Table`; the function `replacing`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
-             `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`, `MatchedPair`,
-             `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`, `TheoryBeside`,
-             `Stress`, `StressField`, `StressMaximum`, `YieldPoint`, `ContactWarning`
+             `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`,
+             `MatchedPair`, `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`,
+             `TheoryBeside`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`, `ContactWarning`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 responses    `Leakage`, `Throat`, `Percolation`
 ===========  ==========================================================================================================
@@ -55,7 +55,7 @@ from roughcontact._solve.solvers import (
     starting_pressure,
 )
 from roughcontact._work.processes.running_in import Cycle, RunIn
-from roughcontact._work.reports.error import ErrorReport, ReportRow, Timing
+from roughcontact._work.reports.error import ErrorReport, KnownAnswer, ReportRow, Timing
 from roughcontact._work.reports.stability import Check, Gallery, GalleryRow, StabilityReport, Verdict
 from roughcontact._work.studies import Record, StudyResult
 from roughcontact.responses import (
@@ -93,6 +93,7 @@ __all__ = [
     "IntArray",
     "InterfaceLaw",
     "InverseConvolution",
+    "KnownAnswer",
     "Ladder",
     "LawColumn",
     "Leakage",

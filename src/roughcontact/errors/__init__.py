@@ -85,11 +85,34 @@ class WrongCall(InputError, TypeError):
 
 
 class MissingPackage(RoughContactError, ImportError):
-    """An optional package is needed for what was asked, and is not installed."""
+    """An optional package is needed for what was asked, and is not installed; the sentence says how to install it.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> try:
+    ...     figure = rc.examples.ball().plot()
+    ... except rc.MissingPackage as error:
+    ...     print(error)
+    >>> issubclass(rc.MissingPackage, ImportError)
+    True
+    """
 
 
 class FileError(RoughContactError, OSError):
-    """A file or folder could not be read or written."""
+    """A file or folder could not be read or written.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> solution = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6)).solve(force=1.0)
+    >>> try:
+    ...     solution.save("/dev/null/solution.npz")
+    ... except (rc.FileError, rc.InputError):
+    ...     print("not written")
+    not written
+    """
 
 
 class NotWritten(FileError):
@@ -132,15 +155,55 @@ class NotConverged(RoughContactError, RuntimeError):
 
 
 class StudyStopped(RoughContactError, RuntimeError):
-    """A study could not continue; what was solved is on disk, and the study, run again, continues from there."""
+    """A study could not continue; what was solved is on disk, and the study, run again, continues from there.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> def run_again(study, folder):
+    ...     try:
+    ...         return study.run(folder)
+    ...     except rc.StudyStopped:
+    ...         return study.run(folder)
+    >>> issubclass(rc.StudyStopped, RuntimeError)
+    True
+    """
 
 
 class OutOfMemory(RoughContactError, MemoryError):
-    """What was asked for needs more memory than there is."""
+    """What was asked for needs more memory than there is.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> class Huge(rc.FlatSurface):
+    ...     def heights(self, grid):
+    ...         raise MemoryError
+    >>> body = rc.Body(Huge(), rc.Elastic(1e9, 0.3))
+    >>> try:
+    ...     rc.ContactProblem(body, grid=rc.Grid((8, 8), 1e-3))
+    ... except rc.OutOfMemory as error:
+    ...     print(type(error.__cause__).__name__)
+    MemoryError
+    """
 
 
 class UnexpectedError(RoughContactError, RuntimeError):
-    """A call failed for a reason that no check has foreseen; its `__cause__` is the error that was met."""
+    """A call failed for a reason that no check has foreseen; its `__cause__` is the error that was met.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> class Broken(rc.FlatSurface):
+    ...     def heights(self, grid):
+    ...         raise ZeroDivisionError
+    >>> body = rc.Body(Broken(), rc.Elastic(1e9, 0.3))
+    >>> try:
+    ...     rc.ContactProblem(body, grid=rc.Grid((8, 8), 1e-3))
+    ... except rc.UnexpectedError as error:
+    ...     print(type(error.__cause__).__name__)
+    ZeroDivisionError
+    """
 
 
 def short(value: object) -> str:

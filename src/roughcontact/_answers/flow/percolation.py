@@ -87,10 +87,11 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
     Examples
     --------
     >>> import roughcontact as rc
+    >>> from roughcontact.responses import find_percolation
     >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
     >>> body = rc.Body(wave, rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
-    >>> found = rc.find_percolation(problem)
+    >>> found = find_percolation(problem)
     >>> print(found.pressure)
     6.8043 GPa +- 1.8 %
     """

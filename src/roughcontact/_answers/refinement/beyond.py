@@ -131,6 +131,16 @@ def beyond_resolution(
 
     Jacobs, Junge, Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001, https://doi.org/10.1088/2051-672X/aa51f8
     (spectra, and down to which wavelength they can be relied on)
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4e-6, longest=40e-6, seed=1)
+    >>> map_ = rc.HeightMap(rough.heights(rc.Grid((48, 48), 48e-6)), size=48e-6, periodic=True)
+    >>> problem = rc.ContactProblem(rc.Body(map_, rc.Elastic(210e9, 0.3)), boundary="periodic")
+    >>> found = rc.beyond_resolution(problem, pressure=100e6, cutoffs=(2.0,), realizations=2)
+    >>> len(found.areas)
+    1
     """
     if not isinstance(problem, ContactProblem):
         raise InputError.about("The problem", problem, "a ContactProblem")

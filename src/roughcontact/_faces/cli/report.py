@@ -17,7 +17,7 @@ from roughcontact._faces.cli.scenes import Scene, add_scenes, read_scenes
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.solution import DEFAULT_AREA
 from roughcontact._work.reports.error import ErrorReport
-from roughcontact._work.reports.stability import Verdict
+from roughcontact._work.reports.stability import Verdict, stability_gallery
 
 
 class Report(Command):
@@ -129,7 +129,7 @@ class _Gallery(argparse.Action):
 
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
         """Print the table and exit with its status."""
-        gallery = rc.stability_gallery()
+        gallery = stability_gallery()
         print(gallery)
         parser.exit(_status(gallery.verdict))
 

@@ -15,6 +15,15 @@ class Panel(abc.ABC):
     ----------
     subject
         What it draws: ``"solution"``, ``"surface"`` (then `draw` gets a `SampledSurface`) or ``"sweep"``.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> class Pressures(rc.Panel):
+    ...     def draw(self, subject, axes):
+    ...         axes.hist(subject.pressure[subject.contact])
+    >>> Pressures.subject
+    'solution'
     """
 
     subject: ClassVar[str] = "solution"

@@ -58,6 +58,19 @@ class SurfaceReader(abc.ABC):
     """A reader of one kind of file. Subclass it and register it in ``roughcontact.readers``.
 
     Its fields, if it has any, are options that `read_surface` accepts by their names; each has a default.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> class Raw16(rc.SurfaceReader):
+    ...     suffixes = frozenset({".raw16"})
+    ...
+    ...     def read(self, path):
+    ...         heights = np.fromfile(path, dtype="<i2").reshape(512, 512) * 1e-9
+    ...         return rc.typing.RawMap(heights, size=(1e-3, 1e-3), metric=True)
+    >>> isinstance(Raw16(), rc.SurfaceReader)
+    True
     """
 
     @property

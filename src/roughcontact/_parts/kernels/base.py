@@ -30,6 +30,20 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
     edge_shift
         Distance, in cells, by which the edge of a discrete contact lies inside the true edge: 0.018 for
         pressure that is constant on each cell, measured on Hertz's spheres (docs/area.md).
+
+    Examples
+    --------
+    Springs of 1 µm under the cells:
+
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> class Springs(rc.InfluenceKernel):
+    ...     def spectrum(self, qx, qy, spacing, compliance):
+    ...         return np.full((qx.shape[0], qy.shape[1]), 1e-6 * compliance)
+    >>> body = rc.Body(rc.WavySurface(1e-9, 50e-6), rc.Elastic(210e9, 0.3))
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic", kernel=Springs())
+    >>> problem.solve(pressure=10e6).status.success
+    True
     """
 
     edge_shift: ClassVar[float] = 0.018

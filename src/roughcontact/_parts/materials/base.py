@@ -13,7 +13,17 @@ from roughcontact.errors import InputError
 
 
 class Material(abc.ABC):
-    """The material of a body; a class of your own gives its compliance and its pressure limit."""
+    """The material of a body; a class of your own gives its compliance and its pressure limit.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> class Cork(rc.Material):
+    ...     compliance = 1.0 / 20e6
+    ...     pressure_limit = 1e6
+    >>> rc.Body(rc.FlatSurface(), Cork()).material.pressure_limit
+    1000000.0
+    """
 
     @property
     @abc.abstractmethod

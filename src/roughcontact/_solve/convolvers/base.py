@@ -24,7 +24,20 @@ from roughcontact.errors import InputError
 
 
 class Convolver(abc.ABC):
-    """A method to compute the displacement caused by a pressure."""
+    """A method to compute the displacement caused by a pressure.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> class Padded(rc.Convolver):
+    ...     boundaries = frozenset({rc.Boundary.FREE})
+    ...
+    ...     def prepare(self, kernel, grid, boundary):
+    ...         return rc.DCFFT().prepare(kernel, grid, boundary)
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), convolver=Padded()).solve(force=1.0).status.success
+    True
+    """
 
     @property
     @abc.abstractmethod

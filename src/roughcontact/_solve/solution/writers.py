@@ -21,7 +21,20 @@ if TYPE_CHECKING:
 
 
 class SolutionWriter(abc.ABC):
-    """A writer of one kind of file. Subclass it and register it in ``roughcontact.writers``."""
+    """A writer of one kind of file. Subclass it and register it in ``roughcontact.writers``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> class Text(rc.SolutionWriter):
+    ...     suffixes = frozenset({".txt"})
+    ...
+    ...     def write(self, solution, path):
+    ...         np.savetxt(path, solution.pressure)
+    >>> ".txt" in Text().suffixes
+    True
+    """
 
     @property
     @abc.abstractmethod

@@ -120,7 +120,21 @@ class Outcome:
 
 
 class Solver(abc.ABC):
-    """A method to find the contact pressure, from a prepared convolution alone."""
+    """A method to find the contact pressure, from a prepared convolution alone.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> class Careful(rc.Solver):
+    ...     tolerance = 1e-10
+    ...
+    ...     def solve(self, convolution, task):
+    ...         return rc.PolonskyKeer(tolerance=self.tolerance).solve(convolution, task)
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> solution = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), solver=Careful()).solve(force=1.0)
+    >>> solution.residuals.error < 1e-10
+    True
+    """
 
     omitted: ClassVar[tuple[str, ...]] = ()
     """What its solves omit and why, for ``explain()``."""

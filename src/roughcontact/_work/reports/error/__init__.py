@@ -1,8 +1,8 @@
 """Errors of one's own problem against run time, over grids, parts and area estimators."""
 
-from roughcontact._work.reports.error.reference import Reference
+from roughcontact._work.reports.error.reference import KnownAnswer
 from roughcontact._work.reports.error.result import ErrorReport
 from roughcontact._work.reports.error.row import ReportRow, Timing
 from roughcontact._work.reports.error.run import error_vs_time
 
-__all__ = ["ErrorReport", "Reference", "ReportRow", "Timing", "error_vs_time"]
+__all__ = ["ErrorReport", "KnownAnswer", "ReportRow", "Timing", "error_vs_time"]

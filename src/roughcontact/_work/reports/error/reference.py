@@ -20,7 +20,7 @@ from roughcontact.extrapolation import richardson
 
 UNITS = {"area": "m2", "p_max": "Pa", "approach": "m"}
 QUANTITIES = tuple(UNITS)
-_ALLOWED = "a Reference, or an object or dict with at least one of area (m2), p_max (Pa) and approach (m)"
+_ALLOWED = "a KnownAnswer, or an object or dict with at least one of area (m2), p_max (Pa) and approach (m)"
 # The reference has this many times the cells a side of the finest case, up to 4096 x 4096 cells in all.
 _FINER = 2
 _MAX_CELLS = 2**24
@@ -44,7 +44,7 @@ def _shape(value: Sequence[int]) -> tuple[int, int]:
 
 @guarded
 @attrs.frozen(kw_only=True)
-class Reference:
+class KnownAnswer:
     """A reference solution with error bounds.
 
     Parameters
@@ -66,7 +66,7 @@ class Reference:
     Examples
     --------
     >>> import roughcontact as rc
-    >>> exact = rc.Reference(area=1.5e-9, area_error=1e-12, source="closed form")
+    >>> exact = rc.typing.KnownAnswer(area=1.5e-9, area_error=1e-12, source="closed form")
     >>> print(exact.source)
     closed form
     """
@@ -100,29 +100,29 @@ class Reference:
         return float("nan") if known is None else float(value / known - 1.0)
 
 
-def read_reference(given: object) -> Reference:
-    """Return a `Reference` from what a user gave: one, a dict, or an object such as `reference.Hertz`.
+def read_reference(given: object) -> KnownAnswer:
+    """Return a `KnownAnswer` from what a user gave: one, a dict, or an object such as `reference.Hertz`.
 
     Raises
     ------
     InputError
         If it has none of the quantities.
     """
-    if isinstance(given, Reference):
+    if isinstance(given, KnownAnswer):
         return given
     if isinstance(given, Mapping):
-        if not given or not set(given) <= set(attrs.fields_dict(Reference)):
+        if not given or not set(given) <= set(attrs.fields_dict(KnownAnswer)):
             raise InputError.about("The reference", given, _ALLOWED)
-        return Reference(**given)
+        return KnownAnswer(**given)
     known = {name: getattr(given, name) for name in QUANTITIES if hasattr(given, name)}
     if not known:
         raise InputError.about("The reference", given, _ALLOWED)
-    return Reference(**known, source=type(given).__name__)
+    return KnownAnswer(**known, source=type(given).__name__)
 
 
 def solve_reference(
     problem: ContactProblem, load: Load, finest: tuple[int, int], interpolation: str | None
-) -> Reference:
+) -> KnownAnswer:
     """Return a reference from solutions on up to four grids.
 
     Surfaces that are smooth between the cells are solved on grids up to twice as fine as the finest case,
@@ -153,7 +153,7 @@ def solve_reference(
             known[name], known[f"{name}_error"] = _extrapolate(cells, series, smooth)
     nx, ny = last.grid.shape
     what = "a solution on" if smooth else "the map solved on its own"
-    return Reference(**known, source=f"{what} {nx} x {ny} cells (area by {area.estimator})", shape=(nx, ny))
+    return KnownAnswer(**known, source=f"{what} {nx} x {ny} cells (area by {area.estimator})", shape=(nx, ny))
 
 
 def _make_problems(

@@ -12,7 +12,7 @@ from roughcontact._base.checks import choice
 from roughcontact._base.tables import Table
 from roughcontact._base.units import counted, si
 from roughcontact._base.units.text import fit
-from roughcontact._work.reports.error.reference import QUANTITIES, UNITS, Reference
+from roughcontact._work.reports.error.reference import QUANTITIES, UNITS, KnownAnswer
 from roughcontact._work.reports.error.row import ReportRow, Timing, advise, find_varying_parts, format_percent
 
 _LABELS = {"area": "area", "p_max": "maximum pressure", "approach": "approach"}
@@ -42,7 +42,7 @@ class ErrorReport:
     """
 
     rows: tuple[ReportRow, ...]
-    reference: Reference
+    reference: KnownAnswer
     nominal: float
     description: str
     repeats: int

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import Array, number
-from roughcontact._work.reports.error.reference import Reference
+from roughcontact._work.reports.error.reference import KnownAnswer
 from roughcontact.errors import InputError
 
 
@@ -138,7 +138,7 @@ def format_percent(fraction: float) -> str:
     return f"{value:+.2g}" if abs(value) < 99.5 else f"{value:+.0f}"
 
 
-def advise(rows: Sequence[ReportRow], reference: Reference, area: float) -> str:
+def advise(rows: Sequence[ReportRow], reference: KnownAnswer, area: float) -> str:
     """Return the advice; see `ErrorReport.advice`."""
     area = number(area, "The allowed error of the area", above=0.0, at_most=1.0)
     if reference.area is None:

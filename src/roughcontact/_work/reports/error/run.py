@@ -22,7 +22,7 @@ from roughcontact._solve.solution import DEFAULT_AREA, Area, AreaEstimator, Cont
 from roughcontact._solve.solution import areas as area_registry
 from roughcontact._solve.solvers import Solver
 from roughcontact._work.reports.error.cases import Case, check_choices, make_cases, name_part
-from roughcontact._work.reports.error.reference import Reference, read_reference, solve_reference
+from roughcontact._work.reports.error.reference import KnownAnswer, read_reference, solve_reference
 from roughcontact._work.reports.error.result import ErrorReport
 from roughcontact._work.reports.error.row import ReportRow, Timing
 from roughcontact.errors import InputError, NotConverged, RoughContactError
@@ -40,7 +40,7 @@ class Benchmark:
     interpolation: str | None
     estimators: tuple[str | AreaEstimator, ...]
     repeats: int
-    reference: Reference
+    reference: KnownAnswer
 
     def run(self, case: Case) -> list[ReportRow]:
         """Return a row for each estimator; what fails is a row that says why."""
@@ -141,7 +141,7 @@ def error_vs_time(
     pressure, force, approach
         Exactly one: nominal mean pressure, Pa; normal force, N; approach since first touch, m.
     reference
-        A `Reference`, or a dict or object with any of area (m2), p_max (Pa) and approach (m), such as
+        A `KnownAnswer`, or a dict or object with any of area (m2), p_max (Pa) and approach (m), such as
         `reference.Hertz`. By default the problem is solved on a grid twice as fine as the finest case, a
         height map that is not band-limited on its own grid: the case on that grid is the reference, is not ranked, and
         the errors of the others are those of coarsening. Errors below the error bound are marked.
