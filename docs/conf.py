@@ -139,12 +139,13 @@ def show_cached_properties() -> None:
 
 def on_the_site(app: Sphinx, docname: str, source: list[str]) -> None:
     """Turn links to the files beside this folder, which GitHub shows, to the pages that include them."""
+    up = "../" * docname.count("/")
     for link, page in (
-        ("](../README.md#", "](standing.md#"),
-        ("](../README.md)", "](index.md)"),
-        ("](../CHANGELOG.md)", "](changes.md)"),
+        ("README.md#", "trust/standing.md#"),
+        ("README.md)", "index.md)"),
+        ("CHANGELOG.md)", "changes.md)"),
     ):
-        source[0] = source[0].replace(link, page)
+        source[0] = source[0].replace(f"]({up}../{link}", f"]({up}{page}")
 
 
 def setup(app: Sphinx) -> None:

@@ -15,9 +15,9 @@ Long = np.longdouble
 PI = Long("3.14159265358979323846264338327950288")
 # np.longdouble is plain double on some platforms; it cannot judge there.
 EXTENDED = bool(np.finfo(Long).eps < 1e-18)
-# What docs/conventions.md allows: twice the tolerance for "converged", this for "converged to rounding".
+# What docs/use/conventions.md allows: twice the tolerance for "converged", this for "converged to rounding".
 TO_ROUNDING = 1e-5
-# Relative error of the load that docs/conventions.md allows.
+# Relative error of the load that docs/use/conventions.md allows.
 LOAD = 1e-12
 # A uniform pressure displaces a periodic surface by nothing: a range below this, over the pressure, is rounding.
 UNIFORM = 1e-12

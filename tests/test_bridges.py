@@ -235,7 +235,9 @@ class TestVtk:
             SOLUTION.plot_3d()
 
 
-BLOCKS = re.findall(r"```py\n(.*?)```", (Path(__file__).parents[1] / "docs" / "bridges.md").read_text("utf-8"), re.S)
+BLOCKS = re.findall(
+    r"```py\n(.*?)```", (Path(__file__).parents[1] / "docs" / "use" / "bridges.md").read_text("utf-8"), re.S
+)
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ import roughcontact.typing
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
+PAGES = [page for page in sorted(DOCS.rglob("*.md")) if "_build" not in page.parts]
 MODULES = sorted(
     module.name
     for module in pkgutil.walk_packages(roughcontact.__path__, "roughcontact.")
@@ -84,12 +85,12 @@ def test_every_public_name_has_its_entry():
 def shown_on(page):
     """The figures of a page, as images and as cards."""
     text = page.read_text(encoding="utf-8")
-    return set(re.findall(r"(?:\]\((?:docs/)?|^:img-top: )figures/([\w-]+\.png)", text, re.M))
+    return set(re.findall(r"(?:\]\((?:docs/|\.\./)?|^:img-top: )figures/([\w-]+\.png)", text, re.M))
 
 
 def test_every_figure_is_on_the_page_of_figures():
     """With the script that makes it; the tutorials draw theirs in their own blocks."""
-    pages = [page for page in (ROOT / "README.md", *DOCS.glob("*.md")) if page.stem != "figures"]
+    pages = [page for page in (ROOT / "README.md", *PAGES) if page.stem != "figures"]
     elsewhere = set().union(*map(shown_on, pages))
     tutorials = {name for name in elsewhere if name.startswith("tutorial_")}
     assert shown_on(DOCS / "figures.md") == elsewhere - tutorials
@@ -100,10 +101,10 @@ def test_every_figure_is_on_the_page_of_figures():
     for script in scripts:
         assert (ROOT / script).exists()
     for name in tutorials:
-        assert any(f'savefig("{name}")' in page.read_text(encoding="utf-8") for page in DOCS.glob("tutorial_*.md"))
+        assert any(f'savefig("{name}")' in page.read_text(encoding="utf-8") for page in DOCS.rglob("tutorial_*.md"))
 
 
-@pytest.mark.parametrize("page", [pytest.param(page, id=page.stem) for page in sorted(DOCS.glob("*.md"))])
+@pytest.mark.parametrize("page", [pytest.param(page, id=page.stem) for page in PAGES])
 def test_no_page_is_longer_than_a_reader_stays(page):
     """Words outside code and tables; references are looked up, not read."""
     text = re.sub(r"^(`{3,})\w*.*?^\1$|^\$\$.*?^\$\$$", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
@@ -135,8 +136,21 @@ def build(builder, folder):
 
 
 def test_site_builds_without_a_warning(site):
-    pages = {path.stem for path in (site / "html").glob("*.html")}
-    assert {path.stem for path in DOCS.glob("*.md")} <= pages
+    pages = {path.relative_to(site / "html").with_suffix("") for path in (site / "html").rglob("*.html")}
+    assert {path.relative_to(DOCS).with_suffix("") for path in PAGES} <= pages
+
+
+def test_the_pages_are_in_five_parts():
+    parts = ("start", "use", "understand", "trust", "extend")
+    assert {path.relative_to(DOCS).parts[0] for path in PAGES} == {
+        *parts,
+        "index.md",
+        "figures.md",
+        "references.md",
+        "changes.md",
+    }
+    captions = re.findall(r"^:caption: (\w+)$", (DOCS / "index.md").read_text(encoding="utf-8"), re.M)
+    assert [caption.lower() for caption in captions] == [*parts, "besides"]
 
 
 def test_gallery_has_a_picture_of_each_script(site):
@@ -186,8 +200,8 @@ def test_site_shows_what_slots_hide(site):
 
 
 def test_formulas_are_written_out(site):
-    page = (site / "html" / "theory.html").read_text(encoding="utf-8")
-    sources = (DOCS / "theory.md").read_text(encoding="utf-8").count("$$") // 2
+    page = (site / "html" / "understand" / "theory.html").read_text(encoding="utf-8")
+    sources = (DOCS / "understand" / "theory.md").read_text(encoding="utf-8").count("$$") // 2
     assert page.count('<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">') == sources
     estimator = (site / "html" / "api" / "areas.html").read_text(encoding="utf-8")
     assert "<mn>12</mn>" not in estimator  # \frac12 is a half
@@ -199,7 +213,7 @@ def test_examples_of_the_site_run(site):
     assert int(re.search(r"(\d+) tests?\b", summary[summary.index("Doctest summary") :])[1]) >= 15
 
 
-@pytest.mark.parametrize("pattern", ["*.md", "docs/*.md", "plugins/*/README.md"])
+@pytest.mark.parametrize("pattern", ["*.md", "docs/**/*.md", "plugins/*/README.md"])
 def test_plugins_are_installed_as_old_versions_of_pip_can(pattern):
     """Before 23.3 pip finds the roughcontact of a plug-in only with the same extras, or in an earlier command."""
     text = "\n".join(page.read_text(encoding="utf-8") for page in ROOT.glob(pattern))

@@ -16,7 +16,7 @@ import roughcontact as rc
 from roughcontact._faces.cli import commands
 
 ROOT = Path(__file__).parent.parent
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 # Pages whose blocks run with every change; those of the others are for the slow tests.
 FIRST = ("README",)
 # Commands that take more than some ten seconds.
@@ -76,7 +76,7 @@ def examples(tmp_path_factory):
     """A folder of what the pages mention: the maps that the package makes, and the study file of the pages."""
     folder = tmp_path_factory.mktemp("examples")
     rc.examples.write(folder)
-    (study,) = blocks_of(ROOT / "docs" / "studies.md", "toml")
+    (study,) = blocks_of(ROOT / "docs" / "use" / "studies.md", "toml")
     for name in ("study.toml", "scenes.toml"):
         (folder / name).write_text(study, encoding="utf-8")
     return folder
@@ -289,6 +289,6 @@ def test_comparison_takes_the_loosest_tolerance_that_is_good_enough(monkeypatch)
 
 
 def test_links_of_the_pages_lead_somewhere():
-    for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *(ROOT / "plugins").rglob("README.md")]:
+    for page in [ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "plugins").rglob("README.md")]:
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"

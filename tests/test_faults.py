@@ -31,7 +31,7 @@ from roughcontact._faces.panels.figures import save_figure
 from roughcontact._work.studies.record import read_index, write_index
 from roughcontact.errors import NotWritten
 
-# SIGKILLs at random moments of a study, by how it runs and what is killed. docs/trust.md states their sum.
+# SIGKILLs at random moments of a study, by how it runs and what is killed. docs/trust/trust.md states their sum.
 KILLS = {"serial": 40, "worker of a pool": 20, "parent of a pool": 20, "worker of dask": 20}
 # Kills in one test, which takes less than a minute.
 BLOCK = {"serial": 10, "worker of a pool": 10, "parent of a pool": 10, "worker of dask": 5}

@@ -43,7 +43,7 @@ def add_waves(rng, count, shape):
 
 
 def read_table(head):
-    page = (ROOT / "docs" / "maps.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "use" / "maps.md").read_text(encoding="utf-8")
     rows = page[page.index(head) :].split("\n\n")[0].splitlines()[2:]
     return [[cell.strip() for cell in row.strip("| ").split("|")] for row in rows]
 
@@ -271,7 +271,7 @@ class TestBeyondResolution:
     @pytest.mark.slow
     @pytest.mark.parametrize("kind", ["points", "means"])
     def test_the_range_holds(self, monkeypatch, kind):
-        """Of the first held-out surfaces; docs/maps.md has the rate over more of them."""
+        """Of the first held-out surfaces; docs/use/maps.md has the rate over more of them."""
         held = study("beyond_resolution", monkeypatch)
         assert sum(held.measure(held.FIRST + index, kind)[1] for index in range(4)) >= 3
 

@@ -85,7 +85,7 @@ def test_the_walk_through_of_the_pages(measured_maps, monkeypatch, tmp_path, cap
 
 
 def test_the_script_of_the_pages(measured_maps):
-    page = (ROOT / "docs" / "pairs.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "use" / "pairs.md").read_text(encoding="utf-8")
     (script,) = re.findall(r"```python maps\n(.*?)```", page, re.S)
     assert len(script.strip().splitlines()) <= 20
     command = [sys.executable, "-c", script]

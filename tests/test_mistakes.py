@@ -70,7 +70,7 @@ README = {"cells": 256, "size": 250e-6, "material": rc.Elastic(200e9, 0.3), "bou
 ORDINARY = {
     "the wave of the README": lambda: contact(rc.WavySurface(0.5e-6, 12.5e-6), pressure=100e6, **README),
     "the wave on 512 cells": lambda: contact(rc.WavySurface(0.5e-6, 12.5e-6), pressure=50e6, **README | {"cells": 512}),
-    "the ball of docs/stability.md": lambda: contact(rc.ParaboloidSurface(10e-3), 128, 1e-3, force=20.0),
+    "the ball of docs/trust/stability.md": lambda: contact(rc.ParaboloidSurface(10e-3), 128, 1e-3, force=20.0),
     "a ball in a domain of its diameter": lambda: contact(rc.ParaboloidSurface(1e-3), 128, 2e-3, force=20.0),
     "a ball away from the centre": lambda: contact(rc.ParaboloidSurface(1e-2, center=(2e-4, 0)), size=1e-3, force=20.0),
     "a ball near the border": lambda: contact(rc.ParaboloidSurface(1e-2, center=(3.9e-4, 0.0)), size=1e-3, force=20.0),

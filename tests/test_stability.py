@@ -19,7 +19,7 @@ from roughcontact._work.reports.stability.rules import RULES
 from roughcontact.typing import Verdict
 
 SKIPPED, PASS, ATTENTION, FAIL = Verdict
-PAGE = Path(__file__).parent.parent / "docs" / "stability.md"
+PAGE = Path(__file__).parent.parent / "docs" / "trust" / "stability.md"
 STEEL = rc.Elastic(200e9, 0.3)
 # Side of a cell, m.
 CELL = 1e-6

@@ -1,6 +1,6 @@
 """The house: a module imports only from its own storey or from lower ones, and nothing imports in a circle.
 
-The table of docs/architecture.md is the one that is held: it is read here, not typed again.
+The table of docs/extend/architecture.md is the one that is held: it is read here, not typed again.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import pytest
 import roughcontact
 
 ROOT = Path(roughcontact.__file__).parent
-PAGE = Path(__file__).parent.parent / "docs" / "architecture.md"
+PAGE = Path(__file__).parent.parent / "docs" / "extend" / "architecture.md"
 # These open the figures above them when they are called.
 DRAWING = ("plot", "plot_3d", "draw")
 # What the methods of a solution return is named in its annotations.

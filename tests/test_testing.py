@@ -546,7 +546,7 @@ SOURCES = sorted(path for path in (EXAMPLE / "src" / "roughcontact_example").glo
 
 
 def test_the_page_includes_every_file_of_the_example_plug_in():
-    page = ROOT / "docs" / "plugins.md"
+    page = ROOT / "docs" / "extend" / "plugins.md"
     included = re.findall(r"^```\{literalinclude\} (\S+)$", page.read_text(encoding="utf-8"), re.M)
     files = {(page.parent / path).resolve() for path in included}
     assert all(path.is_file() for path in files)

@@ -12,7 +12,7 @@ from test_fuzz_commands import COMMANDS
 from test_fuzz_files import FILES, MAPS
 from test_fuzz_problems import PROBLEMS
 
-TEXT = (Path(__file__).parent.parent / "docs" / "trust.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parent.parent / "docs" / "trust" / "trust.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

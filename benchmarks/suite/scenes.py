@@ -31,7 +31,7 @@ def make_rough(cells: int, load: float, limit: float | None = None) -> Scene:
 
 
 def make_wave(cells: int) -> Scene:
-    """Return the paper's wave at 100 MPa at an arbitrary phase; its true area is that of docs/paper.md."""
+    """Return the paper's wave at 100 MPa at an arbitrary phase; its true area is that of docs/trust/paper.md."""
     body = rc.Body(rc.WavySurface(0.5e-6, 12.5e-6, phase=(1.1, 2.3)), rc.Elastic(200e9, 0.3))
     grid = rc.Grid((cells, cells), 250e-6)
     return Scene(rc.ContactProblem(body, grid=grid, boundary="periodic"), 100e6, 0.0114192)

@@ -1,4 +1,4 @@
-"""Is an accuracy that is asked for met, on which grid and at which cost? The table of docs/choose.md.
+"""Is an accuracy that is asked for met, on which grid and at which cost? The table of docs/use/choose.md.
 
     python docs/studies/accuracy.py          # writes the table
     python docs/studies/accuracy.py CASES    # prints it for fewer cases

@@ -1,4 +1,4 @@
-"""The figure of docs/app.md: the page with an answer, in Debian's headless Chromium, by selenium.
+"""The figure of docs/start/app.md: the page with an answer, in Debian's headless Chromium, by selenium.
 
 Writes docs/figures/app.png. Takes a minute.
 """

@@ -1,7 +1,7 @@
 """Whether the uncertainty of the area holds: the fresh classes of benchmarks/area_classes.py.
 
-Writes the table of docs/area.md and docs/figures/reliability.png; the solutions are kept in a folder (15 minutes at
-first, then one).
+Writes the table of docs/understand/area.md and docs/figures/reliability.png; the solutions are kept in a folder
+(15 minutes at first, then one).
 
     python docs/studies/area_uncertainty.py [FOLDER]
 """

@@ -2,9 +2,9 @@
 
     python docs/studies/beyond_resolution.py [number of surfaces]
 
-Prints the table of docs/maps.md. Each surface is self-affine with its own Hurst exponent, load, lay and shortest wave,
-which is between one and half a cell of its map; the map holds the heights at points, or their means over cells. The
-seeds are not those with which the method was developed.
+Prints the table of docs/use/maps.md. Each surface is self-affine with its own Hurst exponent, load, lay and shortest
+wave, which is between one and half a cell of its map; the map holds the heights at points, or their means over cells.
+The seeds are not those with which the method was developed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The flow through the gap beside the package reynoldsflow, on the same gaps: the table of docs/leakage.md.
+"""The flow through the gap beside the package reynoldsflow, on the same gaps: the table of docs/use/leakage.md.
 
 Needs a separate environment with the other package, which is not a dependency of ours:
 

@@ -1,4 +1,4 @@
-"""Iterations and products of the default solver by the grid: the table of docs/solver_cost.md.
+"""Iterations and products of the default solver by the grid: the table of docs/trust/solver_cost.md.
 
 python docs/studies/counts.py
 """

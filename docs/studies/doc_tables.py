@@ -25,7 +25,7 @@ import attrs
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 STORE = ROOT / "docs" / "tables"
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted(ROOT.glob("plugins/*/README.md"))]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), *sorted(ROOT.glob("plugins/*/README.md"))]
 MARKED = re.compile(
     r"<!-- table: (?P<name>[\w-]+), by (?P<script>[\w./-]+\.py) -->\n(?P<text>.*?)<!-- end of table -->", re.S
 )

@@ -1,4 +1,4 @@
-"""The table of first-day mistakes in docs/mistakes.md: each scene, what is said of it, and the exit status.
+"""The table of first-day mistakes in docs/use/mistakes.md: each scene, what is said of it, and the exit status.
 
 Run ``python docs/studies/first_day_mistakes.py`` to write the table; ``tests/test_mistakes.py`` compares it.
 """
@@ -20,7 +20,7 @@ import tifffile
 import roughcontact as rc
 from roughcontact.__main__ import main as run_command
 
-PAGE = Path(__file__).parent.parent / "mistakes.md"
+PAGE = Path(__file__).parent.parent / "use" / "mistakes.md"
 HEAD = "| the mistake | what is said | exit status |\n|---|---|---|\n"
 GRID = rc.Grid(shape=(64, 64), size=(64e-6, 64e-6))
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.05, shortest=8e-6, longest=32e-6, seed=0)

@@ -1,4 +1,4 @@
-"""The gradient of the area against differences, and heights for a wanted area over load: see docs/gradients.md.
+"""The gradient of the area against differences, and heights for a wanted area over load: see docs/use/gradients.md.
 
 python docs/studies/gradients.py
 """

@@ -1,4 +1,4 @@
-"""The figure and the table of docs/interface_laws.md: area, stiffness and mean gap of a rough interface over the load.
+"""The figure and the table of docs/use/interface_laws.md: area, stiffness and mean gap of an interface over the load.
 
 python docs/studies/interface_law.py
 """

@@ -1,4 +1,4 @@
-"""What a ladder of grids gives beside its finest grid: the rms error of the area, for the table of docs/choose.md.
+"""What a ladder of grids gives beside its finest grid: the rms error of the area, for the table of docs/use/choose.md.
 
     python docs/studies/ladders.py
 

@@ -1,4 +1,4 @@
-"""The table and the figure of docs/leakage.md: the flow through rough gaps on several grids.
+"""The table and the figure of docs/use/leakage.md: the flow through rough gaps on several grids.
 
 python docs/studies/leakage.py          # the table
 python docs/studies/leakage.py figure   # docs/figures/leakage.png

@@ -2,8 +2,8 @@
 
     python docs/studies/magnification.py
 
-Prints the table of docs/maps.md. The load is that of the roughness down to the longest cut-off; Persson's theory says
-erf(p sqrt(2) / (E* rms slope)), with the slope of each row.
+Prints the table of docs/use/maps.md. The load is that of the roughness down to the longest cut-off; Persson's theory
+says erf(p sqrt(2) / (E* rms slope)), with the slope of each row.
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@
 
     python docs/studies/map_warnings.py [number of surfaces]
 
-Prints the table of docs/maps.md. The thresholds were chosen on other seeds than the held-out ones. Maps of 160 x 160
-cells, cropped from periodic surfaces with waves down to half a cell; heights at points or means over cells; Hurst
-exponents 0.3, 0.5, 0.8 and 1; isotropic or with a lay 5:1 in any direction.
+Prints the table of docs/use/maps.md. The thresholds were chosen on other seeds than the held-out ones. Maps of
+160 x 160 cells, cropped from periodic surfaces with waves down to half a cell; heights at points or means over cells;
+Hurst exponents 0.3, 0.5, 0.8 and 1; isotropic or with a lay 5:1 in any direction.
 """
 
 from __future__ import annotations

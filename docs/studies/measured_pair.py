@@ -1,4 +1,4 @@
-"""Two measured maps as a pair, step by step: the figure and the table of docs/pairs.md.
+"""Two measured maps as a pair, step by step: the figure and the table of docs/use/pairs.md.
 
 python docs/studies/measured_pair.py FOLDER, or with ROUGHCONTACT_MAPS=FOLDER
 

@@ -2,7 +2,7 @@
 
     python docs/studies/paper_grids.py
 
-Writes a table of docs/paper.md. Needs plugins/roughcontact-paper for the converged values.
+Writes a table of docs/trust/paper.md. Needs plugins/roughcontact-paper for the converged values.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 
 python docs/studies/paper_method.py
 
-Writes the tables of docs/paper.md. Needs plugins/roughcontact-paper. CPU times with one thread (OMP_NUM_THREADS=1).
+Writes the tables of docs/trust/paper.md. Needs plugins/roughcontact-paper. CPU times with one thread
+(OMP_NUM_THREADS=1).
 """
 
 from __future__ import annotations

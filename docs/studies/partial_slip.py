@@ -1,4 +1,4 @@
-"""Partial slip of a ball against Cattaneo and Mindlin, and of a rough surface: see docs/partial_slip.md.
+"""Partial slip of a ball against Cattaneo and Mindlin, and of a rough surface: see docs/use/partial_slip.md.
 
 python docs/studies/partial_slip.py
 """

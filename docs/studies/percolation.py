@@ -1,4 +1,4 @@
-"""The table of docs/leakage.md on the load that closes all paths: coarse grids beside 32 cells a shortest wave.
+"""The table of docs/use/leakage.md on the load that closes all paths: coarse grids beside 32 cells a shortest wave.
 
 python docs/studies/percolation.py
 """

@@ -1,4 +1,4 @@
-"""The figures of docs/plotting.md: every panel that ships, in light and dark.
+"""The figures of docs/use/plotting.md: every panel that ships, in light and dark.
 
 python docs/studies/plotting.py
 """

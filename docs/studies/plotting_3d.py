@@ -1,4 +1,4 @@
-"""The view in three dimensions of docs/plotting.md; needs the extra `vtk`.
+"""The view in three dimensions of docs/use/plotting.md; needs the extra `vtk`.
 
 python docs/studies/plotting_3d.py
 """

@@ -1,6 +1,6 @@
 """Error against run time on the paper's wave at 100 MPa: the default, cell counts, and cell counts extrapolated.
 
-Writes docs/figures/report_wavy.png and the table of docs/error_report.md. The default is one solve, blended area,
+Writes docs/figures/report_wavy.png and the table of docs/trust/error_report.md. The default is one solve, blended area,
 on 240, 250 and 256 cells a side: the first has a whole number of cells in a wave. Cell count is what the paper
 reports; its extrapolation by eq. 28, or by a power law, costs the solves of all its grids.
 
@@ -28,7 +28,7 @@ FIGURES = Path(__file__).parent.parent / "figures"
 GRIDS = (64, 128, 256, 512, 1024, 2048)
 DEFAULTS = (240, 250, 256)
 LOAD = 100
-# Error bound of the converged answers: the change between the finest grids of docs/paper.md.
+# Error bound of the converged answers: the change between the finest grids of docs/trust/paper.md.
 BOUND = 2e-4
 
 
@@ -42,7 +42,7 @@ class Method:
 
 
 def make_reference() -> rc.typing.KnownAnswer:
-    """Return the converged answers of docs/paper.md."""
+    """Return the converged answers of docs/trust/paper.md."""
     area = published.TRUE_AREA[LOAD] / 100 * 250e-6**2
     p_max = published.TRUE_P_MAX[LOAD] * 1e9
     return rc.typing.KnownAnswer(

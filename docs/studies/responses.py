@@ -1,4 +1,4 @@
-"""The table of docs/responses.md: whether the uncertainties of the responses hold on contacts of unkind geometry.
+"""The table of docs/use/responses.md: whether the uncertainties of the responses hold on contacts of unkind geometry.
 
 python docs/studies/responses.py
 """

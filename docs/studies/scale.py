@@ -1,6 +1,6 @@
 """CPU and wall time and peak memory of one solve over the cells of the grid, on one thread and on two.
 
-    python docs/studies/scale.py            # the table of docs/solver_cost.md: about half an hour, 8 GiB
+    python docs/studies/scale.py            # the table of docs/trust/solver_cost.md: about half an hour, 8 GiB
     python docs/studies/scale.py 1024       # up to 1024 x 1024 cells, printed only
     python docs/studies/scale.py products   # wall time of one product on one thread and on two
 

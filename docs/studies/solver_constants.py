@@ -2,8 +2,8 @@
 
     python docs/studies/solver_constants.py
 
-Products are convolutions and inverse convolutions, as in docs/solver_cost.md, in all contacts together over those with
-the values as they are. Constants that change no product are varied in CPU time. Last, the rounding of transforms.
+Products are convolutions and inverse convolutions, as in docs/trust/solver_cost.md, in all contacts together over those
+with the values as they are. Constants that change no product are varied in CPU time. Last, the rounding of transforms.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Normal stiffness: accuracy on balls, ellipses and rough surfaces, its cost, and its figure: see docs/stiffness.md.
+"""Normal stiffness: accuracy on balls, ellipses and rough surfaces, cost and figure: see docs/use/stiffness.md.
 
 python docs/studies/stiffness.py
 """

@@ -1,4 +1,4 @@
-"""The tables and the figure of docs/stress.md: the stress below balls and rough surfaces, and its cost.
+"""The tables and the figure of docs/use/stress.md: the stress below balls and rough surfaces, and its cost.
 
 python docs/studies/stress.py          # the tables
 python docs/studies/stress.py figure   # docs/figures/stress.png

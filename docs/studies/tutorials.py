@@ -24,7 +24,7 @@ def run(page: Path, folder: Path) -> None:
 
 
 def main(names: list[str]) -> None:
-    for page in sorted(DOCS.glob("tutorial_*.md")):
+    for page in sorted(DOCS.rglob("tutorial_*.md")):
         if names and page.stem not in names:
             continue
         with tempfile.TemporaryDirectory() as folder:

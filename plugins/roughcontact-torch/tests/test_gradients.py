@@ -1,4 +1,4 @@
-"""The wrapper for torch's reverse mode in docs/gradients.md."""
+"""The wrapper for torch's reverse mode in docs/use/gradients.md."""
 
 import re
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import roughcontact as rc
 
-PAGE = Path(__file__).parents[3] / "docs" / "gradients.md"
+PAGE = Path(__file__).parents[3] / "docs" / "use" / "gradients.md"
 
 
 def test_the_wrapper_hands_on_the_gradient():

@@ -29,7 +29,7 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
     ----------
     edge_shift
         Distance, in cells, by which the edge of a discrete contact lies inside the true edge: 0.018 for
-        pressure that is constant on each cell, measured on Hertz's spheres (docs/area.md).
+        pressure that is constant on each cell, measured on Hertz's spheres (docs/understand/area.md).
 
     Examples
     --------

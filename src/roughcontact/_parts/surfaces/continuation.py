@@ -17,7 +17,7 @@ from roughcontact._parts.surfaces.matching import PlacedMap
 from roughcontact._parts.surfaces.resampling import fourier, resample
 from roughcontact._parts.surfaces.spectrum import PowerLaw, fit_power_law
 
-# Cells of a shortest wave, with which the area is right within 2 % (docs/area.md).
+# Cells of a shortest wave, with which the area is right within 2 % (docs/understand/area.md).
 _CELLS = 4.0
 # Cells beyond any memory.
 _MOST = 2**50

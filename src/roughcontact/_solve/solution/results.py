@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
 
 DEFAULT_AREA = "blend"
-# Error by rounding, over the scale, above which float64 does not resolve the gap: docs/conventions.md states it.
+# Error by rounding, over the scale, above which float64 does not resolve the gap: docs/use/conventions.md states it.
 _RESOLVED = 1e-5
 # Standard deviation of the position of edges on the facets of an interpolated map, cells: set on maps of 4 and 8 cells
 # a wave interpolated two and four times, bilinearly, in benchmarks/area_classes.py.
