@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import contextlib
 import ctypes
 import multiprocessing
@@ -13,7 +12,6 @@ import resource
 import signal
 import subprocess
 import sys
-import threading
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
@@ -30,15 +28,10 @@ from roughcontact._base.tables import Table
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._work.studies.record import read_index, write_index
 from roughcontact.errors import NotWritten
+from scenes import list_unfinished, without_seconds
 
-# SIGKILLs at random moments of a study, by how it runs and what is killed. docs/trust/trust.md states their sum.
-KILLS = {"serial": 40, "worker of a pool": 20, "parent of a pool": 20, "worker of dask": 20}
-# Kills in one test, which takes less than a minute.
-BLOCK = {"serial": 10, "worker of a pool": 10, "parent of a pool": 10, "worker of dask": 5}
 SEED = 13
 
-ROOT = Path(__file__).parent.parent
-SOURCES = sorted([*ROOT.glob("src/**/*.py"), *ROOT.glob("plugins/*/src/**/*.py")])
 STEEL = rc.Elastic(200e9, 0.3)
 GRID = rc.Grid((24, 24), 1e-4)
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortest=16e-6, seed=5)
@@ -51,14 +44,6 @@ def problem(surface=ROUGH, **parts):
 def study(**changes):
     parts = {"problems": problem(), "force": [0.1, 0.3], "seeds": [0, 1, 2], "areas": ["blend", "cell-count"]}
     return rc.Study(**{**parts, **changes})
-
-
-def without_seconds(records):
-    return [attrs.evolve(record, seconds=0.0) for record in records]
-
-
-def partials(folder):
-    return sorted(path.name for path in folder.rglob("*.partial"))
 
 
 @attrs.frozen
@@ -144,7 +129,7 @@ class TestOneFailingPart:
         assert re.search(EXCEPTIONS[trouble], result.failed[0].message)
         # Run again, only what failed is tried.
         assert troubled.run(tmp_path).computed == 2
-        assert not partials(tmp_path)
+        assert not list_unfinished(tmp_path)
 
     @pytest.mark.parametrize("part", ["kernel", "convolver", "solver"])
     def test_any_part_of_one_problem(self, tmp_path, part):
@@ -238,7 +223,7 @@ class TestInterruption:
                 study().run(tmp_path)
         (index,) = tmp_path.glob("study-*.json")
         assert len(read_index(index)) == 2
-        assert not partials(tmp_path)
+        assert not list_unfinished(tmp_path)
         assert study().run(tmp_path).computed == 3
 
     def test_of_a_worker(self, tmp_path, monkeypatch):
@@ -275,7 +260,7 @@ class TestInterruption:
         (index,) = tmp_path.glob("study-*.json")
         assert sorted(read_index(index)) == sorted(record.key for record in seen)
         assert len(seen) == 2
-        assert not partials(tmp_path)
+        assert not list_unfinished(tmp_path)
 
 
 class TestUnfinishedFiles:
@@ -287,18 +272,18 @@ class TestUnfinishedFiles:
         for name in ["b" * 250]:
             subprocess.run([sys.executable, "-c", kill, str(tmp_path / name)], check=False)
             # The next process removes what the one before has left.
-            assert len(partials(tmp_path)) == 1
+            assert len(list_unfinished(tmp_path)) == 1
         study(seeds=[0]).run(tmp_path)
-        assert not partials(tmp_path)
+        assert not list_unfinished(tmp_path)
 
     def test_by_the_next_that_writes_into_the_folder(self, tmp_path):
         with replacing(tmp_path / "x") as partial:
             partial.write_text("mine")
             machine = partial.name.split(".")[-3].split("-")[0]
             (tmp_path / f".x.{machine}-{dead_process()}.{'0' * 12}.partial").write_text("left")
-            assert len(partials(tmp_path)) == 2
+            assert len(list_unfinished(tmp_path)) == 2
             remove_stale(tmp_path)
-            assert partials(tmp_path) == [partial.name]
+            assert list_unfinished(tmp_path) == [partial.name]
         assert (tmp_path / "x").read_text() == "mine"
 
     def test_what_stays(self, tmp_path):
@@ -320,15 +305,15 @@ class TestUnfinishedFiles:
         outside.write_text("here")
         (tmp_path / f".link.{machine}-{dead}.{'0' * 12}.partial").symlink_to(outside)
         (tmp_path / f".folder.{machine}-{dead}.{'0' * 12}.partial").mkdir()
-        before = partials(tmp_path)
+        before = list_unfinished(tmp_path)
         remove_stale(tmp_path)
-        assert partials(tmp_path) == before
+        assert list_unfinished(tmp_path) == before
         assert outside.read_text() == "here"
         # Those of other machines are removed after a week.
         old = tmp_path / kept[1]
         os.utime(old, (0, time.time() - 8 * 86400))
         remove_stale(tmp_path)
-        assert sorted({*partials(tmp_path), old.name}) == before
+        assert sorted({*list_unfinished(tmp_path), old.name}) == before
         assert not old.exists()
 
     def test_a_file_is_on_the_disk_before_it_has_its_name(self, tmp_path, monkeypatch):
@@ -434,7 +419,7 @@ class TestDisk:
             ):
                 FORMATS[name](tmp_path / name, made)
             assert (tmp_path / name).read_text() == "what was there"
-            assert not partials(tmp_path)
+            assert not list_unfinished(tmp_path)
 
     @pytest.mark.parametrize("name", [name for name in FORMATS if not name.endswith(("png", "svg", "pdf"))])
     def test_read_only(self, tmp_path, made, name):
@@ -458,7 +443,7 @@ class TestDisk:
         assert set(read_index(index)) == {record.key for record in seen}
         assert len(seen) == 2
         assert both.run(tmp_path).computed == 2
-        assert not partials(tmp_path)
+        assert not list_unfinished(tmp_path)
 
     def test_a_full_disk_ends_the_tasks_of_an_executor(self, tmp_path):
         with (
@@ -539,252 +524,4 @@ def test_too_little_memory_for_one_problem(tmp_path):
         [name, str(name != "large")] for name in ("first", "large", "last") for _ in range(2)
     ]
     assert all("emory" in line for line in lines[2:4])
-    assert not partials(tmp_path)
-
-
-# Calls that write a file, in numpy, pathlib, matplotlib, pandas, shutil and os.
-WRITERS = {"savefig", "imsave", "write_text", "write_bytes", "to_netcdf", "to_excel", "to_parquet", "savez", "savetxt"}
-WRITERS |= {"savez_compressed", "np.save", "copyfile", "copy2", "tofile", "touch", "os.replace", "os.rename"}
-OPENERS = {"open", "File", "ZipFile", "memmap"}
-# Functions that write elsewhere, and why.
-ELSEWHERE = {
-    ("replacement.py", "replacing"): "the door itself",
-    ("__init__.py", "seal"): "is given the unfinished file",
-    ("netcdf.py", "write_netcdf"): "writes to memory first",
-    ("error_report.py", "draw_report"): "draws in memory first",
-    ("figures.py", "save_figure"): "draws in memory first",
-    ("figures.py", "draw_panel"): "draws in memory",
-    ("figure_view.py", "savefig"): "chooses the pixels for the caller's file",
-    ("folder.py", "_write_lock"): "a lock, renamed when it is held",
-    ("folder.py", "_remove_abandoned"): "opens a lock to try it",
-    ("command.py", "_shown"): "a private file for the browser alone",
-    ("uploads.py", "_copy"): "an unfinished file, renamed when it is complete",
-    ("output.py", "write_results"): "draws in memory first",
-    ("inputs.py", "_damaged"): "writes to a temporary folder",
-    ("__main__.py", "_prepare_streams"): "throws away what a closed stream would print",
-}
-
-
-def writes(call):
-    text = ast.unparse(call.func)
-    name = text.rpartition(".")[2]
-    if name in OPENERS:
-        texts = [*call.args, *(keyword.value for keyword in call.keywords if keyword.arg == "mode")]
-        modes = [node.value for node in texts if isinstance(node, ast.Constant) and isinstance(node.value, str)]
-        return any(set(mode) <= set("rwaxbt+") and set(mode) & set("wax+") for mode in modes)
-    return name in WRITERS or text in WRITERS
-
-
-def is_door(node):
-    return isinstance(node, ast.With) and any(
-        isinstance(item.context_expr, ast.Call) and ast.unparse(item.context_expr.func) == "replacing"
-        for item in node.items
-    )
-
-
-def writers_outside(tree, function="", inside=False):
-    """Yield the function and the call of whatever writes outside of a `with replacing(...)`."""
-    for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.Call) and writes(node) and not inside:
-            yield function, ast.unparse(node)
-        name = node.name if isinstance(node, ast.FunctionDef) else function
-        yield from writers_outside(node, name, inside or is_door(node))
-
-
-def test_every_file_is_written_through_the_one_door():
-    assert SOURCES
-    for path in SOURCES:
-        found = writers_outside(ast.parse(path.read_text(encoding="utf-8")))
-        assert [(path, name, call) for name, call in found if (path.name, name) not in ELSEWHERE] == []
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        'open("x", "w")',
-        'Path("x").open(mode="ab")',
-        "figure.savefig(path)",
-        'with opened(path) as file: path.write_text("")',
-        "np.savez(path, x=x)",
-        "numpy.save(path, x)\nnp.save(path, x)",
-        'def draw():\n    zipfile.ZipFile(path, "a")',
-    ],
-)
-def test_a_writer_outside_of_the_door_is_seen(line):
-    assert list(writers_outside(ast.parse(line)))
-    inside = "with replacing(path) as partial:\n" + "\n".join(f"    {part}" for part in line.split("\n"))
-    assert not list(writers_outside(ast.parse(inside)))
-
-
-def kill_study():
-    """A study of 12 solves in 4 chains, which takes about half a second."""
-    problems = {"free": problem(), "periodic": problem(boundary="periodic")}
-    return study(problems=problems, force=[0.05, 0.2, 0.5], seeds=[0, 1])
-
-
-def run_serially(folder):
-    kill_study().run(folder)
-
-
-def run_on_pool(folder):
-    # A group of its own, so that its workers can be killed with it.
-    os.setsid()
-    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("fork")) as executor:
-        kill_study().run(folder, executor=executor)
-
-
-@pytest.fixture(scope="module")
-def forks():
-    """Processes that have the package already."""
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["roughcontact", "numpy.testing", "scipy.fft", "scipy.ndimage"])
-    return context
-
-
-@pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory):
-    result = kill_study().run(tmp_path_factory.mktemp("undisturbed"))
-    return result, [result.solution(record) for record in result.records]
-
-
-def require_no_loss(folder, undisturbed):
-    """Finish a study in the folder of a killed one, and compare all of it with the undisturbed one, bit by bit."""
-    finished = len(list(folder.glob("*.npz")))
-    wanted, solutions = undisturbed
-    result = kill_study().run(folder)
-    assert result.computed == len(wanted.records) - finished
-    assert without_seconds(result.records) == without_seconds(wanted.records)
-    for record, solution in zip(result.records, solutions, strict=True):
-        found = result.solution(record)
-        for name in ("pressure", "displacement", "initial_gap"):
-            assert getattr(found, name).tobytes() == getattr(solution, name).tobytes()
-        assert found.approach == solution.approach
-    assert not partials(folder)
-    assert kill_study().run(folder).computed == 0
-
-
-def blocks(name):
-    return [pytest.param(block, id=f"{name} {block}") for block in range(KILLS[name] // BLOCK[name])]
-
-
-def folders_of_kills(tmp_path, name, block):
-    """Yield a folder and a moment, in units of the time of a run, for each kill; what came too late is not counted."""
-    rng = random.Random(f"{SEED} {name} {block}")
-    for count in range(10 * BLOCK[name]):
-        if len(list(tmp_path.glob("*/killed"))) >= BLOCK[name]:
-            return
-        folder = tmp_path / str(count)
-        folder.mkdir()
-        yield folder, rng.random()
-    pytest.fail("the study was faster than its kills")
-
-
-@pytest.mark.slow
-class TestKills:
-    """SIGKILL at random moments: nothing that was finished is lost, solved again or changed."""
-
-    @pytest.mark.parametrize("block", blocks("serial"))
-    def test_a_serial_study(self, tmp_path, forks, undisturbed, block):
-        self.kill_process(tmp_path, forks, undisturbed, run_serially, "serial", block)
-
-    @pytest.mark.parametrize("block", blocks("parent of a pool"))
-    def test_the_parent_of_a_pool(self, tmp_path, forks, undisturbed, block):
-        self.kill_process(tmp_path, forks, undisturbed, run_on_pool, "parent of a pool", block)
-
-    def kill_process(self, tmp_path, forks, undisturbed, run, name, block):
-        duration = None
-        for folder, moment in folders_of_kills(tmp_path, name, block):
-            process, started = forks.Process(target=run, args=(folder / "study",)), time.monotonic()
-            process.start()
-            process.join(None if duration is None else moment * duration)
-            if process.is_alive():
-                process.kill()
-                (folder / "killed").touch()
-            else:
-                duration = time.monotonic() - started
-            process.join()
-            with contextlib.suppress(ProcessLookupError):
-                # Workers without a parent go on for a while.
-                time.sleep(0.1 * moment)
-                os.killpg(process.pid, signal.SIGKILL)
-                time.sleep(0.1)
-            (folder / "study").mkdir(exist_ok=True)
-            require_no_loss(folder / "study", undisturbed)
-
-    @pytest.mark.parametrize("block", blocks("worker of a pool"))
-    def test_a_worker_of_a_pool(self, tmp_path, forks, undisturbed, block):
-        duration = None
-        for folder, moment in folders_of_kills(tmp_path, "worker of a pool", block):
-            seen, stopped = [], ""
-            with ProcessPoolExecutor(2, mp_context=forks) as executor:
-                list(executor.map(abs, range(4)))
-                workers = list(executor._processes)
-                timer = threading.Timer(
-                    60 if duration is None else moment * duration, kill_one, (workers, moment, folder)
-                )
-                timer.start()
-                started = time.monotonic()
-                try:
-                    kill_study().run(folder / "study", executor=executor, on_records=seen.extend)
-                except rc.StudyStopped as error:
-                    stopped = str(error)
-                finished = time.monotonic()
-                timer.cancel()
-                timer.join()
-                # One that was killed while it waited for a task has left a lock behind: the other would never end.
-                for process in multiprocessing.active_children():
-                    process.kill()
-            if not (folder / "killed").exists():
-                duration = finished - started
-            assert not stopped or f"{len(seen)} of 12 solves are reported" in stopped
-            indices = list((folder / "study").glob("study-*.json"))
-            assert {record.key for record in seen} == {key for index in indices for key in read_index(index)}
-            require_no_loss(folder / "study", undisturbed)
-
-    @pytest.mark.parametrize("block", blocks("worker of dask"))
-    def test_a_worker_of_dask(self, tmp_path, undisturbed, dask_cluster, block):
-        duration = None
-        client = dask_cluster.client
-        for folder, moment in folders_of_kills(tmp_path, "worker of dask", block):
-            dask_cluster.start(2)
-            client.run(run_serially, tmp_path / "warm")
-            workers = [worker.pid for worker in dask_cluster.workers]
-            timer = threading.Timer(60 if duration is None else moment * duration, kill_one, (workers, moment, folder))
-            timer.start()
-            started = time.monotonic()
-            result = kill_study().run(folder / "study", executor=client.get_executor())
-            finished = time.monotonic()
-            timer.cancel()
-            timer.join()
-            if (folder / "killed").exists():
-                dask_cluster.workers[choose(workers, moment)].wait(timeout=60)
-            else:
-                duration = finished - started
-            # The other worker has done the rest.
-            assert len(result.records) == 12
-            assert not result.failed
-            require_no_loss(folder / "study", undisturbed)
-
-    def test_dask_gives_up_a_task_that_kills_its_workers(self, tmp_path, dask_cluster):
-        deadly = study(problems={"good": problem(), "deadly": problem(Trouble("killed"))}, seeds=[0, 1])
-        # Dask gives a task up when it has ended four.
-        dask_cluster.start(5)
-        with pytest.raises(rc.StudyStopped, match=r"Every worker .*'deadly'.*KilledWorker.*6 of 8"):
-            deadly.run(tmp_path, executor=dask_cluster.client.get_executor())
-        (index,) = tmp_path.glob("study-*.json")
-        assert len(read_index(index)) == 6
-
-
-def choose(workers, moment):
-    return int(1000 * moment) % len(workers)
-
-
-def kill_one(workers, moment, folder):
-    with contextlib.suppress(ProcessLookupError):
-        os.kill(workers[choose(workers, moment)], signal.SIGKILL)
-        (folder / "killed").touch()
-
-
-def test_all_kills_are_in_blocks():
-    assert sum(KILLS.values()) == 100
-    assert all(KILLS[name] % BLOCK[name] == 0 for name in KILLS)
+    assert not list_unfinished(tmp_path)

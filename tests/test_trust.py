@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from test_faults import KILLS
 from test_fuzz_calls import CALLS
 from test_fuzz_commands import COMMANDS
 from test_fuzz_files import FILES, MAPS
 from test_fuzz_problems import PROBLEMS
+from test_kills import KILLS
 
 TEXT = (Path(__file__).parent.parent / "docs" / "trust" / "trust.md").read_text(encoding="utf-8")
 

@@ -1,0 +1,142 @@
+"""Studies in TOML, and the command that runs them."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.__main__ import main
+from roughcontact._faces.cli.run import list_warnings
+from roughcontact._work.studies.toml import read_study
+from scenes import ROUGH, make_problem, make_study
+
+STUDY = """
+[problems.rough]
+boundary = "periodic"
+grid = {shape = [48, 48], size = 1e-4}
+[problems.rough.body]
+surface = {type = "self-affine", hurst = 0.8, rms_height = 1e-7, longest = 1e-4, shortest = 8e-6, seed = 5}
+material = {type = "elastic-perfectly-plastic", young = 210e9, poisson = 0.3, hardness = 6e9}
+[problems.ball]
+grid = {shape = [48, 48], size = 1e-4}
+solver = {type = "projected-cg", tolerance = 1e-9}
+[problems.ball.body]
+surface = {type = "sum", parts = [{type = "sphere", radius = 5e-3}, {type = "file", path = "map.npz", detrend = 1}]}
+material = {type = "elastic", young = 210e9, poisson = 0.3}
+[study]
+force = [0.1, 1.0]
+areas = ["blend", "cell-count"]
+"""
+
+
+@pytest.fixture
+def study_file(tmp_path):
+    np.savez(tmp_path / "map.npz", heights=1e-8 * np.random.default_rng(0).random((48, 48)), size=1e-4)
+    (tmp_path / "study.toml").write_text(STUDY)
+    return tmp_path / "study.toml"
+
+
+class TestFiles:
+    """Studies in TOML."""
+
+    def test_a_file_is_the_objects_it_says(self, study_file):
+        read = read_study(study_file)
+        assert [load.arguments for load in read.loads] == [{"force": 0.1}, {"force": 1.0}]
+        assert read.problems["rough"].body.surface == ROUGH
+        assert read.problems["rough"].boundary == "periodic"
+        assert read.problems["ball"].solver == rc.ProjectedConjugateGradient(tolerance=1e-9)
+        assert "less" not in read.explain()
+        assert "the best plane subtracted" in read.explain()
+
+    def test_the_command_runs_and_goes_on(self, study_file, capsys):
+        assert main(["run", str(study_file), "--dry-run"]) == 0
+        assert "4: 2 of problem x 2 of force" in capsys.readouterr().out
+        assert main(["run", str(study_file)]) == 0
+        folder = study_file.with_suffix("")
+        out = capsys.readouterr().out
+        printed = out.split()
+        begins = f"4 solves, 4 of them now, in {folder}".split()
+        # Only estimates are doubtful, which leaves the status at 0, as of `solve`.
+        assert printed[: len(begins)] == begins
+        assert "warning The contact area is uncertain: the" in " ".join(printed)
+        assert max(map(len, out.splitlines())) <= 80
+        lines = [line.split() for line in out.splitlines()]
+        start = next(place for place, line in enumerate(lines) if line[:4] == ["problem", "load", "area", "blend,"])
+        assert [line[:3] for line in lines[start + 1 : start + 5]] == [
+            [name, load, unit] for name in ("rough", "ball") for load, unit in (("100", "mN"), ("1", "N"))
+        ]
+        unit = {"µm2": 1e-12, "nm2": 1e-18}[lines[start][4]]
+        for line, record in zip(lines[start + 1 :], read_study(study_file).run(folder), strict=False):
+            area, uncertainty = record.areas["blend"]
+            assert float(line[3]) * unit == pytest.approx(area, abs=0.1 * uncertainty)
+            assert float(line[5]) * unit == pytest.approx(uncertainty, rel=0.06)
+        assert main(["run", str(study_file), "--workers", "2"]) == 0
+        assert "0 of them now" in capsys.readouterr().out
+        assert (folder / "records.csv").read_text().count("CONVERGED") == 4
+
+    def test_the_command_prints_each_warning_once_and_ends_as_solve_does(self, study_file, capsys):
+        text = study_file.read_text().replace("young = 210e9, poisson = 0.3}", "young = 210, poisson = 0.3}")
+        study_file.write_text(text.replace("force = [0.1, 1.0]", "force = [1e-11, 1e-10]"))
+        assert main(["run", str(study_file)]) == 3
+        printed = " ".join(capsys.readouterr().out.split())
+        assert printed.count("A Young's modulus of 210 Pa is that of a foam or a gel.") == 1
+        assert "and the unit of heights from a file. [2 of 4 solves]" in printed
+        assert main(["run", str(study_file)]) == 3
+
+    def test_warnings_that_differ_in_numbers_alone_are_one(self, tmp_path):
+        result = make_study(problems=make_problem(), seeds=[]).run(tmp_path)
+        texts = ("9.5 % of 3 µm.", "99 % of 1 m.", "1e-5 % of 4 m."), ("99 % of 1 m.", "Another.")
+        records = [attrs.evolve(result[0], warnings=own) for own in (*texts, ())]
+        lines = list_warnings(attrs.evolve(result, records=tuple(records)))
+        assert lines == [
+            "warning  1e-5 % of 4 m. [2 of 3 solves, with other numbers]",
+            "warning  Another. [1 of 3 solves]",
+        ]
+
+    @pytest.mark.parametrize(
+        ("old", "new", "words"),
+        [
+            ("hurst = 0.8", "hurts = 0.8", "required field missing @ problems.rough.body.surface.hurst"),
+            ("hurst = 0.8", "hurst = 0.8, hurts = 1", "unknown field 'hurts' (did you mean 'hurst'?) @ problems.rough"),
+            (
+                '"periodic"',
+                '"perodic"',
+                "must be one of 'free', 'periodic', 'wrapped', but got 'perodic'. @ problems.rough",
+            ),
+            ('"sphere"', '"shere"', "Did you mean 'sphere'? Known:"),
+            (
+                "young = 210e9",
+                "young = -1",
+                "Young's modulus must be a finite number, above 0 (Pa), but got -1. @ problems.rough.body.material",
+            ),
+            ("[study]", "[studi]", "unknown table (did you mean 'study'?) @ studi"),
+            ("force =", "forces =", "unknown field 'forces' (did you mean 'force'?) @ study"),
+            ("parts =", "part =", "unknown field 'part' (did you mean 'parts'?)"),
+            ("[problems.ball]", "[problems.ball", "is not TOML"),
+            ("0.1, 1.0", "1e9", "more than the bodies can carry"),
+            ('path = "map.npz"', 'path = "none.npz"', "There is no file"),
+            ("detrend = 1", "detrand = 1", "unknown field 'detrand' (did you mean 'detrend'?)"),
+            ('type = "projected-cg"', 'typ = "projected-cg"', "with the name as type"),
+            ("shape = [48, 48], ", "", "required field missing @ problems.rough.grid.shape"),
+            (
+                '"map.npz"',
+                '"../map.npz"',
+                "must be that of a file in the folder of the study file, but got '../map.npz'",
+            ),
+            ('"map.npz"', '"/etc/hostname"', "must be that of a file in the folder of the study file"),
+            ('"map.npz"', '"link.npz"', "must be that of a file in the folder of the study file"),
+            ('"map.npz"', "3", "must be that of a file in the folder of the study file, but got 3"),
+            ('"sphere"', '"subprocess:Popen"', "There is no surface named 'subprocess:Popen'"),
+            ("seed = 5", f"seed = {'9' * 5000}", "is not TOML: Exceeds the limit"),
+            ("force = [0.1, 1.0]", f"force = {'[' * 5000}", "is not TOML"),
+        ],
+    )
+    def test_what_is_wrong_is_named_with_its_path(self, study_file, capsys, old, new, words):
+        (study_file.parent / "link.npz").symlink_to("/etc/hostname")
+        study_file.write_text(STUDY.replace(old, new, 1))
+        assert main(["run", str(study_file), "--dry-run"]) == 2
+        error = capsys.readouterr().err
+        assert words in error
+        assert error.startswith(("roughcontact: In study.toml:", "roughcontact: The file study.toml"))
