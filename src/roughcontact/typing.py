@@ -7,8 +7,11 @@ kernels      `SupportsCoefficients`, `SupportsSpectrum`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`
-readers      `RawMap`
-commands     `Table`; the function `replacing`
+materials    the mapping `TYPICAL` of typical ones by name
+readers      `RawMap`; the function `read_raw`
+commands     `Table`; the functions `replacing`, `si`, `binary`, `write_column`, `available_memory`,
+             `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
+             `list_quantities`, `gather_warnings`, `exceeds_metals`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`,
@@ -23,15 +26,19 @@ from roughcontact._answers.laws import InterfaceLaw, LawColumn, PowerFit
 from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.archive import replacing
 from roughcontact._base.checks import Array, IntArray, Mask, Pair, RealArray
+from roughcontact._base.machine import available_memory, available_threads, limit_address_space
 from roughcontact._base.tables import Table
+from roughcontact._base.units import binary, si
+from roughcontact._base.units.columns import write_column
 from roughcontact._base.warnings import ContactWarning
 from roughcontact._faces.cli import Command
-from roughcontact._parts.files import RawMap
+from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._parts.load import Load
+from roughcontact._parts.materials import TYPICAL
 from roughcontact._parts.surfaces import MatchedPair, Separated
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
-from roughcontact._solve.problem import SolvePlan, Sweep
+from roughcontact._solve.problem import SolvePlan, Sweep, require_memory_of_solve, run_sweep
 from roughcontact._solve.solution import (
     Accuracy,
     ContactConditions,
@@ -43,6 +50,10 @@ from roughcontact._solve.solution import (
     TheoryBeside,
     Trial,
     Violation,
+    exceeds_metals,
+    gather_warnings,
+    list_quantities,
+    name_load,
 )
 from roughcontact._solve.solvers import (
     Monitor,
@@ -72,6 +83,7 @@ from roughcontact.responses import (
 )
 
 __all__ = [
+    "TYPICAL",
     "Accuracy",
     "Array",
     "BeyondResolution",
@@ -134,9 +146,22 @@ __all__ = [
     "Verdict",
     "Violation",
     "YieldPoint",
+    "available_memory",
+    "available_threads",
+    "binary",
+    "exceeds_metals",
+    "gather_warnings",
+    "limit_address_space",
+    "list_quantities",
+    "name_load",
     "nearest_pressure",
     "project_to_load",
+    "read_raw",
     "replacing",
+    "require_memory_of_solve",
     "rescale_to_load",
+    "run_sweep",
+    "si",
     "starting_pressure",
+    "write_column",
 ]

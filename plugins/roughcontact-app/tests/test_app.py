@@ -24,12 +24,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import roughcontact as rc
-from roughcontact._base.units.columns import write_column
-from roughcontact._solve.solution.several import gather_warnings
+from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
 from roughcontact._solve.solution.summary import list_all_warnings
-from roughcontact.typing import Step
+from roughcontact.typing import Step, gather_warnings, write_column
 
-from roughcontact_app import AppServer, Session
+from roughcontact_app import AppServer, Session, preview
 from roughcontact_app.answers import describe_solutions, list_warnings, make_table
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
@@ -1199,3 +1198,15 @@ def test_a_port_in_use_is_said_so(server, capsys):
     assert main(["app", "--no-browser", "--port", str(server.server_port)]) == 2
     assert "choose another, or omit --port" in capsys.readouterr().err
     assert main(["app", "--no-browser", "--port", "70000"]) == 2
+
+
+def test_the_page_uses_public_names_alone():
+    package = Path(sys.modules["roughcontact_app"].__file__).parent
+    private = re.compile(r"\broughcontact\._|\bfrom roughcontact import .*\b_[a-z]")
+    found = {file.name: private.findall(file.read_text(encoding="utf-8")) for file in package.glob("*.py")}
+    assert found
+    assert not any(found.values())
+
+
+def test_the_page_warns_of_a_tilt_from_the_bound_of_solutions():
+    assert PLAUSIBILITY_RULES["tilt"].admissible == preview._ADMISSIBLE_TILT

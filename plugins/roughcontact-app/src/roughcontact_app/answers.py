@@ -7,11 +7,8 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from roughcontact._base.units import Estimate, si
-from roughcontact._base.units.columns import write_column
-from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solution.plausibility import exceeds_metals
-from roughcontact._solve.solution.several import gather_warnings, list_quantities, name_load
+from roughcontact import ContactSolution, Estimate
+from roughcontact.typing import exceeds_metals, gather_warnings, list_quantities, name_load, si, write_column
 
 from roughcontact_app.words import end_sentence, in_words_of_page
 

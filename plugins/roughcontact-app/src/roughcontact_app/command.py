@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from roughcontact._faces.cli.options import whole_number
 from roughcontact.errors import FileError, InputError
 from roughcontact.typing import Command
 
@@ -36,9 +35,7 @@ examples:
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
         """Declare the port, and whether a browser is opened."""
-        parser.add_argument(
-            "--port", type=whole_number, default=0, metavar="N", help="port of this machine (any that is free)"
-        )
+        parser.add_argument("--port", type=int, default=0, metavar="N", help="port of this machine (any that is free)")
         parser.add_argument("--no-browser", action="store_true", help="print the address, and open no browser")
 
     def run(self, options: argparse.Namespace) -> int:

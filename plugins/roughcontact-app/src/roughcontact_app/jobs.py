@@ -13,8 +13,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from roughcontact._base.machine.threads import available_threads
 from roughcontact.errors import InputError
+from roughcontact.typing import available_threads
 
 from roughcontact_app.process import TaskEnded, Worker
 from roughcontact_app.settings import Settings

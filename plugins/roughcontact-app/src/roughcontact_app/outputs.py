@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import attrs
-from roughcontact._base.archive import replacing
-from roughcontact._solve.problem.sweep import Sweep
-from roughcontact._solve.solution import ContactSolution
+from roughcontact import ContactSolution
 from roughcontact.errors import RoughContactError
 from roughcontact.plotting import panels
+from roughcontact.typing import Sweep, replacing
 
 from roughcontact_app.answers import make_table
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from roughcontact._base.units import si
-from roughcontact._parts.surfaces import HeightMap
-from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
+from roughcontact import HeightMap
 from roughcontact.errors import InputError
+from roughcontact.typing import si
 
 from roughcontact_app.scene import Scene
 from roughcontact_app.words import end_sentence
+
+# Fraction of the variance of the heights that may be a tilt, as of the rule of solutions.
+_ADMISSIBLE_TILT = 0.5
 
 
 def describe(scene: Scene) -> dict[str, object]:
@@ -52,7 +54,7 @@ def _warn_of_tilt(scene: Scene) -> list[str]:
         return []
     measured = ... if scene.rough.non_measured is None else ~scene.rough.non_measured
     tilt, all_of_it = (float(np.var(values[measured])) for values in (separated.form.values, scene.rough.values))
-    if not tilt > PLAUSIBILITY_RULES["tilt"].admissible * all_of_it:
+    if not tilt > _ADMISSIBLE_TILT * all_of_it:
         return []
     return [
         f"{100.0 * tilt / all_of_it:.0f} % of the variance of the heights is a tilt: unless it is meant, choose 'plane "

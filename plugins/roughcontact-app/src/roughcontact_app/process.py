@@ -14,8 +14,8 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
-from roughcontact._base.machine.memory import limit_address_space
 from roughcontact.errors.door import translated
+from roughcontact.typing import limit_address_space
 
 # Bytes of one message: answers and plans are thousands.
 _LONGEST = 4_000_000

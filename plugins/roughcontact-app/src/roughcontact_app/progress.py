@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from roughcontact._solve.solvers import Step
+from roughcontact.typing import Step
 
 # Seconds between two messages: an iteration of a small grid takes a millisecond.
 _INTERVAL = 0.1

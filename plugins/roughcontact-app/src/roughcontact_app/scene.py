@@ -7,18 +7,26 @@ from pathlib import Path
 
 import attrs
 import numpy as np
-from roughcontact import examples
-from roughcontact._base.checks import Pair
-from roughcontact._parts.files import RawMap, read_surface
-from roughcontact._parts.files.reading import read_raw
-from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.load import Load
-from roughcontact._parts.materials import TYPICAL, Elastic, ElasticPerfectlyPlastic, Material
-from roughcontact._parts.surfaces import FlatSurface, HeightMap, SelfAffineSurface, SphereSurface, Surface, WavySurface
-from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem
-from roughcontact._solve.problem.plan import require_memory_of_solve
+from roughcontact import (
+    RIGID_FLAT,
+    Body,
+    Boundary,
+    ContactProblem,
+    Elastic,
+    ElasticPerfectlyPlastic,
+    FlatSurface,
+    Grid,
+    HeightMap,
+    Material,
+    SelfAffineSurface,
+    SphereSurface,
+    Surface,
+    WavySurface,
+    examples,
+    read_surface,
+)
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
-from roughcontact.errors.door import guarded
+from roughcontact.typing import TYPICAL, Load, Pair, RawMap, read_raw, require_memory_of_solve
 
 from roughcontact_app.settings import Settings, load_values, plain, quantity, whole
 
@@ -112,8 +120,6 @@ def _facts(raw: RawMap) -> dict[str, object]:
     }
 
 
-# As in a public call, the errors of a reader are seen as they are, so that they become a sentence about the file.
-@guarded
 def _read_raw(upload: Upload) -> RawMap:
     try:
         return read_raw(upload.path)

@@ -12,10 +12,9 @@ from io import BufferedIOBase
 from pathlib import Path
 
 import attrs
-from roughcontact._base.machine.memory import available_memory
-from roughcontact._base.units import binary
-from roughcontact._parts.files import readers
+from roughcontact import readers
 from roughcontact.errors import InputError, RoughContactError
+from roughcontact.typing import available_memory, binary
 
 # Bytes of one file, and of all together; larger maps are for a script.
 _LARGEST = 1 << 29

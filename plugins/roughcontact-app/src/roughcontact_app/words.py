@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from roughcontact._base.units import si
+from roughcontact.typing import si
 
 _CONTROLS = {
     "give decimal=',' or decimal='.'": "write decimals with points, or separate the numbers by semicolons",

@@ -9,15 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from roughcontact._base.checks import Array
-from roughcontact._base.units import binary
-from roughcontact._parts.load import Load
-from roughcontact._solve.problem import ContactProblem
-from roughcontact._solve.problem.forecast import forecast_seconds
-from roughcontact._solve.problem.sweep import Sweep, run_sweep
-from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solvers.base import DEFAULT_TOLERANCE
+from roughcontact import ContactProblem, ContactSolution, ProjectedConjugateGradient
 from roughcontact.errors import InputError, RoughContactError
+from roughcontact.typing import Array, Load, Sweep, binary, run_sweep
 
 from roughcontact_app.answers import describe_solutions, list_warnings
 from roughcontact_app.outputs import Outputs, draw
@@ -89,7 +83,7 @@ def _plan(settings: Settings, upload: Upload | None, calibration: float) -> dict
     plan = problem.plan
     return {
         "loads": [str(load) for load in loads],
-        "seconds": calibration * len(loads) * forecast_seconds(plan),
+        "seconds": calibration * len(loads) * plan.seconds,
         "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
         "basis": _BASIS if calibration == 1.0 else _CORRECTED,
         "text": in_words_of_page(problem.explain()),
@@ -101,7 +95,7 @@ def _solve(settings: Settings, upload: Upload | None, folder: Path, send: Send) 
     send({"phase": "preparing"})
     problem = make_problem(settings, _scene(settings, upload))
     loads = make_loads(settings, problem)
-    forecast = len(loads) * forecast_seconds(problem.plan)
+    forecast = len(loads) * problem.plan.seconds
     started = time.perf_counter()
     sweep = _run(problem, loads, send)
     ratio = (time.perf_counter() - started) / forecast
@@ -124,7 +118,7 @@ def _write_all(outputs: Outputs, send: Send) -> list[str]:
 
 
 def _run(problem: ContactProblem, loads: tuple[Load, ...], send: Send) -> Sweep:
-    progress = Progress(problem.plan.grid.shape, len(loads), DEFAULT_TOLERANCE, send)
+    progress = Progress(problem.plan.grid.shape, len(loads), ProjectedConjugateGradient().tolerance, send)
 
     def solve(load: Load, start: Array | None) -> ContactSolution:
         progress.begin(str(load))

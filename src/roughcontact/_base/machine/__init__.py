@@ -1,7 +1,8 @@
 """Memory and threads of the machine."""
 
-from roughcontact._base.machine.memory import available_memory, limit_of_memory, require_memory
+from roughcontact._base.machine.memory import available_memory, limit_address_space, limit_of_memory, require_memory
 from roughcontact._base.machine.threads import (
+    available_threads,
     choose_threads,
     map_tiles,
     share_machine,
@@ -14,7 +15,9 @@ from roughcontact._base.machine.threads import (
 
 __all__ = [
     "available_memory",
+    "available_threads",
     "choose_threads",
+    "limit_address_space",
     "limit_of_memory",
     "map_tiles",
     "require_memory",

@@ -13,6 +13,7 @@ from roughcontact._base.checks import number
 from roughcontact._base.checks.groups import control_groups
 from roughcontact._base.units import binary
 from roughcontact.errors import InputError, NotEnoughMemory
+from roughcontact.errors.door import guarded
 
 # Bytes that are taken without asking: asking costs up to a millisecond, and importing a library takes as much.
 _UNASKED = 2**24
@@ -69,6 +70,7 @@ def require_memory(needed: float, what: str, advice: str | Callable[[int], str],
         raise error
 
 
+@guarded
 def available_memory(root: Path = Path("/")) -> int | None:
     """Return how much more memory this process may take, bytes; None where that is not known.
 
@@ -79,6 +81,7 @@ def available_memory(root: Path = Path("/")) -> int | None:
     return max(0, min(found)) if found else None
 
 
+@guarded
 def limit_address_space(root: Path = Path("/")) -> None:
     """Let this process take no more memory than there is now, where the system can: it fails before the machine does.
 

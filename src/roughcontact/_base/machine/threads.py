@@ -20,6 +20,7 @@ import numpy.typing as npt
 from roughcontact._base.checks import integer
 from roughcontact._base.checks.groups import control_groups
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 T = TypeVar("T")
 # Cells that make a further thread worth its hand-over: with two threads a solve on 512 x 512 cells takes 1.2 times
@@ -70,6 +71,7 @@ def choose_threads(given: int | str, cells: int) -> tuple[int, str]:
     )
 
 
+@guarded
 def available_threads(root: Path = Path("/")) -> int:
     """Return how many processors this process may use: its affinity, and the quota of its control groups.
 

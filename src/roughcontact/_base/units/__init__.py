@@ -9,6 +9,8 @@ from typing import Any
 import attrs
 import numpy as np
 
+from roughcontact.errors.door import guarded
+
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
 # Areas and volumes, whose prefix is raised to the power behind it; and units with another power or an inverse.
 _AREA_OR_VOLUME = re.compile(r"m([23])\b")
@@ -19,6 +21,7 @@ _DECIMALS = 9
 _RAISED = {1: "", 2: "²", 3: "³"}
 
 
+@guarded
 def si(value: float, unit: str, digits: int = 4) -> str:
     """Return `value` in words such as ``12.5 µm`` or ``360 µm2``, with so many significant digits."""
     if value == 0.0 or not math.isfinite(value):
@@ -77,6 +80,7 @@ def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
     return 10.0 ** (-exponent * power), f"{_PREFIXES[exponent]}{unit}{_RAISED[power]}"
 
 
+@guarded
 def binary(size: float) -> str:
     """Return a number of bytes in words such as ``1.5 GiB``."""
     power = min(max(0, int(size).bit_length() - 1) // 10, 4)

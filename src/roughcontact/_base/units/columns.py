@@ -6,8 +6,10 @@ import math
 from collections.abc import Sequence
 
 from roughcontact._base.units import Estimate, has_power, prefixed, with_spread
+from roughcontact.errors.door import guarded
 
 
+@guarded
 def write_column(column: Sequence[Estimate]) -> list[str]:
     """Return values of one quantity as people write them, all in the unit that suits the middle of their range."""
     numbers, unit = scale_column(column)

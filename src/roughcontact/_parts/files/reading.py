@@ -114,6 +114,7 @@ def read_surface(
     return attrs.evolve(surface, heights=values, history=(f"read from {file.name}{done}: {surface.grid}{in_units}",))
 
 
+@guarded
 def read_raw(file: Path, reader: str | SurfaceReader = "auto", **options: Any) -> RawMap:
     """Return the map as it stands in a file; see `read_surface`."""
     if not file.is_file():

@@ -1,7 +1,6 @@
 """The contact problem: bodies, initial gap, load, plan, certificate."""
 
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
-from roughcontact._solve.problem.forecast import forecast_seconds
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact._solve.problem.resolution import resample_problem
@@ -19,7 +18,6 @@ __all__ = [
     "SolvePlan",
     "Sweep",
     "computing",
-    "forecast_seconds",
     "make_table",
     "make_task",
     "maximum_pressure",

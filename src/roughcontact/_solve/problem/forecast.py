@@ -10,7 +10,6 @@ import numpy as np
 import scipy.fft
 
 from roughcontact._parts.grid import Boundary
-from roughcontact._solve.problem.plan import SolvePlan
 
 # Transforms there and back of the grid's cells that a solve lasts as long as; measured on self-affine, wavy and
 # spherical surfaces of 128 x 128 to 512 x 512 cells, of which most need less.
@@ -22,10 +21,9 @@ _TIMED = 256
 _REPEATS = 5
 
 
-def forecast_seconds(plan: SolvePlan) -> float:
+def forecast_seconds(cells: int, boundary: Boundary) -> float:
     """Return about how long one solve takes on this machine, s: likely within a factor of three."""
-    cells = plan.grid.cells
-    return _ANY_GRID + _TRANSFORMS[plan.boundary] * _time_of_transform() * cells * math.log(max(cells, 2))
+    return _ANY_GRID + _TRANSFORMS[boundary] * _time_of_transform() * cells * math.log(max(cells, 2))
 
 
 @functools.cache

@@ -18,9 +18,11 @@ from roughcontact._parts.materials import Material, Rigid, combined_pressure_lim
 from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct
 from roughcontact._solve.problem.body import Body, InitialGap
+from roughcontact._solve.problem.forecast import forecast_seconds
 from roughcontact._solve.solution import find_scene
 from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 # Peak memory of a solve in float64 arrays of the grid's size, at fractions of the cells in contact below the
 # pressure limit, without and with a free boundary; measured by docs/studies/memory.py. Vectors hold
@@ -108,6 +110,11 @@ class SolvePlan:
         return choose_threads(self.threads, self.grid.cells)
 
     @property
+    def seconds(self) -> float:
+        """About how long one solve takes here, s, from a transform timed now: likely within a factor of three."""
+        return forecast_seconds(self.grid.cells, self.boundary)
+
+    @property
     def memory(self) -> int:
         """Peak memory of a solve with all cells in contact, beyond the problem itself, bytes."""
         return self.memory_at(1.0)
@@ -170,6 +177,7 @@ def memory_of_solve(grid: Grid, boundary: Boundary, contact_fraction: float) -> 
     return int(8 * grid.cells * np.interp(contact_fraction, _FRACTIONS[free], _ARRAYS[free]))
 
 
+@guarded
 def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = None) -> None:
     """Refuse a grid on which a solve does not fit into memory, even at light contact; before there are heights.
 

@@ -17,6 +17,7 @@ from roughcontact._parts.load import Load
 from roughcontact._solve.problem.sweep_table import make_table, to_dataset
 from roughcontact._solve.solution import AreaEstimator, ContactSolution, note_loads, page_or_file, writers
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 # Relative error of the area at which the search for its load ends; where the area jumps from cell to cell,
 # the search ends at its uncertainty.
@@ -184,6 +185,7 @@ class Sweep:
         return "\n".join([Table(columns, units).to_text(), *note_loads(self.solutions)])
 
 
+@guarded
 def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tuple[Load, ...]) -> Sweep:
     """Return the solutions at all loads, solved from the largest down: each starts from those before."""
     solutions: dict[int, ContactSolution] = {}

@@ -16,6 +16,7 @@ from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import border_jump, rms_slope
 from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
+from roughcontact.errors.door import guarded
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
@@ -112,6 +113,7 @@ def list_warnings(solution: ContactSolution, materials: Iterable[Material]) -> t
     return tuple(finding.warning for finding in findings if finding.rule not in explained and finding.warning)
 
 
+@guarded
 def exceeds_metals(solution: ContactSolution, materials: Iterable[Material]) -> bool:
     """Return whether stiff bodies without a hardness bear more than metals do, which may be meant."""
     softest = min((one.young for one in materials if isinstance(one, Elastic)), default=0.0)

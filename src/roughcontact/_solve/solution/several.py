@@ -10,6 +10,7 @@ from roughcontact._base.warnings import kind_of
 from roughcontact._parts.load import FIRST_LOADING, Load
 from roughcontact._solve.solution.results import Area
 from roughcontact._solve.solution.summary import list_all_warnings
+from roughcontact.errors.door import guarded
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 _NAMED = 3
 
 
+@guarded
 def name_load(solution: ContactSolution) -> str:
     """Return the load that was asked for, such as ``10 N``, or the mean pressure where a solution does not say it."""
     if solution.origin is None:
@@ -31,6 +33,7 @@ def note_loads(solutions: Sequence[ContactSolution]) -> list[str]:
     return [FIRST_LOADING] if len(solutions) > 1 and any(solution.capped for solution in solutions) else []
 
 
+@guarded
 def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], list[str]]:
     """Return the quantities of a solution by name, in SI units, and its warnings with theirs."""
     area = solution.area()
@@ -58,6 +61,7 @@ def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], lis
     return found, list_all_warnings(solution, known)
 
 
+@guarded
 def gather_warnings(warnings: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
     """Return the warnings at several loads, each once with the loads that it concerns.
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from roughcontact._base.units import PlainText, binary
 from roughcontact._parts.load import Load
-from roughcontact._solve.problem import ContactProblem, forecast_seconds
+from roughcontact._solve.problem import ContactProblem
 
 # Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts.
 _CONVOLUTIONS = 25
@@ -42,7 +42,7 @@ def describe_study(
     kind = loads[0].kind
     count = math.prod(map(len, axes.values())) * len(loads)
     cells = sum(plan.grid.cells for plan in plans) / len(plans) * count
-    seconds = sum(map(forecast_seconds, plans)) / len(plans) * count
+    seconds = sum(plan.seconds for plan in plans) / len(plans) * count
     lists = {**axes, kind: [str(load).removeprefix(f"{kind} ") for load in loads]}
     rows = [(name, _list_values(values)) for name, values in lists.items()]
     rows += [
