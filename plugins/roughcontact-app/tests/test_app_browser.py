@@ -159,7 +159,7 @@ def test_a_map_is_dropped_solved_and_reported(page, surface, tmp_path):
     # A wrong unit is warned of before the solve.
     for name, text in {"size_x": "48", "size_y": "40", "height_unit": "m"}.items():
         page.set(name, text)
-    page.until(lambda: "Check the units that are chosen beside the numbers" in page.text("plan-warnings"))
+    page.until(lambda: "the unit of heights from a file" in page.text("plan-warnings"))
     assert not page.find("surface-problem").is_displayed()
     page.set("height_unit", "um")
     page.until(lambda: not page.find("plan-warnings").is_displayed())
