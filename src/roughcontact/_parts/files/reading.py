@@ -115,8 +115,9 @@ def read_surface(
 
 
 @guarded
-def read_raw(file: Path, reader: str | SurfaceReader = "auto", **options: Any) -> RawMap:
+def read_raw(file: str | Path, reader: str | SurfaceReader = "auto", **options: Any) -> RawMap:
     """Return the map as it stands in a file; see `read_surface`."""
+    file = checks.path(file, "The height map")
     if not file.is_file():
         raise InputError(f"There is no file {str(file)!r}{' (it is a folder)' if file.is_dir() else ''}.")
     chosen = _make_reader(_reader_for(file) if reader == "auto" else reader, file, options)
