@@ -1197,7 +1197,9 @@ def test_a_port_in_use_is_said_so(server, capsys):
 
     assert main(["app", "--no-browser", "--port", str(server.server_port)]) == 2
     assert "choose another, or omit --port" in capsys.readouterr().err
-    assert main(["app", "--no-browser", "--port", "70000"]) == 2
+    with pytest.raises(SystemExit):
+        main(["app", "--no-browser", "--port", "70000"])
+    assert "'70000' is not a port from 0 to 65535" in capsys.readouterr().err
 
 
 def test_the_page_uses_public_names_alone():

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from roughcontact.errors import FileError, InputError
+from roughcontact.errors import FileError
 from roughcontact.typing import Command
 
 _ADVICE = "Only this machine can reach it. If no browser shows it, copy this address into one. Ctrl-C ends it."
@@ -35,15 +35,15 @@ examples:
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
         """Declare the port, and whether a browser is opened."""
-        parser.add_argument("--port", type=int, default=0, metavar="N", help="port of this machine (any that is free)")
+        parser.add_argument(
+            "--port", type=_port, default=0, metavar="N", help="port of this machine (any that is free)"
+        )
         parser.add_argument("--no-browser", action="store_true", help="print the address, and open no browser")
 
     def run(self, options: argparse.Namespace) -> int:
         """Serve until Ctrl-C; return 0."""
         from roughcontact_app import AppServer, Session
 
-        if not 0 <= options.port <= 65535:
-            raise InputError.about("The port", options.port, "0 to 65535")
         with _ending_on_signals():
             try:
                 with contextlib.closing(Session()) as session, _open(AppServer, session, options.port) as server:
@@ -55,6 +55,13 @@ examples:
                 with contextlib.suppress(OSError):
                     print("\nEnded; its files are removed.", flush=True)
         return 0
+
+
+def _port(text: str) -> int:
+    """Return the number of a port, for argparse."""
+    if not (text.isascii() and text.isdecimal() and len(text) <= 5 and int(text) <= 65535):
+        raise argparse.ArgumentTypeError(f"{text[:80]!r} is not a port from 0 to 65535; write it like 8000")
+    return int(text)
 
 
 def _open(server: Any, session: Any, port: int) -> Any:
