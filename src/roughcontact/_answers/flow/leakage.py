@@ -138,6 +138,8 @@ class GapFlow(Response[Leakage]):
         Pressure at the inlet minus that at the outlet, Pa.
     """
 
+    depends_on_place = True
+
     axis: int = attrs.field(default=0, converter=require_axis)
     viscosity: float = attrs.field(converter=_viscosity)
     pressure_drop: float = attrs.field(converter=_pressure_drop)

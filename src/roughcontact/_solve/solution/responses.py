@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import abc
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from roughcontact._base.registry import Registry
 
@@ -18,6 +18,11 @@ class Response(abc.ABC, Generic[T_co]):
 
     What is asked beside the contact, a conductivity or depths, are fields of the subclass.
 
+    Attributes
+    ----------
+    depends_on_place
+        Whether its number changes where a periodic contact is shifted, as a flow between two sides does.
+
     Examples
     --------
     >>> import roughcontact as rc
@@ -31,6 +36,8 @@ class Response(abc.ABC, Generic[T_co]):
     >>> print(problem.solve(pressure=100e6).response(OpenVolume()))
     18139 µm3 +- 1 %
     """
+
+    depends_on_place: ClassVar[bool] = False
 
     @abc.abstractmethod
     def respond(self, solution: ContactSolution) -> T_co:
