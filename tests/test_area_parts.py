@@ -8,9 +8,9 @@ from scipy import ndimage
 
 import roughcontact as rc
 from roughcontact._answers.areas.cells import Surroundings, split
-from roughcontact._answers.areas.dual_cells import find_dual_cells
-from roughcontact._answers.areas.far_field import find_far_field
+from roughcontact._answers.areas.contour import find_dual_cells
 from roughcontact._answers.areas.spline import Spline
+from roughcontact._answers.areas.summits import find_far_field
 
 BOUNDARIES = (rc.Boundary.PERIODIC, rc.Boundary.FREE)
 

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._base.units.text import fit
+from roughcontact._base.units import fit
 from roughcontact._faces.cli import commands
 
 GRID = rc.Grid((48, 48), 48e-6)

@@ -11,11 +11,9 @@ import roughcontact as rc
 from exact_contacts import MODULUS, ball, distances, edge, with_fields
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import Surroundings, find_sharp_edges
-from roughcontact._answers.areas.contour import find_distances, trace_contour
-from roughcontact._answers.areas.dual_cells import Owners, find_dual_cells
+from roughcontact._answers.areas.contour import Owners, find_distances, find_dual_cells, find_kinds, trace_contour
 from roughcontact._answers.areas.edges import trace_edges
 from roughcontact._answers.areas.outline import edge_law
-from roughcontact._answers.areas.polygons import find_kinds
 
 GRIDS = [((15, 16), (1.0, 1.0)), ((15, 22), (2.0, 1.0)), ((24, 13), (1.0, 3.0))]
 

@@ -12,12 +12,12 @@ import roughcontact as rc
 from exact_contacts import MODULUS, ball, with_fields
 from roughcontact import reference
 from roughcontact._answers.areas import quantity_calibration
-from roughcontact._answers.areas.ellipse import find_axes_ratio
+from roughcontact._answers.areas.approach import find_shift
+from roughcontact._answers.areas.edges import _count_hidden_gaps
 from roughcontact._answers.areas.hertz import _plastic_growth
 from roughcontact._answers.areas.peak import _find_sharpness, _fit_quadratics
 from roughcontact._answers.areas.quantities import _elliptic_quotient
-from roughcontact._answers.areas.shift import find_shift
-from roughcontact._answers.areas.total import _count_hidden_gaps
+from roughcontact._answers.areas.summits import find_axes_ratio
 
 CELLS = [(1.0, 1.0), (1.0, 2.5), (3.0, 1.0)]
 

@@ -11,9 +11,9 @@ import pytest
 import roughcontact as rc
 from exact_contacts import distances, with_fields
 from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.approach import find_rise, fit_hyperboloid
 from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, rim_ratio
 from roughcontact._answers.areas.hertz import _find_tip_error
-from roughcontact._answers.areas.rise import find_rise, fit_hyperboloid
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._solve.solution.healing import heal
 

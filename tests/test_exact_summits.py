@@ -10,12 +10,17 @@ import pytest
 
 import roughcontact as rc
 from exact_contacts import MODULUS, distances, with_fields
-from roughcontact._answers.areas.ellipse import find_area_factor, find_axes_ratio
-from roughcontact._answers.areas.far_field import find_far_field
-from roughcontact._answers.areas.hertz import hertz_areas
-from roughcontact._answers.areas.sharing import _average_cells, _find_low_cells, _pair_cells
+from roughcontact._answers.areas.hertz import _average_cells, _find_low_cells, _pair_cells, hertz_areas
 from roughcontact._answers.areas.spline import Spline
-from roughcontact._answers.areas.summits import _near_border, find_centroids, find_summits, is_elliptic
+from roughcontact._answers.areas.summits import (
+    _near_border,
+    find_area_factor,
+    find_axes_ratio,
+    find_centroids,
+    find_far_field,
+    find_summits,
+    is_elliptic,
+)
 
 CELLS = [(1.0, 1.0), (1.0, 2.5), (3.0, 1.0)]
 

@@ -16,12 +16,12 @@ WRITERS |= {"savez_compressed", "np.save", "copyfile", "copy2", "tofile", "touch
 OPENERS = {"open", "File", "ZipFile", "memmap"}
 # Functions that write elsewhere, and why.
 ELSEWHERE = {
-    ("replacement.py", "replacing"): "the door itself",
+    ("__init__.py", "replacing"): "the door itself",
     ("__init__.py", "seal"): "is given the unfinished file",
-    ("netcdf.py", "write_netcdf"): "writes to memory first",
-    ("error_report.py", "draw_report"): "draws in memory first",
+    ("storage.py", "write_netcdf"): "writes to memory first",
+    ("results.py", "draw_report"): "draws in memory first",
     ("figures.py", "save_figure"): "draws in memory first",
-    ("figures.py", "draw_panel"): "draws in memory",
+    ("parts.py", "draw_panel"): "draws in memory",
     ("figure_view.py", "savefig"): "chooses the pixels for the caller's file",
     ("folder.py", "_write_lock"): "a lock, renamed when it is held",
     ("folder.py", "_remove_abandoned"): "opens a lock to try it",

@@ -412,7 +412,7 @@ def test_points_that_take_more_memory_than_there_is_are_not_filled(tmp_path, mon
     heights = np.full((300, 300), np.nan)
     heights[0] = 0.0
     np.savez(tmp_path / "map.npz", heights=heights, size=1e-3)
-    monkeypatch.setattr("roughcontact._base.machine.memory.available_memory", lambda: 2**24)
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**24)
     with pytest.raises(rc.InputError, match=r"Filling 89700 non-measured points needs 42\.77 MiB of memory"):
         rc.read_surface(tmp_path / "map.npz", non_measured="fill")
 

@@ -13,7 +13,7 @@ from scipy import ndimage
 
 import roughcontact as rc
 from roughcontact._parts.surfaces.continuation import Continuation, find_maps
-from roughcontact._parts.surfaces.spectrum import fit_power_law
+from roughcontact._parts.surfaces.statistics import fit_power_law
 
 ROOT = Path(__file__).parent.parent
 STEEL = rc.Elastic(210e9, 0.3)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._faces.cli.wording import name_options
+from roughcontact._faces.cli.options import name_options
 
 DOCS = Path(__file__).parent.parent / "docs"
 sys.path.insert(0, str(DOCS / "studies"))

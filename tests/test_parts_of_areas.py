@@ -26,15 +26,22 @@ from roughcontact._answers.areas.edges import (
     _measure_width,
     _saturated_weight,
     is_diagonal,
+    list_warnings,
+    total_area,
     trace_edges,
 )
 from roughcontact._answers.areas.estimators import _extrapolate, _smallest_areas
-from roughcontact._answers.areas.hertz import _find_uneven_deficit, hertz_areas
+from roughcontact._answers.areas.hertz import (
+    _find_hidden,
+    _find_low_cells,
+    _find_saturated,
+    _find_uneven_deficit,
+    _grow,
+    hertz_areas,
+)
 from roughcontact._answers.areas.outline import _chain, contours, outline
 from roughcontact._answers.areas.peak import _find_cut, _find_highest, _find_summits, _gather
-from roughcontact._answers.areas.sharing import _find_hidden, _find_low_cells, _find_saturated, _grow
 from roughcontact._answers.areas.spline import Spline
-from roughcontact._answers.areas.total import list_warnings, total_area
 
 
 @pytest.mark.parametrize("value", [1.0, 0.5])

@@ -11,14 +11,19 @@ from scipy import ndimage
 
 import roughcontact as rc
 from exact_contacts import ball, with_fields
-from roughcontact._answers.flow.flow_network import find_paths, make_network
-from roughcontact._answers.flow.flow_solvers import eliminate
-from roughcontact._answers.flow.flow_uncertainty import _compare_rules, _find_distances, estimate_uncertainty
+from roughcontact._answers.flow.leakage import _count_open, _measure_width, _square_around, find_throat
+from roughcontact._answers.flow.network import (
+    _compare_rules,
+    _find_distances,
+    eliminate,
+    estimate_uncertainty,
+    find_paths,
+    make_network,
+)
 from roughcontact._answers.flow.percolation import _BLOCKS, _CORNERS, _SIDES, _is_open
-from roughcontact._answers.flow.throats import _count_open, _measure_width, _square_around, find_throat
-from roughcontact._answers.linear.edge_correction import _find_loss, _find_trust, _measure_rows, _sum_patches
+from roughcontact._answers.linear.stiffness import _find_loss, _find_trust, _measure_rows, _sum_patches
 from roughcontact._answers.subsurface.first_yield import _choose_load, _find_slope
-from roughcontact._answers.subsurface.maximum import PlanePeak, _fit_parabola, find_maximum
+from roughcontact._answers.subsurface.stress import PlanePeak, _fit_parabola, find_maximum
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])

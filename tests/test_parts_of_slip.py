@@ -11,13 +11,13 @@ from scipy import integrate
 
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, with_fields
+from roughcontact._answers.areas.approach import find_shift
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.areas.shift import find_shift
 from roughcontact._answers.flow import percolation
-from roughcontact._answers.flow.flow_network import find_paths
+from roughcontact._answers.flow.network import find_paths
 from roughcontact._answers.linear.conductance import Conductance
-from roughcontact._answers.linear.tangential_compliance import _find_deviation, _find_displacements, _WavesAlong
-from roughcontact._answers.slip.partial_slip import (
+from roughcontact._answers.linear.tangential import _find_deviation, _find_displacements, _WavesAlong
+from roughcontact._answers.slip import (
     _approach_std,
     _compare_areas,
     _complementary_energy,

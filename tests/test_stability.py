@@ -13,9 +13,9 @@ import roughcontact as rc
 from roughcontact import testing
 from roughcontact.__main__ import main
 from roughcontact._work.reports.stability import gallery
+from roughcontact._work.reports.stability.check import RULES
+from roughcontact._work.reports.stability.checks import shift_half_cell
 from roughcontact._work.reports.stability.gallery import make_cases
-from roughcontact._work.reports.stability.repeat_checks import shift_half_cell
-from roughcontact._work.reports.stability.rules import RULES
 from roughcontact.typing import Verdict
 
 SKIPPED, PASS, ATTENTION, FAIL = Verdict

@@ -21,10 +21,8 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import (
     nested_iteration,
     start_from,
 )
-from roughcontact._solve.solvers.conjugate.openings import NearlyFull, OpeningPreconditioner, Openings
-from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner
-from roughcontact._solve.solvers.conjugate.refinement import Refinement
-from roughcontact._solve.solvers.conjugate.weights import PunchWeights, _smaller
+from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, _smaller
+from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, OpeningPreconditioner, Openings, Refinement
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl
 
 SIZE = (64.0, 96.0)

@@ -10,18 +10,12 @@ import pytest
 
 import roughcontact as rc
 from roughcontact._parts.load import Load
-from roughcontact._solve.convolvers import inverse as inverses
-from roughcontact._solve.convolvers.inverse import InverseConvolution, multiply_waves
+from roughcontact._solve.convolvers import base as inverses
+from roughcontact._solve.convolvers.base import InverseConvolution, multiply_waves
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solvers.conjugate import solver as conjugate
 from roughcontact._solve.solvers.conjugate.active import ListedCells, MaskedCells, active_cells
 from roughcontact._solve.solvers.conjugate.descent import Descent
-from roughcontact._solve.solvers.conjugate.extension import (
-    _BlockAverage,
-    _gather_blocks,
-    _spread_blocks,
-    half_space_inverse,
-)
 from roughcontact._solve.solvers.conjugate.nested_iteration import (
     _average,
     _extent,
@@ -33,8 +27,12 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import (
 from roughcontact._solve.solvers.conjugate.preconditioner import (
     CoarseCorrection,
     RigidCorrection,
+    _BlockAverage,
     _count_blocks,
     _divide,
+    _gather_blocks,
+    _spread_blocks,
+    half_space_inverse,
     multiply_active,
 )
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl, project_to_load, rescale_to_load

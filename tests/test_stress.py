@@ -14,12 +14,10 @@ from hypothesis.extra import numpy as hnp
 from scipy import optimize
 
 import roughcontact as rc
-from roughcontact._answers.subsurface.cells import COMPONENTS, ODD_IN_X, ODD_IN_Y, Depth, cell_stress
-from roughcontact._answers.subsurface.field import StressField, maximum_shear
-from roughcontact._answers.subsurface.free import FreePlanes
+from roughcontact._answers.subsurface.field import StressField, find_steps, maximum_shear
+from roughcontact._answers.subsurface.free import COMPONENTS, ODD_IN_X, ODD_IN_Y, Depth, FreePlanes, cell_stress
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
-from roughcontact._answers.subsurface.planes import find_steps
-from roughcontact._base.machine import memory
+from roughcontact._base import machine
 from roughcontact.reference import hertz_sphere
 
 NU = 0.3
@@ -377,7 +375,7 @@ def test_memory_does_not_grow_with_the_depths():
 
 def test_an_array_beyond_the_memory_is_refused(monkeypatch):
     solution, _ = rough(128, 6)
-    monkeypatch.setattr(memory, "available_memory", lambda *_: 2**20)
+    monkeypatch.setattr(machine, "available_memory", lambda *_: 2**20)
     with pytest.raises(rc.InputError, match="one at a time"):
         _ = solution.stress(np.linspace(1e-6, 1e-3, 64)).components
 

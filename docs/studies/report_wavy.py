@@ -18,7 +18,7 @@ from doc_tables import DocTable, write_tables
 from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact._faces.panels.error_report import draw_errors
+from roughcontact._faces.panels.results import draw_errors
 from roughcontact.extrapolation import exponential, power_law
 from roughcontact.plotting import style
 from roughcontact.typing import ErrorReport

@@ -24,7 +24,7 @@ import numpy as np
 from doc_tables import DocTable, format_rows, write_tables
 from memory import problem, read_status
 
-from roughcontact._base.machine.threads import use_threads
+from roughcontact._base.machine import use_threads
 
 GRIDS = tuple(2**k for k in range(7, 14))
 LARGEST = {"periodic": 8192, "free": 4096}

@@ -18,27 +18,17 @@ import scipy.fft
 
 import roughcontact as rc
 from roughcontact._parts.kernels import BoundKernel
-from roughcontact._solve.convolvers import circular
+from roughcontact._solve.convolvers import base
 from roughcontact._solve.solvers import projection
-from roughcontact._solve.solvers.conjugate import (
-    active,
-    descent,
-    nested_iteration,
-    openings,
-    preconditioner,
-    refinement,
-    solver,
-    weights,
-)
+from roughcontact._solve.solvers.conjugate import active, descent, nested_iteration, preconditioner, refinement, solver
 
 PRODUCTS: dict[ModuleType, str] = {
-    circular: "_PADDED _PADDING _SMALLEST",
+    base: "_PADDED _PADDING _SMALLEST",
     projection: "_MISSED",
-    weights: "_CHANGED _PASSIVE _MANY _REACH _SMALLEST_WEIGHT",
-    preconditioner: "_CUT _RESOLVED _LARGEST_BLOCK _FEWEST_BLOCKS _STEPS _ENOUGH _EXPONENT _DISTINCT",
+    preconditioner: "_CHANGED _PASSIVE _MANY _WEIGHT_REACH _SMALLEST_WEIGHT"
+    " _CUT _RESOLVED _LARGEST_BLOCK _FEWEST_BLOCKS _STEPS _ENOUGH _EXPONENT _DISTINCT",
     descent: "_FIRST _LONGEST _CAREFUL _FULL _SHORTENED _DOWNHILL",
-    openings: "_SUPPORT _SINGLE _EARLY _GAIN",
-    refinement: "_GAIN _SINGLE _EARLY _MARGIN _LATE _SLOW _PATIENCE _IDLE _STALLED",
+    refinement: "_SUPPORT _GAIN _SINGLE _EARLY _MARGIN _LATE _SLOW _PATIENCE _IDLE _STALLED",
     nested_iteration: "_COARSEST _ESTIMATE _TOLERANCE _ITERATIONS _ESTIMATED _ESTIMATES _NEARLY_FULL _MARGIN _ROUND"
     " _WORTH",
     solver: "_PATIENT _POWER _NEAREST",

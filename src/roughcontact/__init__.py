@@ -53,8 +53,7 @@ from roughcontact._solve.solution import (
     writers,
 )
 from roughcontact._solve.solvers import PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, solvers
-from roughcontact._work.processes.flattening import FlatteningModel, Overlap, UniformRise, flattening_models
-from roughcontact._work.processes.running_in import run_in
+from roughcontact._work.processes import FlatteningModel, Overlap, UniformRise, flattening_models, run_in
 from roughcontact._work.reports.error import error_vs_time
 from roughcontact._work.reports.stability import stability
 from roughcontact._work.studies import Study

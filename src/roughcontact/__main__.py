@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from roughcontact import __version__
-from roughcontact._base.units.text import fit, printable
+from roughcontact._base.units import fit, printable
 from roughcontact._faces.cli import Command, commands
-from roughcontact._faces.cli.wording import name_options
+from roughcontact._faces.cli.options import name_options
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import translated
 

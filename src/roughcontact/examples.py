@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.archive import read_npz, replacing
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface, fill
 from roughcontact.errors import InputError

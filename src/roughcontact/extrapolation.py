@@ -8,8 +8,9 @@ from collections.abc import Callable, Sequence
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import LARGEST, Array, number
-from roughcontact._base.warnings import ContactWarning
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import LARGEST, number
+from roughcontact._base.units import ContactWarning
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 

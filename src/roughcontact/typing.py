@@ -25,12 +25,10 @@ responses    `Leakage`, `Throat`, `Percolation`
 from roughcontact._answers.laws import InterfaceLaw, LawColumn, PowerFit
 from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.archive import replacing
-from roughcontact._base.checks import Array, IntArray, Mask, Pair, RealArray
+from roughcontact._base.arrays import Array, IntArray, Mask, Pair, RealArray
 from roughcontact._base.machine import available_memory, available_threads, limit_address_space
 from roughcontact._base.tables import Table
-from roughcontact._base.units import binary, si
-from roughcontact._base.units.columns import write_column
-from roughcontact._base.warnings import ContactWarning
+from roughcontact._base.units import ContactWarning, binary, si, write_column
 from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
@@ -65,7 +63,7 @@ from roughcontact._solve.solvers import (
     rescale_to_load,
     starting_pressure,
 )
-from roughcontact._work.processes.running_in import Cycle, RunIn
+from roughcontact._work.processes import Cycle, RunIn
 from roughcontact._work.reports.error import ErrorReport, KnownAnswer, ReportRow, Timing
 from roughcontact._work.reports.stability import Check, Gallery, GalleryRow, StabilityReport, Verdict
 from roughcontact._work.studies import Record, StudyResult

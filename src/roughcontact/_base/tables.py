@@ -15,9 +15,8 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
-from roughcontact._base.units import Estimate, si
-from roughcontact._base.units.columns import scale_column, write_column
-from roughcontact._base.units.text import WIDTH
+from roughcontact._base.arrays import RealArray
+from roughcontact._base.units import WIDTH, Estimate, scale_column, si, write_column
 from roughcontact.errors import InputError, MissingPackage
 
 # Rows that a notebook shows: the first and the last ones of a longer table.
@@ -56,12 +55,12 @@ class Table:
      5 N    1058 +- 15
     """
 
-    columns: Mapping[str, Sequence[Any] | checks.RealArray] = attrs.field()
+    columns: Mapping[str, Sequence[Any] | RealArray] = attrs.field()
     units: Mapping[str, str] = attrs.Factory(dict)
     left: Collection[str] = ()
 
     @columns.validator
-    def _check_lengths(self, attribute: Any, columns: Mapping[str, Sequence[Any] | checks.RealArray]) -> None:
+    def _check_lengths(self, attribute: Any, columns: Mapping[str, Sequence[Any] | RealArray]) -> None:
         lengths = {name: len(column) for name, column in columns.items()}
         if len(set(lengths.values())) > 1:
             raise InputError.about("The lengths of the columns", lengths, "one length for all")

@@ -10,7 +10,8 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact._base.checks import Array, Mask, Pair, integer, pair
+from roughcontact._base.arrays import Array, Mask, Pair
+from roughcontact._base.checks import integer, pair
 from roughcontact._base.units import si
 from roughcontact.errors import InputError
 

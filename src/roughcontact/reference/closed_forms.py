@@ -8,7 +8,8 @@ import attrs
 import numpy as np
 from scipy import special
 
-from roughcontact._base.checks import Array, Pair, number, pair
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.checks import number, pair
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 

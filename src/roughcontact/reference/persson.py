@@ -8,12 +8,13 @@ import attrs
 import numpy as np
 from scipy import special
 
-from roughcontact._base.checks import Array, number, read_only
+from roughcontact._base.arrays import Array, read_only
+from roughcontact._base.checks import number
 from roughcontact._base.units import outlined, si
 from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.reference.waves import Waves, list_waves
+from roughcontact.reference.roughness import Waves, list_waves
 
 # Correction of the elastic energy of a partial contact, no unit.
 _GAMMA = 0.45

@@ -1,4 +1,4 @@
-"""Spectral moments of heights, and what follows from them about summits."""
+"""Bearing area, discrete power spectrum and spectral moments of heights, and what follows about summits."""
 
 from __future__ import annotations
 
@@ -6,12 +6,177 @@ import math
 
 import attrs
 import numpy as np
+import scipy.fft
 
-from roughcontact._base.checks import Array, heights_array
-from roughcontact._base.units import Estimate
+from roughcontact._base.arrays import Array, read_only
+from roughcontact._base.checks import SMALLEST, flag, heights_array, numbers
+from roughcontact._base.units import Estimate, outlined
 from roughcontact._parts.grid import Grid
+from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.reference.waves import Waves, list_waves
+
+# Modes in a Hann window w for each independent one: the mean of w^4 over the squared mean of w^2, along each axis.
+_DEPENDENT = (35.0 / 18.0) ** 2
+
+# Power over that of the strongest wave below which it is rounding.
+_ROUNDING = 1e-28
+
+
+@attrs.frozen(eq=False)
+class Waves:
+    """The waves of heights, without their mean, in cells along x and units of `height`; -q is counted with q.
+
+    Attributes
+    ----------
+    qx, qy
+        Wave numbers, shape (waves,), rad a cell along x.
+    power
+        Mean square of the mode q or -q, shape (waves,).
+    count
+        Modes that an entry stands for, two or one, shape (waves,).
+    height, cell
+        Units of the heights and lengths, m.
+    dependent
+        Modes for each independent one.
+    """
+
+    qx: Array
+    qy: Array
+    power: Array
+    count: Array
+    height: float
+    cell: float
+    dependent: float
+
+    @property
+    def square(self) -> Array:
+        """Squared wave numbers, shape (waves,)."""
+        return np.asarray(self.qx**2 + self.qy**2)
+
+    def sum(self, weight: Array | float) -> float:
+        """Return the sum over all modes of weight times power."""
+        return float(np.sum(self.count * weight * self.power))
+
+    def spread(self, weight: Array | float) -> float:
+        r"""Return the standard deviation of the weighted sum over surfaces of the same spectrum.
+
+        The power of a pair of modes of a Gaussian surface is exponentially distributed: the variance of the sum is
+        the sum of the squares of the pairs' expected parts, of which the squares found are on average twice as large.
+        """
+        return math.sqrt(self.dependent * float(np.sum(self.count * (weight * self.power) ** 2)))
+
+
+def list_waves(heights: Array, grid: Grid, periodic: bool) -> Waves:
+    """Return the waves of heights, shape `grid.shape`, m; those that do not repeat are windowed (Hann)."""
+    if not isinstance(grid, Grid):
+        raise InputError.about("The grid", grid, "a Grid(shape, size)")
+    heights = heights_array(heights)
+    if heights.shape != grid.shape:
+        raise InputError.about("The heights", heights, f"of the shape of the grid, {grid.shape}")
+    return transform_waves(heights, grid, flag(periodic, "periodic="))
+
+
+def transform_waves(heights: Array, grid: Grid, periodic: bool = True) -> Waves:
+    """Return the waves of heights that have been checked; see `list_waves`."""
+    largest = max(float(heights.max()), -float(heights.min()))
+    if largest < SMALLEST:
+        raise InputError(f"The heights are below {SMALLEST:g} m: there is no roughness.")
+    scaled = heights / largest
+    scaled -= scaled.mean()
+    unit = max(float(scaled.max()), -float(scaled.min()))
+    if unit <= 16.0 * float(np.finfo(np.float64).eps):
+        raise InputError("All heights are equal: there is no roughness.")
+    scaled /= unit
+    modes = scipy.fft.rfft2(scaled if periodic else _window(scaled), norm="forward")
+    power = modes.real**2
+    power += modes.imag**2
+    power[0, 0] = 0.0
+    # Of a band-limited surface most modes are rounding.
+    i, j = np.nonzero(power > _ROUNDING * power.max())
+    nx, ny = grid.shape
+    ratio = grid.spacing[0] / grid.spacing[1]
+    qx = 2.0 * np.pi * scipy.fft.fftfreq(nx)[i]
+    qy = 2.0 * np.pi * ratio * scipy.fft.rfftfreq(ny)[j]
+    count = np.where((j == 0) | (2 * j == ny), 1.0, 2.0)
+    return Waves(qx, qy, power[i, j], count, unit * largest, grid.spacing[0], 1.0 if periodic else _DEPENDENT)
+
+
+def _window(heights: Array) -> Array:
+    """Return heights times a Hann window of mean square one, without their mean."""
+    windows = [np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2 if n > 1 else np.ones(1) for n in heights.shape]
+    window = windows[0][:, np.newaxis] * windows[1][np.newaxis, :]
+    window /= np.sqrt(np.mean(window**2))
+    return np.asarray((heights - np.sum(heights * window) / np.sum(window)) * window)
+
+
+# Parts of a map along each side, whose differences give the sampling error.
+_PARTS = 4
+
+
+def _column(values: object) -> Array:
+    return read_only(numbers(values, "A column of the bearing curve", "numbers"))
+
+
+@guarded
+@attrs.frozen(eq=False)
+class BearingCurve:
+    """The Abbott-Firestone curve.
+
+    Attributes
+    ----------
+    levels
+        Levels above the mean height, shape (n,), m.
+    fractions
+        Fraction of the heights above each level, shape (n,).
+    uncertainties
+        Their sampling error, one standard deviation, shape (n,): from the differences of the 16 parts of the map,
+        which must be larger than its longest waves.
+    """
+
+    levels: Array = attrs.field(converter=_column, repr=outlined)
+    fractions: Array = attrs.field(converter=_column, repr=outlined)
+    uncertainties: Array = attrs.field(converter=_column, repr=outlined)
+
+
+@guarded
+def bearing_area(heights: Array, levels: Array | None = None) -> BearingCurve:
+    """Return the bearing area of heights: what a flat at a level would touch if it simply cut off all above it.
+
+    This overlap takes no account of elasticity: at the same mean gap the elastic contact is several times smaller.
+
+    Parameters
+    ----------
+    heights
+        Heights, shape (nx, ny), m.
+    levels
+        Levels above the mean height, m; None for 101 ones from the lowest height to the highest.
+
+    Raises
+    ------
+    InputError
+        If the heights or the levels are not finite numbers of the right shape.
+
+    References
+    ----------
+    Abbott, Firestone, Mech. Eng. 55 (1933) 569-572
+    """
+    rough = heights_array(heights)
+    rough = rough - rough.mean()
+    what = "The levels"
+    allowed = "a list of finite numbers (m)"
+    at = np.linspace(rough.min(), rough.max(), 101) if levels is None else numbers(levels, what, allowed)
+    if at.ndim != 1 or not np.isfinite(at).all():
+        raise InputError.about(what, levels, allowed)
+    blocks = [part for row in np.array_split(rough, _PARTS, axis=0) for part in np.array_split(row, _PARTS, axis=1)]
+    parts = np.array([_find_fractions(part, at) for part in blocks if part.size])
+    spread = np.std(parts, axis=0, ddof=1) / np.sqrt(len(parts)) if len(parts) > 1 else np.zeros(at.size)
+    return BearingCurve(at, _find_fractions(rough, at), spread)
+
+
+def _find_fractions(heights: Array, levels: Array) -> Array:
+    """Return the fraction of the heights above each level."""
+    ordered = np.sort(heights, axis=None)
+    return np.asarray(1.0 - np.searchsorted(ordered, levels, side="right") / ordered.size)
 
 
 @guarded

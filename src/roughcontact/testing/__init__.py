@@ -22,7 +22,7 @@ from roughcontact.testing.claim import (
     known_kinds,
     require,
 )
-from roughcontact.testing.oracle import Judgement, judge
+from roughcontact.testing.problems import Judgement, judge
 
 KINDS: Mapping[str, Registry[Any]] = MappingProxyType(known_kinds())
 

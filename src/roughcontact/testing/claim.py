@@ -11,7 +11,8 @@ import attrs
 import numpy as np
 
 from roughcontact._base.archive.plain import describe, key_of, missing_classes, rebuild
-from roughcontact._base.checks import RealArray, choice
+from roughcontact._base.arrays import RealArray
+from roughcontact._base.checks import choice
 from roughcontact._base.registry import Registry, registries
 from roughcontact._base.tables import Table
 from roughcontact.errors import InputError

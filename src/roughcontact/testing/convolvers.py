@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import BoundKernel, Love
 from roughcontact._solve.convolvers import ConvolutionSetup, Convolver, PreparedConvolution
 from roughcontact.errors import InputError
 from roughcontact.testing.claim import claim, require, require_close, require_equal
-from roughcontact.testing.oracle import displace
+from roughcontact.testing.problems import displace
 
 _KERNEL = BoundKernel(Love())
 _GRIDS = (Grid((9, 8), (9.0, 8.0)), Grid((6, 13), (6.0, 26.0)), Grid((1, 10), (1.0, 10.0)), Grid((12, 1), (6.0, 1.0)))

@@ -11,7 +11,7 @@ import numpy as np
 
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution
-from roughcontact._work.processes.flattening import FlatteningModel
+from roughcontact._work.processes import FlatteningModel
 from roughcontact.testing.claim import claim, require, require_close, require_equal
 from roughcontact.testing.problems import (
     full_contact,

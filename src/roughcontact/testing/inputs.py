@@ -8,7 +8,8 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, number
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import number
 from roughcontact._parts.files import SurfaceReader
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Elastic, Material, Rigid, combined_pressure_limit, contact_modulus

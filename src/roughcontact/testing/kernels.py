@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from roughcontact._base.checks import Array, Pair
+from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.kernels import InfluenceKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact.testing.claim import DoesNotApply, claim, require, require_close, require_equal
-from roughcontact.testing.oracle import displace
+from roughcontact.testing.problems import displace
 
 # 1/E* of the trials, 1/Pa: about that of two steel bodies.
 _COMPLIANCE = 1e-11

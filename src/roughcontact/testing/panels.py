@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact._base.checks import RealArray
+from roughcontact._base.arrays import RealArray
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.problem import Sweep
 from roughcontact.errors import InputError, MissingPackage, RoughContactError

@@ -7,15 +7,14 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import RealArray
+from roughcontact._base.arrays import RealArray
 from roughcontact._solve.convolvers import ConvolutionSetup, PreparedConvolution
 from roughcontact._solve.problem import LOAD_TOLERANCE, ContactProblem, make_task
 from roughcontact._solve.solution import ContactSolution, Status
 from roughcontact._solve.solvers import Solver
 from roughcontact.errors import InputError
 from roughcontact.testing.claim import DoesNotApply, claim, require, require_equal
-from roughcontact.testing.oracle import judge
-from roughcontact.testing.problems import Case, cases, solve_cases
+from roughcontact.testing.problems import Case, cases, judge, solve_cases
 
 # Convolutions before the displacements turn infinite, and those that a solver may need to notice it.
 _CALLS = 4

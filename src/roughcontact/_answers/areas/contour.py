@@ -1,31 +1,221 @@
-r"""The edge of the contact between cell centres.
-
-Near a smooth edge, at the distance d, the pressure is :math:`K\sqrt{d}` inside and the gap
-:math:`\tfrac{4K}{3E^*}d^{3/2}` outside, with one K for both. So with the one unknown y = (K/E*)^(-2/3)
-
-.. math:: \varphi = (p/E^*)^2 y^3 \text{ inside}, \quad \varphi = -(3g/4)^{2/3} y \text{ outside}
-
-is the signed distance from the edge on both sides, and y follows from the gradient of a distance,
-which is one. Between the centres of four neighbouring cells (a dual cell) the edge lies where the
-interpolated distance vanishes.
-
-References
-----------
-Johnson, Contact Mechanics (1985), section 5.1, https://doi.org/10.1017/CBO9781139171731, for the edge.
-"""
+"""The edge of the contact between cell centres: polygons in dual cells, traced and corrected."""
 
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 import attrs
 import numpy as np
+import numpy.typing as npt
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.dual_cells import Owners, find_dual_cells
-from roughcontact._answers.areas.polygons import INSIDE, Corners, find_kinds, measure_polygons
-from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._answers.areas.cells import split
+from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution
+
+Corners: TypeAlias = npt.NDArray[np.float64]
+
+# Whether each corner is in contact, shape (4, 16), in the 16 kinds of dual cells: kind k has the bits of k.
+_KINDS = (np.arange(16) >> np.arange(4)[:, np.newaxis] & 1).astype(bool)
+# Number of corners in contact of each kind, as a floating-point number.
+INSIDE = _KINDS.sum(axis=0).astype(np.float64)
+_TWO = INSIDE == 2
+_THREE = INSIDE == 3
+_DIAGONAL = (_KINDS[0] == _KINDS[2]) & (_KINDS[1] == _KINDS[3]) & _TWO
+# The corner to begin at: the one that is unlike the others, or the first of two in contact.
+_ODD = np.where(_THREE, ~_KINDS, _KINDS)
+_BEGIN = np.where(_ODD[0] & _ODD[3] & _TWO, 3, np.argmax(_ODD, axis=0))
+_EULER = np.select([INSIDE == 1, _THREE, _DIAGONAL], [0.25, -0.25, -0.5], 0.0)
+
+
+def find_kinds(contact: Mask) -> npt.NDArray[np.uint8]:
+    """Return the kind of each dual cell, shape (n,), of the contact at its corners."""
+    bits = contact.view(np.uint8)
+    return np.asarray(bits[0] | bits[1] << 1 | bits[2] << 2 | bits[3] << 3)
+
+
+def find_crossings(distance: Corners) -> Corners:
+    """Return where the edge crosses each side, as a fraction of the side from its first corner."""
+    away = np.abs(distance)
+    return _divide(away, away[[1, 2, 3, 0]])
+
+
+def measure_polygons(
+    distance: Corners, contact: Mask, kind: npt.NDArray[np.uint8], size: tuple[float, float]
+) -> tuple[Array, Array, Array]:
+    """Return the area inside (m2), the length (m) and the Euler number of the edge in each dual cell."""
+    away = np.abs(distance).ravel()
+    columns = np.arange(kind.size)
+    n = kind.size
+    kind = kind.astype(np.intp)
+    # Distances at the corner to begin at, the one before it and both behind it.
+    before, here, after, last = (away.take((_BEGIN + step & 3).take(kind) * n + columns) for step in (-1, 0, 1, 2))
+    rest = _divide(here, before)
+    middle = _divide(here, after)
+    end = _divide(after, last)
+    even = _BEGIN % 2 == 0
+    along, across = (np.where(even, *sides).take(kind) for sides in (size, size[::-1]))
+    pair = _TWO.take(kind)
+    triangle = 0.5 * rest * middle
+    chord = np.hypot(np.where(pair, 1.0, middle) * along, np.where(pair, end - rest, rest) * across)
+    area = np.where(pair, 0.5 * (rest + end), np.where(_THREE.take(kind), 1.0 - triangle, triangle))
+    area *= size[0] * size[1]
+    diagonal = np.flatnonzero(_DIAGONAL.take(kind))
+    if diagonal.size:
+        saddles = distance[:, diagonal]
+        area[diagonal], chord[diagonal] = _measure_saddles(saddles, contact[:, diagonal], find_crossings(saddles), size)
+    return area, chord, _EULER.take(kind)
+
+
+def _divide(one: Array, other: Array) -> Array:
+    """Return the part of a side from one corner to the edge, of the distances of both of its corners from the edge."""
+    with np.errstate(invalid="ignore"):
+        part = one / (one + other)
+    np.copyto(part, 0.5, where=np.isnan(part))
+    return np.asarray(part)
+
+
+def _measure_saddles(
+    distance: Corners, contact: Mask, crossing: Corners, size: tuple[float, float]
+) -> tuple[Array, Array]:
+    """Return area and length where opposite corners are inside: connected if the sum of distances is positive."""
+    connected = distance.sum(axis=0) > 0.0
+    area = np.zeros(distance.shape[1])
+    chord = np.zeros(distance.shape[1])
+    for corner in range(4):
+        # A corner inside keeps its own triangle; where they are connected, each corner outside loses its own.
+        one = 1.0 - crossing[corner - 1]
+        other = crossing[corner]
+        triangle = contact[corner] != connected
+        area += np.where(triangle, 0.5 * one * other, 0.0)
+        before, after = (size[1], size[0]) if corner % 2 == 0 else (size[0], size[1])
+        chord += np.where(triangle, np.hypot(one * before, other * after), 0.0)
+    area = np.where(connected, 1.0 - area, area) * (size[0] * size[1])
+    return area, chord
+
+
+@attrs.frozen(eq=False)
+class DualCells:
+    """Dual cells, numbered by their lower left corners.
+
+    Attributes
+    ----------
+    stride
+        Distance of the corners, in cells.
+    before
+        Number of dual cells before the first cell along each axis.
+    weights
+        Fraction of each dual cell that lies in the domain, along x and along y.
+    rows, columns
+        Row and column of the cells at the lower and the upper corner, shape (2, number along the axis).
+    """
+
+    stride: int
+    before: int
+    weights: tuple[Array, Array]
+    rows: IntArray
+    columns: IntArray
+
+    def count_inside(self, contact: Mask) -> npt.NDArray[np.uint8]:
+        """Return the number of corners in contact of each dual cell."""
+        s = self.stride
+        extended = np.pad(contact.view(np.uint8), (self.before, s), mode="edge" if self.before else "wrap")
+        rows = extended[:-s] + extended[s:]
+        return np.asarray(rows[:, :-s] + rows[:, s:])
+
+    def find_edge(self, contact: Mask) -> tuple[IntArray, IntArray]:
+        """Return the row and the column of the dual cells with corners in contact and others."""
+        return split(np.flatnonzero((self.count_inside(contact) - np.uint8(1)) < 3), self.columns.shape[1])
+
+    def corners(self, i: IntArray, j: IntArray) -> IntArray:
+        """Return the flat indices of the cells at the corners of dual cells, in order around them, shape (4, n)."""
+        m, n = (self.rows.shape[1], self.columns.shape[1])
+        s = self.stride
+        ny = n - self.before
+        steps = np.array((0, s * ny, s * ny + s, s))[:, np.newaxis]
+        found = (i - self.before) * ny + (j - self.before) + steps
+        border = np.flatnonzero((i < self.before) | (j < self.before) | (i >= m - s) | (j >= n - s))
+        low, high = self.rows[:, i[border]] * ny
+        left, right = self.columns[:, j[border]]
+        found[:, border] = low + left, high + left, high + right, low + right
+        return np.asarray(found)
+
+    def cover(self, solution: ContactSolution) -> Array:
+        """Return the number of dual cells whose corners are in each patch, by quarters, shape (count + 1,)."""
+        patches = solution.patches
+        if self.before == 0:
+            return np.concatenate(([0.0], patches.cells))
+        i, j = np.divmod(patches.members, self.columns.shape[1] - self.before)
+        along, across = (
+            0.5 * np.bincount(corners.ravel(), weights=np.tile(weights, 2))
+            for corners, weights in zip((self.rows, self.columns), self.weights, strict=True)
+        )
+        weights = along[i] * across[j]
+        return np.bincount(patches.member_labels, weights=weights, minlength=patches.count + 1).astype(np.float64)
+
+
+@attrs.frozen(eq=False)
+class Owners:
+    """The patches that dual cells belong to; one whose corners lie in several is divided by its corners in contact.
+
+    Attributes
+    ----------
+    cell, patch, fraction
+        Dual cells (all, if none is divided), patches and how much of the one belongs to the other, shape (m,).
+    count
+        Number of patches.
+    """
+
+    cell: IntArray | slice
+    patch: IntArray
+    fraction: Array
+    count: int
+
+    @classmethod
+    def find(cls, label: IntArray, kind: npt.NDArray[np.uint8], count: int) -> Owners:
+        """Return the owners of dual cells from the labels at their corners, shape (4, n)."""
+        highest = label.max(axis=0)
+        divided = ((label != highest) & (label > 0)).any(axis=0)
+        if not divided.any():
+            return cls(slice(None), highest, np.ones(1), count)
+        alone = np.flatnonzero(~divided)
+        several = np.flatnonzero(divided)
+        which, corner = np.nonzero(label[:, several].T)
+        cell = several[which]
+        patch = label[corner, several[which]]
+        return cls(
+            np.concatenate((alone, cell)),
+            np.concatenate((highest[alone], patch)),
+            np.concatenate((np.ones(alone.size), 1.0 / INSIDE[kind[cell]])),
+            count,
+        )
+
+    def sum(self, values: Array) -> Array:
+        """Return the sum of values of the dual cells over each patch, shape (count + 1,)."""
+        weights = values[self.cell] * self.fraction
+        return np.bincount(self.patch, weights=weights, minlength=self.count + 1).astype(np.float64)
+
+
+def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
+    """Return the dual cells whose corners are `stride` cells apart."""
+    before = stride if solution.boundary is Boundary.FREE else 0
+    weights = []
+    corners = []
+    for n in solution.grid.shape:
+        first = np.arange(-before, n)
+        both = np.stack((first, first + stride))
+        if before == 0:
+            weights.append(np.ones(n))
+            corners.append(both % n)
+            continue
+        # The domain ends half a cell beyond the outermost centres.
+        inside = np.minimum(both[1], n - 0.5) - np.maximum(both[0], -0.5)
+        weights.append(np.clip(inside, 0.0, stride) / stride)
+        corners.append(np.clip(both, 0, n - 1))
+    return DualCells(stride, before, (weights[0], weights[1]), corners[0], corners[1])
+
 
 # Upper bound of the distance at the corners of a dual cell, in cells; at a smooth edge it is below sqrt(2).
 _LONGEST = 16.0
@@ -102,8 +292,8 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
         area=area,
         length=owners.sum(chords * smooth),
         euler=owners.sum(euler * smooth),
-        sharp=_divide(owners.sum(jagged * weight), total, 0.0),
-        alike=_divide(owners.sum(alike * weight), total, 1.0),
+        sharp=_divide_or(owners.sum(jagged * weight), total, 0.0),
+        alike=_divide_or(owners.sum(alike * weight), total, 1.0),
         meeting=owners.sum(meeting * weight),
     )
 
@@ -118,7 +308,7 @@ def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -
     return beside, np.asarray(beside & ~(unknown | touching).all(axis=0))
 
 
-def _divide(sums: Array, counts: Array, otherwise: float) -> Array:
+def _divide_or(sums: Array, counts: Array, otherwise: float) -> Array:
     return np.divide(sums, counts, out=np.full_like(sums, otherwise), where=counts > 0.0)
 
 

@@ -9,11 +9,10 @@ import numpy as np
 
 from roughcontact._answers.areas.cells import count_sides, find_straight_rows, measure_sides
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.areas.edges import UNSURE, TracedEdges, trace_edges
+from roughcontact._answers.areas.edges import UNSURE, TracedEdges, list_warnings, total_area, trace_edges
 from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact._answers.areas.outline import contours, outline
-from roughcontact._answers.areas.total import list_warnings, total_area
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution
 
 # Mean excess of the count, in cells per side, over all positions and directions of a straight edge (Yastrebov 2017).

@@ -1,4 +1,4 @@
-"""Hertz's area of each patch, from its load and its curvature."""
+"""Hertz's area of each patch, from its curvature and its load or the approach that all share."""
 
 from __future__ import annotations
 
@@ -8,14 +8,227 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import split
+from roughcontact._answers.areas.cells import Surroundings, split
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.areas.sharing import Sharing, share_load
 from roughcontact._answers.areas.spline import Spline
-from roughcontact._answers.areas.summits import Summits, find_summits
-from roughcontact._base.checks import Array, IntArray
-from roughcontact._parts.grid import extend
+from roughcontact._answers.areas.summits import (
+    SLENDEREST,
+    Summits,
+    find_axes_ratio,
+    find_depth,
+    find_summits,
+    points_of_punch,
+    solve_for_area,
+    unwrap,
+)
+from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._parts.grid import Boundary, extend, grow
+from roughcontact._parts.kernels import Love
 from roughcontact._solve.solution import ContactSolution
+
+# Cells of the largest patch whose load is corrected: that of larger ones is right.
+_LARGEST = 36
+# Spread of the curvature up to which a contact is taken for one summit.
+_EVEN = 0.25
+# Accuracy of the common approach, over the largest that is tried.
+_ROOT = 1e-14
+# Newton steps to a summit between the cell centres.
+_STEPS = 3
+# Largest gap at the nearest cell of a summit that touches, over curvature times the square of a cell's diagonal:
+# 1/8 for a summit in the corner of a cell; the sharpest summit may be sharper than those in contact.
+_HIDDEN = 0.25
+
+
+@attrs.frozen(eq=False)
+class Sharing:
+    """What the common approach says of the loads.
+
+    Attributes
+    ----------
+    factor, error
+        Factors of the forces on the patches, and the relative standard deviations of the areas by them, shape (count,).
+    hidden
+        Areas of contacts that have no cell, m2.
+    """
+
+    factor: Array
+    error: Array
+    hidden: Array
+
+
+def share_load(solution: ContactSolution, summits: Summits, spline: Spline) -> Sharing:
+    """Return what the common approach says of the load of each patch; all together carry the load of the solution."""
+    from scipy import optimize
+
+    patches = solution.patches
+    even = summits.known & (summits.spread < _EVEN) & (patches.cells <= _LARGEST) & ~_find_saturated(solution)
+    # The load of a single patch is known.
+    unknown = np.asarray(calibration.LOAD / patches.cells**1.5 * (patches.count > 1), dtype=np.float64)
+    none = Sharing(np.ones(patches.count), unknown, np.zeros(0))
+    # Own displacements follow from Love's coefficients: of uniform pressure on the cells of a half-space.
+    if solution.moduli is not None or solution.edge_shift == 0.0 or not even.any():
+        return none
+    flat = find_depth(patches.forces, summits.semi_axis, summits.axes_ratio, solution.modulus)
+    # The approach of the discrete solution is too small, for the gap vanishes at the centres of the cells only.
+    curved = np.where(summits.known, summits.curvature, np.median(summits.curvature[even]))
+    lacking = curved * solution.grid.cell_area * calibration.LACKING
+    excess = np.where(even, _find_excess(solution, summits, spline, even) - flat, -lacking)
+    stiffness = 2.0 * solution.modulus * np.sqrt(np.where(summits.known, summits.area, patches.areas) / np.pi)
+    depth, unit_depth, unit_area = _find_hidden(solution, spline, float(summits.curvature[even].max()))
+
+    def loads(shift: float) -> tuple[Array, Array]:
+        # A paraboloid's load grows as depth^(3/2); a large patch is stiff as a flat punch of its area.
+        small = patches.forces * _grow(1.0 + (excess + shift) / (1.5 * flat))
+        large = np.maximum(patches.forces + stiffness * (excess + shift), 0.0)
+        return np.where(even, small, large), _grow((depth + shift) / unit_depth)
+
+    def surplus(shift: float) -> float:
+        return float(sum(part.sum() for part in loads(shift)) - patches.forces.sum())
+
+    far = 3.0 * float(flat[even].max()) + float(np.abs(excess).max())
+    if surplus(-far) * surplus(far) > 0.0:
+        return none
+    carried, hidden = loads(far * float(optimize.brentq(lambda part: surplus(part * far), -1.0, 1.0, xtol=_ROOT)))
+    factor = np.where(even, carried / patches.forces, 1.0)
+    others = float(patches.forces[~even].sum() / patches.forces.sum())
+    error = calibration.LACKING_STD * np.median(curved) * solution.grid.cell_area * others / (1.5 * flat)
+    error = np.where(even, np.minimum(error, unknown), unknown)
+    return Sharing(factor, error, unit_area[hidden > 0.0] * hidden[hidden > 0.0] ** (2.0 / 3.0))
+
+
+def _grow(depth: Array) -> Array:
+    """Return depth^(3/2), zero for negative depths; faster than the power."""
+    positive = np.maximum(depth, 0.0)
+    return np.asarray(positive * np.sqrt(positive))
+
+
+def _find_saturated(solution: ContactSolution) -> Mask:
+    """Mark the patches with saturated cells, shape (count,)."""
+    patches = solution.patches
+    if not solution.capped:
+        return np.zeros(patches.count, dtype=bool)
+    saturated = patches.member_labels[solution.saturated.ravel()[patches.members]]
+    return np.bincount(saturated, minlength=patches.count + 1)[1:] > 0
+
+
+def _find_excess(solution: ContactSolution, summits: Summits, spline: Spline, chosen: Mask) -> Array:
+    """Return approach less initial gap and far displacement, averaged as by a flat punch, shape (count,), m."""
+    dx, dy = solution.grid.spacing
+    far = summits.far
+    u, v, flat = points_of_punch()
+    x, y = summits.place(u, v)
+    gap = spline.derivatives(summits.row[:, np.newaxis] + x / dx, summits.column[:, np.newaxis] + y / dy, 0)[0] @ flat
+    moments, displaced = _average_cells(solution, summits, chosen)
+    squares = np.stack([(part * flat).sum(axis=1) for part in (x * x, x * y, y * y)])
+    # From the mean over the cells, weighted by their pressure, to that of the flat punch around the centre.
+    step = np.sum(far.slope * -moments[:2], axis=0)
+    bend = far.curvature * (squares - moments[2:])
+    return np.asarray(solution.approach - gap - displaced - step - 0.5 * (bend[0] + bend[2]) - bend[1])
+
+
+def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) -> tuple[Array, Array]:
+    """Return means over the cells of chosen patches, weighted by their pressure, shapes (5, count) and (count,).
+
+    They are x, y, x^2, x y and y^2 from the centre of the patch, m and m2, and the displacement by the others, m.
+    """
+    patches = solution.patches
+    nx, ny = solution.grid.shape
+    label = patches.member_labels - 1
+    which = np.flatnonzero(chosen[label])
+    which = which[np.argsort(label[which], kind="stable")]
+    members = patches.members[which]
+    label = label[which]
+    i, j = np.divmod(members, ny)
+    x = unwrap(i - summits.row[label], nx, solution.boundary) * solution.grid.spacing[0]
+    y = unwrap(j - summits.column[label], ny, solution.boundary) * solution.grid.spacing[1]
+    pressure = solution.pressure.ravel()[members]
+    total = np.bincount(label, weights=pressure, minlength=patches.count)
+    total[~chosen] = 1.0
+
+    def mean(values: Array, of: IntArray = label) -> Array:
+        return np.asarray(np.bincount(of, weights=values, minlength=patches.count) / total)
+
+    one, other = _pair_cells(label)
+    # A patch across the border is one piece.
+    di = np.abs(unwrap(i[one] - i[other], nx, solution.boundary)).astype(np.intp)
+    dj = np.abs(unwrap(j[one] - j[other], ny, solution.boundary)).astype(np.intp)
+    reach = int(di.max()) + 1, int(dj.max()) + 1
+    love = Love().coefficients(reach, solution.grid.spacing, 1.0 / solution.modulus)
+    own = mean(love[di, dj] * pressure[one] * pressure[other], label[one])
+    displaced = mean(pressure * solution.displacement.ravel()[members]) - own
+    return np.stack([mean(pressure * part) for part in (x, y, x * x, x * y, y * y)]), displaced
+
+
+def _pair_cells(label: IntArray) -> tuple[IntArray, IntArray]:
+    """Return all ordered pairs of cells with the same label; labels ascend."""
+    counts = np.bincount(label)[label]
+    first = np.searchsorted(label, label)
+    one = np.repeat(np.arange(label.size), counts)
+    return one, np.repeat(first, counts) + np.arange(one.size) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> tuple[Array, Array, Array]:
+    """Return summits between open cells: how far they would overlap, m, and the approach, m, and area, m2, of 1 N."""
+    chosen = _find_low_cells(solution, sharpest)
+    if chosen.size == 0:
+        return np.zeros(0), np.ones(0), np.zeros(0)
+    ny = solution.grid.shape[1]
+    dx, dy = solution.grid.spacing
+    i, j = np.divmod(chosen, ny)
+    nx = solution.grid.shape[0]
+    u = solution.displacement
+    along_x = (u[(i + 1) % nx, j] - u[i - 1, j]) / (2.0 * dx)
+    along_y = (u[i, (j + 1) % ny] - u[i, j - 1]) / (2.0 * dy)
+    x = np.zeros(i.size)
+    y = np.zeros(i.size)
+    for _ in range(_STEPS):
+        gx, gy, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 1, 2)
+        determinant = xx * yy - xy**2
+        summit = (determinant > 0.0) & (xx + yy > 0.0)
+        determinant = np.where(summit, determinant, 1.0)
+        gx = gx + along_x
+        gy = gy + along_y
+        x = np.where(summit, np.clip(x - (yy * gx - xy * gy) / determinant, -dx, dx), x)
+        y = np.where(summit, np.clip(y - (xx * gy - xy * gx) / determinant, -dy, dy), y)
+    value, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 0, 2)
+    middle = 0.5 * (xx + yy)
+    difference = np.hypot(0.5 * (xx - yy), xy)
+    summit = middle - difference > SLENDEREST * (middle + difference)
+    overlap = solution.approach - value - solution.displacement.ravel()[chosen] - along_x * x - along_y * y
+    overlap = overlap[summit]
+    middle = middle[summit]
+    difference = difference[summit]
+    ratio = (middle - difference) / (middle + difference)
+    area, _ = solve_for_area(solution, np.ones(ratio.size), middle, ratio)
+    axes_ratio = find_axes_ratio(ratio)
+    depth = 1.5 * find_depth(np.ones(ratio.size), np.sqrt(area * axes_ratio / np.pi), axes_ratio, solution.modulus)
+    return overlap, depth, area
+
+
+def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
+    """Return open cells, none of whose neighbours is lower or in contact, that a summit beside them may touch."""
+    nx, ny = solution.grid.shape
+    dx, dy = solution.grid.spacing
+    low = (solution.gap < sharpest * (dx * dx + dy * dy) * _HIDDEN) & ~solution.contact
+    if solution.non_measured is not None:
+        low &= ~grow(solution.non_measured, 2, solution.boundary)
+    if solution.boundary is Boundary.FREE:
+        low[:2] = low[-2:] = False
+        low[:, :2] = low[:, -2:] = False
+    chosen = np.flatnonzero(low)
+    near = Surroundings.of(*split(chosen, ny), (nx, ny), solution.boundary, 1)
+    gap = solution.gap.ravel()
+    contact = solution.contact.ravel()
+    lowest = np.ones(chosen.size, dtype=bool)
+    here = gap[chosen]
+    for i in (-1, 0, 1):
+        for j in (-1, 0, 1):
+            beside = near.at(i, j)
+            # Of equal neighbours only the first: they have the summit between them in common.
+            higher = gap[beside] > here if (i, j) < (0, 0) else gap[beside] >= here
+            lowest &= higher & ~contact[beside]
+    return chosen[lowest]
+
 
 # Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.
 _UNLIMITED = 1e150

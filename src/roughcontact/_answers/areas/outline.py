@@ -6,10 +6,16 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._answers.areas.cells import find_sharp_edges
-from roughcontact._answers.areas.contour import find_distances
-from roughcontact._answers.areas.dual_cells import DualCells, find_dual_cells
-from roughcontact._answers.areas.polygons import Corners, find_crossings, find_kinds, measure_polygons
-from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._answers.areas.contour import (
+    Corners,
+    DualCells,
+    find_crossings,
+    find_distances,
+    find_dual_cells,
+    find_kinds,
+    measure_polygons,
+)
+from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution, heal
 

@@ -8,15 +8,15 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import quantity_calibration as calibration
+from roughcontact._answers.areas.approach import BESIDE, fit_hyperboloid
 from roughcontact._answers.areas.cells import find_cut_patches
 from roughcontact._answers.areas.curvature import curvature_resolution
+from roughcontact._answers.areas.edges import warn_if_uncertain
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
 from roughcontact._answers.areas.quantities import Quantity
-from roughcontact._answers.areas.rise import BESIDE, fit_hyperboloid
 from roughcontact._answers.areas.summits import Summits
-from roughcontact._answers.areas.total import warn_if_uncertain
-from roughcontact._base.checks import Array, IntArray, Mask
-from roughcontact._base.warnings import ContactWarning
+from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import Boundary, extend, grow
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, responses
 

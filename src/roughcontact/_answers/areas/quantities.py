@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import quantity_calibration as calibration
+from roughcontact._answers.areas.approach import find_cut_shift, find_hidden_rise, find_rise, find_shift, measure_bend
 from roughcontact._answers.areas.calibration import EULER
 from roughcontact._answers.areas.cells import (
     count_crossings,
@@ -16,14 +17,10 @@ from roughcontact._answers.areas.cells import (
     measure_sides,
 )
 from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, lay_ratio
-from roughcontact._answers.areas.edges import is_diagonal, trace_edges
-from roughcontact._answers.areas.ellipse import find_axes_ratio
+from roughcontact._answers.areas.edges import is_diagonal, trace_edges, warn_if_uncertain
 from roughcontact._answers.areas.hertz import hertz_areas
-from roughcontact._answers.areas.rise import find_rise
-from roughcontact._answers.areas.shift import find_cut_shift, find_hidden_rise, find_shift, measure_bend
-from roughcontact._answers.areas.summits import find_near_holes, is_elliptic
-from roughcontact._answers.areas.total import warn_if_uncertain
-from roughcontact._base.checks import Array
+from roughcontact._answers.areas.summits import find_axes_ratio, find_near_holes, is_elliptic
+from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import (
     DEFAULT_AREA,

@@ -82,7 +82,7 @@ SATURATED_GAP = 0.08
 ALIGNED_GAP = 0.07
 OBLIQUE_GAP = 0.02
 # Rim ratios between which the rims of flats that were run in become sharp.
-RIM = (1.5, 2.5)
+RIM_RATIOS = (1.5, 2.5)
 # Excess of the mean gap over h^2 times the curvature at sharp rims, times the resolution ratio and the fourth root of
 # the cells of a patch, and its standard deviation, no unit. Set on surfaces that were run in.
 RIM_GAP = (-0.013, 0.014)

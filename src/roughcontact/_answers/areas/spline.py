@@ -8,7 +8,7 @@ from typing import Literal
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Pair
+from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution
 

@@ -1,18 +1,177 @@
-"""The summits under the patches: place, curvature and contact ellipse of each, from the heights between the cells."""
+"""The summits under the patches: place, curvature and contact ellipse of each, beside the other contacts."""
 
 from __future__ import annotations
 
+import math
+from functools import lru_cache
+
 import attrs
 import numpy as np
+from scipy import special
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import split
-from roughcontact._answers.areas.ellipse import find_area_factor, find_axes_ratio, points_of_hertz
-from roughcontact._answers.areas.far_field import FarField, find_far_field
 from roughcontact._answers.areas.spline import Spline
-from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, grow
 from roughcontact._solve.solution import ContactSolution
+
+# Ratio of the axes up to which contacts are tabulated, and the number of ratios.
+_LONGEST = 30.0
+_ENTRIES = 600
+# Angles of the points, which are symmetric as the grid is.
+_ANGLES = 8
+
+
+def find_area_factor(ratio: Array) -> Array:
+    """Return the area of an elliptic contact over that of the circular one with the same mean curvature."""
+    logarithms, factors, _ = _tabulate()
+    return np.asarray(np.interp(np.log(ratio), logarithms, factors))
+
+
+def find_axes_ratio(ratio: Array) -> Array:
+    """Return the ratio of the axes, at least one, for ratios of the curvatures, at most one."""
+    logarithms, _, axes = _tabulate()
+    return np.asarray(np.interp(np.log(ratio), logarithms, axes))
+
+
+def find_depth(force: Array, semi_axis: Array, axes_ratio: Array, modulus: float) -> Array:
+    """Return F K(e) / (pi E* a), m: the depth of a flat punch on an ellipse of major semi-axis a, m.
+
+    It is two thirds of the approach of a paraboloid with the same contact.
+    """
+    return np.asarray(force * special.ellipk(1.0 - 1.0 / axes_ratio**2) / (np.pi * modulus * semi_axis))
+
+
+@lru_cache(maxsize=1)
+def _tabulate() -> tuple[Array, Array, Array]:
+    r"""Return logarithms of the ratio of curvatures, the factors of the area and the ratios k of the axes.
+
+    kappa_1 / kappa_2 = (k^2 E - K) / (K - E), factor = k^(1/3) (2 E / pi)^(2/3), e^2 = 1 - 1 / k^2;
+    Johnson, Contact Mechanics (1985), eqs. 4.26 to 4.28, https://doi.org/10.1017/CBO9781139171731.
+    """
+    k = np.geomspace(1.0 + 1e-4, _LONGEST, _ENTRIES)
+    m = 1.0 - 1.0 / k**2
+    first = special.ellipk(m)
+    second = special.ellipe(m)
+    logarithms = -np.log((k**2 * second - first) / (first - second))
+    factors = k ** (1.0 / 3.0) * (2.0 * second / np.pi) ** (2.0 / 3.0)
+    return (
+        np.concatenate((logarithms[::-1], [0.0])),
+        np.concatenate((factors[::-1], [1.0])),
+        np.concatenate((k[::-1], [1.0])),
+    )
+
+
+@lru_cache(maxsize=1)
+def points_of_hertz() -> tuple[Array, Array, Array]:
+    """Return points in the unit circle and their weights for a mean by Hertz's pressure, exact to degree 5."""
+    return _place_points(2.0 / 5.0, 8.0 / 35.0)
+
+
+@lru_cache(maxsize=1)
+def points_of_punch() -> tuple[Array, Array, Array]:
+    """Return points in the unit circle and their weights for a mean by a flat punch's pressure, exact to degree 5."""
+    return _place_points(2.0 / 3.0, 8.0 / 15.0)
+
+
+def _place_points(square: float, fourth: float) -> tuple[Array, Array, Array]:
+    """Return points and weights for a pressure over which the means of r^2 and r^4 are these."""
+    angles = np.arange(_ANGLES) * (2.0 * np.pi / _ANGLES)
+    radius = math.sqrt(fourth / square)
+    around = square**2 / fourth
+    weights = np.append(np.full(_ANGLES, around / _ANGLES), 1.0 - around)
+    return np.append(radius * np.cos(angles), 0.0), np.append(radius * np.sin(angles), 0.0), weights
+
+
+# Contacts around each one that are summed as point loads; beyond, the load is spread over the plane.
+_NEAR = 24
+# Nearest distance over the farthest: below it a contact is its own image.
+_SAME = 1e-6
+
+
+@attrs.frozen(eq=False)
+class FarField:
+    """Slope, shape (2, count), and xx, xy and yy curvature, shape (3, count), 1/m, of the displacement by others."""
+
+    slope: Array
+    curvature: Array
+
+    @classmethod
+    def zero(cls, count: int) -> FarField:
+        """Return that of contacts alone."""
+        return cls(np.zeros((2, count)), np.zeros((3, count)))
+
+
+def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
+    r"""Return the far field at contacts in (x, y), m, that carry the forces of the solution's patches.
+
+    A point load displaces the surface by F / (pi E* r), whose second derivatives are
+    F (3 x^2 / r^5 - 1 / r^3) / (pi E*) and the like (Johnson, Contact Mechanics, section 3.2,
+    https://doi.org/10.1017/CBO9781139171731).
+    """
+    forces = solution.patches.forces
+    count = x.size
+    if solution.moduli is not None or count == 0:
+        return FarField.zero(count)
+    radius = math.sqrt(_NEAR * solution.grid.area / (np.pi * count))
+    one, other, dx, dy = _pair(solution, x, y, radius)
+    square = dx * dx + dy * dy
+    cube = 1.0 / (np.pi * solution.modulus * square * np.sqrt(square))
+    parts = (-dx, -dy, 3.0 * dx * dx / square - 1.0, 3.0 * dx * dy / square, 3.0 * dy * dy / square - 1.0)
+    sums = np.zeros((len(parts), count))
+    # Each pair counts from both sides; from the other one the slope has the opposite sign.
+    for here, there, sign in ((one, other, 1.0), (other, one, -1.0)):
+        load = forces[there] * cube
+        for k, part in enumerate(parts):
+            sums[k] += np.bincount(here, load * part, minlength=count) * (sign if k < 2 else 1.0)
+    if solution.boundary is Boundary.PERIODIC:
+        # A uniform pressure outside of a circle bends the surface alike in all directions.
+        sums[2::2] += solution.mean_pressure / (radius * solution.modulus)
+    return FarField(sums[:2], sums[2:])
+
+
+def _pair(solution: ContactSolution, x: Array, y: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
+    """Return the pairs of contacts within a radius, with periodic images: both numbers, dx and dy, m."""
+    from scipy.spatial import cKDTree
+
+    size = np.array(solution.grid.size)
+    points = np.stack((x, y), axis=1)
+    periodic = solution.boundary is Boundary.PERIODIC
+    if periodic:
+        points = points % size
+        # Rounding may leave the size itself.
+        points = np.where(points < size, points, 0.0)
+    if periodic and 2.0 * radius >= size.min():
+        return _pair_images(points, size, radius)
+    pairs = cKDTree(points, boxsize=size if periodic else None).query_pairs(radius, output_type="ndarray")
+    one, other = np.ascontiguousarray(pairs.T)
+    dx, dy = (at[one] - at[other] for at in np.ascontiguousarray(points.T))
+    if periodic:
+        dx, dy = (step - side * np.round(step / side) for step, side in zip((dx, dy), size, strict=True))
+    apart = np.maximum(np.abs(dx), np.abs(dy)) > _SAME * radius
+    return (one, other, dx, dy) if apart.all() else (one[apart], other[apart], dx[apart], dy[apart])
+
+
+def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
+    """Return the same for the few contacts of a small domain, which may have several images within the radius."""
+    from scipy.spatial import cKDTree
+
+    reach = [range(-math.ceil(radius / side), math.ceil(radius / side) + 1) for side in size]
+    shifts = size * np.array([(i, j) for i in reach[0] for j in reach[1]])
+    places = (points + shifts[:, np.newaxis]).reshape(-1, 2)
+    near = np.flatnonzero(((places >= -radius) & (places <= size + radius)).all(axis=1))
+    pairs = cKDTree(points).sparse_distance_matrix(cKDTree(places[near]), radius, output_type="ndarray")
+    pairs = pairs[pairs["v"] > _SAME * radius]
+    one = pairs["i"]
+    image = near[pairs["j"]]
+    other = image % len(points)
+    shift = image // len(points)
+    # Once each: of a contact's own images those on one side.
+    once = (one < other) | ((one == other) & (shift > len(shifts) // 2))
+    step = (points[one] - places[image])[once]
+    return one[once], other[once], step[:, 0], step[:, 1]
+
 
 # Smallest ratio of the principal curvatures of a summit: longer contacts are not elliptic on a rough surface.
 SLENDEREST = 0.05

@@ -8,8 +8,8 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.flow.flow_network import find_paths
 from roughcontact._answers.flow.leakage import find_open_cells, require_axis
+from roughcontact._answers.flow.network import find_paths
 from roughcontact._base.checks import number
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary

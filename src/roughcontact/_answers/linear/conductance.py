@@ -8,10 +8,16 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 
-from roughcontact._answers.linear.edge_correction import correct_edges
-from roughcontact._answers.linear.stiffness import describe_full_contact, list_warnings, require_mean_gap, sum_of
+from roughcontact._answers.linear.stiffness import (
+    correct_edges,
+    describe_full_contact,
+    list_warnings,
+    require_mean_gap,
+    sum_of,
+)
 from roughcontact._answers.linear.tangent import LinearSolution, Tangent
-from roughcontact._base.checks import Array, Pair, number, pair, read_only
+from roughcontact._base.arrays import Array, Pair, read_only
+from roughcontact._base.checks import number, pair
 from roughcontact._base.units import Estimate, outlined, si
 from roughcontact._solve.solution import Area, ContactSolution, Response, responses
 from roughcontact.errors import InputError

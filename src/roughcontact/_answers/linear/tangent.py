@@ -15,7 +15,7 @@ from functools import cached_property
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask, RealArray, read_only
+from roughcontact._base.arrays import Array, Mask, RealArray, read_only
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._solve.problem import computing, problem_of

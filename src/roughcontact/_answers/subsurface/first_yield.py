@@ -6,8 +6,7 @@ import math
 
 import attrs
 
-from roughcontact._answers.subsurface.maximum import StressMaximum
-from roughcontact._answers.subsurface.stress import StressBelow, body_name
+from roughcontact._answers.subsurface.stress import StressBelow, StressMaximum, body_name
 from roughcontact._base.checks import number
 from roughcontact._base.units import si
 from roughcontact._parts.load import Load

@@ -11,9 +11,9 @@ import numpy as np
 import scipy.fft
 from numpy.polynomial import chebyshev
 
-from roughcontact._answers.subsurface.cells import COMPONENTS, ODD_IN_X, ODD_IN_Y
-from roughcontact._answers.subsurface.planes import StressPlanes, coarsen
-from roughcontact._base.checks import Array, IntArray, Pair, RealArray, Waves
+from roughcontact._answers.subsurface.field import StressPlanes, coarsen
+from roughcontact._answers.subsurface.free import COMPONENTS, ODD_IN_X, ODD_IN_Y
+from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves
 from roughcontact._base.machine import threads_for
 
 # Depth, in sides of a cell, from which aliases have died: exp(-4 pi) = 3e-6.

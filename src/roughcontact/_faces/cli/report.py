@@ -9,11 +9,11 @@ from typing import Any
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
-from roughcontact._base.units.text import fit
+from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.options import NUMBER, add_output, whole_number
+from roughcontact._faces.cli.problem import Scene, add_scenes, read_scenes
 from roughcontact._faces.cli.progress import show_progress
-from roughcontact._faces.cli.scenes import Scene, add_scenes, read_scenes
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.solution import DEFAULT_AREA
 from roughcontact._work.reports.error import ErrorReport

@@ -11,9 +11,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
-from roughcontact._base.units import counted
-from roughcontact._base.units.text import fit
-from roughcontact._base.warnings import kind_of
+from roughcontact._base.units import counted, fit, kind_of
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.options import whole_number
 from roughcontact._faces.cli.progress import show_progress

@@ -11,12 +11,11 @@ import attrs
 
 import roughcontact as rc
 from roughcontact._base import checks
-from roughcontact._base.checks import Array
-from roughcontact._base.units.text import fit
+from roughcontact._base.arrays import Array
+from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
-from roughcontact._faces.cli.answers import to_csv, to_json, to_text
+from roughcontact._faces.cli.answers import plan_outputs, to_csv, to_json, to_text, write_outputs
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
-from roughcontact._faces.cli.outputs import plan_outputs, write_outputs
 from roughcontact._faces.cli.problem import loads_of, problem_of
 from roughcontact._faces.cli.progress import describe_steps, show_progress
 from roughcontact._parts.load import Load

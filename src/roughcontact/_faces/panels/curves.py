@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._faces.panels.theme import plain_logarithms, theme_of
 from roughcontact.errors.door import guarded
 

@@ -1,4 +1,4 @@
-"""Fields over the plane as images: centred, in true proportions, in one unit."""
+"""Fields over the plane as images, in true proportions, and the sub-grid edge of the contact."""
 
 from __future__ import annotations
 
@@ -7,15 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask
+from roughcontact._answers.areas import LevelSet
+from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import prefixed
 from roughcontact._faces.panels.curves import add_key
 from roughcontact._faces.panels.theme import plain_logarithms, theme_of
-from roughcontact._parts.grid import Grid
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._solve.solution import ContactSolution
 from roughcontact.errors.door import guarded
 
 # Ratio of the sides above which a domain is not drawn in true proportions: too narrow to be seen.
-_NARROW = 6.0
+_MAX_ASPECT = 6.0
 # Percentiles between which the colours lie if a few pits or spikes would use most of them: where the range of all
 # values is more than so many times that between the percentiles.
 _ENDS = (0.1, 99.9)
@@ -33,7 +35,7 @@ def proportion(grid: Grid) -> float:
     """Return width over height of a map as it is drawn."""
     lx, ly = grid.size
     ratio = lx / ly
-    return ratio if 1.0 / _NARROW <= ratio <= _NARROW else (2.0 if ratio > 1.0 else 0.5)
+    return ratio if 1.0 / _MAX_ASPECT <= ratio <= _MAX_ASPECT else (2.0 if ratio > 1.0 else 0.5)
 
 
 def set_plane(axes: Any, grid: Grid) -> tuple[float, float, float, float]:
@@ -170,3 +172,44 @@ def name_colors(axes: Any, named: Sequence[tuple[str, str]]) -> None:
     if named:
         handles = [Patch(facecolor=color, edgecolor="none", label=name) for color, name in named]
         add_key(axes, handles)
+
+
+# Width of the line over that of a cell, and its bounds, points.
+_WIDTH = 0.3
+_THINNEST = 0.03
+_THICKEST = 1.0
+# Mean width of the contact patches, cells, below which the line is thinner, so that it does not hide them.
+_THIN_LINE_WIDTH = 8.0
+
+
+def draw_edges(axes: Any, solution: ContactSolution, color: str) -> None:
+    """Draw the edge of the contact on axes that show the plane of a solution.
+
+    A line that crosses a periodic border is drawn at both sides of the domain.
+    """
+    from matplotlib.collections import LineCollection
+
+    size = np.array(solution.grid.size)
+    factor, _ = length_scale(solution.grid)
+    lines = []
+    for line in LevelSet().contours(solution):
+        if solution.boundary is Boundary.FREE:
+            lines.append(line)
+            continue
+        first = np.ceil(-0.5 - line.max(axis=0) / size).astype(int)
+        last = np.floor(0.5 - line.min(axis=0) / size).astype(int)
+        shifts = [(i, j) for i in range(first[0], last[0] + 1) for j in range(first[1], last[1] + 1)]
+        lines.extend(line + np.array(shift) * size for shift in shifts)
+    across = 72.0 * axes.get_window_extent().width / axes.get_figure(root=True).dpi
+    finest = min(1.0, _measure_patches(solution) / _THIN_LINE_WIDTH) * _WIDTH
+    width = min(max(finest * across / solution.grid.shape[0], _THINNEST), _THICKEST)
+    axes.add_collection(
+        LineCollection([factor * line for line in lines], colors=color, linewidths=width, joinstyle="round"),
+        autolim=False,
+    )
+
+
+def _measure_patches(solution: ContactSolution) -> float:
+    """Return the mean width of the contact patches, cells: that of strips of the same area and edge."""
+    area = solution.area()
+    return 2.0 * area.value / (area.perimeter * solution.grid.cell_area**0.5) if area.perimeter > 0.0 else np.inf

@@ -7,9 +7,10 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, flag, number
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import flag, number
 from roughcontact._base.units import prefixed, si
-from roughcontact._faces.panels.layout import title_of
+from roughcontact._faces.panels.figures import title_of
 from roughcontact._faces.panels.theme import DARK, LIGHT, Theme
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import SampledSurface

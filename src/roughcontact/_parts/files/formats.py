@@ -12,13 +12,8 @@ import numpy as np
 from roughcontact._base.archive import read_npy, read_npz, require_expansion
 from roughcontact._base.checks import choice, integer
 from roughcontact._base.machine import require_memory
-from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, put_x_first
-from roughcontact._parts.files.foreign import find_foreign
-from roughcontact._parts.files.gwyddion import read_header
-from roughcontact._parts.files.layout import SEPARATORS, WORDS
-from roughcontact._parts.files.margins import require_heights
-from roughcontact._parts.files.points import put_on_grid
-from roughcontact._parts.files.text import read_table
+from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, find_foreign, put_x_first
+from roughcontact._parts.files.text import SEPARATORS, WORDS, put_on_grid, read_header, read_table, require_heights
 from roughcontact._parts.surfaces import read_topography
 from roughcontact.errors import InputError, MissingPackage
 

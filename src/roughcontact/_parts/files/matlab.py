@@ -16,7 +16,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Pair, RealArray
+from roughcontact._base.arrays import Pair, RealArray
 from roughcontact._base.machine import require_memory
 from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, put_x_first
 from roughcontact.errors import InputError, MissingPackage

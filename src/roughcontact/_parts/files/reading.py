@@ -13,10 +13,10 @@ import attrs
 import numpy as np
 
 from roughcontact._base import checks
-from roughcontact._base.checks import Array, choice, number, pair
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import choice, number, pair
 from roughcontact._base.units import si
-from roughcontact._parts.files.base import RawMap, SurfaceReader, readers
-from roughcontact._parts.files.foreign import find_foreign
+from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, readers
 from roughcontact._parts.surfaces import TREATMENTS, HeightMap, complete
 from roughcontact.errors import InputError, RoughContactError, shorten
 from roughcontact.errors.door import guarded

@@ -1,4 +1,4 @@
-"""Height maps in text files, read line by line."""
+"""Height maps in text files: headers, separators, rows and columns beside the heights, and lists of points."""
 
 from __future__ import annotations
 
@@ -8,15 +8,295 @@ import contextlib
 import itertools
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
-from roughcontact._parts.files.layout import Layout, find_layout, holds_heights, is_non_measured
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._parts.files.base import RawMap
 from roughcontact.errors import InputError
+
+# "# Width: 10.0 µm", "# Height: 5.0 µm", "# Value units: nm".
+_SIDE = re.compile(r"#?\s*(Width|Height):\s*([0-9]{1,30}(?:[.,][0-9]{1,30})?(?:e[-+]?[0-9]{1,3})?)\s*(\S{1,8})\s*")
+_VALUES = re.compile(r"#?\s*Value units:\s*(\S{1,20})\s*")
+# Metres in units of length; the two letters for micro, and the byte that it is in Latin-1, read as UTF-8.
+_METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "Å": 1e-10}
+_METRES |= {"micron": 1e-6, "microns": 1e-6, "inch": 0.0254}
+_MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u"})
+
+
+def metres(unit: str) -> float | None:
+    """Return how long a unit such as µm is, m; None if it is not a length that is known."""
+    return _METRES.get(unit.translate(_MICRO))
+
+
+@attrs.frozen
+class Stated:
+    """Sides (x, y) of an image, m, and the unit of its heights, m; None where a header does not state them."""
+
+    size: Pair | None
+    unit: float | None
+
+
+def read_header(lines: Sequence[str]) -> Stated:
+    """Return what a header states.
+
+    Raises
+    ------
+    InputError
+        If its values are not lengths.
+    """
+    sides = {}
+    unit = None
+    for line in lines:
+        if found := _SIDE.fullmatch(line):
+            length = metres(found[3])
+            sides[found[1]] = None if length is None else float(found[2].replace(",", ".")) * length
+        elif found := _VALUES.fullmatch(line):
+            unit = metres(found[1])
+            if unit is None:
+                raise InputError(f"its header states values in {found[1]!a}, which is not a known unit of length")
+    width = sides.get("Width")
+    height = sides.get("Height")
+    return Stated((width, height) if width and height else None, unit)
+
+
+# The names of separators that are awkward to type, and how each is shown.
+WORDS = {"tab": "\t", "blank": " "}
+SEPARATORS = (",", ";", "\t", " ")
+# What may separate fields, before it is known what does, and the part of a number with a decimal comma before that.
+_FIELDS = re.compile(r"[\s,;]")
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+# Fields of a point that was not measured; also what C libraries of Windows write for it.
+_BAD = {"nan", "bad", "na", "n/a", "null", "none", "nodata", "no data", "invalid", "missing", "-", "inf", "infinity"}
+_MARKED = re.compile(r"\*+|-{2,}|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)", re.IGNORECASE)
+
+
+# Lines of one comma, between digits.
+_SINGLE = re.compile(r"(?:[-+]?[0-9]+,[0-9]+(?:\n|\Z))+")
+
+
+def is_non_measured(word: str) -> bool:
+    """Tell whether a field stands for a point that was not measured."""
+    return not word or word.lower() in _BAD or _MARKED.fullmatch(word) is not None
+
+
+def holds_heights(content: str) -> bool | None:
+    """Tell whether a line holds heights; None if it may, because all its fields stand for points not measured.
+
+    It does if it begins with a number or with a field of a point that was not measured, and has a number.
+    """
+    fields = _FIELDS.split(content)
+    if all(map(is_non_measured, fields)):
+        # A line of dashes is the rule below a title.
+        return None if len(fields) > 1 else False
+    first = fields[0]
+    return bool(is_non_measured(first) or _NUMBER.fullmatch(first)) and any(map(_NUMBER.fullmatch, fields))
+
+
+@attrs.frozen
+class Layout:
+    """The separator of the numbers, one of `SEPARATORS`, and their decimal mark.
+
+    Blanks as a separator are any white space, and with decimal commas each number may be followed by a comma.
+    """
+
+    separator: str
+    decimal: str
+
+    def split(self, content: str) -> list[str]:
+        """Return the fields of a line, with decimal points."""
+        if self.decimal == ",":
+            if self.separator == " ":
+                return [field.removesuffix(",").replace(",", ".") for field in content.split()]
+            content = content.replace(",", ".")
+        return content.split(None if self.separator == " " else self.separator)
+
+    def ends(self, content: str) -> bool:
+        """Tell whether a line ends with the separator."""
+        return self.separator != " " and content.endswith(self.separator)
+
+
+def find_layout(lines: Sequence[str], separator: str, decimal: str) -> Layout:
+    """Return the layout of lines of heights; ``"auto"`` is found, what is not is kept.
+
+    Raises
+    ------
+    InputError
+        If commas may be decimal or separate numbers; the sentence names the options.
+    """
+    separator = WORDS.get(separator, separator)
+    if separator == "auto":
+        separator = _find_separator(lines, decimal)
+    if decimal == "auto":
+        text = "".join(lines)
+        decimal = "," if separator != "," and "," in text and "." not in text else "."
+    if separator == "," == decimal:
+        raise InputError("a comma cannot both separate the numbers and be their decimal mark: give another separator=")
+    return Layout(separator, decimal)
+
+
+def _find_separator(lines: Sequence[str], decimal: str) -> str:
+    # Blanks, and a single tab, at the end of a line separate nothing.
+    stripped = [line.strip(" ") if line.count("\t") > 1 else line.strip() for line in lines]
+    for mark in ";\t":
+        if any(mark in line for line in stripped):
+            return mark
+    if decimal == "," or not any("," in line for line in stripped):
+        return " "
+    if decimal == "." or any("." in line for line in stripped):
+        return ","
+    return _judge_commas(stripped)
+
+
+def _judge_commas(lines: Sequence[str]) -> str:
+    """Return what separates numbers without points where there are commas, and perhaps blanks."""
+    text = "\n".join(lines)
+    inside = re.search(r"[0-9],[0-9]", text)
+    beside = re.search(r", | ,", text)
+    if not inside or (not beside and not _SINGLE.fullmatch(text) and " " not in text):
+        return ","
+    if not beside and " " in text:
+        return " "
+    found = "commas, some of them beside blanks," if beside else "one comma in each line"
+    raise InputError(
+        f"it has {found} and no points, so that the commas may be decimal or separate numbers: give decimal=',' or "
+        "decimal='.'"
+    )
+
+
+# Fewer numbers are not looked at: they may rise in equal steps by chance.
+_FEWEST = 8
+# Part of a step by which a place may differ from its own: rounding of printed places.
+_STEP_TOLERANCE = 0.01
+_COUNT = "count"
+_KEEP = "if they are heights, save the map with numpy.save"
+
+
+def require_heights(table: Array) -> None:
+    """Refuse a table, shape (rows, numbers in a row), that is a list, or has more than heights.
+
+    A margin, its first row or column, rises in equal steps, and the row or column beside it does not.
+
+    Raises
+    ------
+    InputError
+        If the table has a margin, or many numbers in one row or column; the sentence says how to save it.
+    """
+    if min(table.shape) < 2 and table.size >= _FEWEST:
+        line = "column" if table.shape[1] < 2 else "row"
+        raise InputError(
+            f"its {table.size} numbers stand in one {line}, but a height map has a row for each x and a number for "
+            "each y: bring them into that shape, as by numpy.loadtxt(path).reshape(nx, ny), and save them again"
+        )
+    if min(table.shape) < 2:
+        return
+    # The corner, where there are both margins, belongs to neither.
+    row, column = (_margin(side[0, 1:], side[1, 1:]) for side in (table, table.T))
+    if row and column:
+        what = "its first row and its first column"
+        counts = row == column == _COUNT
+    elif row := _margin(table[0], table[1]):
+        what = "its first row"
+        counts = row == _COUNT
+    elif column := _margin(table[:, 0], table[:, 1]):
+        what = "its first column"
+        counts = column == _COUNT
+    else:
+        return
+    skip = "skip them with skip_rows=" if what == "its first row" else "save the heights without them"
+    found, advice = (
+        ("count, as header and index of pandas do", ", in pandas by to_csv(path, header=False, index=False)")
+        if counts
+        else ("rise in equal steps, as places x and y do", ", and give size=")
+    )
+    raise InputError(f"the numbers of {what} {found}, and are not heights: {skip}{advice}; {_KEEP}")
+
+
+def _margin(line: Array, beside: Array) -> str:
+    """Return whether a line counts or has equal steps; nothing if it has none, or the line beside it has some."""
+    if not _is_even(line) or _is_even(beside):
+        return ""
+    return _COUNT if line[0] in (0.0, 1.0) and np.array_equal(line, line[0] + np.arange(line.size)) else "steps"
+
+
+def _is_even(line: Array) -> bool:
+    """Tell whether a line of enough numbers rises or falls in equal steps."""
+    if line.size < _FEWEST or not np.isfinite(line).all():
+        return False
+    # Numbers near the largest of float64 have no differences.
+    with np.errstate(over="ignore", invalid="ignore"):
+        step = (line[-1] - line[0]) / (line.size - 1)
+        even = line[0] + step * np.arange(line.size)
+        return bool(step != 0.0 and np.abs(line - even).max() <= _STEP_TOLERANCE * abs(step))
+
+
+# A place may differ from its grid by this part of a step: rounding of printed places.
+_GRID_TOLERANCE = 0.05
+# Gaps between sorted places below this part of the largest are rounding.
+_SAME = 0.3
+# A map of which both sides are shorter than this in its own unit is taken for one in metres.
+_METRE = 0.1
+# Places beyond have no differences in float64.
+_FAR = 1e300
+# The part of the points of a grid that must be listed; the others were not measured.
+_LISTED = 0.5
+
+
+def put_on_grid(points: Array) -> RawMap:
+    """Return the map of points x y z, shape (n, 3), in any order, on a regular grid along x and y; NaN where none is.
+
+    Its size is not known, because x and y have an unknown unit.
+
+    Raises
+    ------
+    InputError
+        If they do not lie on a regular grid, on most of its points and once on each.
+    """
+    i, nx, dx = _indices(points[:, 0])
+    j, ny, dy = _indices(points[:, 1])
+    if not _LISTED * nx * ny <= len(points) <= nx * ny:
+        raise _irregular(len(points))
+    heights = np.full((nx, ny), np.nan)
+    heights[i, j] = points[:, 2]
+    if np.unique(i * ny + j).size < len(points):
+        raise _irregular(len(points))
+    unit, length = (1.0, "metre") if max(nx * dx, ny * dy) < _METRE else (1e-6, "micrometre")
+    sides = ", ".join(f"{unit * side:.6g}" for side in (nx * dx, ny * dy))
+    return RawMap(
+        heights,
+        hint=f"its {nx} x {ny} points are {dx:.6g} x {dy:.6g} apart in a unit that it does not state; if that is the "
+        f"{length}, size=({sides})",
+    )
+
+
+def _indices(places: Array) -> tuple[np.ndarray, int, float]:
+    """Return the index of each place on the regular axis through them all, their number and the step."""
+    if not np.abs(places).max() < _FAR:
+        raise _irregular(len(places))
+    gaps = np.diff(np.unique(places))
+    true = gaps[gaps > _SAME * gaps.max(initial=0.0)]
+    span = float(np.ptp(places))
+    count = round(span / float(np.median(true))) + 1 if true.size else 0
+    if not 2 <= count <= len(places):
+        raise _irregular(len(places))
+    step = span / (count - 1)
+    exact = (places - places.min()) / step
+    index = np.rint(exact).astype(np.intp)
+    if np.abs(exact - index).max() > _GRID_TOLERANCE:
+        raise _irregular(len(places))
+    return index, count, step
+
+
+def _irregular(count: int) -> InputError:
+    return InputError(
+        f"each of its {count} rows holds 3 numbers, as in a list of points x y z, but they do not lie on a regular "
+        "grid: interpolate them on one, as by scipy.interpolate.griddata, and write the heights with "
+        "numpy.savez(path, heights=heights, size=(lx, ly))"
+    )
+
 
 # What stands at the beginning of a file in each encoding; the longer one first, because it begins with the shorter.
 _MARKS = {

@@ -11,10 +11,11 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Pair, integer
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.checks import integer
 from roughcontact._base.machine import require_memory
 from roughcontact._parts.files.base import RawMap, SurfaceReader
-from roughcontact._parts.files.gwyddion import metres
+from roughcontact._parts.files.text import metres
 from roughcontact.errors import InputError, MissingPackage
 
 # Tags: the value of points without data in geographic images.

@@ -1,4 +1,4 @@
-"""The surface interface, and sums of surfaces."""
+"""The surface interface, sums of surfaces, and a surface as it is drawn."""
 
 from __future__ import annotations
 
@@ -10,12 +10,38 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask, flag
+from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.checks import flag
 from roughcontact._base.registry import Registry
+from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.resampling import check_interpolation, shift_by_half_cell
-from roughcontact._parts.surfaces.sampled import SampledSurface
 from roughcontact.errors import InputError
+
+
+@attrs.frozen(eq=False)
+class SampledSurface:
+    """Heights of a surface on a grid, as a `Panel` of surfaces gets them.
+
+    Attributes
+    ----------
+    heights
+        Shape `grid.shape`, m, positive outward; NaN at non-measured points.
+    grid
+        The cells.
+    periodic
+        Whether the surface repeats beyond its border.
+    """
+
+    heights: Array = attrs.field(repr=outlined)
+    grid: Grid
+    periodic: bool
+
+    @property
+    def rms_height(self) -> float:
+        """Root mean square of the measured heights about their mean, m."""
+        return float(np.nanstd(self.heights))
+
 
 # Two evaluations of the same heights at the same points agree to this fraction of their range: rounding.
 _ROUNDING = 1e-9

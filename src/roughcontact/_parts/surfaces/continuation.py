@@ -8,14 +8,13 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact._base.checks import Array, Pair
+from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface
-from roughcontact._parts.surfaces.form import polynomial
 from roughcontact._parts.surfaces.heightmap import HeightMap
 from roughcontact._parts.surfaces.matching import PlacedMap
 from roughcontact._parts.surfaces.resampling import fourier, resample
-from roughcontact._parts.surfaces.spectrum import PowerLaw, fit_power_law
+from roughcontact._parts.surfaces.statistics import PowerLaw, fit_power_law, polynomial
 
 # Cells of a shortest wave, with which the area is right within 2 % (docs/understand/area.md).
 _CELLS = 4.0

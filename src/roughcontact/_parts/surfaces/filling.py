@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask
+from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.machine import require_memory
 from roughcontact.errors import InputError
 

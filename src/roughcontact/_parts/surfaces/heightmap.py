@@ -1,8 +1,9 @@
-"""Height maps: measured or computed heights on a grid of their own."""
+"""Height maps: measured or computed heights on a grid of their own, as text and for SurfaceTopography."""
 
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -11,19 +12,17 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact._base.checks import Array, Mask, Pair, frozen_array, instance_of, integer, measured_heights, pair
-from roughcontact._base.checks.pickling import restore_state
-from roughcontact._base.units import si
+from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, restore_state
+from roughcontact._base.checks import choice, instance_of, integer, measured_heights, pair
+from roughcontact._base.units import counted, fit, printable, si
 from roughcontact._parts.grid import Grid
-from roughcontact._parts.surfaces import form as forms
+from roughcontact._parts.surfaces import statistics as forms
 from roughcontact._parts.surfaces.base import Surface
-from roughcontact._parts.surfaces.filling import fill, was_filled
+from roughcontact._parts.surfaces.filling import TREATMENTS, complete, fill, was_filled
 from roughcontact._parts.surfaces.quality import find_period, list_map_warnings
 from roughcontact._parts.surfaces.resampling import check_interpolation, resample, shift_by_half_cell
 from roughcontact._parts.surfaces.statistics import repeats
-from roughcontact._parts.surfaces.summary import check_history, summarize
-from roughcontact._parts.surfaces.topography import make_topography, read_map
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, MissingPackage
 
 # Beyond this degree a polynomial follows the roughness, and its normal equations lose their digits.
 _MAX_DEGREE = 30
@@ -56,6 +55,13 @@ def _non_measured(value: npt.ArrayLike | None) -> Mask | None:
         raise InputError("No point of the height map was measured: at least one is needed.")
     mask.flags.writeable = False
     return mask if mask.any() else None
+
+
+def check_history(value: Sequence[str]) -> tuple[str, ...]:
+    """Return how a map was processed, texts that may be printed whatever file they come from, or raise `InputError`."""
+    if not isinstance(value, (tuple, list)) or not all(isinstance(text, str) for text in value):
+        raise InputError.about("The history of a height map", value, "a tuple of texts")
+    return tuple(map(printable, value))
 
 
 @attrs.frozen(eq=False)
@@ -309,3 +315,86 @@ class Separated:
     form: HeightMap
     roughness: HeightMap
     radius: float
+
+
+def summarize(height_map: HeightMap) -> str:
+    """Return what `list_facts` says of a map, and its warnings."""
+    return fit("\n".join([*list_facts(height_map), *(f"warning       {text}" for text in height_map.warnings)]))
+
+
+def list_facts(height_map: HeightMap) -> list[str]:
+    """Return cells, size, heights, history and non-measured points of a map, line by line."""
+    grid = height_map.grid
+    heights = height_map.values
+    missing = height_map.non_measured
+    measured = heights if missing is None else heights[~missing]
+    low, high, rms, dx, dy = (
+        si(float(value), "m") for value in (measured.min(), measured.max(), measured.std(), *grid.spacing)
+    )
+    lines = [
+        f"grid          {grid}{', periodic' if height_map.periodic else ''}, cells of {dx} x {dy}",
+        f"heights       {low} to {high}",
+        f"Sq            {rms} about the mean",
+        *(f"history       {text}" for text in height_map.history),
+    ]
+    if missing is not None:
+        count = int(missing.sum())
+        lines.append(f"non-measured  {count} of {counted(missing.size, 'point')} ({100 * count / missing.size:.2g} %)")
+    return lines
+
+
+_ASKED = ("dim", "unit", "to_unit", "heights", "physical_sizes", "is_periodic")
+
+
+def read_topography(topography: Any) -> tuple[Array, Pair, bool]:
+    """Return heights, shape (nx, ny), m, NaN at non-measured points; the sides, m; and whether it is periodic.
+
+    Raises
+    ------
+    InputError
+        If it is not a two-dimensional topography of SurfaceTopography, or does not state its unit.
+    """
+    if not all(hasattr(topography, name) for name in _ASKED):
+        raise InputError.about("it", topography, "a Topography of the package SurfaceTopography")
+    if topography.dim != 2:
+        raise InputError("it holds a line profile, not a height map")
+    if topography.unit is None:
+        raise InputError("it does not state its unit of length")
+    if getattr(topography, "is_domain_decomposed", False):
+        raise InputError("it is spread over several processes: gather it in one")
+    metric = topography.to_unit("m")
+    heights = np.ma.filled(np.ma.asarray(metric.heights(), dtype=np.float64), np.nan)
+    lx, ly = (float(side) for side in metric.physical_sizes)
+    return heights, (lx, ly), bool(metric.is_periodic)
+
+
+def read_map(topography: Any, non_measured: str) -> dict[str, Any]:
+    """Return the arguments of a `HeightMap`; see `HeightMap.from_topography`."""
+    choice(non_measured, "The treatment of non-measured points", TREATMENTS)
+    try:
+        heights, size, periodic = read_topography(topography)
+    except InputError as error:
+        raise InputError(f"The topography cannot be used: {str(error).rstrip('.')}.") from error
+    heights, mask, done = complete(heights, "the topography", non_measured)
+    history = (f"from a topography of SurfaceTopography{done}",)
+    return {"heights": heights, "size": size, "periodic": periodic, "non_measured": mask, "history": history}
+
+
+def make_topography(height_map: HeightMap) -> Any:
+    """Return the map as a `SurfaceTopography.Topography`; see `HeightMap.to_topography`."""
+    try:
+        # Its imports warn of optional parallel packages.
+        with warnings.catch_warnings(action="ignore"):
+            from SurfaceTopography import Topography
+    except ImportError:
+        raise MissingPackage(
+            "A topography needs the package SurfaceTopography: pip install SurfaceTopography."
+        ) from None
+    heights = height_map.values.copy()
+    mask = height_map.non_measured
+    return Topography(
+        heights if mask is None else np.ma.masked_array(heights, mask),
+        height_map.size,
+        periodic=height_map.periodic,
+        unit="m",
+    )

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask, Pair, choice, instance_of, number, pair
+from roughcontact._base.arrays import Array, Mask, Pair
+from roughcontact._base.checks import choice, instance_of, number, pair
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 import scipy.fft
 
-from roughcontact._base.checks import Array, Mask
-from roughcontact._base.units import si
-from roughcontact._base.warnings import ContactWarning
+from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.units import ContactWarning, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.filling import smooth_over
-from roughcontact._parts.surfaces.spectrum import mean_in_bands, power_spectrum
+from roughcontact._parts.surfaces.statistics import mean_in_bands, power_spectrum
 
 # Sides of the part in the middle that is examined, and of the smallest map that is, cells: for each statistic enough.
 _PART = 256

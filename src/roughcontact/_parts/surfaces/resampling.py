@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact._base.checks import Array, choice
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import choice
 from roughcontact._base.machine import require_memory
 from roughcontact._parts.grid import Grid
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, IntArray, RealArray
+from roughcontact._base.arrays import Array, IntArray, RealArray
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import BoundKernel

@@ -1,13 +1,11 @@
 """The contact problem: bodies, initial gap, load, plan, certificate."""
 
+from roughcontact._solve.problem.accuracy import resample_problem
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
-from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.problem.resolution import resample_problem
+from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.run import computing
-from roughcontact._solve.problem.source import problem_of
-from roughcontact._solve.problem.sweep import Sweep, order_of_solving, predict_pressure, run_sweep
-from roughcontact._solve.problem.sweep_table import make_table
+from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, maximum_pressure, pressure_unit
 
 __all__ = [

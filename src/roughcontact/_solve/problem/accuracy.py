@@ -12,18 +12,36 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact._base.checks import Array, number
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import choice, number
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.load import Load
 from roughcontact._parts.surfaces import bilinear
+from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.plan import require_memory_of_solve
-from roughcontact._solve.problem.resolution import resample_problem
 from roughcontact._solve.solution import DEFAULT_AREA, Accuracy, ContactSolution, Trial
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError, NotEnoughMemory
 
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
+
+
+def resample_problem(
+    problem: ContactProblem, shape: tuple[int, int], interpolation: str | None = None
+) -> ContactProblem:
+    """Return the problem on another number of cells; see `roughcontact.on_grid`."""
+    grid = Grid(shape, problem.plan.grid.size)
+    if interpolation is not None:
+        choice(interpolation, "The interpolation of a map between its points", ("bilinear", "cubic", "fourier", "mean"))
+    if problem.plan.pressure_limit.ndim:
+        raise InputError("The pressure limit is an array, which is not known between its cells.")
+    body, counterbody = (
+        Body(side.surface.resample_to(grid, interpolation), side.material)
+        for side in (problem.body, problem.counterbody)
+    )
+    return attrs.evolve(problem, body=body, counterbody=counterbody, grid=grid)
+
 
 # The algebraic error is at most this part of the standard deviation that is asked for, which is the rule of Ern and
 # Vohralik, SIAM J. Sci. Comput. 35 (2013) A1761, https://doi.org/10.1137/120896918.

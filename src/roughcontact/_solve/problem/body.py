@@ -5,7 +5,8 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import LARGEST, Array, Mask, frozen_array, instance_of
+from roughcontact._base.arrays import Array, Mask, frozen_array
+from roughcontact._base.checks import LARGEST, instance_of
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Material, Rigid, resolve_material

@@ -8,7 +8,8 @@ from typing import Any
 
 import attrs
 
-from roughcontact._base.checks import Array, callback, choice, flag, instance_of
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, kernels
@@ -17,9 +18,8 @@ from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution, convolvers
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
-from roughcontact._solve.problem.certificate import verify_solution
 from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
-from roughcontact._solve.problem.run import computing, require_success, run_solve
+from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
 from roughcontact._solve.problem.sweep import Sweep, find_load_of_area, run_sweep
 from roughcontact._solve.problem.task import limit_load, maximum_pressure
 from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, Origin
@@ -308,3 +308,19 @@ class ContactProblem:
         origin = Origin(self.parts, load.arguments, source=self)
         solution = attrs.evolve(run_solve(self, self._gap, load, start, on_step), origin=origin)
         return require_success(solution) if throw else solution
+
+
+def problem_of(solution: ContactSolution) -> ContactProblem:
+    """Return the problem that a solution solves, with its prepared convolution; that of a file is built anew.
+
+    Raises
+    ------
+    InputError
+        If the solution does not say what was solved, or a class that it needs is not registered.
+    """
+    if solution.origin is None:
+        raise InputError("The solution does not say which problem it solves, so that nothing can be computed with it.")
+    problem = solution.origin.source or ContactProblem(**solution.origin.problem)
+    if not isinstance(problem, ContactProblem):
+        raise InputError(f"What was solved must be a ContactProblem, but is {problem!r}.")
+    return problem

@@ -1,4 +1,4 @@
-"""One solve: the solver's outcome, certified."""
+"""One solve: the solver's outcome, and its certificate, recomputed from the pressure alone."""
 
 from __future__ import annotations
 
@@ -10,19 +10,173 @@ from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
+from numpy.typing import ArrayLike
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array, frozen_array
 from roughcontact._base.machine import use_threads
+from roughcontact._parts.grid import Boundary
 from roughcontact._parts.load import Load
+from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedConvolution
 from roughcontact._solve.problem.body import InitialGap
-from roughcontact._solve.problem.certificate import certify
-from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task
-from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solvers import Step
-from roughcontact.errors import NotConverged
+from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure_unit
+from roughcontact._solve.solution import ContactConditions, ContactSolution, Residuals, Status
+from roughcontact._solve.solvers import Outcome, Step, Task
+from roughcontact.errors import InputError, NotConverged
 
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
+
+# Wave numbers at which the effective modulus is kept: about 24 a decade on a grid of 1000 cells a side.
+_WAVE_NUMBERS = 96
+# Difference of residuals, and of other figures over their largest value, that another machine or version of numpy
+# and scipy may make: transforms differ by some 1e-15, Love's kernel by up to 5e-11 between its forms.
+_SAME = 1e-10
+# Rounding of a gap over its largest term, with a margin of four over that of `ContactConditions`.
+_ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
+
+
+def certify(
+    plan: SolvePlan,
+    convolution: PreparedConvolution,
+    initial_gap: Array,
+    task: Task,
+    outcome: Outcome,
+    *,
+    seconds: float,
+) -> ContactSolution:
+    """Return the solution in SI units, with residuals recomputed in float64 from the pressure alone.
+
+    A status of success stays only if float64 resolves the gap, the residuals confirm it, the load is right to
+    rounding and the bounds hold bit for bit.
+
+    Parameters
+    ----------
+    plan, convolution, task
+        The problem in dimensionless variables.
+    initial_gap
+        Gap before deformation, shape (nx, ny), m.
+    outcome
+        The pressure and status that the solver returned.
+    seconds
+        Wall time of the solve, s.
+
+    Raises
+    ------
+    InputError
+        If the solver did not return an outcome with a pressure of the grid's shape.
+    """
+    if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.initial_gap.shape:
+        raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
+    displacement = convolution.apply(outcome.pressure)
+    state = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms_gap).measure(
+        outcome.pressure, displacement
+    )
+    carried = convolution.sum(outcome.pressure) / outcome.pressure.size
+    load = 0.0 if task.mean_pressure is None else abs(carried / task.mean_pressure - 1.0)
+    bound = 2.0 * max(plan.solver.tolerance, state.floor)
+    bounded = bool(outcome.pressure.min() >= 0.0 and (outcome.pressure <= task.pressure_limit).all())
+    confirmed = state.error <= bound and load <= LOAD_TOLERANCE and bounded
+    status = outcome.status.within(state.floor, plan.solver.tolerance)
+    if status.success and not confirmed:
+        status = Status.UNCONFIRMED
+    complementarity, penetration = (max(value, state.floor) for value in (state.complementarity, state.penetration))
+    pressure = np.minimum(outcome.pressure * pressure_unit(plan), plan.pressure_limit)
+    # Saturated cells carry the limit to the last bit.
+    pressure = np.where(outcome.pressure >= task.pressure_limit, plan.pressure_limit, pressure)
+    return ContactSolution(
+        grid=plan.grid,
+        boundary=plan.boundary,
+        modulus=plan.modulus,
+        pressure_limit=plan.pressure_limit,
+        pressure=frozen_array(pressure),
+        displacement=frozen_array(displacement * plan.peak_to_valley),
+        initial_gap=initial_gap,
+        approach=state.approach * plan.peak_to_valley,
+        status=status,
+        iterations=outcome.iterations,
+        convolutions=outcome.convolutions + 1,
+        seconds=seconds,
+        residuals=Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley),
+        errors=outcome.errors,
+        levels=outcome.levels,
+        edge_shift=plan.kernel.edge_shift,
+        moduli=_sample_modulus(plan),
+        non_measured=plan.non_measured,
+    )
+
+
+def verify_solution(
+    plan: SolvePlan, convolution: PreparedConvolution, gap: InitialGap, solution: ContactSolution
+) -> None:
+    """Recompute displacement and residuals of a solution from its pressure; see `ContactProblem.verify`."""
+    if solution.origin is None or not solution.grid.matches(plan.grid):
+        raise InputError(f"It is not a solution at a load, on the grid of the problem, {plan.grid}.")
+    if gap.non_measured is not None:
+        # The solve chooses how deep they lie.
+        gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
+    task = make_task(plan, solution.initial_gap, Load.of(**solution.origin.load))
+    pressure = solution.pressure / pressure_unit(plan)
+    outcome = Outcome(pressure=pressure, status=solution.status, iterations=0, convolutions=0, errors=())
+    again = certify(plan, _by_transforms(convolution), solution.initial_gap, task, outcome, seconds=0.0)
+    _require_confirmed(solution, again, gap.values)
+
+
+def _by_transforms(convolution: PreparedConvolution) -> PreparedConvolution:
+    """Return a convolution, by transforms instead of the direct sum, which takes minutes on large grids."""
+    setup = convolution.setup
+    if not isinstance(setup.convolver, Direct):
+        return convolution
+    convolver = DCFFT() if setup.boundary is Boundary.FREE else CircularFFT()
+    return convolver.prepare(setup.kernel, setup.grid, setup.boundary)
+
+
+def _require_confirmed(stated: ContactSolution, again: ContactSolution, initial_gap: Array) -> None:
+    """Raise `InputError` unless a solution states the gap of its problem and, up to rounding, what was recomputed."""
+    residuals = stated.residuals
+    found = again.residuals
+    moduli = again.moduli or ()
+    displaced = float(np.abs(again.displacement).max())
+    margin = _SAME + _ROUNDING * (displaced + float(np.abs(again.initial_gap).max())) / found.scale
+    pairs: dict[str, tuple[ArrayLike, ArrayLike, float]] = {
+        "initial gap": (stated.initial_gap, initial_gap, _SAME * float(initial_gap.max())),
+        "boundary": (float(stated.boundary is again.boundary), 1.0, 0.0),
+        "pressure limit": (stated.pressure_limit, again.pressure_limit, 0.0),
+        "contact modulus": (stated.modulus, again.modulus, _SAME * again.modulus),
+        "moduli": (stated.moduli or (), moduli, _SAME * float(np.max(moduli, initial=0.0))),
+        "edge shift": (stated.edge_shift, again.edge_shift, _SAME),
+        "displacement": (stated.displacement, again.displacement, _SAME * displaced),
+        "approach": (stated.approach, again.approach, margin * found.scale),
+        "scale": (residuals.scale, found.scale, margin * found.scale),
+        "complementarity": (residuals.complementarity, found.complementarity, margin),
+        "penetration": (residuals.penetration, found.penetration, margin),
+        "error of the load": (residuals.load, found.load, LOAD_TOLERANCE),
+    }
+    for name, (given, right, allowed) in pairs.items():
+        if not _are_close(np.asarray(given), np.asarray(right), allowed):
+            raise InputError(f"Its {name} contradicts its pressure and its problem.")
+    if stated.status.success and not again.status.success:
+        raise InputError(f"Its status is {stated.status.name}, but the recomputed residuals are {found}.")
+
+
+def _are_close(given: Array, right: Array, allowed: float) -> bool:
+    # Limits and the residuals of a failed solve may be infinite.
+    if given.shape != right.shape or np.array_equal(given, right):
+        return given.shape == right.shape
+    with np.errstate(all="ignore"):
+        return bool(np.abs(given - right).max() <= allowed)
+
+
+def _sample_modulus(plan: SolvePlan) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
+    """Return inverse wave numbers, from a tenth of a cell to the domain, m, and the effective modulus at each, Pa."""
+    lengths = np.geomspace(0.1 * min(plan.grid.spacing), max(plan.grid.size), _WAVE_NUMBERS)
+    moduli = plan.kernel.effective_modulus(1.0 / lengths, 1.0 / plan.modulus)
+    if moduli is None:
+        return None
+    if moduli.shape != lengths.shape or not (np.isfinite(moduli).all() and moduli.min() > 0.0):
+        raise InputError(f"The kernel {plan.kernel!r} must return moduli above zero, of shape {lengths.shape}.")
+    return tuple(lengths.tolist()), tuple(moduli.tolist())
+
 
 # Depth of non-measured points that touch, over the sum of the last depth and the approach, and the exponent that it
 # gets in the last round: after eight rounds they are 4^36 = 5e21 times deeper.

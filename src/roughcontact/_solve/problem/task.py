@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.load import Load

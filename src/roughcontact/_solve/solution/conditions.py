@@ -11,7 +11,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._base.machine import map_tiles, tiles_of
 
 # Range of the displacement, over the maximum pressure, below which the pressure is uniform up to rounding.

@@ -11,27 +11,27 @@ import attrs
 import numpy as np
 
 from roughcontact._base import checks
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution import storage
 from roughcontact._solve.solution.fields import ContactFields
 from roughcontact._solve.solution.healing import heal
 from roughcontact._solve.solution.plausibility import list_warnings
-from roughcontact._solve.solution.responses import Response, responses
 from roughcontact._solve.solution.results import (
     DEFAULT_AREA,
     Area,
     AreaEstimator,
     Estimate,
+    Response,
     areas,
+    estimate_saturated_area,
     judge_maps,
+    responses,
 )
-from roughcontact._solve.solution.saturation import estimate_saturated_area
 from roughcontact._solve.solution.summary import abbreviate, summarize
 from roughcontact._solve.solution.theory import TheoryBeside, compare_with_theory
-from roughcontact._solve.solution.vti import to_pyvista
-from roughcontact._solve.solution.writers import page_or_file, write_solution, writers
+from roughcontact._solve.solution.writers import page_or_file, to_pyvista, write_solution, writers
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from weakref import WeakKeyDictionary
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, Grid, extend, grow
 from roughcontact._parts.surfaces import WIDEST, fill, solve_in_bands
 

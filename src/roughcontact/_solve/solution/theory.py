@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact.reference.persson import PerssonContact, evaluate_persson
-from roughcontact.reference.roughness import find_lay, find_shape
-from roughcontact.reference.waves import Waves, transform_waves
+from roughcontact.reference.roughness import Waves, find_lay, find_shape, transform_waves
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution

@@ -11,7 +11,8 @@ from typing import Any, ClassVar
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, integer, number
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import integer, number
 from roughcontact._base.registry import Registry
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import ContactConditions, GridLevel, Status, Violation

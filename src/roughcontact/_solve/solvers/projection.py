@@ -8,7 +8,7 @@ from typing import TypeAlias
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, IntArray, Mask, RealArray
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact.errors.door import guarded
 
 # Rounds of Newton's method for the shift of all cells, and of released ones: it needs about five; bisection to

@@ -17,7 +17,7 @@ from cattrs.gen import make_dict_structure_fn, override
 
 from roughcontact._base import checks
 from roughcontact._base.registry import Registry
-from roughcontact._base.units.quantities import parse_quantity
+from roughcontact._base.units import parse_quantity
 from roughcontact._parts.files import read_surface
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import kernels

@@ -8,7 +8,7 @@ from typing import Protocol
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, IntArray, Mask, RealArray
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._solve.solvers.conjugate.active import ActiveCells, active_cells
 from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot

@@ -5,14 +5,13 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, IntArray, Mask, RealArray
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel
 from roughcontact._solve.solvers.base import Monitor, Task, starting_pressure
-from roughcontact._solve.solvers.conjugate.openings import NearlyFull
-from roughcontact._solve.solvers.conjugate.refinement import Refinement
+from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, Refinement
 
 # Axes are halved down to this many cells, and to the second number where only the approach is wanted.
 _COARSEST = 32

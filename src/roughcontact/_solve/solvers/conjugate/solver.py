@@ -8,7 +8,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import Status

@@ -9,16 +9,15 @@ from collections.abc import Callable
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._base.tables import Table
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic
 from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface
 from roughcontact._solve.problem import Body, ContactProblem, pressure_unit
 from roughcontact._solve.solution import ContactConditions, ContactSolution, Status
-from roughcontact._work.reports.stability.check import Verdict, find_worst, format_row, summarize
-from roughcontact._work.reports.stability.kernel_checks import sum_displacement
-from roughcontact._work.reports.stability.rules import RULES
+from roughcontact._work.reports.stability.check import RULES, Verdict, find_worst, format_row, summarize
+from roughcontact._work.reports.stability.checks import sum_displacement
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 

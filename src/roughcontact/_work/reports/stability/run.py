@@ -11,9 +11,15 @@ from roughcontact._base.tables import Table
 from roughcontact._parts.load import Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import ContactSolution
-from roughcontact._work.reports.stability import field_checks, kernel_checks, repeat_checks
-from roughcontact._work.reports.stability.check import Check, SolvedProblem, Verdict, find_worst, skip, summarize
-from roughcontact._work.reports.stability.rules import RULES
+from roughcontact._work.reports.stability.check import RULES, Check, SolvedProblem, Verdict, find_worst, skip, summarize
+from roughcontact._work.reports.stability.checks import (
+    check_area,
+    check_kernel,
+    check_model,
+    check_precision,
+    check_residuals,
+    check_variants,
+)
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
@@ -106,11 +112,11 @@ def stability(
         raise InputError.about("The problem", problem, "a ContactProblem")
     solution = problem.solve(pressure=pressure, force=force, approach=approach, throw=False)
     solved = SolvedProblem(problem, solution, Load.of(pressure=pressure, force=force, approach=approach))
-    checks = field_checks.check_residuals(solved)
+    checks = check_residuals(solved)
     if solution.status.success:
-        checks += [*kernel_checks.check_kernel(solved), *field_checks.check_model(solved)]
-        checks += [repeat_checks.check_precision(solved), *repeat_checks.check_variants(solved)]
-        checks += field_checks.check_area(solution)
+        checks += [*check_kernel(solved), *check_model(solved)]
+        checks += [check_precision(solved), *check_variants(solved)]
+        checks += check_area(solution)
     else:
         checks += [skip(name, "the solution is not converged") for name in list(RULES)[len(checks) :]]
     return StabilityReport(tuple(checks), solution)
