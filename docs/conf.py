@@ -90,7 +90,7 @@ nitpick_ignore_regex = [
     (r"py:class", r"roughcontact\._(parts\.load\.Load|base\.registry\.[A-Z]|work\.studies\.chain\.Chain)"),
     (r"py:class", r"roughcontact\._solve\.solution\.contact\.T"),
     (r"py:class", r"roughcontact\._faces\.panels\.base\.Panel"),
-    (r"py:class", r"roughcontact\._answers\.flow\.flow_network\.FlowNetwork"),
+    (r"py:class", r"roughcontact\._answers\.flow\.network\.FlowNetwork"),
 ]
 
 
