@@ -257,6 +257,8 @@ class AdhesiveDescent:
         if not free.any():
             free = self._mask
         gradient = self.pressure + self.tension
+        if self.problem.capped:
+            np.copyto(gradient, self.pressure - self.problem.limit.astype(self.dtype), where=self.gap < 0.0)
         chosen = weights * free
         self.multiplier = float(np.vdot(chosen, gradient)) / float(chosen.sum(dtype=np.float64))
 
