@@ -59,6 +59,13 @@ def _like(parameter: float | Array, gap: RealArray) -> float | RealArray:
     return parameter if isinstance(parameter, float) else parameter.astype(gap.dtype, copy=False)
 
 
+def _spread(gap: RealArray, *parameters: float | Array) -> RealArray:
+    """Return gaps as an array of the shape that they have together with the parameters."""
+    gaps = np.asarray(gap)
+    shape = np.broadcast_shapes(gaps.shape, *(np.shape(parameter) for parameter in parameters))
+    return gaps if shape == gaps.shape else np.broadcast_to(gaps, shape)
+
+
 @attrs.frozen(eq=False)
 class Exponential(Interaction):
     r"""Tension that falls exponentially with the gap.
@@ -121,7 +128,7 @@ class Exponential(Interaction):
         return Exponential(self.work / length / pressure, self.range / length)
 
     def _decay(self, gap: RealArray, amplitude: float | Array) -> RealArray:
-        gaps = np.asarray(gap)
+        gaps = _spread(gap, self.work, self.range)
         values = np.asarray(gaps * _like(-1.0 / self.range, gaps))
         np.maximum(values, _LOWEST_EXPONENT[values.dtype], out=values)
         np.exp(values, out=values)
@@ -219,7 +226,7 @@ class Dugdale(Interaction):
 
     def _place(self, gap: RealArray) -> RealArray:
         """Return pi x / 2, a new array."""
-        gaps = np.asarray(gap)
+        gaps = _spread(gap, self.work, self.strength)
         half = 0.5 * math.pi / self.smoothing
         values = np.asarray(gaps * _like(half / self._center, gaps))
         values -= values.dtype.type(half)
@@ -290,7 +297,7 @@ class VanDerWaals(Interaction):
         return VanDerWaals(self.work / length / pressure, self.range / length)
 
     def _power(self, gap: RealArray, amplitude: float | Array, exponent: int) -> RealArray:
-        gaps = np.asarray(gap)
+        gaps = _spread(gap, self.work, self.range)
         base = np.asarray(gaps * _like(1.0 / self.range, gaps))
         base += base.dtype.type(1.0)
         np.reciprocal(base, out=base)
