@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from extended_precision import violations
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.convolvers.base import InverseConvolution, approximate_inverse
 from roughcontact._solve.problem.sweep import predict_pressure
 from roughcontact._solve.problem.task import make_task

@@ -14,7 +14,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact._base.archive import _has_ended, _machine, _remove_stale_once, replacing
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.accuracy import Target, _coarsest, _is_confirmed, _mean_square_curvature, _refine
 from roughcontact._solve.problem.plan import _round_down, memory_of_solve
 from roughcontact._solve.problem.run import _are_close, _sample_modulus

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solvers.base import Monitor, starting_pressure
 from roughcontact._solve.solvers.conjugate.active import active_cells

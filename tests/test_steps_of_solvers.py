@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.convolvers import base as inverses
 from roughcontact._solve.convolvers.base import InverseConvolution, multiply_waves
 from roughcontact._solve.problem.task import make_task, pressure_unit

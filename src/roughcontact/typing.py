@@ -31,8 +31,8 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import ContactWarning, binary, si, write_column
 from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap, read_raw
+from roughcontact._parts.grid import Load
 from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
-from roughcontact._parts.load import Load
 from roughcontact._parts.materials import TYPICAL
 from roughcontact._parts.surfaces import MatchedPair, Separated
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution

@@ -12,8 +12,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import integer, number
 from roughcontact._base.units import si
-from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Boundary, Grid, Load
 from roughcontact._parts.surfaces import Continuation, bilinear, cells_for, find_maps, rms_slope
 from roughcontact._solve.problem import Body, ContactProblem, require_memory_of_solve, resample_problem
 from roughcontact._solve.solution import DEFAULT_AREA, Area, AreaEstimator, ContactSolution, areas

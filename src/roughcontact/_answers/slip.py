@@ -12,8 +12,7 @@ from roughcontact._answers.linear.tangential import find_tangential_compliance, 
 from roughcontact._base.arrays import Array, Mask, read_only
 from roughcontact._base.checks import integer, number
 from roughcontact._base.units import ContactWarning, outlined, si
-from roughcontact._parts.grid import Boundary
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Boundary, Load
 from roughcontact._solve.problem import predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError

@@ -181,6 +181,7 @@ def _read_table(path: Path) -> dict[str, int]:
     return {words[0].rstrip(":"): int(words[1]) for words in lines if len(words) > 1}
 
 
+S = TypeVar("S")
 T = TypeVar("T")
 # Cells that make a further thread worth its hand-over: with two threads a solve on 512 x 512 cells takes 1.2 times
 # the wall time of one, on 1024 x 1024 no more and on 2048 x 2048 less (docs/studies/scale.py).
@@ -306,7 +307,7 @@ def tiles_of(values: npt.NDArray[Any]) -> list[slice]:
     return split(length, max(1, _TILE // width) if isinstance(values, np.ndarray) else max(1, length))
 
 
-def map_tiles(work: Callable[[slice], T], tiles: Sequence[slice]) -> list[T]:
+def map_tiles(work: Callable[[S], T], tiles: Sequence[S]) -> list[T]:
     """Return what `work` returns for each tile, in their order; the threads of the solve share the tiles.
 
     The work on one tile must not depend on that on another. Results have the same bits whatever the number of threads.

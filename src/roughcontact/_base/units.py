@@ -223,8 +223,8 @@ def _write(one: Estimate, factor: float) -> str:
 
 
 # An example of each kind of quantity, by its SI unit; the empty one is that of plain numbers.
-EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3"}
-_USUAL = {"Pa": "Pa, MPa or GPa", "m": "mm, um or nm", "N": "N or mN", "rad": "deg or rad"}
+EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3", "J/m2": "50mJ/m2"}
+_USUAL = {"Pa": "Pa, MPa or GPa", "m": "mm, um or nm", "N": "N or mN", "rad": "deg or rad", "J/m2": "mJ/m2 or J/m2"}
 # Characters of a wrong text that are shown.
 _SHOWN = 80
 # A number with a decimal point, its exponent of at most three digits (float64 ends at 1e308), and a unit such as N or
@@ -245,8 +245,9 @@ _LENGTH = (1, 0, 0, 0)
 _MASS = (0, 1, 0, 0)
 _TIME = (0, 0, 1, 0)
 _ANGLE = (0, 0, 0, 1)
-# The same of forces, of pressures and of numbers.
+# The same of forces, of pressures, of energies and of numbers.
 _FORCE = (1, 1, -2, 0)
+_ENERGY = (2, 1, -2, 0)
 _PRESSURE = (-1, 1, -2, 0)
 _NONE = (0, 0, 0, 0)
 # Units that take a prefix: their power of ten in SI units.
@@ -255,6 +256,7 @@ _METRIC: dict[str, tuple[int, Dimension]] = {
     "g": (-3, _MASS),
     "s": (0, _TIME),
     "N": (0, _FORCE),
+    "J": (0, _ENERGY),
     "Pa": (0, _PRESSURE),
     "bar": (5, _PRESSURE),
     "rad": (0, _ANGLE),

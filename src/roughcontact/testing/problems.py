@@ -13,9 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Mask, RealArray
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Boundary, Grid, Load
 from roughcontact._parts.kernels import BoundKernel
-from roughcontact._parts.load import Load
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import HeightMap, ParaboloidSurface, SelfAffineSurface, WavySurface
 from roughcontact._solve.problem import LOAD_TOLERANCE, Body, ContactProblem

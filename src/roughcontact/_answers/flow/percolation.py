@@ -12,8 +12,7 @@ from roughcontact._answers.flow.leakage import find_open_cells, require_axis
 from roughcontact._answers.flow.network import find_paths
 from roughcontact._base.checks import number
 from roughcontact._base.units import si
-from roughcontact._parts.grid import Boundary
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure
 from roughcontact._solve.solution import ContactSolution, Estimate

@@ -10,8 +10,7 @@ import numpy as np
 
 from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, interpolation_warning
 from roughcontact._base.units import si
-from roughcontact._parts.grid import Boundary
-from roughcontact._parts.load import FIRST_LOADING, Load
+from roughcontact._parts.grid import FIRST_LOADING, Boundary, Load
 from roughcontact._solve.problem import ContactProblem, order_of_solving, predict_pressure
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError

@@ -9,7 +9,7 @@ import attrs
 from roughcontact._answers.subsurface.stress import StressBelow, StressMaximum, body_name
 from roughcontact._base.checks import number
 from roughcontact._base.units import si
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from roughcontact._base.units import parse_quantity
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import TYPICAL
 
 # What an argument may be followed by in a sentence: both sides, a text or a number; not in calls, as of numpy.savez.

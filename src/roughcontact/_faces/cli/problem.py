@@ -13,7 +13,7 @@ import roughcontact as rc
 from roughcontact._faces.cli.options import OF_READERS, add_problem
 from roughcontact._parts.files import read_raw
 from roughcontact._parts.files.reading import options_of
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import TYPICAL
 from roughcontact._solve.problem import require_memory_of_solve
 

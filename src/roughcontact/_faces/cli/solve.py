@@ -18,7 +18,7 @@ from roughcontact._faces.cli.answers import plan_outputs, to_csv, to_json, to_te
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of
 from roughcontact._faces.cli.progress import describe_steps, show_progress
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
 from roughcontact._solve.problem import run_sweep
 

@@ -17,7 +17,7 @@ from roughcontact._base.archive.plain import public_class
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import counted, si
 from roughcontact._faces.html.elements import element, escape, quantity
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import Material, Rigid
 from roughcontact._parts.surfaces import FlatSurface, HeightMap, Surface, SurfaceSum, find_maps
 from roughcontact._solve.problem import Body, ContactProblem, problem_of

@@ -15,7 +15,7 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate
 from roughcontact._faces.html.elements import element, escape, grid, items, section, tag
 from roughcontact._faces.panels.figures import make_figure
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import Sweep
 from roughcontact._solve.solution import ContactSolution, gather_warnings, list_quantities, name_load
 from roughcontact.plotting import panels

@@ -35,7 +35,7 @@ from roughcontact._faces.html.parts import (
     make_warnings,
     note,
 )
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem, Sweep
 from roughcontact._solve.solution import (
     DEFAULT_AREA,

@@ -14,8 +14,7 @@ import scipy.fft
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, number
-from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Boundary, Grid, Load
 from roughcontact._parts.surfaces import bilinear
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.plan import require_memory_of_solve

@@ -15,9 +15,8 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import number
 from roughcontact._base.machine import available_memory, choose_threads, require_memory
 from roughcontact._base.units import PlainText, binary, si
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import FIRST_LOADING, Boundary, Grid
 from roughcontact._parts.kernels import InfluenceKernel
-from roughcontact._parts.load import FIRST_LOADING
 from roughcontact._parts.materials import Material, Rigid, combined_pressure_limit, contact_modulus
 from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct

@@ -11,9 +11,8 @@ import attrs
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Boundary, Grid, Load
 from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, kernels
-from roughcontact._parts.load import Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution, convolvers
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike
 
 from roughcontact._base.arrays import Array, frozen_array
 from roughcontact._base.machine import use_threads
-from roughcontact._parts.grid import Boundary
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Boundary, Load
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedConvolution
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.plan import SolvePlan

@@ -14,7 +14,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import flag, item_of, number
 from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted, si
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.solution import AreaEstimator, ContactSolution, note_loads, page_or_file, writers
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded

@@ -6,8 +6,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
-from roughcontact._parts.grid import Boundary
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Boundary, Load
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.solvers import Task
 from roughcontact.errors import InputError

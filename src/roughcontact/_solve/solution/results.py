@@ -91,6 +91,7 @@ class Status(Enum):
     UNRESOLVED = "not converged: the displacement or the pressure is too large for float64 to resolve the gap"
     MAXIMUM_ITERATIONS = "not converged: the maximum number of iterations was reached"
     STALLED = "not converged: no step reduces the error further"
+    SEPARATED = "separated: no contact carries this load, the surfaces come apart"
     NOT_FINITE = "not converged: a value that is not finite appeared"
     UNCONFIRMED = "not converged: the residuals recomputed from the pressure do not confirm the solver"
 

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
 from roughcontact._base.units import Estimate, counted, kind_of, prefixed, si, warn_about, with_spread
-from roughcontact._parts.load import FIRST_LOADING, Load
+from roughcontact._parts.grid import FIRST_LOADING, Load
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.plausibility import exceeds_metals

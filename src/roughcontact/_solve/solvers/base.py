@@ -14,6 +14,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import integer, number
 from roughcontact._base.registry import Registry
+from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import ContactConditions, GridLevel, Status, Violation
 from roughcontact._solve.solvers.projection import LOAD_ROUNDING, project_to_load, rescale_to_load
@@ -69,6 +70,12 @@ class Task:
         The standard deviation of the initial gap at the measured points; None if that is of all cells.
     start
         Pressure to start from, shape (nx, ny), within the bounds; None if there is none.
+    interaction
+        The attraction of the surfaces; None without adhesion. With it the mean pressure and the approach may have any
+        sign, and the pressure to start from too.
+    start_gap
+        Gap of the pressure to start from, shape (nx, ny), at least zero, and zero where the surfaces touch: it decides,
+        where `start` leaves open, which cells touch. For solvers of adhesion alone.
     on_step
         Called after each iteration, on coarse grids too.
     """
@@ -79,6 +86,8 @@ class Task:
     pressure_limit: Array = attrs.field(default=math.inf, converter=_as_limit)
     rms_gap: float | None = None
     start: Array | None = None
+    interaction: BoundInteraction | None = None
+    start_gap: Array | None = None
     on_step: Callable[[Step], None] | None = None
 
     @cached_property
@@ -101,7 +110,7 @@ class Outcome:
     Attributes
     ----------
     pressure
-        Pressure, shape (nx, ny), between zero and the limit.
+        Pressure, shape (nx, ny), between zero, or minus the tension, and the limit.
     status
         How the solve ended.
     iterations, convolutions
@@ -110,6 +119,9 @@ class Outcome:
         Error (see `Violation`) at the start of each iteration.
     levels
         The work on each grid, from coarse to fine; may be empty.
+    tension
+        Tension of the interaction, shape (nx, ny), not negative, with which the pressure is minus the tension, to the
+        last bit, where the surfaces do not touch; None without adhesion.
     """
 
     pressure: Array
@@ -118,6 +130,7 @@ class Outcome:
     convolutions: int
     errors: tuple[float, ...]
     levels: tuple[GridLevel, ...] = ()
+    tension: Array | None = None
 
 
 class Solver(abc.ABC):

@@ -13,8 +13,8 @@ from typing import Any
 import attrs
 
 from roughcontact._base.archive.plain import key_of
+from roughcontact._parts.grid import Load
 from roughcontact._parts.kernels import InfluenceKernel
-from roughcontact._parts.load import Load
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import Surface
 from roughcontact._solve.convolvers import Convolver

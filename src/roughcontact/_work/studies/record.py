@@ -20,7 +20,7 @@ from roughcontact._base.arrays import RealArray
 from roughcontact._base.checks import item_of
 from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted, printable
-from roughcontact._parts.load import FIRST_LOADING
+from roughcontact._parts.grid import FIRST_LOADING
 from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution, Status, read
 from roughcontact.errors import InputError
 

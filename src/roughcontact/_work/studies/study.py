@@ -16,7 +16,7 @@ from roughcontact._base.archive import remove_stale
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.checks import callback, integer
 from roughcontact._base.units import PlainText, binary, counted
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import DEFAULT_AREA, areas
 from roughcontact._work.studies.axes import BuiltProblems

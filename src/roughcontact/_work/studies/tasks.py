@@ -11,7 +11,7 @@ from typing import Any
 import attrs
 
 from roughcontact._base.machine import share_machine
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, ChainResult, Unbuilt, name_exception, run_chain

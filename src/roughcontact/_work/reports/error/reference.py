@@ -11,8 +11,7 @@ import attrs
 
 from roughcontact._answers.refinement import on_grid, solve_ladder
 from roughcontact._base.checks import number
-from roughcontact._parts.grid import Grid
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Grid, Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded

@@ -18,8 +18,8 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, integer
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import si
+from roughcontact._parts.grid import Load
 from roughcontact._parts.kernels import InfluenceKernel, kernels
-from roughcontact._parts.load import Load
 from roughcontact._solve.convolvers import Convolver, convolvers
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import DEFAULT_AREA, Area, AreaEstimator, ContactSolution

@@ -12,7 +12,7 @@ from functools import cached_property
 import attrs
 
 from roughcontact._base.units import WIDTH
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import PLAUSIBILITY_RULES, ContactSolution, Rule
 

@@ -8,7 +8,7 @@ import attrs
 
 from roughcontact._base.checks import choice
 from roughcontact._base.tables import Table
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._work.reports.stability.check import RULES, Check, SolvedProblem, Verdict, find_worst, skip, summarize

@@ -1,0 +1,5 @@
+"""Solvers of surfaces that attract each other."""
+
+from roughcontact._solve.solvers.adhesive.gap_descent import GapDescent
+
+__all__ = ["GapDescent"]

@@ -1,0 +1,442 @@
+"""The descent of the energy of an adhesive contact over its gap: preconditioned conjugate gradients."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TypeVar
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact._base.machine import map_tiles, tiles_of
+from roughcontact._parts.interactions import BoundInteraction
+from roughcontact._solve.solvers.adhesive.stiffness import SurfaceStiffness
+
+T = TypeVar("T")
+# Support against waves longer than the openings, over the mean stiffness of a punch of the open cells, and its
+# minimum over the stiffness of the longest wave.
+_SUPPORT = 0.5
+_LONGEST = 0.02
+# Fraction of the cells that may open or close before the support is computed again.
+_CHANGED = 0.02
+# Minimum weight of a cell of a held mean, over the mean of the weights.
+_SMALLEST_WEIGHT = 1e-3
+# Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient.
+_FIRST = 0.8
+_LONGEST_STEP = 1.5
+_CAREFUL = 0.3
+# Slope at the end of a line search over that at its start, and trials at most.
+_FLAT = 0.05
+_TRIALS = 12
+# Gaps of cells that a shortened step should have closed, over the error, below which they close: else they would
+# approach zero for ever.
+_SNAP = 0.05
+# Rounds of Newton's method for the shift that keeps the mean of a step, and the sum over that of magnitudes that is
+# rounding in float32.
+_ROUNDS = 30
+_MISSED = 1e-6
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class GapProblem:
+    """What a descent minimises, on the extended grid of a stiffness.
+
+    Attributes
+    ----------
+    stiffness
+        The stiffness of the surface.
+    interaction
+        The attraction; None without adhesion.
+    closing
+        Gap less displacement, shape (mx, my): the initial gap in the domain, zero outside.
+    base
+        Uniform pressure to which that of the gap is added: the mean pressure on the extended grid, or that of a given
+        approach.
+    mean_stiffness
+        Stiffness of the mean displacement: zero unless an approach is given on a boundary that is not periodic.
+    holds_mean
+        Whether the mean gap is held: an approach is given on a periodic boundary.
+    limit
+        Pressure limit, of one entry or shape (nx, ny).
+    """
+
+    stiffness: SurfaceStiffness
+    interaction: BoundInteraction | None
+    closing: Array
+    base: float
+    mean_stiffness: float
+    holds_mean: bool
+    limit: Array
+
+    @property
+    def capped(self) -> bool:
+        """Whether the pressure of any cell is limited."""
+        return bool(np.isfinite(self.limit).any())
+
+
+@attrs.frozen(eq=False)
+class _Tile:
+    """Rows of the extended grid, those of them in the domain, and the law and the pressure limit there."""
+
+    rows: slice
+    inner: slice
+    interaction: BoundInteraction | None
+    limit: Array
+
+    @property
+    def height(self) -> int:
+        """Number of rows in the domain."""
+        return self.inner.stop - self.inner.start
+
+
+class AdhesiveDescent:
+    r"""Lowers the energy of a gap g, which is not negative, with one product for the gradient and one for its image.
+
+    .. math:: \tfrac12\, (g - h) \cdot M (g - h) + \bar p \cdot g + \sum W(g)
+
+    Its gradient is p + s(g), with the pressure :math:`p = \bar p + M (g - h)` and the tension s = W'. Cells that the
+    pressure limit flattens have a negative gap. The direction is preconditioned by the stiffness between masks with a
+    support for long waves, the step is clipped at the bounds, and the slope along it is exact without a product.
+
+    Parameters
+    ----------
+    problem
+        What is minimised.
+    dtype
+        The precision of the iterations.
+    """
+
+    def __init__(self, problem: GapProblem, dtype: type) -> None:
+        self.problem = problem
+        self.dtype = dtype
+        stiffness = problem.stiffness
+        self._inverse = stiffness.of_precision(dtype)
+        self._symbol = self._inverse.stiffness
+        if problem.mean_stiffness:
+            self._symbol = self._symbol.copy()
+            self._symbol[0, 0] = problem.mean_stiffness
+        self._shape = stiffness.shape
+        self._tiles = self._split()
+        self._preconditioner: RealArray = np.zeros(0, dtype=dtype)
+        self._weights: RealArray | None = None
+        self._renewed: Mask = np.zeros(0, dtype=bool)
+        self._step: RealArray | None = None
+        self._change: RealArray | None = None
+        self._curvature = 1.0
+        self._length = _FIRST
+        self.products = 0
+        self.multiplier = 0.0
+
+    def _split(self) -> list[_Tile]:
+        nx, ny = self._shape
+        interaction = self.problem.interaction
+        limit = self.problem.limit
+        rows = tiles_of(np.empty(self.problem.stiffness.extended, dtype=np.float32))
+        tiles = []
+        for one in rows:
+            inner = slice(min(one.start, nx), min(one.stop, nx))
+            law = None if interaction is None else interaction.convert(lambda values, inner=inner: values[inner])
+            tiles.append(_Tile(one, inner, law, limit if limit.size == 1 else limit[inner].astype(self.dtype)))
+        return tiles
+
+    def start(self, gap: Array) -> None:
+        """Continue from a gap of the extended grid, in float64; its pressure is computed."""
+        self.gap = gap.astype(self.dtype)
+        displacement = (gap - self.problem.closing).astype(self.dtype)
+        self.pressure = self._inverse.multiply(displacement, self._symbol, self._inverse.padded)
+        self.pressure += self.dtype(self.problem.base)
+        self.products += 1
+        self._mask = np.ones(self.gap.shape, dtype=bool)
+        self._residual = np.empty_like(self.gap)
+        self.tension = np.zeros(self._shape, dtype=self.dtype)
+        self._trial = np.zeros(self._shape, dtype=self.dtype)
+        self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
+
+    def set_state(self, gap: Array, pressure: Array) -> None:
+        """Replace the gap and its pressure, on the extended grid in float64, by what they are without rounding."""
+        self.gap = gap.astype(self.dtype)
+        self.pressure = pressure.astype(self.dtype)
+        self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
+
+    def is_apart(self) -> bool:
+        """Return whether no cell touches and the load pulls more than the tension holds."""
+        if self.problem.mean_stiffness or self.problem.holds_mean:
+            return False
+        if any(self._map(lambda tile: bool((self._inside(self.gap, tile) <= 0.0).any()))):
+            return False
+        load = self.problem.base * self.gap.size
+        return load + float(self.tension.sum(dtype=np.float64)) < 0.0
+
+    def measure(self) -> float:
+        """Return the maximum of the preconditioned residual, in units of the gap: about the error of the gap."""
+        if self.problem.holds_mean and self._weights is not None:
+            self._balance(self._weights)
+        changed = sum(self._map(self._find_residual))
+        if self._renewed.size == 0 or changed > _CHANGED * self.gap.size:
+            self._renew()
+        self._image = self._precondition()
+        return max(self._map(lambda tile: _magnitude(self._image[tile.rows])))
+
+    def advance(self, error: float) -> bool:
+        """Make one step from the last measurement, which gave an error; return whether the energy fell."""
+        conjugate = self._conjugate()
+        slope, clipped = self._clip()
+        if slope >= 0.0 and conjugate:
+            # Clipping has turned the direction uphill.
+            self._length = _CAREFUL
+            self._image = self._precondition()
+            slope, clipped = self._clip()
+        if not slope < 0.0:
+            return False
+        return self._move(slope, clipped, error)
+
+    def _map(self, work: Callable[[_Tile], T]) -> list[T]:
+        return map_tiles(work, self._tiles)
+
+    def _inside(self, field: RealArray, tile: _Tile) -> RealArray:
+        """Return the part of an extended field in the domain, of one tile."""
+        return field[tile.inner, : self._shape[1]]
+
+    def _attract(self, gap: RealArray, tension: RealArray, tile: _Tile) -> None:
+        """Store the tension of a tile at a gap."""
+        if tile.interaction is not None and tile.height:
+            tension[tile.inner] = tile.interaction.tension(np.maximum(gap, 0.0) if self.problem.capped else gap)
+
+    def _find_residual(self, tile: _Tile) -> int:
+        """Set the residual of a tile, zero where a cell stays on its bound; return how many cells opened or closed."""
+        residual = self._residual[tile.rows]
+        np.negative(self.pressure[tile.rows], out=residual)
+        if self.multiplier:
+            residual += self.dtype(self.multiplier)
+        inside = self._inside(self._residual, tile)
+        gap = self._inside(self.gap, tile)
+        mask = self._inside(self._mask, tile)
+        inside -= self.tension[tile.inner]
+        flattened = self._flatten(inside, gap, tile) if self.problem.capped else None
+        np.greater(inside, 0.0, out=mask)
+        mask |= gap > 0.0
+        if flattened is not None:
+            mask |= flattened
+        inside *= mask
+        if self._renewed.size == 0:
+            return 0
+        return int(np.count_nonzero(mask ^ self._inside(self._renewed, tile)))
+
+    def _flatten(self, residual: RealArray, gap: RealArray, tile: _Tile) -> Mask:
+        """Return which cells of a tile the pressure limit flattens, or is about to; correct their residual for it."""
+        excess = residual + self.tension[tile.inner]
+        excess += tile.limit
+        flattened = gap < 0.0
+        flattened |= (gap == 0.0) & (excess < 0.0)
+        np.copyto(residual, excess, where=flattened)
+        return flattened
+
+    def _renew(self) -> None:
+        """Compute the preconditioner, and the weights of a held mean, for the cells that are open now."""
+        self._renewed = self._mask.copy()
+        cells = self._mask.astype(self.dtype)
+        stiff = self._inverse.multiply(cells, self._symbol, self._inverse.padded)
+        self.products += 1
+        count = max(int(np.count_nonzero(self._mask)), 1)
+        mean = math.fsum(self._map(lambda tile: _dot(stiff[tile.rows], cells[tile.rows]))) / count
+        support = max(_SUPPORT * mean, _LONGEST * self.problem.stiffness.longest)
+        self._preconditioner = 1.0 / (self._symbol + self.dtype(support))
+        if self.problem.holds_mean:
+            weights = self._inverse.multiply(cells, self._preconditioner, self._inverse.padded)
+            self.products += 1
+            floor = _SMALLEST_WEIGHT * float(np.vdot(weights, cells)) / count
+            self._weights = np.maximum(weights, self.dtype(floor))
+            self._balance(self._weights)
+            self._map(self._find_residual)
+
+    def _balance(self, weights: RealArray) -> None:
+        """Find the mean pressure that holds the mean gap: the weighted mean of the gradient over the open cells."""
+        free = self.gap != 0.0 if self.problem.capped else self.gap > 0.0
+        if not free.any():
+            free = self._mask
+        gradient = self.pressure + self.tension
+        if self.problem.capped:
+            np.copyto(gradient, self.pressure - self.problem.limit.astype(self.dtype), where=self.gap < 0.0)
+        chosen = weights * free
+        self.multiplier = float(np.vdot(chosen, gradient)) / float(chosen.sum(dtype=np.float64))
+
+    def _precondition(self) -> RealArray:
+        """Return the preconditioned residual, zero where a cell stays on its bound."""
+        image = self._inverse.multiply(self._residual, self._preconditioner, self._inverse.padded)
+        self.products += 1
+        self._map(lambda tile: _multiply(image[tile.rows], self._mask[tile.rows]))
+        if self._weights is not None:
+            weights = self._weights * self._mask
+            image -= self.dtype(float(image.sum(dtype=np.float64)) / float(weights.sum(dtype=np.float64))) * weights
+        return image
+
+    def _conjugate(self) -> bool:
+        """Add the part of the last step that makes the direction conjugate to it; return whether there is any."""
+        step = self._step
+        change = self._change
+        if step is None or change is None or not self._curvature > 0.0:
+            return False
+        image = self._image
+        factor = -math.fsum(self._map(lambda tile: _dot(image[tile.rows], change[tile.rows]))) / self._curvature
+        if not factor > 0.0:
+            return False
+
+        def add(tile: _Tile) -> None:
+            part = step[tile.rows]
+            part *= self.dtype(factor)
+            part *= self._mask[tile.rows]
+            image[tile.rows] += part
+
+        self._map(add)
+        return True
+
+    def _clip(self) -> tuple[float, bool]:
+        """Scale the direction to a step within the bounds, in place; return the slope along it, and if it is clipped."""
+        image = self._image
+        length = self.dtype(self._length)
+        self._map(lambda tile: _multiply(image[tile.rows], length))
+        if self._weights is not None:
+            self._keep_mean(image, self._weights * self._mask)
+
+        def clip(tile: _Tile) -> tuple[float, bool]:
+            inside = self._inside(image, tile)
+            clipped = bool(inside.size) and self._bound(inside, tile)
+            return _dot(image[tile.rows], self._residual[tile.rows]), clipped
+
+        found = self._map(clip)
+        return -math.fsum(slope for slope, _ in found), any(clipped for _, clipped in found)
+
+    def _bound(self, step: RealArray, tile: _Tile) -> bool:
+        """Clip a step of a tile at a gap of zero, in place; return whether it was longer than that."""
+        gap = self._inside(self.gap, tile)
+        limit = -gap
+        if not self.problem.capped:
+            np.maximum(step, limit, out=limit)
+            clipped = not np.array_equal(limit, step)
+            step[:] = limit
+            return clipped
+        flattened = (gap < 0.0) | ((gap == 0.0) & (self._inside(self._residual, tile) < 0.0))
+        bounded = np.where(flattened, np.minimum(step, limit), np.maximum(step, limit))
+        clipped = not np.array_equal(bounded, step)
+        step[:] = bounded
+        return clipped
+
+    def _keep_mean(self, step: RealArray, weights: RealArray) -> None:
+        """Shift a step, in place, so that it does not change the mean gap when it is clipped: Newton's method."""
+        shift = 0.0
+        size = float(np.abs(step).sum(dtype=np.float64))
+        for _ in range(_ROUNDS):
+            trial = step - self.dtype(shift) * weights
+            before = trial.copy()
+            self._map(lambda tile: self._bound(trial[tile.inner], tile))
+            excess = float(trial.sum(dtype=np.float64))
+            moved = float(weights[trial == before].sum(dtype=np.float64))
+            if abs(excess) <= _MISSED * size or not moved > 0.0:
+                break
+            shift += excess / moved
+        step[:] = trial
+
+    def _move(self, slope: float, clipped: bool, error: float) -> bool:
+        """Take the part of the step after which the energy does not fall further."""
+        step = self._image
+        change = self._inverse.multiply(step, self._symbol, self._inverse.padded)
+        self.products += 1
+        curvature = math.fsum(self._map(lambda tile: _dot(step[tile.rows], change[tile.rows])))
+        if not math.isfinite(curvature):
+            return False
+        # A step beyond the direction's own length would leave the bounds where it is clipped.
+        part, end = self._search(step, slope, curvature, 1.0 if clipped or not self._has_room(step) else _LONGEST_STEP)
+        self._length = min(_LONGEST_STEP, self._length * math.sqrt(min(max(part, 0.25), 4.0)))
+        fraction = self.dtype(part)
+        near = self.dtype(_SNAP * error) if clipped and part < 1.0 else self.dtype(0.0)
+
+        def update(tile: _Tile) -> None:
+            inside = self._inside(self.gap, tile)
+            ends = inside + self._inside(step, tile) == 0.0 if near else None
+            step[tile.rows] *= fraction
+            change[tile.rows] *= fraction
+            self.gap[tile.rows] += step[tile.rows]
+            self.pressure[tile.rows] += change[tile.rows]
+            if ends is not None:
+                ends &= np.abs(inside) <= near
+                inside[ends] = 0.0
+            self._inside(change, tile)[:] += self._trial[tile.inner] - self.tension[tile.inner]
+
+        self._map(update)
+        self.tension, self._trial = self._trial, self.tension
+        self._step = step
+        self._change = change
+        self._curvature = part * (end - slope)
+        return True
+
+    def _has_room(self, step: RealArray) -> bool:
+        """Return whether the longest step leaves every gap on its side of zero."""
+        if self.problem.capped:
+            return False
+
+        def has_room(tile: _Tile) -> bool:
+            reached = self._inside(step, tile) * self.dtype(_LONGEST_STEP)
+            reached += self._inside(self.gap, tile)
+            return not reached.size or bool(reached.min() >= 0.0)
+
+        return all(self._map(has_room))
+
+    def _search(self, step: RealArray, slope: float, curvature: float, longest: float) -> tuple[float, float]:
+        """Return the part of the step at which the slope of the energy vanishes, and the slope there.
+
+        The tension there is left in the trial field.
+        """
+
+        def evaluate(part: float) -> float:
+            added = self._map(lambda tile: self._add_slope(tile, step, part))
+            return slope + part * curvature + math.fsum(added)
+
+        low = 0.0
+        slope_low = slope
+        high = math.inf
+        slope_high = math.nan
+        part = min(1.0, -slope / curvature) if curvature > 0.0 else 1.0
+        for _ in range(_TRIALS):
+            here = evaluate(part)
+            if abs(here) <= -_FLAT * slope or (here < 0.0 and part >= longest):
+                break
+            if here < 0.0:
+                low = part
+                slope_low = here
+            else:
+                high = part
+                slope_high = here
+            if math.isfinite(high):
+                trial = low - slope_low * (high - low) / (slope_high - slope_low)
+                margin = 0.1 * (high - low)
+                part = min(max(trial, low + margin), high - margin)
+            else:
+                part = longest
+        return part, here
+
+    def _add_slope(self, tile: _Tile, step: RealArray, part: float) -> float:
+        """Return what the change of the tension adds to the slope, and store the tension after a part of the step."""
+        if tile.interaction is None or not tile.height:
+            return 0.0
+        inside = self._inside(step, tile)
+        gap = inside * self.dtype(part)
+        gap += self._inside(self.gap, tile)
+        np.maximum(gap, 0.0, out=gap)
+        trial = self._trial[tile.inner]
+        trial[:] = tile.interaction.tension(gap)
+        np.subtract(trial, self.tension[tile.inner], out=gap)
+        return _dot(gap, inside)
+
+
+def _dot(one: RealArray, other: RealArray) -> float:
+    return float(np.einsum("ij,ij->", one, other))
+
+
+def _magnitude(values: RealArray) -> float:
+    return float(max(values.max(), -values.min()))
+
+
+def _multiply(values: RealArray, factor: RealArray) -> None:
+    np.multiply(values, factor, out=values)

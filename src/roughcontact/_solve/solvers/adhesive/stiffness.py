@@ -1,0 +1,143 @@
+"""The stiffness of the surface: the pressure that a displacement takes, exactly, on a grid with room for it."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import attrs
+import numpy as np
+import scipy.fft
+
+from roughcontact._base.arrays import RealArray
+from roughcontact._parts.grid import Boundary
+from roughcontact._parts.interactions import BoundInteraction
+from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution, wrapped_spectrum
+from roughcontact.errors import InputError
+
+# Amplitude over the mean one below which a displacement does not determine the pressure.
+_SINGULAR = 1e-9
+
+
+@attrs.frozen(eq=False)
+class SurfaceStiffness:
+    """The map M from displacement to pressure, by division by the kernel's spectrum.
+
+    On a free boundary it acts on a grid of at least twice the cells along each axis, on which the images of the
+    domain do not reach it: there it inverts the free half-space exactly, with a pressure that vanishes outside the
+    domain as a condition. Elsewhere it acts on the grid itself.
+
+    Attributes
+    ----------
+    inverse
+        Multiplies waves, of which it has the stiffness, zero for the mean.
+    shape
+        Cells (nx, ny) of the domain, which is the corner of the extended grid from (0, 0) on.
+    mean_compliance
+        Displacement by a uniform unit pressure on the extended grid; zero on a periodic boundary, where it is
+        arbitrary.
+    """
+
+    inverse: InverseConvolution
+    shape: tuple[int, int]
+    mean_compliance: float
+
+    @property
+    def extended(self) -> tuple[int, int]:
+        """Cells (mx, my) of the extended grid."""
+        return self.inverse.padded
+
+    @property
+    def longest(self) -> float:
+        """Stiffness of the longest wave, the lowest one."""
+        return float(min(axis[1] for axis in self.inverse.axes if axis.size > 1))
+
+    @property
+    def shortest(self) -> float:
+        """Stiffness of the shortest wave along the axis where that is lower."""
+        return float(min(axis[-1] for axis in self.inverse.axes if axis.size > 1))
+
+    def cohesive_cells(self, interaction: BoundInteraction) -> float:
+        """Return the cells of the cohesive length of an interaction: the shortest wave of a half-space has pi E*/2."""
+        return 2.0 / np.pi * self.shortest / interaction.steepest
+
+    @cached_property
+    def single(self) -> InverseConvolution:
+        """The same with its stiffness in float32."""
+        return attrs.evolve(self.inverse, stiffness=self.inverse.stiffness.astype(np.float32))
+
+    def of_precision(self, dtype: type) -> InverseConvolution:
+        """Return what multiplies waves in float32 or float64."""
+        return self.single if dtype is np.float32 else self.inverse
+
+    @cached_property
+    def _response(self) -> RealArray:
+        stiffness = self.inverse.stiffness
+        response = np.zeros_like(stiffness)
+        np.divide(1.0, stiffness, out=response, where=stiffness > 0.0)
+        response[0, 0] = self.mean_compliance
+        return response
+
+    def displace(self, pressure: RealArray) -> RealArray:
+        """Return the displacement by a pressure on the extended grid, in float64."""
+        return self.inverse.multiply(pressure, self._response, self.extended)
+
+    def inner(self, field: RealArray) -> RealArray:
+        """Return the part of an extended field, or of some rows of it, that lies in the domain, as a view."""
+        return field[: self.shape[0], : self.shape[1]]
+
+    def embed(self, values: RealArray) -> RealArray:
+        """Return the extended field that has values in the domain and is zero outside."""
+        if self.extended == self.shape:
+            return values
+        field = np.zeros(self.extended, dtype=values.dtype)
+        self.inner(field)[:] = values
+        return field
+
+
+def surface_stiffness(convolution: PreparedConvolution, extended: tuple[int, int] | None = None) -> SurfaceStiffness:
+    """Return the stiffness that inverts a convolution.
+
+    Parameters
+    ----------
+    convolution
+        The convolution.
+    extended
+        Cells of the extended grid of a free boundary; None: chosen for fast transforms.
+
+    Raises
+    ------
+    InputError
+        If a wave of pressure displaces nothing, or the wrong way, so that the convolution has no inverse.
+    """
+    setup = convolution.setup
+    shape = setup.grid.shape
+    if setup.boundary is not Boundary.FREE:
+        extended = shape
+    elif extended is None:
+        extended = extended_shape(shape)
+    if setup.boundary is Boundary.PERIODIC:
+        response = setup.spectrum
+    else:
+        response = wrapped_spectrum(setup.kernel, extended, setup.grid.spacing)
+    mean = float(response[0, 0])
+    others = response.ravel()[1:]
+    if others.size and not others.min() > _SINGULAR * float(others.mean()):
+        raise InputError(
+            f"The kernel {setup.kernel.kernel!r} displaces nothing by some waves of pressure, so that a gap does not "
+            "determine the pressure on this grid: choose solver='majorise'."
+        )
+    stiffness = np.zeros_like(response)
+    np.divide(1.0, response, out=stiffness, where=response > 0.0)
+    stiffness[0, 0] = 0.0
+    return SurfaceStiffness(
+        InverseConvolution(stiffness, extended, exact=True), shape, 0.0 if setup.boundary is Boundary.PERIODIC else mean
+    )
+
+
+def extended_shape(shape: tuple[int, int]) -> tuple[int, int]:
+    """Return at least twice the cells, less one, of each axis, fast to transform and halved as long as the axis is."""
+    mx, my = (
+        scipy.fft.next_fast_len(2 * n - 1, real=True) if n % 2 else 2 * scipy.fft.next_fast_len(n, real=True)
+        for n in shape
+    )
+    return mx, my
