@@ -32,11 +32,12 @@ from roughcontact._base.units import ContactWarning, binary, si, write_column
 from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load
+from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
 from roughcontact._parts.materials import TYPICAL
 from roughcontact._parts.surfaces import MatchedPair, Separated
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
-from roughcontact._solve.problem import SolvePlan, Sweep, require_memory_of_solve, run_sweep
+from roughcontact._solve.problem import AdhesionCycle, SolvePlan, Sweep, require_memory_of_solve, run_sweep
 from roughcontact._solve.solution import (
     Accuracy,
     ContactConditions,
@@ -83,8 +84,10 @@ from roughcontact.responses import (
 __all__ = [
     "TYPICAL",
     "Accuracy",
+    "AdhesionCycle",
     "Array",
     "BeyondResolution",
+    "BoundInteraction",
     "BoundKernel",
     "Check",
     "Command",

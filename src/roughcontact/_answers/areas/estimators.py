@@ -198,6 +198,8 @@ class Hertz(AreaEstimator):
     (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [hertz]
     """
 
+    with_adhesion = "refused"
+
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the sum of Hertz's areas; see `AreaEstimator.estimate`."""
         edges = trace_edges(solution)
@@ -236,6 +238,8 @@ class Blend(AreaEstimator):
     >>> print(problem.solve(force=1.0).area("blend"))
     (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [blend]
     """
+
+    with_adhesion = "refused"
 
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the weighted area; see `AreaEstimator.estimate`."""

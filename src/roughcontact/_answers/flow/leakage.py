@@ -264,7 +264,9 @@ class GapFlow(Response[Leakage]):
         Pressure at the inlet minus that at the outlet, Pa.
     """
 
+    with_adhesion = "total pressure"
     depends_on_place = True
+    with_adhesion = "total pressure"
 
     axis: int = attrs.field(default=0, converter=require_axis)
     viscosity: float = attrs.field(converter=_viscosity)

@@ -372,6 +372,8 @@ class StressBelow(Response[Stress]):
     Love, Phil. Trans. R. Soc. A 228 (1929) 377-420, https://doi.org/10.1098/rsta.1929.0009
     """
 
+    with_adhesion = "total pressure"
+
     depths: Array | None = attrs.field(default=None, converter=_depths)
     body: str = attrs.field(default="body", converter=body_name)
 

@@ -2,6 +2,7 @@
 
 from roughcontact._solve.problem.accuracy import resample_problem
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
+from roughcontact._solve.problem.cycle import AdhesionCycle
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.run import computing
@@ -11,6 +12,7 @@ from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, maximum_
 __all__ = [
     "LOAD_TOLERANCE",
     "RIGID_FLAT",
+    "AdhesionCycle",
     "Body",
     "ContactProblem",
     "SolvePlan",

@@ -14,14 +14,15 @@ import scipy.fft
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import number
 from roughcontact._base.machine import available_memory, choose_threads, require_memory
-from roughcontact._base.units import PlainText, binary, si
+from roughcontact._base.units import PlainText, binary, outlined, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Grid
+from roughcontact._parts.interactions import Interaction
 from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._parts.materials import Material, Rigid, combined_pressure_limit, contact_modulus
 from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct
 from roughcontact._solve.problem.body import Body, InitialGap
-from roughcontact._solve.solution import find_scene
+from roughcontact._solve.solution import RESOLVED_CELLS, describe_range, find_scene
 from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -104,6 +105,8 @@ class SolvePlan:
         The number of threads that is given, or ``"auto"``.
     memory_limit
         The memory that a solve may take, bytes; None for what the machine has.
+    interaction
+        The law by which the surfaces attract each other, resolved for the grid; None without adhesion.
     """
 
     grid: Grid
@@ -121,12 +124,16 @@ class SolvePlan:
     histories: tuple[tuple[str, ...], tuple[str, ...]]
     threads: int | str = "auto"
     memory_limit: int | None = None
+    interaction: Interaction | None = None
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Likely mistakes in the problem, in sentences."""
         findings = find_scene(self.initial_gap, self.grid, self.boundary, self.materials)
-        return tuple(finding.warning for finding in findings if finding.warning)
+        texts = [finding.warning for finding in findings if finding.warning]
+        if self.interaction is not None:
+            texts.append(describe_range(self.interaction, self.grid, self.modulus) or "")
+        return tuple(filter(None, texts))
 
     @property
     def transform_shape(self) -> tuple[int, int]:
@@ -172,6 +179,7 @@ class SolvePlan:
                 f"pressure limit {_format_range(self.pressure_limit)}",
             ),
             *histories,
+            *self._describe_adhesion(),
             ("kernel", repr(self.kernel)),
             ("convolver", f"{self.convolver} on {nx} x {ny} cells"),
             ("solver", repr(self.solver)),
@@ -186,6 +194,18 @@ class SolvePlan:
 
     def __repr__(self) -> str:
         return str(self)
+
+    def _describe_adhesion(self) -> list[tuple[str, str]]:
+        law = self.interaction
+        if law is None:
+            return []
+        cells = law.cohesive_cells(self.grid.spacing, self.modulus)
+        strength = si(float(np.max(law.strength)), "Pa")
+        resolved = f"cohesive length {cells:.3g} cells ({RESOLVED_CELLS:g} are enough)"
+        return [
+            ("adhesion", f"{_name_law(law)}: strength {strength}, {resolved}"),
+            ("branch", "loading, from the contact without adhesion, unless asked: other stable states may exist"),
+        ]
 
     def _format_memory(self) -> str:
         light, full = (
@@ -240,6 +260,7 @@ def make_plan(
     solver: Solver,
     threads: int | str = "auto",
     memory_limit: int | None = None,
+    adhesion: Interaction | None = None,
 ) -> SolvePlan:
     """Return the plan of a problem, after a check that its parts fit together.
 
@@ -267,6 +288,7 @@ def make_plan(
         raise InputError(f"The pressure limit is an array of shape {limit.shape}, but the grid has {grid.shape} cells.")
     capped = bool(np.isfinite(limit).any())
     solver.require(capped=capped)
+    interaction = None if adhesion is None else _resolve_interaction(adhesion, grid, modulus, solver)
     return SolvePlan(
         grid=grid,
         boundary=boundary,
@@ -287,7 +309,31 @@ def make_plan(
         histories=(body.provenance, counterbody.provenance),
         threads=threads,
         memory_limit=memory_limit,
+        interaction=interaction,
     )
+
+
+def _resolve_interaction(adhesion: Interaction, grid: Grid, modulus: float, solver: Solver) -> Interaction:
+    """Return the law for the grid, after a check that the solver and the grid fit it."""
+    if not solver.adhesive:
+        raise InputError(f"The solver {solver!r} knows no tension: with adhesion choose solver='auto' or 'majorise'.")
+    law = adhesion.resolve(grid.spacing, modulus)
+    for values, name in ((law.work, "work of adhesion"), (law.strength, "strength of the interaction")):
+        if np.shape(values) not in ((), grid.shape):
+            raise InputError(
+                f"The {name} is an array of shape {np.shape(values)}, but the grid has {grid.shape} cells."
+            )
+    return law
+
+
+def _name_law(law: Interaction) -> str:
+    fields = attrs.fields(type(law)) if attrs.has(type(law)) else ()
+    texts = []
+    for field in fields:
+        value = getattr(law, field.name)
+        unit = field.metadata.get("unit", "")
+        texts.append(f"{field.alias}={outlined(value) if np.ndim(value) else si(value, unit) if unit else value}")
+    return f"{type(law).__name__}({', '.join(texts)})"
 
 
 def _require_range(value: float, unit: str, name: str) -> None:

@@ -19,7 +19,7 @@ from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedC
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure_unit
-from roughcontact._solve.solution import ContactConditions, ContactSolution, Residuals, Status
+from roughcontact._solve.solution import AdhesiveConditions, ContactConditions, ContactSolution, Residuals, Status
 from roughcontact._solve.solvers import Outcome, Step, Task
 from roughcontact.errors import InputError, NotConverged
 
@@ -67,6 +67,8 @@ def certify(
     """
     if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.initial_gap.shape:
         raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
+    if task.interaction is not None:
+        return _certify_adhesive(plan, convolution, initial_gap, task, outcome, seconds=seconds)
     displacement = convolution.apply(outcome.pressure)
     state = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms_gap).measure(
         outcome.pressure, displacement
@@ -80,7 +82,83 @@ def certify(
     if status.success and not confirmed:
         status = Status.UNCONFIRMED
     complementarity, penetration = (max(value, state.floor) for value in (state.complementarity, state.penetration))
-    pressure = np.minimum(outcome.pressure * pressure_unit(plan), plan.pressure_limit)
+    residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley)
+    return _make_solution(
+        plan,
+        initial_gap,
+        task,
+        outcome,
+        displacement,
+        state.approach,
+        status=status,
+        residuals=residuals,
+        seconds=seconds,
+    )
+
+
+def _certify_adhesive(
+    plan: SolvePlan,
+    convolution: PreparedConvolution,
+    initial_gap: Array,
+    task: Task,
+    outcome: Outcome,
+    *,
+    seconds: float,
+) -> ContactSolution:
+    """Return the solution of surfaces that attract each other; residuals from its pressure and tension alone."""
+    if outcome.tension is None or outcome.tension.shape != outcome.pressure.shape:
+        raise InputError(f"The solver {plan.solver!r} must return an Outcome with a tension of the grid's shape.")
+    displacement = convolution.apply(outcome.pressure)
+    conditions = AdhesiveConditions(
+        initial_gap=task.initial_gap,
+        interaction=task.interaction,
+        pressure_limit=task.pressure_limit,
+        approach=task.approach,
+        rms=task.rms_gap,
+    )
+    state = conditions.measure(outcome.pressure, outcome.tension, displacement)
+    load = 0.0
+    if task.mean_pressure is not None:
+        # A load may be zero: its error is over the forces that balance in it.
+        balanced = convolution.sum(np.abs(outcome.pressure)) / outcome.pressure.size
+        carried = convolution.sum(outcome.pressure) / outcome.pressure.size
+        load = abs(carried - task.mean_pressure) / max(abs(task.mean_pressure), balanced)
+    bound = 2.0 * max(plan.solver.tolerance, state.floor)
+    confirmed = state.error <= bound and load <= LOAD_TOLERANCE and state.bounds <= LOAD_TOLERANCE
+    status = outcome.status.within(state.floor, plan.solver.tolerance)
+    if status.success and not confirmed:
+        status = Status.UNCONFIRMED
+    found = (max(value, state.floor) for value in (state.complementarity, state.penetration, state.gap))
+    complementarity, penetration, tension = found
+    residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley, tension)
+    return _make_solution(
+        plan,
+        initial_gap,
+        task,
+        outcome,
+        displacement,
+        state.approach,
+        status=status,
+        residuals=residuals,
+        seconds=seconds,
+    )
+
+
+def _make_solution(
+    plan: SolvePlan,
+    initial_gap: Array,
+    task: Task,
+    outcome: Outcome,
+    displacement: Array,
+    approach: float,
+    *,
+    status: Status,
+    residuals: Residuals,
+    seconds: float,
+) -> ContactSolution:
+    """Return the solution in SI units."""
+    unit = pressure_unit(plan)
+    pressure = np.minimum(outcome.pressure * unit, plan.pressure_limit)
     # Saturated cells carry the limit to the last bit.
     pressure = np.where(outcome.pressure >= task.pressure_limit, plan.pressure_limit, pressure)
     return ContactSolution(
@@ -91,17 +169,18 @@ def certify(
         pressure=frozen_array(pressure),
         displacement=frozen_array(displacement * plan.peak_to_valley),
         initial_gap=initial_gap,
-        approach=state.approach * plan.peak_to_valley,
+        approach=approach * plan.peak_to_valley,
         status=status,
         iterations=outcome.iterations,
         convolutions=outcome.convolutions + 1,
         seconds=seconds,
-        residuals=Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley),
+        residuals=residuals,
         errors=outcome.errors,
         levels=outcome.levels,
         edge_shift=plan.kernel.edge_shift,
         moduli=_sample_modulus(plan),
         non_measured=plan.non_measured,
+        tension=None if outcome.tension is None else frozen_array(outcome.tension * unit),
     )
 
 
@@ -114,9 +193,16 @@ def verify_solution(
     if gap.non_measured is not None:
         # The solve chooses how deep they lie.
         gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
-    task = make_task(plan, solution.initial_gap, Load.of(**solution.origin.load))
-    pressure = solution.pressure / pressure_unit(plan)
-    outcome = Outcome(pressure=pressure, status=solution.status, iterations=0, convolutions=0, errors=())
+    load = Load.of(**solution.origin.load) if plan.interaction is None else Load.signed(**solution.origin.load)
+    task = make_task(plan, solution.initial_gap, load)
+    if (solution.tension is None) is not (plan.interaction is None):
+        raise InputError("Its tension contradicts the adhesion of its problem.")
+    unit = pressure_unit(plan)
+    pressure = solution.pressure / unit
+    tension = None if solution.tension is None else solution.tension / unit
+    outcome = Outcome(
+        pressure=pressure, status=solution.status, iterations=0, convolutions=0, errors=(), tension=tension
+    )
     again = certify(plan, _by_transforms(convolution), solution.initial_gap, task, outcome, seconds=0.0)
     _require_confirmed(solution, again, gap.values)
 
@@ -149,6 +235,7 @@ def _require_confirmed(stated: ContactSolution, again: ContactSolution, initial_
         "scale": (residuals.scale, found.scale, margin * found.scale),
         "complementarity": (residuals.complementarity, found.complementarity, margin),
         "penetration": (residuals.penetration, found.penetration, margin),
+        "error of the tension": (residuals.tension, found.tension, margin),
         "error of the load": (residuals.load, found.load, LOAD_TOLERANCE),
     }
     for name, (given, right, allowed) in pairs.items():
@@ -189,11 +276,12 @@ def run_solve(
     load: Load,
     start: Array | None,
     on_step: Callable[[Step], None] | None,
+    start_gap: Array | None = None,
 ) -> ContactSolution:
     """Return the certified solution at a load, which may be unfinished, without its origin."""
     started = time.perf_counter()
     with computing(problem):
-        return _solve(problem, gap, load, start, on_step, started)
+        return _solve(problem, gap, load, start, on_step, started, start_gap)
 
 
 @contextlib.contextmanager
@@ -211,18 +299,20 @@ def _solve(
     start: Array | None,
     on_step: Callable[[Step], None] | None,
     started: float,
+    start_gap: Array | None,
 ) -> ContactSolution:
     """Solve until no non-measured point touches; `started` is the time of the clock at the start."""
     plan = problem.plan
     deepened = 0
     while True:
-        task = attrs.evolve(make_task(plan, gap.values, load, start), on_step=on_step)
+        task = attrs.evolve(make_task(plan, gap.values, load, start, start_gap), on_step=on_step)
         outcome = plan.solver.solve(problem.convolution, task)
         # A clock may be set back, as on a machine that was suspended.
         seconds = max(0.0, time.perf_counter() - started)
         solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
-        excess = gap.sum_non_measured(solution.pressure)
-        touch = LOAD_TOLERANCE * float(solution.pressure.sum()) < excess < math.inf if excess else False
+        pressed = solution.contact_pressure
+        excess = gap.sum_non_measured(pressed)
+        touch = LOAD_TOLERANCE * float(pressed.sum()) < excess < math.inf if excess else False
         if not touch or deepened == _MAXIMUM_DEEPENED:
             break
         # Non-measured points do not touch, however large the approach.

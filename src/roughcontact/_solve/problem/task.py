@@ -7,6 +7,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary, Load
+from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.solvers import Task
 from roughcontact.errors import InputError
@@ -25,7 +26,9 @@ def pressure_unit(plan: SolvePlan) -> float:
     return plan.modulus * (plan.peak_to_valley / plan.grid.spacing[0])
 
 
-def make_task(plan: SolvePlan, initial_gap: Array, load: Load, start: Array | None = None) -> Task:
+def make_task(
+    plan: SolvePlan, initial_gap: Array, load: Load, start: Array | None = None, start_gap: Array | None = None
+) -> Task:
     """Return the task of carrying a load.
 
     Parameters
@@ -37,7 +40,9 @@ def make_task(plan: SolvePlan, initial_gap: Array, load: Load, start: Array | No
     load
         The load.
     start
-        A contact pressure to start from, shape (nx, ny), Pa.
+        A pressure to start from, shape (nx, ny), Pa.
+    start_gap
+        With adhesion, a gap to start from, shape (nx, ny), m.
 
     Raises
     ------
@@ -47,7 +52,10 @@ def make_task(plan: SolvePlan, initial_gap: Array, load: Load, start: Array | No
     load = limit_load(plan, initial_gap, load)
     unit = pressure_unit(plan)
     start = None if start is None else _limit_start(start, plan) / unit
-    if start is not None and load.kind == "pressure" and not start.max() > _SMALLEST:
+    interaction = None
+    if plan.interaction is not None:
+        interaction = BoundInteraction(plan.interaction, length=plan.peak_to_valley, pressure=unit)
+    elif start is not None and load.kind == "pressure" and not start.max() > _SMALLEST:
         # What carries no load cannot be scaled to one.
         start = None
     gap = initial_gap / plan.peak_to_valley
@@ -60,6 +68,8 @@ def make_task(plan: SolvePlan, initial_gap: Array, load: Load, start: Array | No
         # The depth of non-measured points is arbitrary: it must not be what errors are compared with.
         rms_gap=None if measured is None else float(gap[measured].std()),
         start=start,
+        interaction=interaction,
+        start_gap=None if start_gap is None else np.maximum(start_gap, 0.0) / plan.peak_to_valley,
     )
 
 
@@ -71,7 +81,8 @@ def limit_load(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
     area = plan.grid.area if load.kind == "force" else 1.0
     mean = load.value / area if area > 0.0 else float("inf")
     unit = pressure_unit(plan)
-    if not _SMALLEST * unit < mean < _LARGEST * unit:
+    smallest = _SMALLEST if plan.interaction is None else -_LARGEST
+    if not smallest * unit < mean < _LARGEST * unit:
         raise InputError(
             f"The mean pressure of {mean:g} Pa leaves the range of float64 beside {unit:g} Pa, contact modulus times "
             "peak-to-valley height over cell: check the units."
@@ -100,7 +111,8 @@ def maximum_pressure(plan: SolvePlan) -> float:
 def _limit_approach(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
     height = plan.peak_to_valley
     full = float(initial_gap.mean())
-    if not _SMALLEST * height < load.value < _LARGEST * height:
+    smallest = _SMALLEST if plan.interaction is None else -_LARGEST
+    if not smallest * height < load.value < _LARGEST * height:
         raise InputError(
             f"The approach of {load.value:g} m leaves the range of float64 beside the peak-to-valley height of "
             f"{height:g} m: check the units."
@@ -115,7 +127,7 @@ def _limit_approach(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
 
 
 def _limit_start(start: Array, plan: SolvePlan) -> Array:
-    """Return the pressure to start from, between zero and the pressure limit."""
+    """Return the pressure to start from, between zero, or minus the strength, and the pressure limit."""
     try:
         values = np.asarray(start)
     except ValueError:
@@ -126,4 +138,5 @@ def _limit_start(start: Array, plan: SolvePlan) -> Array:
             f"but got {type(start).__name__} of shape {values.shape} and type {values.dtype}."
         )
     highest = np.minimum(plan.pressure_limit, _LARGEST * pressure_unit(plan))
-    return np.clip(np.asarray(values, dtype=np.float64), 0.0, highest)
+    lowest = 0.0 if plan.interaction is None else -np.asarray(plan.interaction.strength)
+    return np.clip(np.asarray(values, dtype=np.float64), lowest, highest)

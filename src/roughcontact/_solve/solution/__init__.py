@@ -1,5 +1,13 @@
 """What a solve returns."""
 
+from roughcontact._solve.solution.attraction import (
+    RESOLVED_CELLS,
+    TRAPPED_CELLS,
+    AdhesiveConditions,
+    AdhesiveViolation,
+    describe_range,
+    trapping_error,
+)
 from roughcontact._solve.solution.conditions import ContactConditions, Violation
 from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.fields import ContactFields, ContactPatches
@@ -37,7 +45,11 @@ __all__ = [
     "DEFAULT_AREA",
     "MORE_THAN_METALS",
     "PLAUSIBILITY_RULES",
+    "RESOLVED_CELLS",
+    "TRAPPED_CELLS",
     "Accuracy",
+    "AdhesiveConditions",
+    "AdhesiveViolation",
     "Area",
     "AreaEstimator",
     "ContactConditions",
@@ -57,6 +69,7 @@ __all__ = [
     "Violation",
     "areas",
     "describe_maps",
+    "describe_range",
     "describe_work",
     "exceeds_metals",
     "fill_gap",
@@ -76,6 +89,7 @@ __all__ = [
     "require_netcdf",
     "responses",
     "solution_key",
+    "trapping_error",
     "versions",
     "write",
     "writers",

@@ -15,16 +15,19 @@ from roughcontact._base.arrays import Array
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution import storage
+from roughcontact._solve.solution.attraction import interpolate_peak, warn_of_range
 from roughcontact._solve.solution.fields import ContactFields
 from roughcontact._solve.solution.healing import heal
 from roughcontact._solve.solution.plausibility import list_warnings
 from roughcontact._solve.solution.results import (
+    DEFAULT_ADHESIVE_AREA,
     DEFAULT_AREA,
     Area,
     AreaEstimator,
     Estimate,
     Response,
     areas,
+    estimate_attractive_area,
     estimate_saturated_area,
     judge_maps,
     responses,
@@ -76,12 +79,42 @@ class ContactSolution(ContactFields):
         default = isinstance(estimator, str) and estimator == DEFAULT_AREA
         return self._default_area if default else self._estimate_area(areas.resolve(estimator))
 
+    def attractive_area(self, fraction: float = 0.1) -> Area:
+        """Return the area outside the contact where the tension exceeds a fraction of its maximum.
+
+        Parameters
+        ----------
+        fraction
+            Tension over the maximum tension of all cells, above 0 and below 1.
+
+        Raises
+        ------
+        InputError
+            If the surfaces do not attract each other.
+        """
+        return estimate_attractive_area(self, fraction)
+
     @cached_property
     def _default_area(self) -> Area:
-        return self._estimate_area(areas.resolve(DEFAULT_AREA))
+        return self._estimate_area(areas.resolve(DEFAULT_AREA if self.tension is None else DEFAULT_ADHESIVE_AREA))
+
+    def _view(self, response: Response[Any]) -> ContactSolution:
+        """Return what a response reads of the solution: with adhesion the pressure that it holds for."""
+        if self.tension is None:
+            return self
+        if response.with_adhesion == "refused":
+            raise InputError(
+                f"{type(response).__name__} does not hold for surfaces that attract each other: it knows no tension."
+            )
+        return self if response.with_adhesion == "total pressure" else self._pressed
+
+    @cached_property
+    def _pressed(self) -> ContactSolution:
+        """The solution with its contact pressure alone, whose gap is the same."""
+        return attrs.evolve(self, pressure=self.contact_pressure, tension=np.zeros(self.grid.shape))
 
     def _estimate_area(self, chosen: AreaEstimator) -> Area:
-        area = chosen.estimate(heal(self))
+        area = chosen.estimate(heal(self._view(chosen)))
         if not isinstance(area, Area) or not np.isfinite([area.value, area.uncertainty]).all():
             raise InputError(
                 f"The area estimator {chosen!r} returned {area!r}, which is not an Area of finite numbers."
@@ -94,7 +127,7 @@ class ContactSolution(ContactFields):
 
     def peak_pressure(self) -> Estimate:
         """Return the maximum contact pressure between the cells, Pa; see `roughcontact.responses.PeakPressure`."""
-        return self.response("peak-pressure")
+        return self.response("peak-pressure") if self.tension is None else interpolate_peak(self)
 
     def response(self, response: str | Response[T]) -> T:
         """Return a number of the contact, or what it does: its answer to a small change, a current, a flow.
@@ -114,7 +147,7 @@ class ContactSolution(ContactFields):
             value.
         """
         chosen: Response[T] = responses.resolve(response)
-        found = chosen.respond(self)
+        found = chosen.respond(self._view(chosen))
         if isinstance(found, Estimate) and not (found.uncertainty >= 0.0 and abs(found.value) >= 0.0):
             raise InputError(f"The response {chosen!r} returned {found!r}, which has no value or no uncertainty.")
         return found
@@ -260,7 +293,7 @@ class ContactSolution(ContactFields):
         InputError
             If there is no such estimator.
         """
-        return estimate_saturated_area(heal(self), estimator)
+        return estimate_saturated_area(heal(self if self.tension is None else self._pressed), estimator)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -268,7 +301,9 @@ class ContactSolution(ContactFields):
 
         They do not include those of the `area`.
         """
-        return list_warnings(self, self._materials.values())
+        pressed = self if self.tension is None else self._pressed
+        found = list_warnings(pressed, self._materials.values())
+        return found if self.origin is None else (*found, *warn_of_range(self, self.origin))
 
     @cached_property
     def theory(self) -> TheoryBeside | None:
@@ -277,7 +312,7 @@ class ContactSolution(ContactFields):
         It is given on periodic boundaries, without saturated cells, for nominally flat, isotropic, Gaussian roughness
         of many waves, most of them longer than four cells, on at most 2048 x 2048 cells.
         """
-        return compare_with_theory(self)
+        return compare_with_theory(self) if self.tension is None else None
 
     @property
     def _materials(self) -> dict[str, Material]:

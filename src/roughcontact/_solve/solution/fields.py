@@ -168,7 +168,7 @@ class ContactFields:
     pressure_limit
         Maximum contact pressure, shape () or (nx, ny), Pa; `inf` where there is none.
     pressure
-        Contact pressure, shape `grid.shape`, Pa.
+        Pressure, shape `grid.shape`, Pa: of surfaces that attract each other the contact pressure minus the tension.
     displacement
         Sum of the elastic displacements of both surfaces, shape `grid.shape`, m, positive into the
         bodies; its mean is zero on a periodic boundary.
@@ -195,6 +195,8 @@ class ContactFields:
         The accuracy that was asked of the solve and its cost; None where none was, and in files.
     non_measured
         Points that were not measured on one of the bodies and carry nothing, shape `grid.shape`; None without any.
+    tension
+        Attraction of the surfaces, shape `grid.shape`, Pa, at least zero; None without adhesion.
     """
 
     grid: Grid
@@ -217,6 +219,7 @@ class ContactFields:
     origin: Origin | None = None
     accuracy: Accuracy | None = None
     non_measured: Mask | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
+    tension: Array | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Arrays come back writable from pickles and deep copies: they are made read-only as those of any solution.
@@ -237,7 +240,7 @@ class ContactFields:
     @cached_property
     def patches(self) -> ContactPatches:
         """The connected patches of the contact."""
-        return find_patches(self.contact, self.pressure, self.grid, self.boundary)
+        return find_patches(self.contact, self.contact_pressure, self.grid, self.boundary)
 
     @cached_property
     def gap(self) -> Array:
@@ -247,9 +250,14 @@ class ContactFields:
         return read_only(gap)
 
     @cached_property
+    def contact_pressure(self) -> Array:
+        """Pressure of the contact alone, shape `grid.shape`, Pa, at least zero: without adhesion `pressure` itself."""
+        return self.pressure if self.tension is None else read_only(np.maximum(self.pressure + self.tension, 0.0))
+
+    @cached_property
     def contact(self) -> Mask:
-        """Cells in contact, p > 0, shape `grid.shape`."""
-        return read_only(self.pressure > 0.0)
+        """Cells in contact, whose contact pressure is above zero, shape `grid.shape`."""
+        return read_only(self.contact_pressure > 0.0)
 
     @property
     def capped(self) -> bool:

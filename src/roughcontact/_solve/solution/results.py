@@ -12,10 +12,12 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, read_only
+from roughcontact._base.checks import number
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import ContactWarning, prefixed, with_spread
 from roughcontact._base.units import Estimate as Estimate
 from roughcontact._parts.surfaces import HeightMap
+from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
@@ -32,6 +34,9 @@ class Response(abc.ABC, Generic[T_co]):
     ----------
     depends_on_place
         Whether its number changes where a periodic contact is shifted, as a flow between two sides does.
+    with_adhesion
+        What it reads of surfaces that attract each other: ``"total pressure"``, the solution as it is;
+        ``"contact pressure"``, the part of the pressure that presses; ``"refused"``: it does not hold for them.
 
     Examples
     --------
@@ -48,6 +53,7 @@ class Response(abc.ABC, Generic[T_co]):
     """
 
     depends_on_place: ClassVar[bool] = False
+    with_adhesion: ClassVar[str] = "refused"
 
     @abc.abstractmethod
     def respond(self, solution: ContactSolution) -> T_co:
@@ -64,6 +70,8 @@ responses: Registry[Response[Any]] = Registry(Response, "response", "roughcontac
 
 
 DEFAULT_AREA = "blend"
+# The load of a patch does not tell its area where surfaces attract each other; its edge does.
+DEFAULT_ADHESIVE_AREA = "level-set"
 # Error by rounding, over the scale, above which float64 does not resolve the gap: docs/use/conventions.md states it.
 _RESOLVED = 1e-5
 # Standard deviation of the position of edges on the facets of an interpolated map, cells: set on maps of 4 and 8 cells
@@ -133,20 +141,28 @@ class Residuals:
         Relative error of the load.
     scale
         Height, m: the smaller of the standard deviation of the initial gap and the range of the displacement.
+    tension
+        Maximum difference between the tension and its law, over the maximum slope of the law and `scale`; zero without
+        adhesion.
     """
 
     complementarity: float = attrs.field(converter=float)
     penetration: float = attrs.field(converter=float)
     load: float = attrs.field(converter=float)
     scale: float = attrs.field(converter=float)
+    tension: float = attrs.field(converter=float, default=0.0)
 
     @property
     def error(self) -> float:
-        """The larger of complementarity and penetration."""
-        return max(self.complementarity, self.penetration)
+        """The maximum of complementarity, penetration and tension."""
+        return max(self.complementarity, self.penetration, self.tension)
 
     def __str__(self) -> str:
-        return f"complementarity {self.complementarity:.1e}, penetration {self.penetration:.1e}, load {self.load:.1e}"
+        tension = f", tension {self.tension:.1e}" if self.tension else ""
+        return (
+            f"complementarity {self.complementarity:.1e}, penetration {self.penetration:.1e}, "
+            f"load {self.load:.1e}{tension}"
+        )
 
 
 def _shape(value: Sequence[int]) -> tuple[int, int]:
@@ -261,6 +277,8 @@ class AreaEstimator(Response[Area]):
     (742 +- 74) µm2, (7.42 +- 0.74) % of nominal [counted]
     """
 
+    with_adhesion = "contact pressure"
+
     @abc.abstractmethod
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the real contact area and its uncertainty."""
@@ -322,3 +340,18 @@ def _undecided(solution: ContactSolution) -> float:
     at_limit = solution.pressure > (1.0 - _CLOSE) * solution.pressure_limit
     closed = np.abs(solution.gap) <= _CLOSE * solution.residuals.scale
     return int(np.count_nonzero(at_limit & closed)) * solution.grid.cell_area
+
+
+def estimate_attractive_area(solution: ContactSolution, fraction: float) -> Area:
+    """Return the area of strong tension; see `ContactSolution.attractive_area`."""
+    fraction = number(fraction, "The fraction of the maximum tension", above=0.0)
+    if fraction >= 1.0:
+        raise InputError.about("The fraction of the maximum tension", fraction, "below 1")
+    if solution.tension is None:
+        raise InputError("The surfaces do not attract each other: give the problem adhesion=.")
+    strong = (solution.tension > fraction * float(solution.tension.max())) & ~solution.contact
+    # A cell at the edge of the zone is inside or outside as a whole: half a cell either way, not alike for all.
+    steps = sum(int(np.count_nonzero(np.diff(strong, axis=axis))) for axis in (0, 1))
+    value = int(np.count_nonzero(strong)) * solution.grid.cell_area
+    uncertainty = 0.5 * math.sqrt(steps) * solution.grid.cell_area
+    return Area(value, value / solution.grid.area, uncertainty, "cell-count")

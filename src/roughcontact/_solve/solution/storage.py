@@ -217,7 +217,8 @@ def _require_sound(fields: Mapping[str, Any], arrays: Mapping[str, RealArray]) -
         raise InputError("Its force is not that of its pressure.")
     finite = all(np.isfinite(fields[name]).all() for name in ("pressure", "displacement", "initial_gap", *_REALS))
     residuals_hold = all(0.0 <= value < math.inf for value in attrs.astuple(residuals))
-    bounded = finite and pressure.min() >= 0.0 and (pressure <= fields["pressure_limit"]).all()
+    lowest = 0.0 if fields["tension"] is None else -fields["tension"]
+    bounded = finite and (pressure >= lowest).all() and (pressure <= fields["pressure_limit"]).all()
     if status.success and not (bounded and residuals_hold):
         raise InputError(f"Its status is {status.name}, but values are not finite or the pressure leaves its bounds.")
 
@@ -265,6 +266,7 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
         **{name: describe(getattr(solution, name), parts) for name in described},
         **{name: describe(table, parts) for name, table in tables.items()},
         "levels": [describe(attrs.asdict(level), parts) for level in solution.levels],
+        "tension": describe(solution.tension, parts),
         "problem": None if origin is None else origin.describe(parts),
         "load": None if origin is None else describe(origin.load, parts),
     }
@@ -322,9 +324,20 @@ def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dic
         "non_measured": _mask(rebuild(header["non_measured"], parts), grid),
         "boundary": Boundary(header["boundary"]),
         "status": Status[header["status"]],
+        # Files from before there was adhesion do not name it.
+        "tension": _tension(rebuild(header.get("tension"), parts), grid),
         "errors": tuple(map(float, rebuild(header["history"], parts))),
         "origin": origin,
     }
+
+
+def _tension(value: Any, grid: Grid) -> Array | None:
+    if value is None:
+        return None
+    tension = _field(value, grid)
+    if not (np.isfinite(tension).all() and tension.min() >= 0.0):
+        raise InputError("Its tension is negative or not finite.")
+    return tension
 
 
 def _require_few(described: Described, parts: Mapping[str, RealArray]) -> None:

@@ -153,6 +153,9 @@ class Solver(abc.ABC):
     omitted: ClassVar[tuple[str, ...]] = ()
     """What its solves omit and why, for ``explain()``."""
 
+    adhesive: ClassVar[bool] = False
+    """Whether it can treat an interaction of the surfaces, `Task.interaction`."""
+
     @property
     @abc.abstractmethod
     def tolerance(self) -> float:

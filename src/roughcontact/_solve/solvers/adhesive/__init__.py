@@ -1,5 +1,6 @@
 """Solvers of surfaces that attract each other."""
 
 from roughcontact._solve.solvers.adhesive.gap_descent import GapDescent
+from roughcontact._solve.solvers.adhesive.majorise import Majorise
 
-__all__ = ["GapDescent"]
+__all__ = ["GapDescent", "Majorise"]

@@ -60,6 +60,7 @@ class GapDescent(Solver):
     --------
     """
 
+    adhesive: ClassVar[bool] = True
     omitted: ClassVar[tuple[str, ...]] = (
         "float64 inside the iterations: float32 is enough, and every result is verified in float64",
     )

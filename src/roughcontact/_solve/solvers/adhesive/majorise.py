@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -50,6 +51,8 @@ class Majorise(Solver):
     ----------
     Hunter, Lange, Am. Stat. 58 (2004) 30-37, https://doi.org/10.1198/0003130042836
     """
+
+    adhesive: ClassVar[bool] = True
 
     tolerance: float = attrs.field(converter=positive_tolerance, default=DEFAULT_TOLERANCE)
     max_rounds: int = attrs.field(converter=iteration_limit, default=2000)
