@@ -155,6 +155,10 @@ def _join_runs(starts: IntArray, stops: IntArray, shape: tuple[int, int], bounda
     return pieces.astype(np.intp), int(count)
 
 
+# Sum of pressures and tensions over that of their magnitudes, below which they balance: rounding.
+_BALANCED = 1e-13
+
+
 @attrs.frozen(eq=False, kw_only=True)
 class ContactFields:
     """The fields of a solved contact.
@@ -271,8 +275,13 @@ class ContactFields:
 
     @property
     def force(self) -> float:
-        """Normal force, N."""
-        return float(np.add.reduce(self.pressure, axis=None)) * self.grid.cell_area
+        """Normal force, N; of surfaces that attract each other negative where it pulls."""
+        force = float(np.add.reduce(self.pressure, axis=None))
+        if self.tension is not None and abs(force) <= _BALANCED * float(
+            np.add.reduce(np.abs(self.pressure), axis=None)
+        ):
+            force = 0.0
+        return force * self.grid.cell_area
 
     @property
     def mean_pressure(self) -> float:
