@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, Protocol
 
 import attrs
@@ -155,10 +156,8 @@ def _follow(solve: Solve, before: Sequence[ContactSolution], load: Load) -> Cont
 def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:
     """Return both branches over ascending approaches."""
     values = [load.value for load in loads]
-    if len(values) < 2 or any(after <= before for before, after in zip(values, values[1:], strict=False)):
-        raise InputError(
-            "The approaches of a cycle must ascend, at least two of them: unloading passes them backwards."
-        )
+    if len(values) < 2 or any(after <= before for before, after in pairwise(values)):
+        raise InputError("The approaches of a cycle must ascend, two of them or more: unloading passes them backwards.")
     loading = follow_loads(solve, loads)
     return AdhesionCycle(loading, follow_loads(solve, loads[::-1], loading[-1]))
 
@@ -171,9 +170,8 @@ def find_pull_off(solve: Solve, plan: SolvePlan) -> Estimate:
         states.append(_follow(solve, states, Load("approach", states[-1].approach - step)))
         force = np.array([state.force for state in states])
         lowest = int(force.argmin())
-        if force[lowest] < 0.0 and (
-            force[-1] - force[lowest] > -_RISEN * force[lowest] or not states[-1].contact.any()
-        ):
+        has_risen = force[-1] - force[lowest] > -_RISEN * force[lowest]
+        if force[lowest] < 0.0 and (has_risen or not states[-1].contact.any()):
             break
         if force[-2] - force[-1] < 0.1 * abs(force.min()):
             step *= 1.5
@@ -213,9 +211,7 @@ def _find_minimum(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
     trapped = trapping_error(cells) * abs(float(force[k]))
     if not 0 < k < len(force) - 1:
         text = "the lowest force is at the end of the path: continue it"
-        return Estimate(
-            float(force[k]), math.inf if len(force) < 2 else abs(float(np.ptp(force))), "N", (*warnings, text)
-        )
+        return Estimate(float(force[k]), float(np.ptp(force)), "N", (*warnings, text))
     places = sweep.approach[k - 1 : k + 2]
     values = force[k - 1 : k + 2]
     curvature, slope, _ = np.polyfit(places - places[1], values - values[1], 2)

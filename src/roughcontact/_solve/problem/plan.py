@@ -6,6 +6,7 @@ import functools
 import math
 import time
 from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
@@ -327,7 +328,8 @@ def _resolve_interaction(adhesion: Interaction, grid: Grid, modulus: float, solv
 
 
 def _name_law(law: Interaction) -> str:
-    fields = attrs.fields(type(law)) if attrs.has(type(law)) else ()
+    kind: Any = type(law)
+    fields = attrs.fields(kind) if attrs.has(kind) else ()
     texts = []
     for field in fields:
         value = getattr(law, field.name)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from roughcontact._base.arrays import Array, frozen_array
 from roughcontact._base.machine import use_threads
 from roughcontact._parts.grid import Boundary, Load
+from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedConvolution
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.plan import SolvePlan
@@ -68,7 +69,7 @@ def certify(
     if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.initial_gap.shape:
         raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
     if task.interaction is not None:
-        return _certify_adhesive(plan, convolution, initial_gap, task, outcome, seconds=seconds)
+        return _certify_adhesive(plan, convolution, initial_gap, task, task.interaction, outcome, seconds)
     displacement = convolution.apply(outcome.pressure)
     state = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms_gap).measure(
         outcome.pressure, displacement
@@ -83,17 +84,7 @@ def certify(
         status = Status.UNCONFIRMED
     complementarity, penetration = (max(value, state.floor) for value in (state.complementarity, state.penetration))
     residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley)
-    return _make_solution(
-        plan,
-        initial_gap,
-        task,
-        outcome,
-        displacement,
-        state.approach,
-        status=status,
-        residuals=residuals,
-        seconds=seconds,
-    )
+    return _make_solution(plan, initial_gap, task, outcome, displacement, state.approach, status, residuals, seconds)
 
 
 def _certify_adhesive(
@@ -101,8 +92,8 @@ def _certify_adhesive(
     convolution: PreparedConvolution,
     initial_gap: Array,
     task: Task,
+    interaction: BoundInteraction,
     outcome: Outcome,
-    *,
     seconds: float,
 ) -> ContactSolution:
     """Return the solution of surfaces that attract each other; residuals from its pressure and tension alone."""
@@ -111,7 +102,7 @@ def _certify_adhesive(
     displacement = convolution.apply(outcome.pressure)
     conditions = AdhesiveConditions(
         initial_gap=task.initial_gap,
-        interaction=task.interaction,
+        interaction=interaction,
         pressure_limit=task.pressure_limit,
         approach=task.approach,
         rms=task.rms_gap,
@@ -131,17 +122,7 @@ def _certify_adhesive(
     found = (max(value, state.floor) for value in (state.complementarity, state.penetration, state.gap))
     complementarity, penetration, tension = found
     residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley, tension)
-    return _make_solution(
-        plan,
-        initial_gap,
-        task,
-        outcome,
-        displacement,
-        state.approach,
-        status=status,
-        residuals=residuals,
-        seconds=seconds,
-    )
+    return _make_solution(plan, initial_gap, task, outcome, displacement, state.approach, status, residuals, seconds)
 
 
 def _make_solution(
@@ -151,7 +132,6 @@ def _make_solution(
     outcome: Outcome,
     displacement: Array,
     approach: float,
-    *,
     status: Status,
     residuals: Residuals,
     seconds: float,

@@ -1,7 +1,7 @@
 """The conditions of an adhesive contact, measured on a pressure and a tension.
 
-With the displacement u by the pressure p, the initial gap h, the gap g = u + h - approach and the tension t, the contact
-pressure is c = p + t. The exact solution satisfies g = 0 where c > 0 and p is below its limit, g >= 0 and t = s(g), the
+With the displacement u by the pressure p, the initial gap h, the gap g = u + h - approach and the tension t, the
+contact pressure is c = p + t. The exact solution satisfies g = 0 where c > 0 and p is below its limit, g >= 0 and t = s(g), the
 law of the interaction, where c = 0, and g <= 0 where p is at its limit.
 """
 
@@ -161,11 +161,11 @@ def describe_range(law: Interaction, grid: Grid, modulus: float) -> ContactWarni
         return None
     side = si(max(grid.spacing) * cells / RESOLVED_CELLS, "m", 2)
     longer = math.sqrt(RESOLVED_CELLS / cells)
-    stuck = "is stuck to the cells" if cells < TRAPPED_CELLS else "starts to stick to the cells"
+    stuck = "sticks" if cells < TRAPPED_CELLS else "starts to stick"
     text = (
-        f"the cohesive length E*/max|ds/dg| has {cells:.2g} cells, so that the edge of the contact {stuck} and pull-off "
-        f"may be {100 * trapping_error(cells):.2g} % off: use cells of at most {side}, or a range {longer:.2g} times as "
-        "long"
+        f"the cohesive length E*/max|ds/dg| has {cells:.2g} cells, so that the edge of the contact {stuck} to the "
+        f"cells and pull-off may be {100 * trapping_error(cells):.2g} % off: use cells of at most {side}, or a range "
+        f"{longer:.2g} times as long"
     )
     return ContactWarning(text, "cohesive length", cells)
 
