@@ -17,7 +17,7 @@ from roughcontact._base.units import Estimate, si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.sweep import Sweep
-from roughcontact._solve.solution import ContactSolution, describe_range, trapping_error
+from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, trapping_error
 from roughcontact.errors import InputError
 
 # Steps of the approach on the way to pull-off, and by how much of the lowest force the force must have risen behind it.
