@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, pick, write_tables
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
@@ -30,7 +30,9 @@ def make_rows() -> list[list[str]]:
     return rows
 
 
-TABLES = {"responses": DocTable(make_rows, seconds=250)}
+# The columns of the page.
+SHOWN = ("class", "held-out: error, %", "held-out: within 2, %", "held-out: warned, %")
+TABLES = {"responses": DocTable(make_rows, seconds=250, shown=pick(SHOWN))}
 
 if __name__ == "__main__":
     write_tables(TABLES)
