@@ -1,4 +1,4 @@
-"""The tables of docs/understand/quantities.md: whether the uncertainties of the quantities hold on the fresh classes.
+"""The tables of docs/use/responses.md: whether the uncertainties of the quantities hold on the fresh classes.
 
 python docs/studies/quantities.py [FOLDER]   # where area_classes.py keeps its solutions
 """
