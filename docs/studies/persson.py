@@ -1,4 +1,4 @@
-"""The table and the figure of docs/understand/theory_beside.md: Persson's area, gap and stiffness beside solved ones.
+"""The table and the figure of docs/understand/theory.md: Persson's area, gap and stiffness beside solved ones.
 
 Self-affine surfaces of three Hurst exponents, 512 x 512 cells, eight cells on the shortest wave, roll-off at an
 eighth of the side. The stiffness solved is the difference of the mean gaps at 2 % below and above the load.
