@@ -1,4 +1,4 @@
-"""The paper's ball on a ring, for its unpublished maps a synthetic pair: the areas of docs/trust/paper_pair.md.
+"""The paper's ball on a ring, for its unpublished maps a synthetic pair: the areas of docs/trust/paper.md.
 
 python docs/studies/pair_areas.py
 
