@@ -93,6 +93,7 @@ MISTAKES = [
         "A text file lists points x y z in µm.",
         solve_map("points.txt"),
         "{}/points.txt --pressure 10MPa --young 210GPa",
+        on_page=False,
     ),
     Mistake(
         "A CSV file in µm has a title, semicolons and decimal commas, and `unit=1e-6` is given.",
@@ -133,6 +134,7 @@ MISTAKES = [
         "One size is given for a map of 64 x 48 points.",
         solve_map("oblong.npy", 64e-6),
         "{}/oblong.npy --size 64um --pressure 10MPa --young 210GPa",
+        on_page=False,
     ),
     Mistake(
         "`rc.Elastic(210, 0.3)`: GPa taken for Pa.",
@@ -148,6 +150,7 @@ MISTAKES = [
     Mistake(
         "All lengths are in µm.",
         lambda _: solve(rc.WavySurface(amplitude=0.5, wavelength=12.5), grid=rc.Grid((256, 256), 250), pressure=100e6),
+        on_page=False,
     ),
     Mistake(
         "All lengths are in mm: a map of 1 mm, `size=1.0`.",

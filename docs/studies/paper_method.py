@@ -2,7 +2,7 @@
 
 python docs/studies/paper_method.py
 
-Writes the tables of docs/trust/paper.md. Needs plugins/roughcontact-paper. CPU times with one thread
+Writes the tables of plugins/roughcontact-paper/README.md. Needs plugins/roughcontact-paper. CPU times with one thread
 (OMP_NUM_THREADS=1).
 """
 
