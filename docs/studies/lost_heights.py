@@ -128,7 +128,7 @@ def main(lines: list[list[str]], folder: Path = FIGURES) -> None:
 
 
 # The columns of the page.
-SHOWN = ("N", "counted", "eq. 28 through the counts so far", "sub-grid", "stated", "of that: estimator", "lost heights")
+SHOWN = ("N", "counted", "sub-grid", "stated", "of that: estimator", "lost heights")
 TABLES = {"lost-heights": DocTable(make_rows, seconds=400, shown=pick(SHOWN, ("before, 10 N",)))}
 
 if __name__ == "__main__":

@@ -120,8 +120,6 @@ def make_rows() -> list[list[str]]:
 SHOWN = ("20 loads", "products of one solve", "sweep, in solves", "CPU")
 LINES = (
     "rough, 512 x 512, equal ratios",
-    "rough, given approaches, equal steps",
-    "rough, 82 to 99 % in contact, equal steps",
     "rough, pressure limit, equal ratios",
     "wave, equal ratios",
     "ball, free boundary, equal ratios",

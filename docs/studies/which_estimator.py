@@ -155,10 +155,10 @@ def main(wave: list[list[str]], rough_lines: list[list[str]], folder: Path = FIG
 
 TIMES = ("solve, s", "blend, s")
 # The columns of the page.
-SHOWN = ("N", "cell-count, %", "perimeter, %", "level-set, %", "hertz, %", "blend, %")
+SHOWN = ("N", "cell-count, %", "level-set, %", "hertz, %", "blend, %")
 TABLES = {
     "wave-estimators": DocTable(
-        lambda: make_table(measure_wave()), seconds=40, timed=TIMES, units=2, shown=pick(SHOWN, ("100", "200", "256", "512", "1024"))
+        lambda: make_table(measure_wave()), seconds=40, timed=TIMES, units=2, shown=pick(SHOWN, ("100", "256", "1024"))
     ),
     "rough-estimators": DocTable(
         lambda: make_table(measure_rough()), seconds=30, timed=TIMES, units=2, shown=pick(SHOWN)
