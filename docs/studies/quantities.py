@@ -59,12 +59,10 @@ CONTACTS = {
     "blurred, interpolated maps": ("map-blurred", "map-upsampled"),
 }
 UNKIND_CONTACTS = {
-    "balls in domains 1 : 8, on cells 1 : 3": ("long-domain", "long-cells"),
-    "paraboloids of radii 3 : 1 to 50 : 1": ("slender",),
+    "balls and paraboloids": ("long-domain", "long-cells", "slender", "holes-outside", "blobs-outside"),
     "tips r^n, n from 1 to 1.5": ("tip-1", "tip-1.5"),
     "tips r^n, n from 2 to 4": ("tip-2", "tip-3", "tip-4"),
     "oblique strips on long cells": ("strips-unkind",),
-    "balls beside non-measured points": ("holes-outside", "blobs-outside"),
 }
 COLUMNS = {"class": "contact", **{name: name for name in ("peak pressure", "perimeter", "patches", "approach", "mean gap")}}
 
