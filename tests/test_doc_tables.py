@@ -83,6 +83,8 @@ def test_a_page_may_show_a_part_of_a_table():
     rows = [["class", "cases", "error, %"], ["wave", "3", "0.2"], ["wave, turned", "4", "1.5"], ["ball", "5", "0.1"]]
     assert doc_tables.pick(["error, %"], ["wave"])(rows) == [["error, %"], ["0.2"]]
     assert doc_tables.pick(lines=["ball; 5"])(rows) == [rows[0], rows[3]]
-    show = doc_tables.gather({"waves": ["wave", "wave, turned"], "balls": ["ball"]}, {"class": "contact", "error, %": "%"})
+    show = doc_tables.gather(
+        {"waves": ["wave", "wave, turned"], "balls": ["ball"]}, {"class": "contact", "error, %": "%"}
+    )
     assert show(rows) == [["contact", "%"], ["waves", "0.2 to 1.5"], ["balls", "0.1"]]
     assert doc_tables.span(["96 %", "", "100 %"]) == "96 to 100 %"

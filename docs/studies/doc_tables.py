@@ -66,7 +66,9 @@ def pick(columns: Sequence[str] = (), lines: Sequence[str] = ()) -> Callable[[Ro
     def choose(rows: Rows) -> Rows:
         heading, *others = rows
         places = [heading.index(name) for name in columns] or range(len(heading))
-        kept = [row for row in others if not lines or any(f"{'; '.join(row)}; ".startswith(f"{line}; ") for line in lines)]
+        kept = [
+            row for row in others if not lines or any(f"{'; '.join(row)}; ".startswith(f"{line}; ") for line in lines)
+        ]
         return [[row[k] for k in places] for row in (heading, *kept)]
 
     return choose

@@ -90,7 +90,15 @@ def make_rows() -> list[list[str]]:
 
 
 # The columns of the page.
-SHOWN = ("w / w_y", "KE: force", "KE: area", "JG, hard: force", "JG, hard: area", "with that H: force", "with that H: area")
+SHOWN = (
+    "w / w_y",
+    "KE: force",
+    "KE: area",
+    "JG, hard: force",
+    "JG, hard: area",
+    "with that H: force",
+    "with that H: area",
+)
 TABLES = {"finite-elements": DocTable(make_rows, seconds=15, units=2, shown=pick(SHOWN, ("2", "6", "20", "70", "110")))}
 
 if __name__ == "__main__":

@@ -59,7 +59,13 @@ def draw(folder: Path = FIGURES, cells: int = 512) -> None:
     figure.savefig(folder / "interface_law.png", dpi=120)
 
 
-TABLES = {"interface-law": DocTable(make_rows, seconds=150, shown=pick(lines=("area; 2", "stiffness; 2", "conductance; 2", "mean gap; 2", "stiffness; 1")))}
+TABLES = {
+    "interface-law": DocTable(
+        make_rows,
+        seconds=150,
+        shown=pick(lines=("area; 2", "stiffness; 2", "conductance; 2", "mean gap; 2", "stiffness; 1")),
+    )
+}
 
 if __name__ == "__main__":
     draw()

@@ -111,9 +111,15 @@ SCENES = ("ball; 0.95", "ball; 0.6", "ball; 0.2", "rough; 0.3", "rough; 0.05")
 
 # Paths of many iterations differ by rounding.
 TABLES = {
-    "printed-elastic": DocTable(make_elastic_rows, seconds=9, timed=("iterations", "CPU, s"), units=5, shown=pick(ELASTIC, STOPS)),
+    "printed-elastic": DocTable(
+        make_elastic_rows, seconds=9, timed=("iterations", "CPU, s"), units=5, shown=pick(ELASTIC, STOPS)
+    ),
     "printed-capped": DocTable(
-        make_capped_rows, seconds=60, timed=("iterations", "CPU, s", "default: CPU, s"), units=5, shown=pick(CAPPED, SCENES)
+        make_capped_rows,
+        seconds=60,
+        timed=("iterations", "CPU, s", "default: CPU, s"),
+        units=5,
+        shown=pick(CAPPED, SCENES),
     ),
 }
 

@@ -64,7 +64,10 @@ UNKIND_CONTACTS = {
     "tips r^n, n from 2 to 4": ("tip-2", "tip-3", "tip-4"),
     "oblique strips on long cells": ("strips-unkind",),
 }
-COLUMNS = {"class": "contact", **{name: name for name in ("peak pressure", "perimeter", "patches", "approach", "mean gap")}}
+COLUMNS = {
+    "class": "contact",
+    **{name: name for name in ("peak pressure", "perimeter", "patches", "approach", "mean gap")},
+}
 
 
 def join(cells: Sequence[str]) -> str:

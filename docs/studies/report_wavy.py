@@ -152,7 +152,9 @@ METHODS = (
     "count on 2048 x 2048, projected-cg",
 )
 TABLES = {
-    "report-wavy": DocTable(make_rows, seconds=200, timed=("CPU time, s", "time / first"), units=2, shown=pick(SHOWN, METHODS)),
+    "report-wavy": DocTable(
+        make_rows, seconds=200, timed=("CPU time, s", "time / first"), units=2, shown=pick(SHOWN, METHODS)
+    ),
 }
 
 if __name__ == "__main__":

@@ -33,7 +33,12 @@ def make_rows() -> list[list[str]]:
 
 # The lines and columns of the page.
 CONTACTS = {
-    "balls, ellipses: stiffness, conductance": ("stiffness-hertz", "tangential-hertz", "conductance-hertz", "film-hertz"),
+    "balls, ellipses: stiffness, conductance": (
+        "stiffness-hertz",
+        "tangential-hertz",
+        "conductance-hertz",
+        "film-hertz",
+    ),
     "balls, ellipses: partial slip": ("partial-slip-hertz",),
     "balls, ellipses: stress, first yield": ("stress-hertz", "first-yield-hertz"),
     "rough: stiffness, conductance": ("stiffness-rough", "tangential-rough", "conductance-rough", "film-rough"),

@@ -184,7 +184,9 @@ COSTS = ("periodic, 1024²; 0.01", "periodic, 1024²; 0.2", "periodic, 1024²; 1
 TABLES = {
     "stiffness-balls": DocTable(make_balls, seconds=12, units=3),
     "stiffness-rough": DocTable(make_rough, seconds=150, units=3, shown=pick(lines=LOADS)),
-    "stiffness-cost": DocTable(make_cost, seconds=150, timed=("solve, s", "area, %", "stiffness, %", "conductance, %"), shown=pick(lines=COSTS)),
+    "stiffness-cost": DocTable(
+        make_cost, seconds=150, timed=("solve, s", "area, %", "stiffness, %", "conductance, %"), shown=pick(lines=COSTS)
+    ),
 }
 
 if __name__ == "__main__":
