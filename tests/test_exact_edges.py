@@ -227,8 +227,8 @@ def test_the_border_counts_the_cells_that_it_cuts():
     contact = np.zeros(grid.shape, dtype=bool)
     contact[0, 2:7] = contact[1, 2:7] = contact[5:8, -1] = contact[5, 5] = True
     solution = with_fields(grid, contact, ~contact)
-    assert trace_edges(solution).border == pytest.approx(calibration.BORDER * 8 * grid.cell_area)
+    assert trace_edges(solution).border == pytest.approx(calibration.CUT_BORDER_STD * 8 * grid.cell_area)
     assert trace_edges(with_fields(grid, contact, ~contact, boundary="periodic")).border == 0.0
     saturated = np.where(contact, np.where(np.indices(grid.shape)[0] == 0, 1.0, 0.5), 0.0)
     limited = with_fields(grid, saturated, ~contact, limit=1.0)
-    assert trace_edges(limited).border == pytest.approx(calibration.BORDER * 3 * grid.cell_area)
+    assert trace_edges(limited).border == pytest.approx(calibration.CUT_BORDER_STD * 3 * grid.cell_area)

@@ -240,7 +240,7 @@ def test_tips_are_told_by_the_curvature_over_one_and_two_cells(power, expected):
     # A patch of seven cells has no tip between them.
     pressure[1, 1:8] = 1.0
     found = _find_tip_error(with_fields(grid, pressure, 1.0, initial_gap=gap, boundary="periodic"))
-    assert calibration.TIP == (25.0, 0.3)
+    assert calibration.TIP_ERROR == (25.0, 0.3)
     np.testing.assert_allclose(found, [0.0, expected], rtol=1e-9, atol=1e-12)
 
 

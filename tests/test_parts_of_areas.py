@@ -96,7 +96,7 @@ def test_edges_that_are_the_same_are_counted():
         np.array([0.5, 0.5, 0.2, 0.5]), np.array([1.0, 1.0, 1.0, 0.7]), np.tile([[1.0], [-1.0]], (1, 4))
     )
     assert same.tolist() == [2.0, 2.0, 1.0, 1.0]
-    assert _count(np.array([1.0, 3.0])).tolist() == [1.0, 1.0 + 2.0 * calibration.ALIKE]
+    assert _count(np.array([1.0, 3.0])).tolist() == [1.0, 1.0 + 2.0 * calibration.ALIKE_PARTS_FACTOR]
 
 
 @pytest.mark.parametrize(("apart", "pieces"), [(5.0, 1.0), (7.5, 2.0)])
@@ -206,9 +206,9 @@ def test_the_standard_deviation_of_an_excess_falls_with_the_pieces_of_the_edge()
 def test_standard_deviations_of_single_edges_and_of_those_beside_hertz_areas():
     grid = rc.Grid((30, 30), 30.0)
     edges = trace_edges(ball(grid, 9.0, 100.0))
-    alone = 1.6 * (edges.std[1] * math.sqrt(edges.alike[1]) + calibration.SHIFT * edges.strip[1])
+    alone = 1.6 * (edges.std[1] * math.sqrt(edges.alike[1]) + calibration.EDGE_POSITION_STD * edges.strip[1])
     assert edges.alone_std[1] == pytest.approx(alone)
-    blended = edges.std[1] * math.sqrt(calibration.BLENDED**2 - 1.0 + edges.alike[1])
+    blended = edges.std[1] * math.sqrt(calibration.BLENDED_STD_FACTOR**2 - 1.0 + edges.alike[1])
     assert edges.blended_std[1] == pytest.approx(blended)
 
 
@@ -250,7 +250,7 @@ def test_saturated_patches_weigh_from_half_of_their_cells_and_carry_their_load()
 
 
 def test_rims_count_from_a_third_more_curvature_on():
-    first, highest, std = calibration.RIM
+    first, highest, std = calibration.RIM_POSITION_TERMS
     grid = rc.Grid((31, 31), 31.0)
     square = grid.x**2 + grid.y**2
     contact = square < 11.0**2
@@ -351,7 +351,7 @@ def test_the_maximum_pressure_of_a_summit_of_fourth_order(cell, quartic):
     mean = found.summits.curvature[0] / 2.0
     expected = hertz * (1.0 - 32.0 / 45.0 * c4 * found.area[1] / np.pi / mean)
     assert value[0] == pytest.approx(expected, rel=2e-3)
-    wanted = quantity_calibration.SUMMIT_EXACT + quantity_calibration.SUMMIT_ERROR * found.error[1]
+    wanted = quantity_calibration.MIN_SUMMIT_ERROR + quantity_calibration.SUMMIT_ERROR_FACTOR * found.error[1]
     assert error[0] == pytest.approx(wanted, rel=1e-6)
 
 

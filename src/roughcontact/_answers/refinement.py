@@ -22,7 +22,7 @@ from roughcontact.errors.door import guarded
 from roughcontact.extrapolation import Extrapolation, exponential
 
 # Doublings of a grid beyond which the size of the finest one is not computed: far beyond any memory.
-_MOST_DOUBLINGS = 60
+_MAX_DOUBLINGS = 60
 
 
 def require_problem(problem: ContactProblem) -> ContactProblem:
@@ -165,7 +165,7 @@ def extrapolate(
     nx, ny = require_problem(problem).plan.grid.shape
     load = Load.of(pressure=pressure, force=force, approach=approach)
     # A finest grid that does not fit into memory is refused before the others are made.
-    finest = min(levels - 1, _MOST_DOUBLINGS)
+    finest = min(levels - 1, _MAX_DOUBLINGS)
     require_memory_of_solve(
         Grid((nx << finest, ny << finest), problem.plan.grid.size), problem.boundary, problem.memory_limit
     )
@@ -188,11 +188,11 @@ def solve_ladder(
 
 
 # Cells of the longest wave that may be drawn last: the shortest that the grid of a map can hold.
-_NYQUIST = 2.0
+_NYQUIST_CELLS = 2.0
 # Realizations beyond which their mean and spread gain nothing.
-_MOST = 1000
+_MAX_REALIZATIONS = 1000
 # Standard deviations of a range that should hold.
-_HOLDS = 2.0
+_RANGE_STDS = 2.0
 
 
 @attrs.frozen(eq=False)
@@ -233,8 +233,8 @@ class BeyondResolution:
     @property
     def range(self) -> tuple[float, float]:
         """The area if the surface ends at one of the wavelengths or between, m2: from, to, by two deviations."""
-        low = self.means - _HOLDS * self.stds
-        high = self.means + _HOLDS * self.stds
+        low = self.means - _RANGE_STDS * self.stds
+        high = self.means + _RANGE_STDS * self.stds
         return max(0.0, float(low.min())), float(high.max())
 
     def __repr__(self) -> str:
@@ -315,8 +315,8 @@ def beyond_resolution(
         raise InputError.about("The problem", problem, "a ContactProblem")
     load = Load.of(pressure=pressure, force=force)
     count = integer(realizations, "The number of realizations", at_least=2)
-    if count > _MOST:
-        raise InputError.about("The number of realizations", count, f"at most {_MOST}")
+    if count > _MAX_REALIZATIONS:
+        raise InputError.about("The number of realizations", count, f"at most {_MAX_REALIZATIONS}")
     sides = problem.body.surface, problem.counterbody.surface
     maps = [found for surface in sides for found in find_maps(surface)]
     if not maps:
@@ -324,7 +324,7 @@ def beyond_resolution(
     cell = max(max(found.grid.spacing) for found in maps)
     waves = _list_wavelengths(cutoffs, cell)
     if resolved is not None:
-        resolved = number(resolved, "The shortest resolved wavelength", "m", at_least=_NYQUIST * cell)
+        resolved = number(resolved, "The shortest resolved wavelength", "m", at_least=_NYQUIST_CELLS * cell)
     seed = integer(seed, "The seed", at_least=0)
     finest = Grid(cells_for(problem.plan.grid.size, waves[-1]), problem.plan.grid.size)
     require_memory_of_solve(finest, problem.boundary, problem.memory_limit)
@@ -346,7 +346,7 @@ def beyond_resolution(
 def _list_wavelengths(cutoffs: Sequence[float], cell: float) -> tuple[float, ...]:
     if not isinstance(cutoffs, (tuple, list, np.ndarray)) or np.ndim(cutoffs) != 1:
         raise InputError.about("The cut-offs", cutoffs, "a list of wavelengths in cells of the map, such as [1, 0.5]")
-    cells = {number(value, "A cut-off", "cells of the map", above=0.0, at_most=_NYQUIST) for value in cutoffs}
+    cells = {number(value, "A cut-off", "cells of the map", above=0.0, at_most=_NYQUIST_CELLS) for value in cutoffs}
     if not cells:
         raise InputError("The list of cut-offs is empty: give at least one.")
     return tuple(sorted((value * cell for value in cells), reverse=True))

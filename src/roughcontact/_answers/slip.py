@@ -61,14 +61,14 @@ class FrettingLoop:
 
 # Fraction of the force of sliding up to which the errors of the two approaches cancel (measured on balls of 3 to 24
 # cells radius: the error is that of the stiffness for small forces).
-_CANCELLED = 0.2
+_CANCELLATION_FORCE = 0.2
 # Distance by which a straight edge, as at a free border that cuts the contact, lies inside that of its cells, cells.
-_BORDER = 0.17
+_BORDER_INSET_CELLS = 0.17
 # Relative standard deviation, over Poisson's ratio, near sliding, where the traction across the force takes a part of
 # the friction: set beside the tractions that obey friction in every cell (benchmarks/response_classes.py).
-_LATERAL = 0.02
+_LATERAL_STD = 0.02
 # Relative standard deviation above which the energy is called unresolved.
-_UNRESOLVED = 0.5
+_MAX_ENERGY_STD = 0.5
 
 
 def _force(value: float) -> float:
@@ -234,10 +234,10 @@ class CiavarellaJaeger(Response[PartialSlip]):
         compliance = find_tangential_compliance(solution, traction, stuck.contact, self.axis)
         ratio = compliance.ratio
         sliding = lost / solution.force
-        unsure = math.hypot(compliance.excess, _LATERAL * compliance.anisotropy * sliding**2)
+        unsure = math.hypot(compliance.excess, _LATERAL_STD * compliance.anisotropy * sliding**2)
         stick_area, slip_area = _compare_areas(solution, stuck)
         energy = _widen(_dissipate(solution, stuck, 4.0 * self.friction**2 * ratio), unsure)
-        if energy.uncertainty > _UNRESOLVED * energy.value and energy.uncertainty > 0.0:
+        if energy.uncertainty > _MAX_ENERGY_STD * energy.value and energy.uncertainty > 0.0:
             text = "the slip zone is too narrow for this grid to resolve the dissipated energy"
             warnings += (ContactWarning(text, "resolution"),)
         warnings += stick_area.warnings
@@ -301,7 +301,7 @@ def _compare_areas(contact: ContactSolution, stuck: ContactSolution) -> tuple[Es
 def _displace(contact: ContactSolution, stuck: ContactSolution, factor: float) -> Estimate:
     """Return the tangential displacement: a factor times the difference of the approaches."""
     value = factor * max(contact.approach - stuck.approach, 0.0)
-    std = math.hypot(factor * _approach_std(contact, stuck), _BORDER * _cut_fraction(contact) * value)
+    std = math.hypot(factor * _approach_std(contact, stuck), _BORDER_INSET_CELLS * _cut_fraction(contact) * value)
     return Estimate(value, std, "m")
 
 
@@ -322,7 +322,7 @@ def _approach_std(contact: ContactSolution, stuck: ContactSolution) -> float:
     """Return the standard deviation of the difference of two approaches, m: close to each other they err alike."""
     if stuck is contact:
         return 0.0
-    alike = (sliding := 1.0 - stuck.force / contact.force) / math.hypot(sliding, _CANCELLED)
+    alike = (sliding := 1.0 - stuck.force / contact.force) / math.hypot(sliding, _CANCELLATION_FORCE)
     solved = (one.residuals.error * one.residuals.scale for one in (contact, stuck))
     alike *= max(contact.grid.spacing) / min(contact.grid.spacing)
     std = math.hypot(*(alike * find_shift(one)[1] for one in (contact, stuck)), *solved)

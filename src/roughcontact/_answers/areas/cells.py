@@ -10,13 +10,13 @@ from roughcontact._parts.grid import Boundary, extend
 from roughcontact._solve.solution import ContactSolution
 
 # Cells of the smallest patch that may have a sharp edge: in a smaller one three cells in a row rise outward by chance.
-_SHARP_PATCH = 9
+MIN_SHARP_PATCH_CELLS = 9
 # Cells over which the pressure is compared inwards from a sharp edge, beside the cell itself.
-_INWARD = 2
+_INWARD_CELLS = 2
 # Height of a step over the differences of height before and behind it.
-_STEPPED = 4.0
+_MIN_STEP_RATIO = 4.0
 # Steps, in cells, from a cell to its eight neighbours.
-_NEIGHBOURS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
+_NEIGHBOUR_STEPS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
 @attrs.frozen(eq=False)
@@ -159,16 +159,16 @@ def find_sharp_edges(solution: ContactSolution) -> Mask:
     interior = interior[:, :-2] & interior[:, 1:-1] & interior[:, 2:]
     sharp = np.zeros(contact.size, dtype=bool)
     edge = np.flatnonzero(contact & ~interior)
-    edge = edge[np.concatenate(([False], patches.cells >= _SHARP_PATCH))[patches.labels.ravel()[edge]]]
+    edge = edge[np.concatenate(([False], patches.cells >= MIN_SHARP_PATCH_CELLS))[patches.labels.ravel()[edge]]]
     if edge.size == 0:
         return sharp.reshape(contact.shape)
     saturated = solution.saturated.ravel()[edge] if solution.capped else np.zeros(edge.size, dtype=bool)
     pressure = solution.pressure.ravel()
     touching = contact.ravel()
     gap = solution.initial_gap.ravel() if saturated.any() else pressure
-    near = Surroundings.of(*split(edge, contact.shape[1]), contact.shape, solution.boundary, _INWARD)
-    beside = {step: touching[near.at(*step)] for step in _NEIGHBOURS}
-    for dx, dy in _NEIGHBOURS:
+    near = Surroundings.of(*split(edge, contact.shape[1]), contact.shape, solution.boundary, _INWARD_CELLS)
+    beside = {step: touching[near.at(*step)] for step in _NEIGHBOUR_STEPS}
+    for dx, dy in _NEIGHBOUR_STEPS:
         straight = dx == 0 or dy == 0
         sides = beside[dy, dx] & beside[-dy, -dx] if straight else ~(beside[dx, 0] | beside[0, dy])
         facing = np.flatnonzero(sides & ~beside[dx, dy])
@@ -190,5 +190,5 @@ def _find_sharp(
     if not saturated.any():
         return rising
     before, here, beside, beyond = (take(gap, k) for k in (-1, 0, 1, 2))
-    stepped = beside - here > _STEPPED * np.maximum(np.abs(beyond - beside), np.abs(here - before))
+    stepped = beside - here > _MIN_STEP_RATIO * np.maximum(np.abs(beyond - beside), np.abs(here - before))
     return np.where(saturated, stepped, rising)

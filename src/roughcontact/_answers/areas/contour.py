@@ -18,16 +18,16 @@ from roughcontact._solve.solution import ContactSolution
 Corners: TypeAlias = npt.NDArray[np.float64]
 
 # Whether each corner is in contact, shape (4, 16), in the 16 kinds of dual cells: kind k has the bits of k.
-_KINDS = (np.arange(16) >> np.arange(4)[:, np.newaxis] & 1).astype(bool)
+_CORNERS_INSIDE = (np.arange(16) >> np.arange(4)[:, np.newaxis] & 1).astype(bool)
 # Number of corners in contact of each kind, as a floating-point number.
-INSIDE = _KINDS.sum(axis=0).astype(np.float64)
-_TWO = INSIDE == 2
-_THREE = INSIDE == 3
-_DIAGONAL = (_KINDS[0] == _KINDS[2]) & (_KINDS[1] == _KINDS[3]) & _TWO
+CORNER_COUNTS = _CORNERS_INSIDE.sum(axis=0).astype(np.float64)
+_TWO_INSIDE = CORNER_COUNTS == 2
+_THREE_INSIDE = CORNER_COUNTS == 3
+_DIAGONAL_INSIDE = (_CORNERS_INSIDE[0] == _CORNERS_INSIDE[2]) & (_CORNERS_INSIDE[1] == _CORNERS_INSIDE[3]) & _TWO_INSIDE
 # The corner to begin at: the one that is unlike the others, or the first of two in contact.
-_ODD = np.where(_THREE, ~_KINDS, _KINDS)
-_BEGIN = np.where(_ODD[0] & _ODD[3] & _TWO, 3, np.argmax(_ODD, axis=0))
-_EULER = np.select([INSIDE == 1, _THREE, _DIAGONAL], [0.25, -0.25, -0.5], 0.0)
+_ODD_CORNERS = np.where(_THREE_INSIDE, ~_CORNERS_INSIDE, _CORNERS_INSIDE)
+_FIRST_CORNERS = np.where(_ODD_CORNERS[0] & _ODD_CORNERS[3] & _TWO_INSIDE, 3, np.argmax(_ODD_CORNERS, axis=0))
+_EULER_NUMBERS = np.select([CORNER_COUNTS == 1, _THREE_INSIDE, _DIAGONAL_INSIDE], [0.25, -0.25, -0.5], 0.0)
 
 
 def find_kinds(contact: Mask) -> npt.NDArray[np.uint8]:
@@ -51,22 +51,24 @@ def measure_polygons(
     n = kind.size
     kind = kind.astype(np.intp)
     # Distances at the corner to begin at, the one before it and both behind it.
-    before, here, after, last = (away.take((_BEGIN + step & 3).take(kind) * n + columns) for step in (-1, 0, 1, 2))
+    before, here, after, last = (
+        away.take((_FIRST_CORNERS + step & 3).take(kind) * n + columns) for step in (-1, 0, 1, 2)
+    )
     rest = _divide(here, before)
     middle = _divide(here, after)
     end = _divide(after, last)
-    even = _BEGIN % 2 == 0
+    even = _FIRST_CORNERS % 2 == 0
     along, across = (np.where(even, *sides).take(kind) for sides in (size, size[::-1]))
-    pair = _TWO.take(kind)
+    pair = _TWO_INSIDE.take(kind)
     triangle = 0.5 * rest * middle
     chord = np.hypot(np.where(pair, 1.0, middle) * along, np.where(pair, end - rest, rest) * across)
-    area = np.where(pair, 0.5 * (rest + end), np.where(_THREE.take(kind), 1.0 - triangle, triangle))
+    area = np.where(pair, 0.5 * (rest + end), np.where(_THREE_INSIDE.take(kind), 1.0 - triangle, triangle))
     area *= size[0] * size[1]
-    diagonal = np.flatnonzero(_DIAGONAL.take(kind))
+    diagonal = np.flatnonzero(_DIAGONAL_INSIDE.take(kind))
     if diagonal.size:
         saddles = distance[:, diagonal]
         area[diagonal], chord[diagonal] = _measure_saddles(saddles, contact[:, diagonal], find_crossings(saddles), size)
-    return area, chord, _EULER.take(kind)
+    return area, chord, _EULER_NUMBERS.take(kind)
 
 
 def _divide(one: Array, other: Array) -> Array:
@@ -188,7 +190,7 @@ class Owners:
         return cls(
             np.concatenate((alone, cell)),
             np.concatenate((highest[alone], patch)),
-            np.concatenate((np.ones(alone.size), 1.0 / INSIDE[kind[cell]])),
+            np.concatenate((np.ones(alone.size), 1.0 / CORNER_COUNTS[kind[cell]])),
             count,
         )
 
@@ -218,17 +220,17 @@ def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
 
 
 # Upper bound of the distance at the corners of a dual cell, in cells; at a smooth edge it is below sqrt(2).
-_LONGEST = 16.0
+_MAX_DISTANCE_CELLS = 16.0
 # Distance of the furthest corner, in cells, where no y gives the gradient one, as at saddles: half a diagonal.
-_SADDLE = 0.7
+_SADDLE_DISTANCE_CELLS = 0.7
 # Difference up to which edges in two dual cells count as the same, in cells, and the number of such steps in any.
-_ALIKE = 1e-3
-_KEYS = 10_000
+_KEY_STEP = 1e-3
+_KEY_COUNT = 10_000
 # So that a half of a cell is not a limit between two steps.
-_OFFSET = 0.382
+_KEY_OFFSET = 0.382
 # Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
-_NEWTON = 4
-_BRACKETED = 16
+_NEWTON_STEPS = 4
+_BRACKETED_STEPS = 16
 
 
 @attrs.frozen(eq=False)
@@ -271,7 +273,7 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     label = patches.labels.ravel().take(k)
     touching = label > 0
     kind = find_kinds(touching)
-    inside = INSIDE[kind]
+    inside = CORNER_COUNTS[kind]
     jagged = sharp.ravel().take(k).any(axis=0) if sharp.any() else np.zeros(kind.size, dtype=bool)
     beside, meeting = _find_non_measured(solution, k, touching)
     # Beside non-measured points the contact ends with the cells.
@@ -319,8 +321,8 @@ def _count_alike(parts: Array, chords: Array, distance: Corners) -> Array:
     """
     highest = np.abs(distance).max(axis=0)
     highest = highest / np.maximum(highest.max(initial=0.0), np.finfo(float).tiny)
-    first, second, third = (np.floor(part / _ALIKE + _OFFSET) for part in (parts, chords, highest))
-    keys = (first * _KEYS + second) * _KEYS + third
+    first, second, third = (np.floor(part / _KEY_STEP + _KEY_OFFSET) for part in (parts, chords, highest))
+    keys = (first * _KEY_COUNT + second) * _KEY_COUNT + third
     order = np.argsort(keys)
     ends = np.flatnonzero(np.diff(keys[order], append=np.inf)) + 1
     counts = np.diff(ends, prepend=0)
@@ -350,7 +352,7 @@ def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: 
     cubic = ax * ax + ay * ay
     square = -2.0 * (ax * bx + ay * by)
     linear = bx * bx + by * by
-    longest = _LONGEST * step
+    longest = _MAX_DISTANCE_CELLS * step
     with np.errstate(divide="ignore"):
         highest = np.minimum(np.cbrt(longest / inside.max(axis=0)) ** 2, (longest / outside.max(axis=0)) ** 2)
     highest = np.where(np.isfinite(highest), highest, 1.0)
@@ -359,7 +361,7 @@ def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: 
     if rootless.any():
         top = inside[:, rootless].max(axis=0), outside[:, rootless].max(axis=0)
         # The square of P y^3 + G y is a cubic in w too.
-        saddle = (_SADDLE * step) ** 2
+        saddle = (_SADDLE_DISTANCE_CELLS * step) ** 2
         w[rootless] = _find_root(top[0] ** 2, 2 * top[0] * top[1], top[1] ** 2, highest[rootless], saddle)
     y = np.sqrt(w)
     return np.asarray(inside * (w * y) - outside * y)
@@ -377,7 +379,7 @@ def _find_root(cubic: Array, square: Array, linear: Array, highest: Array, value
     with np.errstate(divide="ignore", invalid="ignore"):
         # Each term alone reaches the value at the inverse of one of these; all together near that of their norm.
         w = 1.0 / np.sqrt(np.cbrt(cubic / value) ** 2 + square / value + (linear / value) ** 2)
-        for _ in range(_NEWTON):
+        for _ in range(_NEWTON_STEPS):
             excess = ((cubic * w + square) * w + linear) * w - value
             w = w - excess / ((3.0 * cubic * w + 2.0 * square) * w + linear)
     wild = (square < 0.0) | ~((w >= 0.0) & (w < np.inf))
@@ -390,7 +392,7 @@ def _find_bracketed_root(cubic: Array, square: Array, linear: Array, highest: Ar
     low = np.zeros_like(highest)
     high = highest.copy()
     w = 0.5 * highest
-    for _ in range(_BRACKETED):
+    for _ in range(_BRACKETED_STEPS):
         excess = ((cubic * w + square) * w + linear) * w - value
         above = excess > 0.0
         np.copyto(high, w, where=above)

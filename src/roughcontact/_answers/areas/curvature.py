@@ -13,30 +13,30 @@ from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution, heal
 
 # Weights of the central second difference of eighth order at the offsets 0 to 4: 0.7 % too small at four cells a wave.
-_SECOND = (-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0)
+_SECOND_DIFFERENCE = (-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0)
 # Offset of the outermost cell of that difference, in cells.
-_REACH = len(_SECOND) - 1
+_DIFFERENCE_REACH = len(_SECOND_DIFFERENCE) - 1
 # What was measured on solutions that still exist: several estimates ask for it.
-_MEASURED: WeakKeyDictionary[ContactSolution, tuple[float, float, float]] = WeakKeyDictionary()
+_RATIOS_OF_SOLUTIONS: WeakKeyDictionary[ContactSolution, tuple[float, float, float]] = WeakKeyDictionary()
 # Number of cells that suffice for the mean squares of differences: to 1 % or so.
-_SAMPLE = 100_000
+_SAMPLE_CELLS = 100_000
 # Cells below which a patch does not show how the curvature varies under it, so that the cells around it are used.
-_TINY = 9
+_TINY_PATCH_CELLS = 9
 # Mean square distance from the centre along an axis: of three by three cells, cell^2 ...
-_AROUND = 2.0 / 3.0
+_SQUARE_VARIANCE = 2.0 / 3.0
 # ... and of a circle of radius one, weighted by Hertz's pressure (exact).
-_BENEATH = 1.0 / 5.0
+_CIRCLE_VARIANCE = 1.0 / 5.0
 # Fewest cells that show whether heights are linear between points, and the part of them without a kink beside it.
-_FEWEST = 24
-_KINKLESS = 0.3
+_MIN_LINEAR_CELLS = 24
+_KINKLESS_FRACTION = 0.3
 # Part of the differences that differ from each other, to these digits; a kink between two cells is seen from both.
-_DISTINCT = 0.35
-_DIGITS = 6
+_MIN_DISTINCT_FRACTION = 0.35
+_DISTINCT_DIGITS = 6
 # Mean product of second differences of neighbours, negative, from which heights have steps, over the mean square.
-_STEPPED = 0.1
+_MIN_STEP_CORRELATION = 0.1
 # Differences that count as alike, and as the same but for rounding, over their rms.
-_ALIKE = 1e-3
-_EXACT = 1e-6
+_ALIKE_DIFFERENCE = 1e-3
+_EXACT_DIFFERENCE = 1e-6
 
 
 def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array]:
@@ -54,13 +54,13 @@ def average_differences(solution: ContactSolution, chosen: IntArray) -> tuple[Ar
     label = patches.labels.ravel()[chosen]
     weights = solution.pressure.ravel()[chosen]
     cells = np.concatenate(([0], patches.cells))
-    tiny = chosen[cells[label] < _TINY]
+    tiny = chosen[cells[label] < _TINY_PATCH_CELLS]
     around, owner = _find_neighbours(solution, tiny)
     hessian = _find_hessian(solution, np.concatenate((chosen, around)))
     mean, variance = _average([part[: chosen.size] for part in hessian], label, weights, patches.count)
     _, beyond = _average([part[chosen.size :] for part in hessian], owner, np.ones(around.size), patches.count)
-    reach = _BENEATH * cells / np.pi / (_AROUND + cells / (4.0 * np.pi))
-    variance = np.maximum(variance, np.where(cells < _TINY, beyond * reach, 0.0))
+    reach = _CIRCLE_VARIANCE * cells / np.pi / (_SQUARE_VARIANCE + cells / (4.0 * np.pi))
+    variance = np.maximum(variance, np.where(cells < _TINY_PATCH_CELLS, beyond * reach, 0.0))
     middle = 0.5 * (mean[0] + mean[1])
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = np.sqrt(variance) / np.abs(middle)
@@ -74,28 +74,28 @@ def is_linear(solution: ContactSolution, chosen: IntArray) -> bool:
 
     The second difference is then zero at many cells, or the same at two neighbours: there is no kink between them.
     """
-    if chosen.size < _FEWEST:
+    if chosen.size < _MIN_LINEAR_CELLS:
         return False
-    chosen = chosen[:: max(1, chosen.size // _SAMPLE)]
+    chosen = chosen[:: max(1, chosen.size // _SAMPLE_CELLS)]
     lines = _find_differences(solution, chosen)
     here, after = max(lines, key=lambda line: float(np.sum((line[1] - line[0]) ** 2)))
     second = math.sqrt(float(np.mean(here**2)))
     third = math.sqrt(float(np.mean((after - here) ** 2)))
     # A step bends the line one way before it and the other way behind it.
-    steps = float(np.mean(here * after)) < -_STEPPED * second**2
-    if steps or second == 0.0 or third <= _EXACT * second:
+    steps = float(np.mean(here * after)) < -_MIN_STEP_CORRELATION * second**2
+    if steps or second == 0.0 or third <= _EXACT_DIFFERENCE * second:
         return False
-    if not _are_distinct(here[np.abs(here) > _ALIKE * second] / second):
+    if not _are_distinct(here[np.abs(here) > _ALIKE_DIFFERENCE * second] / second):
         return False
     kinked = np.minimum(np.abs(here) / second, np.abs(after - here) / third)
-    return bool(np.quantile(kinked, _KINKLESS) < _ALIKE)
+    return bool(np.quantile(kinked, _KINKLESS_FRACTION) < _ALIKE_DIFFERENCE)
 
 
 def find_filled(solution: ContactSolution, chosen: IntArray) -> Mask:
     """Return which of the chosen cells have the mean height of their four neighbours, as filled ones have."""
     (along_x, _), (along_y, _) = _find_differences(solution, chosen)
     size = math.sqrt(float(np.mean(along_x**2 + along_y**2))) if chosen.size else 0.0
-    filled = (np.abs(along_x + along_y) < _EXACT * size) & (np.abs(along_x) > _EXACT * size)
+    filled = (np.abs(along_x + along_y) < _EXACT_DIFFERENCE * size) & (np.abs(along_x) > _EXACT_DIFFERENCE * size)
     if not filled.any() or not _are_distinct(along_x / size):
         return np.zeros(chosen.shape, dtype=bool)
     return np.asarray(filled)
@@ -103,7 +103,7 @@ def find_filled(solution: ContactSolution, chosen: IntArray) -> Mask:
 
 def _are_distinct(differences: Array) -> bool:
     """Return whether few differences are the same, as of summits that lie alike on the grid or of rounded heights."""
-    return np.unique(np.round(differences, _DIGITS)).size >= _DISTINCT * differences.size
+    return np.unique(np.round(differences, _DISTINCT_DIGITS)).size >= _MIN_DISTINCT_FRACTION * differences.size
 
 
 def _find_differences(solution: ContactSolution, chosen: IntArray) -> list[tuple[Array, Array]]:
@@ -149,14 +149,14 @@ def lay_ratio(solution: ContactSolution) -> float:
 def _measure_heights(solution: ContactSolution) -> tuple[float, float, float]:
     """Return resolution, rim ratio and lay ratio."""
     solution = heal(solution)
-    if solution not in _MEASURED:
-        _MEASURED[solution] = _find_ratios(solution)
-    return _MEASURED[solution]
+    if solution not in _RATIOS_OF_SOLUTIONS:
+        _RATIOS_OF_SOLUTIONS[solution] = _find_ratios(solution)
+    return _RATIOS_OF_SOLUTIONS[solution]
 
 
 def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
     chosen = np.flatnonzero(solution.contact)
-    chosen = chosen[:: max(1, chosen.size // _SAMPLE)]
+    chosen = chosen[:: max(1, chosen.size // _SAMPLE_CELLS)]
     if chosen.size == 0:
         return 0.0, 0.0, 1.0
     *lines, rising, falling = _gather_lines(solution, chosen, 2, 4)
@@ -220,8 +220,9 @@ def _find_hessian(solution: ContactSolution, chosen: IntArray) -> tuple[Array, A
     """Return the xx, yy and xy derivatives of the initial gap at cells, 1/m."""
     dx, dy = solution.grid.spacing
     along_x, along_y, rising, falling = (
-        _SECOND[0] * here + sum(factor * pair for factor, pair in zip(_SECOND[1:], pairs, strict=True))
-        for here, pairs in _gather_lines(solution, chosen, _REACH, 4)
+        _SECOND_DIFFERENCE[0] * here
+        + sum(factor * pair for factor, pair in zip(_SECOND_DIFFERENCE[1:], pairs, strict=True))
+        for here, pairs in _gather_lines(solution, chosen, _DIFFERENCE_REACH, 4)
     )
     # Second differences along both diagonals differ by four mixed ones.
     return along_x / dx**2, along_y / dy**2, (rising - falling) / (4.0 * dx * dy)

@@ -18,34 +18,34 @@ from roughcontact._solve.solution import Area, ContactSolution, Estimate
 
 # Area between a smooth convex edge and its chords, in cells around each piece: a chord of length l cuts off
 # curvature * l^3 / 12, and the mean chords of the unit square are <l> = pi / 4 and <l^3> = 3 / 4.
-_CHORDS = 0.5
+_CHORD_AREA = 0.5
 # Sides of cells along an edge over its length in cells: mean over all directions.
-_SIDES = 4.0 / np.pi
+_SIDES_PER_LENGTH = 4.0 / np.pi
 # Number of cells from which a patch whose topology differs between both strides is not resolved.
-_LARGE = 12
+_MIN_TOPOLOGY_CELLS = 12
 # Standard deviation on single spheres over that on rough contacts, where Hertz's areas take part.
-_ALONE = 1.6
+_SINGLE_CONTACT_FACTOR = 1.6
 # Factor by which the standard deviation of a sharp edge is larger, one less.
-_STAIRS = 2.0
+_SHARP_STD_FACTOR = 2.0
 # Ratio of a patch's cells to its width, in cells of a disc, up to which it is compact.
-_ROUND = 2.0
+_MAX_COMPACT_RATIO = 2.0
 # Ratio of the width of a patch, in cells of a disc, to its cells, below which the width counts.
-_SLENDER = 0.35
+_MAX_SLENDER_RATIO = 0.35
 # Width, in cells of a disc, from which the edges of a slender patch are known better.
-_WIDE = 50.0
+_WIDE_PATCH_WIDTH = 50.0
 # Standard deviation of an excess that has been subtracted, over it.
-UNSURE = 0.3
+SUBTRACTED_EXCESS_STD = 0.3
 # Number of cells below which a patch has no cell that is surrounded by contact.
-_FEW = 4
+_MIN_SURROUNDED_CELLS = 4
 # Maximum excess over the area: above it the linear law of the excess does not hold.
-_LARGEST_EXCESS = 0.3
+_MAX_EXCESS_FRACTION = 0.3
 # Sum of squares over sum of the lengths of the rows of sides below which a long edge is a diagonal of the grid, sides.
-_DIAGONAL = 1.9
+_MAX_DIAGONAL_ROW = 1.9
 # The same where the heights are ridges of one direction, with a lay ratio below the second.
-_OBLIQUE = 8.0
-STRAIGHT = 0.03
+_MAX_OBLIQUE_ROW = 8.0
+MAX_RIDGE_LAY = 0.03
 # Cell sides for each patch from which an edge is long: that of a disc of six cells radius.
-_LONG = 48
+_LONG_EDGE_SIDES = 48
 
 
 @attrs.frozen(eq=False)
@@ -119,19 +119,19 @@ class TracedEdges:
     @property
     def alone_std(self) -> Array:
         """Standard deviation of either area by itself, m2: of single contacts too, and of parts that err alike."""
-        shift = calibration.SHIFT * self.strip
-        return np.asarray(_ALONE * self.oblong * (self.std * np.sqrt(self.alike) + shift))
+        shift = calibration.EDGE_POSITION_STD * self.strip
+        return np.asarray(_SINGLE_CONTACT_FACTOR * self.oblong * (self.std * np.sqrt(self.alike) + shift))
 
     @property
     def blended_std(self) -> Array:
         """Standard deviation of either area beside Hertz's areas, m2, and of parts that err alike."""
-        return np.asarray(self.oblong * self.std * np.sqrt(calibration.BLENDED**2 - 1.0 + self.alike))
+        return np.asarray(self.oblong * self.std * np.sqrt(calibration.BLENDED_STD_FACTOR**2 - 1.0 + self.alike))
 
     def find_excess(self, extrapolated: Array) -> Array:
         """Return the excess of areas that are extrapolated by a fraction, shape (count + 1,), m2."""
         first, second = calibration.EXCESS_HALF
         cells = first * self.curvature_resolution + second * self.curvature_resolution**2
-        half = np.minimum(cells * self.strip, _LARGEST_EXCESS * self.area)
+        half = np.minimum(cells * self.strip, _MAX_EXCESS_FRACTION * self.area)
         none = self.excess
         full = self.excess_refined
         below = 2.0 * extrapolated * half + (1.0 - 2.0 * extrapolated) * none
@@ -162,70 +162,71 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     oblong = math.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
     # The edge of a patch varies at least as half the edge of a disc of as many cells.
     half_disc = np.sqrt(np.pi * cell * np.concatenate(([0], cells)))
-    std = calibration.WANDER * np.sqrt(_SIDES * np.maximum(one.length, half_disc) / step) * cell
+    std = calibration.EDGE_AREA_STD * np.sqrt(_SIDES_PER_LENGTH * np.maximum(one.length, half_disc) / step) * cell
     ratio = curvature_resolution(solution)
     lay = lay_ratio(solution)
     strip = step * one.length
     waves = math.sqrt(ratio) / (2.0 * math.pi)
-    position = calibration.SHIFT * (1.0 + calibration.LAY_SHIFT * (1.0 - lay))
-    position += calibration.LAYERED_SHIFT * find_modulus_change(solution)
+    position = calibration.EDGE_POSITION_STD * (1.0 + calibration.LAY_POSITION_FACTOR * (1.0 - lay))
+    position += calibration.LAYERED_POSITION_STD * find_modulus_change(solution)
     counted = np.concatenate(([1.0], cells))
     width = _measure_width(fine, one.length, cell, counted)
-    small = 1.0 + (calibration.SMALL_PATCH / width) ** 2
-    narrow = np.where(width < _SLENDER * counted, width, counted) < _FEW
+    small = 1.0 + (calibration.SMALL_PATCH_WIDTH / width) ** 2
+    narrow = np.where(width < _MAX_SLENDER_RATIO * counted, width, counted) < _MIN_SURROUNDED_CELLS
     meeting = cell * one.meeting
     met = step * one.meeting
-    few = calibration.FLUCTUATION * ratio * fine / counted**1.5
-    places = calibration.NON_MEASURED_PLACE * cell * np.sqrt(one.meeting)
+    few = calibration.SMALL_PATCH_STD * ratio * fine / counted**1.5
+    places = calibration.NON_MEASURED_PLACE_STD * cell * np.sqrt(one.meeting)
     return TracedEdges(
-        area=np.maximum(fine - calibration.NON_MEASURED * meeting, 0.0),
-        refined=(4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED * meeting,
+        area=np.maximum(fine - calibration.NON_MEASURED_EXCESS * meeting, 0.0),
+        refined=(4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED_EXCESS * meeting,
         length=one.length + calibration.NON_MEASURED_LENGTH * met,
         untraced_std=calibration.NON_MEASURED_LENGTH_STD * met,
         sharp=one.sharp,
-        std=np.hypot(np.hypot(std * (small + _STAIRS * one.sharp), few), places),
-        alike=_count(one.alike) * (calibration.OBLIQUE if lay < STRAIGHT and is_diagonal(solution, lay) else 1.0),
+        std=np.hypot(np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), few), places),
+        alike=_count(one.alike)
+        * (calibration.OBLIQUE_PARTS_FACTOR if lay < MAX_RIDGE_LAY and is_diagonal(solution, lay) else 1.0),
         strip=strip,
         curvature_resolution=ratio,
-        excess=np.minimum(calibration.EXCESS * ratio * strip, _LARGEST_EXCESS * fine),
-        excess_refined=np.minimum(calibration.EXCESS_REFINED * ratio**2 * strip, _LARGEST_EXCESS * fine),
-        saturated=calibration.SATURATED * _saturated_weight(solution) * strip,
-        unseen=np.where(narrow, calibration.UNSEEN * ratio**2 * fine, 0.0),
+        excess=np.minimum(calibration.EXCESS * ratio * strip, _MAX_EXCESS_FRACTION * fine),
+        excess_refined=np.minimum(calibration.EXCESS_REFINED * ratio**2 * strip, _MAX_EXCESS_FRACTION * fine),
+        saturated=calibration.SATURATED_POSITION_STD * _saturated_weight(solution) * strip,
+        unseen=np.where(narrow, calibration.UNSEEN_STD * ratio**2 * fine, 0.0),
         meeting=calibration.NON_MEASURED_STD * meeting,
         width=width,
         roundness=_measure_roundness(width, counted),
         border=math.hypot(oblong * _border_std(solution), _find_filled_std(solution)) * cell,
-        topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _LARGE))) * cell,
-        shift=calibration.SHIFT * (1.0 + calibration.LAY_SHIFT * (1.0 - lay))
-        + calibration.LAYERED_SHIFT * find_modulus_change(solution)
+        topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _MIN_TOPOLOGY_CELLS))) * cell,
+        shift=calibration.EDGE_POSITION_STD * (1.0 + calibration.LAY_POSITION_FACTOR * (1.0 - lay))
+        + calibration.LAYERED_POSITION_STD * find_modulus_change(solution)
         + _measure_rims(solution),
-        slender=_slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE),
+        slender=_slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH),
         oblong=oblong,
-        pieces=max(1.0, lay**calibration.LAY_PIECES * float(np.sum(one.length / one.alike)) * waves / step),
+        pieces=max(1.0, lay**calibration.LAY_PIECES_EXPONENT * float(np.sum(one.length / one.alike)) * waves / step),
     )
 
 
 def _slender_std(lay: float) -> float:
     """Return the standard deviation of the edges of very slender patches, in cells: those of a lay err alike."""
-    along, merged = calibration.SLENDER
+    along, merged = calibration.SLENDER_POSITION_STD
     return along * (1.0 - lay) + merged * lay
 
 
 def _measure_rims(solution: ContactSolution) -> Array:
     """Return the standard deviation of edges at sharp rims, cells, shape (count + 1,)."""
-    first, highest, std = calibration.RIM
+    first, highest, std = calibration.RIM_POSITION_TERMS
     sharpness = min(max(rim_ratio(solution) - first, 0.0), highest)
     return np.asarray(std * sharpness * (1.0 - _saturated_weight(solution)))
 
 
 def _measure_roundness(width: Array, cells: Array) -> Array:
-    slenderness = np.maximum(cells / (_ROUND * width), 1.0) - 1.0
-    return np.asarray(1.0 / (1.0 + slenderness / (1.0 + (width / _WIDE) ** 2)))
+    slenderness = np.maximum(cells / (_MAX_COMPACT_RATIO * width), 1.0) - 1.0
+    return np.asarray(1.0 / (1.0 + slenderness / (1.0 + (width / _WIDE_PATCH_WIDTH) ** 2)))
 
 
 def _count(alike: Array) -> Array:
     """Return the number of errors that add up, for a number of parts of the edge that are the same."""
-    return 1.0 + calibration.ALIKE * (alike - 1.0)
+    return 1.0 + calibration.ALIKE_PARTS_FACTOR * (alike - 1.0)
 
 
 def _measure_width(area: Array, length: Array, cell: float, cells: Array) -> Array:
@@ -238,7 +239,7 @@ def _measure_width(area: Array, length: Array, cell: float, cells: Array) -> Arr
 def _correct(solution: ContactSolution, edge: Contour, stride: int) -> Array:
     """Return the areas inside the smooth edges whose chords are the sides of the polygons."""
     step = np.sqrt(solution.grid.cell_area)
-    cut_off = (_CHORDS + calibration.EULER) * stride**2 * edge.euler * solution.grid.cell_area
+    cut_off = (_CHORD_AREA + calibration.PIECE_AREA_DEFICIT) * stride**2 * edge.euler * solution.grid.cell_area
     return np.asarray(np.maximum(edge.area + solution.edge_shift * step * edge.length + cut_off, 0.0))
 
 
@@ -252,14 +253,14 @@ def _border_std(solution: ContactSolution) -> float:
         for field in (contact, solution.saturated, find_cut_cells(solution))
     )
     ended = np.count_nonzero(contact & ~saturated & ~cut)
-    return calibration.BORDER * np.count_nonzero(cut) + calibration.UNCUT_BORDER * ended
+    return calibration.CUT_BORDER_STD * np.count_nonzero(cut) + calibration.UNCUT_BORDER_STD * ended
 
 
 def _find_filled_std(solution: ContactSolution) -> float:
     """Return the standard deviation at points beside the edge whose heights were filled in, in cells."""
     beside = grow(solution.contact, 1, solution.boundary) & grow(~solution.contact, 1, solution.boundary)
     filled = np.count_nonzero(find_filled(solution, np.flatnonzero(beside)))
-    return calibration.FILLED * math.sqrt(filled)
+    return calibration.FILLED_POINT_STD * math.sqrt(filled)
 
 
 def _saturated_weight(solution: ContactSolution) -> Array:
@@ -275,22 +276,22 @@ def _saturated_weight(solution: ContactSolution) -> Array:
 def is_diagonal(solution: ContactSolution, lay: float) -> bool:
     """Return whether long edges run along a diagonal of the grid, or straight ones in any oblique direction."""
     rows = find_straight_rows(solution.contact, solution.boundary).astype(np.float64)
-    long = rows.sum() > _LONG * solution.patches.count
-    oblique = _OBLIQUE if lay < STRAIGHT else _DIAGONAL
+    long = rows.sum() > _LONG_EDGE_SIDES * solution.patches.count
+    oblique = _MAX_OBLIQUE_ROW if lay < MAX_RIDGE_LAY else _MAX_DIAGONAL_ROW
     return bool(long and np.sum(rows**2) < oblique * rows.sum())
 
 
 # Fraction of the counted area in patches of fewer than four cells above which the grid does not resolve the contact ...
-_SMALL = 0.2
+_MAX_SMALL_FRACTION = 0.2
 # ... unless the resolution ratio is below this (six cells a shortest wave), when load and curvature determine the area.
-_SMOOTH = 0.4
+_MAX_SMOOTH_RATIO = 0.4
 # Cells of the waves that dominate the curvature below which the grid does not resolve it; self-affine surfaces come
 # below with three cells a shortest wave, where areas err by up to 3 % (benchmarks/rough_constants.py).
-_CELLS = 5.5
+_MIN_WAVE_CELLS = 5.5
 # Logarithm of the change of E* over two octaves of wavelength above which the edge is uncertain by 0.03 cells.
-_LAYERED = 0.3
+_MAX_MODULUS_CHANGE = 0.3
 # Relative uncertainty above which two of it are more than 10 %.
-_UNCERTAIN = 0.05
+_MAX_RELATIVE_STD = 0.05
 
 
 def total_area(
@@ -344,7 +345,7 @@ def warn_if_uncertain(value: float, std: float, unit: str, warnings: tuple[str, 
 
 def _judge_uncertainty(what: str, value: float, std: float, warnings: tuple[str, ...]) -> tuple[str, ...]:
     """Return the warnings, or if there are none and two standard deviations are more than 10 %, that they are."""
-    if warnings or std <= _UNCERTAIN * abs(value):
+    if warnings or std <= _MAX_RELATIVE_STD * abs(value):
         return warnings
     text = f"the grid hardly determines {what}, whose uncertainty is above 5 %: refine the grid"
     return (ContactWarning(text, "uncertainty", std / abs(value) if value else math.inf),)
@@ -354,18 +355,18 @@ def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tup
     """Return why an area from this solution must not be trusted, in sentences; empty if there are no warnings."""
     warnings = []
     waves = 2.0 * math.pi / math.sqrt(curvature_resolution) if curvature_resolution > 0.0 else math.inf
-    if waves < _CELLS:
+    if waves < _MIN_WAVE_CELLS:
         text = (
             f"the shortest waves have about {waves:.2g} cells; the area needs about 8 "
             "(a finer grid of a measured map adds no heights)"
         )
         warnings.append(ContactWarning(text, "resolution", waves))
     small = solution.patches.small_fraction
-    if small > _SMALL and curvature_resolution > _SMOOTH:
+    if small > _MAX_SMALL_FRACTION and curvature_resolution > _MAX_SMOOTH_RATIO:
         text = f"{100 * small:.3g} % of the counted area is in patches of fewer than four cells"
         warnings.append(ContactWarning(text, "small patches", small))
     change = find_modulus_change(solution)
-    if change > _LAYERED:
+    if change > _MAX_MODULUS_CHANGE:
         text = (
             f"the modulus changes by a factor of {math.exp(change):.2g} between wavelengths of about a cell, as on a "
             "thin layer: refine the grid"

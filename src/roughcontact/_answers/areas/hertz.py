@@ -12,7 +12,7 @@ from roughcontact._answers.areas.cells import Surroundings, split
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._answers.areas.summits import (
-    SLENDEREST,
+    MIN_CURVATURE_RATIO,
     Summits,
     find_axes_ratio,
     find_depth,
@@ -27,16 +27,16 @@ from roughcontact._parts.kernels import Love
 from roughcontact._solve.solution import ContactSolution
 
 # Cells of the largest patch whose load is corrected: that of larger ones is right.
-_LARGEST = 36
+_MAX_CORRECTED_CELLS = 36
 # Spread of the curvature up to which a contact is taken for one summit.
-_EVEN = 0.25
+_MAX_EVEN_SPREAD = 0.25
 # Accuracy of the common approach, over the largest that is tried.
-_ROOT = 1e-14
+_APPROACH_TOLERANCE = 1e-14
 # Newton steps to a summit between the cell centres.
-_STEPS = 3
+_NEWTON_STEPS = 3
 # Largest gap at the nearest cell of a summit that touches, over curvature times the square of a cell's diagonal:
 # 1/8 for a summit in the corner of a cell; the sharpest summit may be sharper than those in contact.
-_HIDDEN = 0.25
+_HIDDEN_GAP_FACTOR = 0.25
 
 
 @attrs.frozen(eq=False)
@@ -61,9 +61,14 @@ def share_load(solution: ContactSolution, summits: Summits, spline: Spline) -> S
     from scipy import optimize
 
     patches = solution.patches
-    even = summits.known & (summits.spread < _EVEN) & (patches.cells <= _LARGEST) & ~_find_saturated(solution)
+    even = (
+        summits.known
+        & (summits.spread < _MAX_EVEN_SPREAD)
+        & (patches.cells <= _MAX_CORRECTED_CELLS)
+        & ~_find_saturated(solution)
+    )
     # The load of a single patch is known.
-    unknown = np.asarray(calibration.LOAD / patches.cells**1.5 * (patches.count > 1), dtype=np.float64)
+    unknown = np.asarray(calibration.LOAD_ERROR / patches.cells**1.5 * (patches.count > 1), dtype=np.float64)
     none = Sharing(np.ones(patches.count), unknown, np.zeros(0))
     # Own displacements follow from Love's coefficients: of uniform pressure on the cells of a half-space.
     if solution.moduli is not None or solution.edge_shift == 0.0 or not even.any():
@@ -71,7 +76,7 @@ def share_load(solution: ContactSolution, summits: Summits, spline: Spline) -> S
     flat = find_depth(patches.forces, summits.semi_axis, summits.axes_ratio, solution.modulus)
     # The approach of the discrete solution is too small, for the gap vanishes at the centres of the cells only.
     curved = np.where(summits.known, summits.curvature, np.median(summits.curvature[even]))
-    lacking = curved * solution.grid.cell_area * calibration.LACKING
+    lacking = curved * solution.grid.cell_area * calibration.APPROACH_DEFICIT
     excess = np.where(even, _find_excess(solution, summits, spline, even) - flat, -lacking)
     stiffness = 2.0 * solution.modulus * np.sqrt(np.where(summits.known, summits.area, patches.areas) / np.pi)
     depth, unit_depth, unit_area = _find_hidden(solution, spline, float(summits.curvature[even].max()))
@@ -88,10 +93,12 @@ def share_load(solution: ContactSolution, summits: Summits, spline: Spline) -> S
     far = 3.0 * float(flat[even].max()) + float(np.abs(excess).max())
     if surplus(-far) * surplus(far) > 0.0:
         return none
-    carried, hidden = loads(far * float(optimize.brentq(lambda part: surplus(part * far), -1.0, 1.0, xtol=_ROOT)))
+    carried, hidden = loads(
+        far * float(optimize.brentq(lambda part: surplus(part * far), -1.0, 1.0, xtol=_APPROACH_TOLERANCE))
+    )
     factor = np.where(even, carried / patches.forces, 1.0)
     others = float(patches.forces[~even].sum() / patches.forces.sum())
-    error = calibration.LACKING_STD * np.median(curved) * solution.grid.cell_area * others / (1.5 * flat)
+    error = calibration.APPROACH_DEFICIT_STD * np.median(curved) * solution.grid.cell_area * others / (1.5 * flat)
     error = np.where(even, np.minimum(error, unknown), unknown)
     return Sharing(factor, error, unit_area[hidden > 0.0] * hidden[hidden > 0.0] ** (2.0 / 3.0))
 
@@ -181,7 +188,7 @@ def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> 
     along_y = (u[i, (j + 1) % ny] - u[i, j - 1]) / (2.0 * dy)
     x = np.zeros(i.size)
     y = np.zeros(i.size)
-    for _ in range(_STEPS):
+    for _ in range(_NEWTON_STEPS):
         gx, gy, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 1, 2)
         determinant = xx * yy - xy**2
         summit = (determinant > 0.0) & (xx + yy > 0.0)
@@ -193,7 +200,7 @@ def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> 
     value, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 0, 2)
     middle = 0.5 * (xx + yy)
     difference = np.hypot(0.5 * (xx - yy), xy)
-    summit = middle - difference > SLENDEREST * (middle + difference)
+    summit = middle - difference > MIN_CURVATURE_RATIO * (middle + difference)
     overlap = solution.approach - value - solution.displacement.ravel()[chosen] - along_x * x - along_y * y
     overlap = overlap[summit]
     middle = middle[summit]
@@ -209,7 +216,7 @@ def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
     """Return open cells, none of whose neighbours is lower or in contact, that a summit beside them may touch."""
     nx, ny = solution.grid.shape
     dx, dy = solution.grid.spacing
-    low = (solution.gap < sharpest * (dx * dx + dy * dy) * _HIDDEN) & ~solution.contact
+    low = (solution.gap < sharpest * (dx * dx + dy * dy) * _HIDDEN_GAP_FACTOR) & ~solution.contact
     if solution.non_measured is not None:
         low &= ~grow(solution.non_measured, 2, solution.boundary)
     if solution.boundary is Boundary.FREE:
@@ -231,8 +238,8 @@ def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
 
 
 # Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.
-_UNLIMITED = 1e150
-_FOUND: WeakKeyDictionary[ContactSolution, HertzAreas] = WeakKeyDictionary()
+_NO_PRESSURE_LIMIT = 1e150
+_AREAS_OF_SOLUTIONS: WeakKeyDictionary[ContactSolution, HertzAreas] = WeakKeyDictionary()
 
 
 @attrs.frozen(eq=False)
@@ -253,17 +260,17 @@ class HertzAreas:
     def common_std(self, areas: Array) -> float:
         """Return the standard deviation that these areas share, m2: similar summits err alike."""
         known = np.isfinite(self.error)
-        return calibration.HERTZ_COMMON * float(np.sum(np.minimum(self.error[known], 1.0) * areas[known]))
+        return calibration.HERTZ_COMMON_FRACTION * float(np.sum(np.minimum(self.error[known], 1.0) * areas[known]))
 
 
 def hertz_areas(solution: ContactSolution) -> HertzAreas:
     """Return Hertz's areas of the patches, from their summits between the cell centres and the common approach."""
     # Area and maximum pressure ask for the same.
-    if solution not in _FOUND:
+    if solution not in _AREAS_OF_SOLUTIONS:
         # Lengths and loads near the ends of float64 leave it; such areas are not known.
         with np.errstate(all="ignore"):
-            _FOUND[solution] = _find_areas(solution)
-    return _FOUND[solution]
+            _AREAS_OF_SOLUTIONS[solution] = _find_areas(solution)
+    return _AREAS_OF_SOLUTIONS[solution]
 
 
 def _find_areas(solution: ContactSolution) -> HertzAreas:
@@ -278,18 +285,20 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     constant, square, fourth = calibration.HERTZ_ERROR
     # Positions err with the longer side of a cell.
     oblong = (max(solution.grid.spacing) / min(solution.grid.spacing)) ** 0.25
-    slight = constant * oblong * summits.spread / (summits.spread + calibration.EVEN)
-    error = calibration.EXACT + slight + square * summits.spread**2 + fourth * summits.spread**4
-    error = error + calibration.HERTZ_LAYERED * summits.change + calibration.SHARED * np.abs(1.0 - shared)
-    unresolved, large = calibration.HERTZ_RESOLUTION
+    slight = constant * oblong * summits.spread / (summits.spread + calibration.EVEN_SPREAD)
+    error = calibration.MIN_HERTZ_ERROR + slight + square * summits.spread**2 + fourth * summits.spread**4
+    error = (
+        error + calibration.HERTZ_LAYERED_ERROR * summits.change + calibration.SHARED_LOAD_ERROR * np.abs(1.0 - shared)
+    )
+    unresolved, large = calibration.HERTZ_RESOLUTION_ERROR
     error = error + sharing.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
-    common, single = calibration.PLASTIC
+    common, single = calibration.PLASTIC_ERROR
     error = error + np.where(growth > 1.0, common + single / patches.cells, 0.0)
     known = summits.known & np.isfinite(area) & (area > 0.0) & np.isfinite(error)
     hidden = float(sharing.hidden.sum())
     return HertzAreas(
         np.concatenate(([hidden if np.isfinite(hidden) else 0.0], np.where(known, area, 0.0))),
-        np.concatenate(([calibration.HIDDEN], np.where(known, error, np.inf))),
+        np.concatenate(([calibration.HIDDEN_AREA_ERROR], np.where(known, error, np.inf))),
         np.concatenate(([0.0], _find_tip_error(solution))),
         summits,
         sharing,
@@ -306,12 +315,12 @@ def _find_uneven_deficit(spread: Array) -> Array:
 def _find_tip_error(solution: ContactSolution) -> Array:
     """Return the relative standard deviation for tips between the cell centres, shape (count,)."""
     patches = solution.patches
-    members = np.flatnonzero(np.concatenate(([False], patches.cells <= calibration.TIP_CELLS))[patches.labels])
+    members = np.flatnonzero(np.concatenate(([False], patches.cells <= calibration.MAX_TIP_CELLS))[patches.labels])
     label = patches.labels.ravel()[members] - 1
     order = np.lexsort((solution.initial_gap.ravel()[members], label))
     lowest = order[np.flatnonzero(np.diff(label[order], prepend=-1))]
     sharpness = find_sharpness(solution, members[lowest])
-    first, most = calibration.TIP
+    first, most = calibration.TIP_ERROR
     error = np.zeros(patches.count)
     error[label[lowest]] = np.where(np.isfinite(sharpness), np.minimum(first * sharpness**4, most), most)
     return error
@@ -343,7 +352,7 @@ def _plastic_growth(solution: ContactSolution, force: Array, area: Array) -> Arr
         return np.ones_like(area)
     if limit.ndim:
         patches = solution.patches
-        finite = np.where(np.isfinite(limit), limit, _UNLIMITED)
+        finite = np.where(np.isfinite(limit), limit, _NO_PRESSURE_LIMIT)
         limit = patches.sum(finite) / patches.cells
     with np.errstate(divide="ignore", invalid="ignore"):
         overload = np.where(area > 0.0, 1.5 * force / (area * limit), 0.0)

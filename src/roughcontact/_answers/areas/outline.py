@@ -20,7 +20,7 @@ from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution, heal
 
 # Corners of a dual cell in the order around it, in cells from its lower left one.
-_CORNERS = np.array(((0, 0), (1, 0), (1, 1), (0, 1)))
+_CORNER_OFFSETS = np.array(((0, 0), (1, 0), (1, 1), (0, 1)))
 
 
 def outline(solution: ContactSolution) -> Array:
@@ -118,8 +118,8 @@ def _trace(solution: ContactSolution) -> tuple[Array, IntArray, IntArray]:
     ends_with_cells = counted.ravel()[k]
     crossing[ends_with_cells | np.roll(ends_with_cells, -1, axis=0)] = 0.5
     fraction = _share(crossing, sides, touching)
-    ways = _CORNERS[[1, 2, 3, 0]] - _CORNERS
-    points = _CORNERS[:, np.newaxis] + fraction[..., np.newaxis] * ways[:, np.newaxis]
+    ways = _CORNER_OFFSETS[[1, 2, 3, 0]] - _CORNER_OFFSETS
+    points = _CORNER_OFFSETS[:, np.newaxis] + fraction[..., np.newaxis] * ways[:, np.newaxis]
     cell, leaving, entering = _pair_sides(touching, distance)
     first = (np.stack((i, j), axis=-1) - dual.before)[cell][:, np.newaxis]
     ends = first + np.stack((points[leaving, cell], points[entering, cell]), axis=1)

@@ -17,10 +17,10 @@ from roughcontact._parts.grid import Boundary, grow
 from roughcontact._solve.solution import ContactSolution
 
 # Ratio of the axes up to which contacts are tabulated, and the number of ratios.
-_LONGEST = 30.0
-_ENTRIES = 600
+_MAX_AXES_RATIO = 30.0
+_TABLE_ENTRIES = 600
 # Angles of the points, which are symmetric as the grid is.
-_ANGLES = 8
+_POINT_ANGLES = 8
 
 
 def find_area_factor(ratio: Array) -> Array:
@@ -50,7 +50,7 @@ def _tabulate() -> tuple[Array, Array, Array]:
     kappa_1 / kappa_2 = (k^2 E - K) / (K - E), factor = k^(1/3) (2 E / pi)^(2/3), e^2 = 1 - 1 / k^2;
     Johnson, Contact Mechanics (1985), eqs. 4.26 to 4.28, https://doi.org/10.1017/CBO9781139171731.
     """
-    k = np.geomspace(1.0 + 1e-4, _LONGEST, _ENTRIES)
+    k = np.geomspace(1.0 + 1e-4, _MAX_AXES_RATIO, _TABLE_ENTRIES)
     m = 1.0 - 1.0 / k**2
     first = special.ellipk(m)
     second = special.ellipe(m)
@@ -77,17 +77,17 @@ def points_of_punch() -> tuple[Array, Array, Array]:
 
 def _place_points(square: float, fourth: float) -> tuple[Array, Array, Array]:
     """Return points and weights for a pressure over which the means of r^2 and r^4 are these."""
-    angles = np.arange(_ANGLES) * (2.0 * np.pi / _ANGLES)
+    angles = np.arange(_POINT_ANGLES) * (2.0 * np.pi / _POINT_ANGLES)
     radius = math.sqrt(fourth / square)
     around = square**2 / fourth
-    weights = np.append(np.full(_ANGLES, around / _ANGLES), 1.0 - around)
+    weights = np.append(np.full(_POINT_ANGLES, around / _POINT_ANGLES), 1.0 - around)
     return np.append(radius * np.cos(angles), 0.0), np.append(radius * np.sin(angles), 0.0), weights
 
 
 # Contacts around each one that are summed as point loads; beyond, the load is spread over the plane.
-_NEAR = 24
+_NEAR_CONTACTS = 24
 # Nearest distance over the farthest: below it a contact is its own image.
-_SAME = 1e-6
+_IMAGE_DISTANCE = 1e-6
 
 
 @attrs.frozen(eq=False)
@@ -114,7 +114,7 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
     count = x.size
     if solution.moduli is not None or count == 0:
         return FarField.zero(count)
-    radius = math.sqrt(_NEAR * solution.grid.area / (np.pi * count))
+    radius = math.sqrt(_NEAR_CONTACTS * solution.grid.area / (np.pi * count))
     one, other, dx, dy = _pair(solution, x, y, radius)
     square = dx * dx + dy * dy
     cube = 1.0 / (np.pi * solution.modulus * square * np.sqrt(square))
@@ -149,7 +149,7 @@ def _pair(solution: ContactSolution, x: Array, y: Array, radius: float) -> tuple
     dx, dy = (at[one] - at[other] for at in np.ascontiguousarray(points.T))
     if periodic:
         dx, dy = (step - side * np.round(step / side) for step, side in zip((dx, dy), size, strict=True))
-    apart = np.maximum(np.abs(dx), np.abs(dy)) > _SAME * radius
+    apart = np.maximum(np.abs(dx), np.abs(dy)) > _IMAGE_DISTANCE * radius
     return (one, other, dx, dy) if apart.all() else (one[apart], other[apart], dx[apart], dy[apart])
 
 
@@ -162,7 +162,7 @@ def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, I
     places = (points + shifts[:, np.newaxis]).reshape(-1, 2)
     near = np.flatnonzero(((places >= -radius) & (places <= size + radius)).all(axis=1))
     pairs = cKDTree(points).sparse_distance_matrix(cKDTree(places[near]), radius, output_type="ndarray")
-    pairs = pairs[pairs["v"] > _SAME * radius]
+    pairs = pairs[pairs["v"] > _IMAGE_DISTANCE * radius]
     one = pairs["i"]
     image = near[pairs["j"]]
     other = image % len(points)
@@ -174,18 +174,18 @@ def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, I
 
 
 # Smallest ratio of the principal curvatures of a summit: longer contacts are not elliptic on a rough surface.
-SLENDEREST = 0.05
+MIN_CURVATURE_RATIO = 0.05
 # Rounds of place and ellipse, and the one from which the far field is known.
-_ROUNDS = 3
-_FAR = 1
+_ELLIPSE_ROUNDS = 3
+_FAR_FIELD_ROUND = 1
 # Rounds of the fixed point for the modulus at the size of a contact: each halves the logarithmic error at least.
 _MODULUS_ROUNDS = 20
 # Smallest ratio where the curvature varies less than the smaller one, as on rollers.
-_SLENDEREST_EVEN = 0.01
+_MIN_EVEN_CURVATURE_RATIO = 0.01
 # Cells between an ellipse and the outermost centres at a free border.
 _MARGIN = 0.0
 # Cells between a patch and a non-measured point, which the spline needs.
-_REACH = 3
+_SPLINE_REACH = 3
 
 
 @attrs.frozen(eq=False)
@@ -262,11 +262,11 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     far = FarField.zero(patches.count)
     found = Summits(ones > 0.0, row, column, patches.areas, ones, zeros, ones, zeros, zeros, far)
     u, v, weights = points_of_hertz()
-    for turn in range(_ROUNDS):
-        if turn == _FAR:
+    for turn in range(_ELLIPSE_ROUNDS):
+        if turn == _FAR_FIELD_ROUND:
             found = attrs.evolve(found, far=find_far_field(solution, found.row * dx, found.column * dy))
         x, y = found.place(u, v)
-        last = turn == _ROUNDS - 1
+        last = turn == _ELLIPSE_ROUNDS - 1
         degrees = (2,) if last else (2, 1)
         parts = spline.derivatives(found.row[:, None] + x / dx, found.column[:, None] + y / dy, *degrees)
         mean = parts @ weights
@@ -311,7 +311,7 @@ def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) ->
     xx, xy, yy = curvature
     middle = 0.5 * (xx + yy)
     difference = np.hypot(0.5 * (xx - yy), xy)
-    known = found.known & (middle > 0.0) & (middle - difference > _SLENDEREST_EVEN * (middle + difference))
+    known = found.known & (middle > 0.0) & (middle - difference > _MIN_EVEN_CURVATURE_RATIO * (middle + difference))
     middle = np.where(known, middle, 1.0)
     difference = np.where(known, difference, 0.0)
     ratio = (middle - difference) / (middle + difference)
@@ -334,8 +334,8 @@ def is_elliptic(mean: Array, difference: Array, spread: Array) -> Mask:
     """
     smaller = mean - difference
     larger = mean + difference
-    even = (smaller > _SLENDEREST_EVEN * larger) & (spread * mean < smaller)
-    return np.asarray((mean > 0.0) & ((smaller > SLENDEREST * larger) | even))
+    even = (smaller > _MIN_EVEN_CURVATURE_RATIO * larger) & (spread * mean < smaller)
+    return np.asarray((mean > 0.0) & ((smaller > MIN_CURVATURE_RATIO * larger) | even))
 
 
 def _move(found: Summits, slope: Array, curvature: Array, spacing: tuple[float, float]) -> Summits:
@@ -380,5 +380,5 @@ def find_near_holes(solution: ContactSolution) -> Mask:
     """Mark the patches beside non-measured points, whose heights are not known there, shape (count,)."""
     near = np.zeros(solution.patches.count + 1, dtype=bool)
     if solution.non_measured is not None:
-        near[solution.patches.labels[grow(solution.non_measured, _REACH, solution.boundary)]] = True
+        near[solution.patches.labels[grow(solution.non_measured, _SPLINE_REACH, solution.boundary)]] = True
     return near[1:]

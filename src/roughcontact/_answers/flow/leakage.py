@@ -23,7 +23,7 @@ from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError, NotConverged
 
 # Cells of large loss that are looked at.
-_CANDIDATES = 50
+_MAX_THROAT_CANDIDATES = 50
 
 
 @attrs.frozen
@@ -80,7 +80,7 @@ def find_throat(
     left = field.copy()
     total = float(lost.sum())
     best = (-1.0, 0.0, (0, 0), 0.0, 0.0)
-    for _ in range(_CANDIDATES):
+    for _ in range(_MAX_THROAT_CANDIDATES):
         i, j = divmod(int(np.argmax(left)), network.shape[1])
         width, cells = _measure_width(open_cells, (i, j), along, across, periodic=periodic)
         square = _square_around((i, j), math.ceil(0.5 * cells), network.shape, periodic=periodic)
@@ -145,13 +145,13 @@ def _count_open(open_cells: Mask, start: tuple[int, int], step: tuple[int, int],
 
 
 # Cells across a throat below which it is not resolved, and the fraction of the drop from which it matters.
-_CELLS = 3.0
-_FRACTION = 0.1
+_MIN_THROAT_CELLS = 3.0
+_MIN_LOSS_FRACTION = 0.1
 # Relative uncertainty above which flows may err by more than 10 %: 92 % of the errors are below the uncertainty, and
 # none is above 9.8 % in 141 contacts without this warning (benchmarks/response_classes.py, three times its cases).
-_UNCERTAIN = 0.1
+_MAX_RELATIVE_STD = 0.1
 # Gap below which a liquid does not flow as a continuum, m: some molecules of water.
-_MOLECULES = 1e-9
+_MOLECULAR_GAP = 1e-9
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -313,7 +313,7 @@ class GapFlow(Response[Leakage]):
         )
         throat = find_throat(network, lost, open_cells, grid, self.axis, periodic=periodic)
         warnings = (*_list_warnings(solution), *_judge_throat(throat, min(grid.shape)))
-        if not warnings and relative > _UNCERTAIN:
+        if not warnings and relative > _MAX_RELATIVE_STD:
             text = "The grid hardly determines the flow, whose uncertainty is above 10 %: refine the grid."
             warnings = (ContactWarning(text, "uncertainty", relative),)
         unit = flow_unit(self.viscosity, self.pressure_drop, network.widest)
@@ -359,10 +359,10 @@ def _list_warnings(solution: ContactSolution) -> tuple[str, ...]:
 def _judge_throat(throat: Throat, cells: int) -> tuple[str, ...]:
     """Return why the flow through a throat must not be trusted; cells is the shorter side of the domain."""
     warnings = []
-    if throat.cells < min(_CELLS, cells) and throat.fraction >= _FRACTION:
-        text = f"The critical throat is {throat.cells:.3g} cells across, below {_CELLS:g}: refine the grid."
+    if throat.cells < min(_MIN_THROAT_CELLS, cells) and throat.fraction >= _MIN_LOSS_FRACTION:
+        text = f"The critical throat is {throat.cells:.3g} cells across, below {_MIN_THROAT_CELLS:g}: refine the grid."
         warnings.append(ContactWarning(text, "resolution", throat.cells))
-    if throat.gap < _MOLECULES:
+    if throat.gap < _MOLECULAR_GAP:
         text = f"The gap in the critical throat is {si(throat.gap, 'm', 3)}, of molecular size."
         warnings.append(ContactWarning(text, "molecular gap", throat.gap))
     return tuple(warnings)

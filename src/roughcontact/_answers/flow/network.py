@@ -12,9 +12,9 @@ from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact.errors import MissingPackage
 
 # Gap over the widest one below which float64 does not tell it from zero.
-_ROUNDING = 1e-14
+_MIN_FILM_RATIO = 1e-14
 # Neighbours of a cell: liquid passes through sides, not through corners.
-_SIDES = np.array(((0, 1, 0), (1, 1, 1), (0, 1, 0)), dtype=bool)
+_SIDE_NEIGHBOURS = np.array(((0, 1, 0), (1, 1, 1), (0, 1, 0)), dtype=bool)
 
 
 @attrs.frozen(eq=False)
@@ -138,7 +138,7 @@ def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool)
     if widest <= 0.0:
         return None
     film = np.asarray(gap / widest)
-    kept = find_paths(open_cells & (film > _ROUNDING), periodic=periodic)
+    kept = find_paths(open_cells & (film > _MIN_FILM_RATIO), periodic=periodic)
     if not kept.any():
         return None
     cells = np.flatnonzero(kept)
@@ -172,7 +172,7 @@ def find_paths(open_cells: Mask, *, periodic: bool, corners: bool = False) -> Ma
     """
     from scipy import ndimage, sparse
 
-    labels, count = ndimage.label(open_cells, structure=np.ones((3, 3), dtype=bool) if corners else _SIDES)
+    labels, count = ndimage.label(open_cells, structure=np.ones((3, 3), dtype=bool) if corners else _SIDE_NEIGHBOURS)
     piece: RealArray = np.arange(count + 1)
     if periodic and count:
         one = labels[:, -1]
@@ -211,18 +211,18 @@ def _join(cubes: Array, pairs: RealArray) -> Array:
 
 # Cells up to which elimination is used, 2048 x 2048 with 30 % in contact: it then takes 2.7 GiB and a third of the time
 # of conjugate gradients, and needs no package and no stopping rule.
-LARGEST_ELIMINATION = 3_000_000
+MAX_ELIMINATION_CELLS = 3_000_000
 # Conjugate gradients end at this residual over the right side, once the flow changes by less over so many iterations
 # and inflow and outflow agree. The residual alone hides throats: at 1e-4 the flow is up to 58 % too large.
-_RESIDUAL = 1e-6
-_CHANGE = 1e-4
-_MEMORY = 5
-_MAXIMUM_ITERATIONS = 300
+_RESIDUAL_TOLERANCE = 1e-6
+_FLOW_TOLERANCE = 1e-4
+_STEADY_ITERATIONS = 5
+_MAX_ITERATIONS = 300
 
 
 def solve_network(network: FlowNetwork) -> tuple[Array, bool]:
     """Return the pressure in each cell, 1 at the inlet and 0 at the outlet, and whether the flow has converged."""
-    if network.cells.size <= LARGEST_ELIMINATION:
+    if network.cells.size <= MAX_ELIMINATION_CELLS:
         return eliminate(network), True
     return iterate(network)
 
@@ -247,17 +247,17 @@ def iterate(network: FlowNetwork) -> tuple[Array, bool]:
     corrected = precondition @ residual
     direction = corrected
     product = float(residual @ corrected)
-    allowed = _RESIDUAL * float(np.linalg.norm(right))
+    allowed = _RESIDUAL_TOLERANCE * float(np.linalg.norm(right))
     flows = [np.inf]
-    for _ in range(_MAXIMUM_ITERATIONS):
+    for _ in range(_MAX_ITERATIONS):
         pushed = matrix @ direction
         step = product / float(direction @ pushed)
         pressure += step * direction
         residual -= step * pushed
         into, out = network.find_ends(pressure)
         flows.append(into)
-        steady = abs(into - flows[max(0, len(flows) - 1 - _MEMORY)]) <= _CHANGE * into
-        if steady and abs(into - out) <= _CHANGE * into and np.linalg.norm(residual) <= allowed:
+        steady = abs(into - flows[max(0, len(flows) - 1 - _STEADY_ITERATIONS)]) <= _FLOW_TOLERANCE * into
+        if steady and abs(into - out) <= _FLOW_TOLERANCE * into and np.linalg.norm(residual) <= allowed:
             return pressure, True
         corrected = precondition @ residual
         product, before = float(residual @ corrected), product
@@ -282,11 +282,11 @@ def _prepare_multigrid(matrix: Any) -> Any:
 # Weights of the three measures below, set on twelve rough surfaces at four loads and four grids so that 95 % of the
 # errors are within two standard deviations; others confirm them (docs/studies/leakage.py). All three are a fourth
 # larger since: tight contacts on oblong domains and cells had up to 2.5 (benchmarks/response_classes.py).
-_THROATS = 0.94
-_RULE = 0.125
-_EDGES = 0.25
+_THROAT_WEIGHT = 0.94
+_RULE_WEIGHT = 0.125
+_EDGE_WEIGHT = 0.25
 # Cells across a periodic border to which the contact is looked for.
-_BEYOND = 16
+_MAX_PADDING_CELLS = 16
 
 
 def estimate_uncertainty(
@@ -325,7 +325,7 @@ def estimate_uncertainty(
     near = oblong / _find_distances(network, open_cells, aspect=aspect, periodic=periodic)
     squared, cubed = (float(np.sum(lost * near**power)) / flow for power in (2, 3))
     residual = 3.0 * gap_error * float(np.sum(lost / network.film)) / flow
-    return math.hypot(_THROATS * math.sqrt(rule * squared), _RULE * rule, _EDGES * cubed, residual)
+    return math.hypot(_THROAT_WEIGHT * math.sqrt(rule * squared), _RULE_WEIGHT * rule, _EDGE_WEIGHT * cubed, residual)
 
 
 def _compare_rules(network: FlowNetwork, faces: Array, flow: float) -> float:
@@ -345,7 +345,7 @@ def _find_distances(network: FlowNetwork, open_cells: Mask, *, aspect: float, pe
 
     if open_cells.all():
         return np.full(network.cells.size, math.inf)
-    beyond = min(_BEYOND, open_cells.shape[1]) if periodic else 0
+    beyond = min(_MAX_PADDING_CELLS, open_cells.shape[1]) if periodic else 0
     extended = np.pad(open_cells, ((0, 0), (beyond, beyond)), mode="wrap") if beyond else open_cells
     side = math.sqrt(aspect)
     distances = ndimage.distance_transform_edt(extended, sampling=(1.0 / side, side))

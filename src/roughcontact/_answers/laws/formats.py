@@ -16,10 +16,10 @@ from roughcontact.errors import InputError
 if TYPE_CHECKING:
     from roughcontact._answers.laws.law import InterfaceLaw
 
-THERMAL = "W/(m2 K)"
-ELECTRICAL = "S/m2"
+THERMAL_UNIT = "W/(m2 K)"
+ELECTRICAL_UNIT = "S/m2"
 # Characters of a comment.
-_WIDTH = 100
+_COMMENT_WIDTH = 100
 
 
 @attrs.frozen
@@ -37,15 +37,15 @@ class UnitSystem:
     conductance: tuple[str, float]
 
 
-_SYSTEMS = {
-    "SI": UnitSystem(("m", 1.0), ("Pa", 1.0), (THERMAL, 1.0)),
+_UNIT_SYSTEMS = {
+    "SI": UnitSystem(("m", 1.0), ("Pa", 1.0), (THERMAL_UNIT, 1.0)),
     "mm": UnitSystem(("mm", 1e3), ("MPa", 1e-6), ("mW/(mm2 K)", 1e-3)),
 }
 
 
 def unit_system(name: str) -> UnitSystem:
     """Return a system of units by its name, ``"SI"`` or ``"mm"``."""
-    return _SYSTEMS[choice(name, "The units of the file", tuple(_SYSTEMS))]
+    return _UNIT_SYSTEMS[choice(name, "The units of the file", tuple(_UNIT_SYSTEMS))]
 
 
 def keyword_name(name: object) -> str:
@@ -58,7 +58,7 @@ def keyword_name(name: object) -> str:
 def describe(law: InterfaceLaw, mark: str) -> list[str]:
     """Return what was solved and the warnings, as comments."""
     texts = [*law.description, *(f"Warning: {text}" for text in law.warnings)]
-    return [f"{mark} {line}" for text in texts for line in textwrap.wrap(text, _WIDTH)]
+    return [f"{mark} {line}" for text in texts for line in textwrap.wrap(text, _COMMENT_WIDTH)]
 
 
 def find_conductance(law: InterfaceLaw, column: str | None) -> str | None:
@@ -73,8 +73,8 @@ def find_conductance(law: InterfaceLaw, column: str | None) -> str | None:
 def conductance_rows(law: InterfaceLaw, column: str) -> tuple[Array, Array, Array]:
     """Return pressures, conductances over nominal area and their uncertainties, SI, first of zero load."""
     found = law[column]
-    if found.unit not in (THERMAL, ELECTRICAL):
-        raise InputError(f"The column {column!r} is in {found.unit or 'no unit'}: a conductance is in {THERMAL}.")
+    if found.unit not in (THERMAL_UNIT, ELECTRICAL_UNIT):
+        raise InputError(f"The column {column!r} is in {found.unit or 'no unit'}: a conductance is in {THERMAL_UNIT}.")
     _require_finite(law, found.values, column)
     return tuple(np.append(0.0, values) for values in (law.pressures, found.values, found.uncertainties))  # type: ignore[return-value]
 
@@ -116,7 +116,7 @@ def _require_finite(law: InterfaceLaw, values: Array, name: str) -> None:
         raise InputError(f"The column {name!r} is not finite at {pressure:g} Pa, in full contact: omit such loads.")
 
 
-_MARK = "**"
+_KEYWORD_COMMENT = "**"
 
 
 def write_abaqus(law: InterfaceLaw, name: str, conductance: str | None, electrical: bool, units: str) -> list[str]:
@@ -128,7 +128,7 @@ def write_abaqus(law: InterfaceLaw, name: str, conductance: str | None, electric
     https://abaqus-docs.mit.edu/2017/English/SIMACAEKEYRefMap/simakey-r-gapconductance.htm
     """
     lines = [
-        *describe(law, _MARK),
+        *describe(law, _KEYWORD_COMMENT),
         f"*SURFACE INTERACTION, NAME={keyword_name(name)}",
         *write_closure(law, units),
     ]
@@ -136,7 +136,7 @@ def write_abaqus(law: InterfaceLaw, name: str, conductance: str | None, electric
     if conductance is None:
         return lines
     system = unit_system(units)
-    electrical = flag(electrical, "electrical=") or law[conductance].unit == ELECTRICAL
+    electrical = flag(electrical, "electrical=") or law[conductance].unit == ELECTRICAL_UNIT
     # Abaqus takes no unit of current beside those of its model: electrical conductances are those of SI per area.
     unit, factor = (f"S/{system.length[0]}2", system.length[1] ** -2) if electrical else system.conductance
     pressures, values, spread = conductance_rows(law, conductance)
@@ -145,7 +145,7 @@ def write_abaqus(law: InterfaceLaw, name: str, conductance: str | None, electric
     keyword = "*GAP ELECTRICAL CONDUCTANCE" if electrical else "*GAP CONDUCTANCE"
     return [
         *lines,
-        *list_uncertainties(law, _MARK, heading, (pressures, values * factor, spread * factor)),
+        *list_uncertainties(law, _KEYWORD_COMMENT, heading, (pressures, values * factor, spread * factor)),
         f"{keyword}, PRESSURE",
         *(f"{value * factor:.9e}, {pressure:.9e}" for value, pressure in zip(values, pressures, strict=True)),
     ]
@@ -165,16 +165,17 @@ def write_closure(law: InterfaceLaw, units: str, separator: str = ", ", smallest
     columns = tuple(zip(*rows, strict=True))
     heading = f"pressure in {system.pressure[0]}, overclosure in {unit}, one standard deviation"
     return [
-        f"{_MARK} Overclosure 0 is at a mean gap of {datum * scale:.6e} {unit}, where the tangent at the",
-        f"{_MARK} lowest load meets zero pressure: below that load the gap of a rough surface widens without end.",
-        *list_uncertainties(law, _MARK, heading, columns),  # type: ignore[arg-type]
+        f"{_KEYWORD_COMMENT} Overclosure 0 is at a mean gap of {datum * scale:.6e} {unit}, where the tangent at the",
+        f"{_KEYWORD_COMMENT} lowest load meets zero pressure: below that load the gap of a rough surface widens "
+        "without end.",
+        *list_uncertainties(law, _KEYWORD_COMMENT, heading, columns),  # type: ignore[arg-type]
         f"*SURFACE BEHAVIOR,{separator[1:]}PRESSURE-OVERCLOSURE=TABULAR",
         *(f"{pressure:.9e}{separator}{closure:.9e}" for pressure, closure, _ in rows),
     ]
 
 
 # Difference of overclosures, in units of the model, up to which CalculiX changes the second one.
-_SMALLEST = 1e-10
+_MIN_OVERCLOSURE_STEP = 1e-10
 # Temperature of all rows, K: the table of one temperature holds at all.
 _TEMPERATURE = "293."
 
@@ -191,16 +192,18 @@ def write_calculix(law: InterfaceLaw, name: str, conductance: str | None, units:
     https://ccx.openaircraft.com/ccx-doc/ccx_2.17/doc/ccx/node315.html
     """
     lines = [
-        *describe(law, _MARK),
-        f"{_MARK} Include this file before the first step.",
+        *describe(law, _KEYWORD_COMMENT),
+        f"{_KEYWORD_COMMENT} Include this file before the first step.",
         f"*SURFACE INTERACTION,NAME={keyword_name(name)}",
-        *write_closure(law, units, separator=",", smallest=_SMALLEST),
+        *write_closure(law, units, separator=",", smallest=_MIN_OVERCLOSURE_STEP),
     ]
     conductance = find_conductance(law, conductance)
     if conductance is None:
         return lines
-    if law[conductance].unit != THERMAL:
-        raise InputError(f"CalculiX takes thermal conductances, in {THERMAL}, but {conductance!r} is another column.")
+    if law[conductance].unit != THERMAL_UNIT:
+        raise InputError(
+            f"CalculiX takes thermal conductances, in {THERMAL_UNIT}, but {conductance!r} is another column."
+        )
     system = unit_system(units)
     unit, factor = system.conductance
     pressures, values, spread = conductance_rows(law, conductance)
@@ -208,13 +211,13 @@ def write_calculix(law: InterfaceLaw, name: str, conductance: str | None, units:
     heading = f"pressure in {system.pressure[0]}, conductance in {unit}, one standard deviation"
     return [
         *lines,
-        *list_uncertainties(law, _MARK, heading, (pressures, values * factor, spread * factor)),
+        *list_uncertainties(law, _KEYWORD_COMMENT, heading, (pressures, values * factor, spread * factor)),
         "*GAP CONDUCTANCE",
         *(f"{v * factor:.9e},{p:.9e},{_TEMPERATURE}" for v, p in zip(values, pressures, strict=True)),
     ]
 
 
-_COMMENT = "#"
+_MOOSE_COMMENT = "#"
 
 
 def write_function(
@@ -232,25 +235,27 @@ def write_function(
     """
     system = unit_system(units)
     name = keyword_name(name)
-    if law[column].unit != THERMAL:
-        raise InputError(f"The thermal contact of MOOSE takes a conductance in {THERMAL}, not the column {column!r}.")
+    if law[column].unit != THERMAL_UNIT:
+        raise InputError(
+            f"The thermal contact of MOOSE takes a conductance in {THERMAL_UNIT}, not the column {column!r}."
+        )
     gap = number(min_gap, "The smallest gap", "m", above=0.0) * system.length[1]
     unit, factor = system.conductance
     pressures, values, spread = conductance_rows(law, column)
     rows = pressures * system.pressure[1], values * factor, spread * factor
     heading = f"pressure in {system.pressure[0]}, conductance in {unit}, one standard deviation"
-    table = [*describe(law, _COMMENT), *list_uncertainties(law, _COMMENT, heading, rows)]
+    table = [*describe(law, _MOOSE_COMMENT), *list_uncertainties(law, _MOOSE_COMMENT, heading, rows)]
     table += [f"{pressure:.9e},{value:.9e}" for pressure, value in zip(rows[0], rows[1], strict=True)]
     blocks = [
-        f"{_COMMENT} The conductance over the contact pressure, in {unit} and {system.pressure[0]};",
-        f"{_COMMENT} above the last pressure it is constant. Replace temp, contact_pressure",
-        f"{_COMMENT} and the two boundaries by the names of the model.",
+        f"{_MOOSE_COMMENT} The conductance over the contact pressure, in {unit} and {system.pressure[0]};",
+        f"{_MOOSE_COMMENT} above the last pressure it is constant. Replace temp, contact_pressure",
+        f"{_MOOSE_COMMENT} and the two boundaries by the names of the model.",
         "[Functions]",
         f"  [{name}]",
         "    type = PiecewiseLinear",
         f"    data_file = {file}",
         "    format = columns",
-        f"    scale_factor = {gap:.9e}  {_COMMENT} min_gap, by which the contact divides",
+        f"    scale_factor = {gap:.9e}  {_MOOSE_COMMENT} min_gap, by which the contact divides",
         "  []",
         "[]",
         "[ThermalContact]",

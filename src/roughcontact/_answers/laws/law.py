@@ -20,9 +20,9 @@ from roughcontact.errors import InputError
 
 # Misfit that is allowed whatever the uncertainties, over the value and over its change, and the fewest loads and their
 # smallest ratio: a straight line through any smooth curve fits in a shorter range, and a logarithm has a small change.
-_MISFIT = 0.01
-_LOADS = 4
-_RATIO = 10.0
+_ALLOWED_MISFIT = 0.01
+_MIN_FITTED_LOADS = 4
+_MIN_LOAD_RANGE = 10.0
 
 
 @attrs.frozen
@@ -69,10 +69,10 @@ def fit_power(pressures: Array, values: Array, uncertainties: Array) -> PowerFit
     best: PowerFit | None = None
     widest = 0.0
     for first in range(pressures.size):
-        for last in range(pressures.size, first + _LOADS - 1, -1):
+        for last in range(pressures.size, first + _MIN_FITTED_LOADS - 1, -1):
             chosen = slice(first, last)
             ratio = float(pressures[last - 1] / pressures[first])
-            if ratio < _RATIO * (1.0 - 1e-9) or ratio <= widest or not usable[chosen].all():
+            if ratio < _MIN_LOAD_RANGE * (1.0 - 1e-9) or ratio <= widest or not usable[chosen].all():
                 continue
             found = _fit(pressures[chosen], values[chosen], uncertainties[chosen] / values[chosen])
             if found is not None:
@@ -86,14 +86,14 @@ def _fit(pressures: Array, values: Array, relative: Array) -> PowerFit | None:
     """Return the line through the logarithms of all these values; None if one of them is off."""
     x = np.log(pressures)
     y = np.log(values)
-    allowed = np.maximum(relative, _MISFIT)
+    allowed = np.maximum(relative, _ALLOWED_MISFIT)
     weights = 1.0 / allowed**2
     pivot, level = (float(np.average(each, weights=weights)) for each in (x, y))
     spread = float(np.sum(weights * (x - pivot) ** 2))
     exponent = float(np.sum(weights * (x - pivot) * (y - level))) / spread
     misfit = y - level - exponent * (x - pivot)
     change = min(1.0, abs(exponent) * float(x[-1] - x[0]))
-    if (np.abs(misfit) > np.maximum(relative, _MISFIT * change)).any():
+    if (np.abs(misfit) > np.maximum(relative, _ALLOWED_MISFIT * change)).any():
         return None
     variance = relative**2 + float(np.sum(misfit**2)) / (x.size - 2)
     std = math.sqrt(float(np.sum((weights * (x - pivot)) ** 2 * variance))) / spread

@@ -23,7 +23,7 @@ from roughcontact._solve.solution import Area, ContactSolution, Response, respon
 from roughcontact.errors import InputError
 
 # Relative residual: the conductance errs by its square, the currents of the patches by itself.
-_TOLERANCE = 1e-3
+_RESIDUAL_TOLERANCE = 1e-3
 
 
 def _conductivity(value: float | Sequence[float]) -> Pair:
@@ -152,7 +152,7 @@ class ContactConductance(Response[Conductance]):
             currents = np.zeros(0)
             std = 0.0
         else:
-            answer = tangent.solve(np.ones(solution.grid.shape), _TOLERANCE)
+            answer = tangent.solve(np.ones(solution.grid.shape), _RESIDUAL_TOLERANCE)
             currents, std = _find_currents(solution, answer, tangent, area, compliance)
             currents = analogy * currents
             std = analogy * std

@@ -18,13 +18,13 @@ from roughcontact.errors import InputError
 from roughcontact.errors.door import outside, warn
 
 # A Hertzian area grows as its force to this power.
-_HERTZ = 2.0 / 3.0
+_HERTZ_EXPONENT = 2.0 / 3.0
 # Relative residual of the answer to a unit approach, whose moments need no more.
 _MOMENT_TOLERANCE = 1e-3
 # Load of a patch by its virial over its own, or the inverse, from which it has more than one summit.
-_ROUND = 2.0
+_MAX_SUMMIT_LOAD_RATIO = 2.0
 # Area of Hertzian spots of one size over (sum p)^2 / sum p^2: the mean of the square of their pressure.
-_PARTICIPATION = 9.0 / 8.0
+_PARTICIPATION_FACTOR = 9.0 / 8.0
 
 
 def _nothing() -> Array:
@@ -94,7 +94,7 @@ def _of_participation(solution: ContactSolution) -> Sensitivity:
     relative = solution.pressure / largest
     total = float(relative.sum())
     square = float(np.einsum("ij,ij->", relative, relative))
-    factor = 2.0 * _PARTICIPATION * solution.grid.cell_area * total / square
+    factor = 2.0 * _PARTICIPATION_FACTOR * solution.grid.cell_area * total / square
     return Sensitivity(pressure=factor * (1.0 - total / square * relative) / largest)
 
 
@@ -105,11 +105,11 @@ def _of_area(solution: ContactSolution) -> Sensitivity:
     if patches.count == 0 or solution.contact.all():
         return Sensitivity()
     areas = patches.areas if area.patches is None else area.patches
-    growth = _HERTZ * areas / patches.forces * solution.grid.cell_area
+    growth = _HERTZ_EXPONENT * areas / patches.forces * solution.grid.cell_area
     return Sensitivity(
         pressure=np.concatenate(([0.0], growth))[patches.labels],
-        heights=_find_sharpening(solution, _HERTZ * areas),
-        modulus=-_HERTZ * float(np.sum(areas)) / solution.modulus,
+        heights=_find_sharpening(solution, _HERTZ_EXPONENT * areas),
+        modulus=-_HERTZ_EXPONENT * float(np.sum(areas)) / solution.modulus,
     )
 
 
@@ -137,7 +137,7 @@ def _find_sharpening(solution: ContactSolution, weights: Array) -> Array:
     count = solution.patches.count
     virial = sum(np.bincount(members, moment * (gap[high] - gap[low]), count) for low, high, moment in moments)
     round_load = virial * solution.grid.cell_area / solution.patches.forces
-    trusted = (round_load > 1.0 / _ROUND) & (round_load < _ROUND)
+    trusted = (round_load > 1.0 / _MAX_SUMMIT_LOAD_RATIO) & (round_load < _MAX_SUMMIT_LOAD_RATIO)
     scale = np.where(trusted, weights / np.where(trusted, virial, 1.0), 0.0)[members]
     found = np.zeros(gap.size)
     for low, high, moment in moments:
@@ -195,9 +195,9 @@ PressureDerivative: TypeAlias = Callable[[Array], Array]
 
 # Relative residual of the linear answers: the gradient is linear in it.
 _ADJOINT_TOLERANCE = 1e-10
-_WITH_RESPECT_TO = ("heights", "modulus", "load")
-_OF_EDGE = ("stiffness", "conductance")
-_HARDLY_CHANGES = (
+_VARIABLES = ("heights", "modulus", "load")
+_EDGE_RESPONSES = ("stiffness", "conductance")
+_AREA_WARNING = (
     "under a given load the gradient of the area is a small difference of large parts, and even its sign may be wrong: "
     "that of the participation is exact"
 )
@@ -208,7 +208,7 @@ def _number(value: str | PressureDerivative) -> str | PressureDerivative:
         if callback(value, "of=", "pressure") is None:
             raise InputError.about("of=", value, "a name or a function of the pressure")
         return value
-    if value in _OF_EDGE:
+    if value in _EDGE_RESPONSES:
         raise InputError(
             f"The {value} changes only as the edge of the contact moves from cell to cell, so that it has no gradient "
             "on a grid: take the difference of two solves."
@@ -219,7 +219,7 @@ def _number(value: str | PressureDerivative) -> str | PressureDerivative:
 
 
 def _variable(value: str) -> str:
-    return choice(value, "with_respect_to=", _WITH_RESPECT_TO)
+    return choice(value, "with_respect_to=", _VARIABLES)
 
 
 @responses.register("gradient")
@@ -270,7 +270,7 @@ class Gradient(Response[Array]):
         else:
             adjoint = _Adjoint.under_load(tangent, sensitivity)
             if self.of == "area" and self.with_respect_to == "heights":
-                warn(_HARDLY_CHANGES)
+                warn(_AREA_WARNING)
         if self.with_respect_to == "load":
             units = {"pressure": float(solution.pressure.size), "force": 1.0 / solution.grid.cell_area, "approach": 1.0}
             return read_only(np.asarray(adjoint.load * units[kind]))

@@ -18,30 +18,30 @@ from roughcontact.errors import InputError
 
 # Area by which cells act as a smaller punch, in cells, for a row of L sides: a L - b ln L - c. Solved for periodic
 # strips with edges of slopes 0 to 1/16 beside Westergaard's closed form, which it meets to 0.005 of a side.
-_ROW = 0.1736
-_KINK = 0.154
-_END = 0.0866
+_ROW_LOSS = 0.1736
+_KINK_LOSS = 0.154
+_END_LOSS = 0.0866
 # Power of the side of a cell across the row over that along it, in the second term.
-_ASPECT = 0.7
+_ASPECT_EXPONENT = 0.7
 # C^2 over h q^2 / (2 pi), q^2 averaged over the sides: of a wide contact, and the radius in cells that lowers it.
-_SINGULAR = 1.346
-_NARROW = 0.147
+_EDGE_FACTOR = 1.346
+_NARROW_RADIUS_CELLS = 0.147
 # Inverse of the compliance of a film, over that of a cell, h/E*, at which half of that area is left; set on balls.
-_EVEN = 3.0
+_FILM_FADING = 3.0
 # Resolution ratio at which half of the correction is left: beyond, the area between the cells is not known either.
-_UNRESOLVED = 0.8
+_HALF_TRUST_RATIO = 0.8
 # Part of it from which nobody asks whether the edges are sharp.
-_TRUSTED = 0.9
+_MIN_FULL_TRUST = 0.9
 # Relative standard deviations of the stiffness: of a patch of radius a cells over a^(-3/2), for the positions of the
 # cells; of all together over the resolution ratio to the power 3/2.
-_CELLS = 0.03
-_COMMON = 0.02
+_POSITION_STD = 0.03
+_COMMON_STD = 0.02
 # ... and the fraction of the correction.
-_UNSURE = 0.25
+_CORRECTION_STD = 0.25
 # Radius over the root of the resolution ratio, in cells, of a contact patch between the cells that no cell shows, of
 # the stiffness 2 E* times it: light contacts lack one or two. Set on the tuned split of
 # benchmarks/response_classes.py, three times its cases.
-_UNSEEN = 0.375
+_HIDDEN_RADIUS_FACTOR = 0.375
 
 
 @attrs.frozen(eq=False)
@@ -76,12 +76,12 @@ def correct_edges(
     cells_of = np.bincount(labels[np.flatnonzero(cells)], minlength=count + 1)[1:].astype(np.float64)
     lost, sides, squares, along = _measure_rows(solution, answer, cells)
     # A film that yields more than a cell makes the pressure even at the edge: cells act as what they are.
-    faded = 1.0 - 1.0 / (1.0 + _EVEN * film * solution.modulus / math.sqrt(cell))
+    faded = 1.0 - 1.0 / (1.0 + _FILM_FADING * film * solution.modulus / math.sqrt(cell))
     lost *= 1.0 - faded
     acting = np.maximum(cells_of - lost, 0.3 * cells_of) * cell
     known = _find_areas(solution, cells_of, acting, area)
     width = np.where(sides > 0.0, 2.0 * acting / np.maximum(0.25 * np.pi * sides, 1e-300), np.inf) / math.sqrt(cell)
-    factor = _SINGULAR * (1.0 - _NARROW / np.maximum(width, 2.0 * _NARROW))
+    factor = _EDGE_FACTOR * (1.0 - _NARROW_RADIUS_CELLS / np.maximum(width, 2.0 * _NARROW_RADIUS_CELLS))
     slope = factor * squares * cell / (np.maximum(sides, 1e-300) * solution.modulus)
     # Of a single spot the stiffness is proportional to the root of the area.
     growth = np.where(acting > 0.0, known / np.maximum(acting, 1e-300), 1.0)
@@ -91,7 +91,7 @@ def correct_edges(
     stiffness = _sum_patches(labels, answer, count) * cell
     total = float(stiffness.sum())
     nominal = float(acting.sum())
-    unsure = _UNSURE * abs(float(correction.sum()))
+    unsure = _CORRECTION_STD * abs(float(correction.sum()))
     growing = float(np.sum(slope * acting))
     in_film = np.zeros(count)
     if film > 0.0:
@@ -102,7 +102,7 @@ def correct_edges(
         of_film = trust * (at_edge * (known - counted) - in_film * grown)
         correction += of_film
         # Both parts mostly cancel, and how fast the first fades depends on the shape.
-        unsure += _UNSURE * abs(float(of_film.sum())) + faded * float(np.sum(slope * lost)) * cell
+        unsure += _CORRECTION_STD * abs(float(of_film.sum())) + faded * float(np.sum(slope * lost)) * cell
         growing += float(in_film.sum())
     # What the film does not take the edges take.
     open_part = max(1.0 - float(in_film.sum()) / total, 0.0) if total > 0.0 else 0.0
@@ -110,17 +110,17 @@ def correct_edges(
     # The longer sides of the cells place the edge.
     oblong = max(solution.grid.spacing) / math.sqrt(cell)
     by_patch = stiffness * (oblong / np.maximum(width, 0.5)) ** 1.5
-    by_cells = open_part * _CELLS * math.sqrt(float(np.sum(by_patch**2)))
+    by_cells = open_part * _POSITION_STD * math.sqrt(float(np.sum(by_patch**2)))
     # Near full contact the stiffness grows much faster than the area.
-    common = open_part * _COMMON * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
-    unseen = open_part * 2.0 * solution.modulus * _UNSEEN * math.sqrt(min(ratio, 1.0) * cell)
+    common = open_part * _COMMON_STD * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
+    unseen = open_part * 2.0 * solution.modulus * _HIDDEN_RADIUS_FACTOR * math.sqrt(min(ratio, 1.0) * cell)
     return EdgeCorrection(correction, math.hypot(by_area, by_cells, unsure, common, unseen))
 
 
 def _find_trust(solution: ContactSolution, ratio: float) -> float:
     """Return the part of the correction that the resolution leaves; sharp edges of punches need no resolution."""
-    trust = 1.0 / (1.0 + (ratio / _UNRESOLVED) ** 4)
-    if trust > _TRUSTED:
+    trust = 1.0 / (1.0 + (ratio / _HALF_TRUST_RATIO) ** 4)
+    if trust > _MIN_FULL_TRUST:
         return trust
     sides = count_sides(solution.contact, solution.boundary)
     sharp = count_sides(solution.contact, solution.boundary, find_sharp_edges(solution))
@@ -191,12 +191,12 @@ def _find_rows(i: IntArray, j: IntArray, period: int | None) -> tuple[IntArray, 
 
 def _find_loss(lengths: IntArray, longest: int, aspect: float) -> Array:
     """Return the area that rows lack, in cells; one across the whole domain has no ends."""
-    ends = _KINK * aspect**_ASPECT * np.log(lengths) + _END
-    return np.asarray(_ROW * lengths - np.where(lengths < longest, ends, 0.0))
+    ends = _KINK_LOSS * aspect**_ASPECT_EXPONENT * np.log(lengths) + _END_LOSS
+    return np.asarray(_ROW_LOSS * lengths - np.where(lengths < longest, ends, 0.0))
 
 
 # Relative residual of the answer to a unit displacement: the stiffness errs by its square.
-_TOLERANCE = 1e-2
+_RESIDUAL_TOLERANCE = 1e-2
 
 
 @responses.register("stiffness")
@@ -253,7 +253,7 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
         return NormalAnswer(0.0 * unit, math.inf, 0.0, (*warnings, describe_full_contact(what)))
     if not tangent.cells.any():
         return NormalAnswer(0.0 * unit, 0.0, 0.0, warnings)
-    answer = tangent.solve(unit, _TOLERANCE)
+    answer = tangent.solve(unit, _RESIDUAL_TOLERANCE)
     correction = correct_edges(solution, answer.values, tangent.cells, area)
     value = sum_of(answer.values, answer.residual) * solution.grid.cell_area + float(correction.patches.sum())
     return NormalAnswer(answer.values, value, correction.uncertainty, warnings)

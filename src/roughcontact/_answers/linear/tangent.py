@@ -24,14 +24,14 @@ from roughcontact._solve.solvers import ActiveCells, MaskedCells, Preconditioner
 from roughcontact.errors import NotConverged
 
 # Relative residuals from here on are reached in float32, whose rounding is 6e-8 of the right side for each product.
-_SINGLE = 1e-4
+_FLOAT32_TOLERANCE = 1e-4
 # Iterations after which a solve is given up, and those without a smaller residual after which only rounding is left.
-_ITERATIONS = 400
-_IDLE = 15
+_MAX_ITERATIONS = 400
+_MAX_IDLE_ITERATIONS = 15
 # Relative residual that counts as solved where rounding prevents a smaller one.
-_ROUNDING = 1e-8
+_ROUNDING_RESIDUAL = 1e-8
 # Singular values of the products of two pressures, over the larger, below which they are one; float32 has 1e-7.
-_DISTINCT = 1e-6
+_MIN_SINGULAR_RATIO = 1e-6
 
 
 @attrs.frozen(eq=False)
@@ -116,7 +116,7 @@ class Tangent:
             return LinearSolution(np.zeros_like(right), np.zeros_like(right), 0.0, 0, 0)
         with computing(self._problem):
             found = self._solve(right / size, tolerance)
-        if not found.error <= max(tolerance, _ROUNDING):
+        if not found.error <= max(tolerance, _ROUNDING_RESIDUAL):
             raise NotConverged(
                 f"The linear answer of the contact was not found: after {found.iterations} iterations the residual is "
                 f"{found.error:.1e} of the right side.",
@@ -127,7 +127,7 @@ class Tangent:
     def _solve(self, right: Array, tolerance: float) -> LinearSolution:
         """Solve in dimensionless variables: lengths in cells, E* = 1."""
         operator = self._operator
-        dtype = np.float32 if tolerance >= _SINGLE else np.float64
+        dtype = np.float32 if tolerance >= _FLOAT32_TOLERANCE else np.float64
         flat = operator.from_numpy(right).astype(dtype).ravel()
         mask = operator.from_numpy(self.cells.astype(np.float64)).ravel() > 0.0
         active = active_cells(flat, lambda tile: mask[tile])
@@ -198,7 +198,7 @@ class _System:
         idle = 0
         iterations = 0
         goal = tolerance**2 * _square(right)
-        while iterations < _ITERATIONS and (square := _square(residual)) > goal and idle < _IDLE:
+        while iterations < _MAX_ITERATIONS and (square := _square(residual)) > goal and idle < _MAX_IDLE_ITERATIONS:
             best, idle = min(best, square), 0 if square < best else idle + 1
             image = self._precondition(weights, residual, math.sqrt(square / right.size))
             image = space.correct(image, residual)
@@ -246,7 +246,7 @@ class _Space:
         self.vectors = vectors
         self._images = images
         products = [[_dot(one, other) for other in images] for one in vectors]
-        self._inverse = np.linalg.pinv(products, rcond=_DISTINCT) if vectors else np.zeros((0, 0))
+        self._inverse = np.linalg.pinv(products, rcond=_MIN_SINGULAR_RATIO) if vectors else np.zeros((0, 0))
 
     def start(self, right: RealArray) -> tuple[RealArray, RealArray]:
         """Return the solution in the space, and its residual."""

@@ -21,7 +21,7 @@ from roughcontact._solve.solution import ContactSolution, Estimate, Response, re
 from roughcontact.errors import InputError
 
 # Dundurs' second constant below which normal and tangential displacement count as uncoupled.
-_UNCOUPLED = 0.01
+_MAX_UNCOUPLED_BETA = 0.01
 
 
 def compare_compliances(materials: Sequence[Material], modulus: float, cosine: float = 0.5) -> float:
@@ -62,7 +62,7 @@ def judge_coupling(materials: Sequence[Material], modulus: float) -> tuple[str, 
         If both bodies deform, and normal and tangential displacement are coupled.
     """
     beta = dundurs_beta(materials, modulus)
-    if abs(beta) <= _UNCOUPLED:
+    if abs(beta) <= _MAX_UNCOUPLED_BETA:
         return ()
     if min(material.compliance for material in materials) > 0.0:
         raise InputError(
@@ -94,7 +94,7 @@ def _constants(material: Material) -> tuple[float, float]:
 # By how much a traction in proportion to a normal pressure makes the compliance too large, over the product of
 # Poisson's ratio and the standard deviation of the displacement that it causes where that should be uniform: 0.25 to
 # 0.5 on rough surfaces and waves beside the traction that minimizes the energy (benchmarks/response_classes.py).
-_EXCESS = 0.4
+_EXCESS_FACTOR = 0.4
 
 
 @attrs.frozen
@@ -152,7 +152,7 @@ def find_tangential_compliance(
     displacement = displacements.sum(axis=0) - anisotropy * displacements[axis]
     deviation = _find_deviation(displacement, np.where(stick, traction, 0.0))
     ratio = free * (1.0 - anisotropy * cosine)
-    return TangentialCompliance(ratio, _EXCESS * anisotropy * deviation, anisotropy)
+    return TangentialCompliance(ratio, _EXCESS_FACTOR * anisotropy * deviation, anisotropy)
 
 
 def _find_deviation(displacement: Array, traction: Array) -> float:
@@ -206,9 +206,9 @@ class _WavesAlong(InfluenceKernel):
 
 # Standard deviation of what the traction makes the stiffness too small by, over its expected value. Set on the rough
 # contacts of benchmarks/response_classes.py, three times its cases, so that 93 % of the differences are within two.
-_UNSURE = 1.75
+_EXCESS_STD_FACTOR = 1.75
 # Part of the stiffness from which a warning says so.
-_TOLD = 0.005
+_MIN_WARNED_EXCESS = 0.005
 
 
 @responses.register("tangential-stiffness")
@@ -262,11 +262,11 @@ class TangentialStiffness(Response[Estimate]):
         compliance = find_tangential_compliance(solution, normal.field, normal.field > 0.0, self.axis)
         ratio = 1.0 / compliance.ratio
         too_small = compliance.excess
-        if too_small > _TOLD:
+        if too_small > _MIN_WARNED_EXCESS:
             text = (
                 f"the traction is taken to be in proportion to the normal answer, which makes the tangential stiffness "
                 f"too small by about {100 * too_small:.1g} %"
             )
             warnings += (ContactWarning(text, "proportional traction", too_small),)
-        std = ratio * math.hypot(normal.uncertainty, _UNSURE * too_small * normal.value)
+        std = ratio * math.hypot(normal.uncertainty, _EXCESS_STD_FACTOR * too_small * normal.value)
         return Estimate(ratio * normal.value, std, "N/m", warnings)

@@ -15,9 +15,9 @@ from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 
 # Waves shorter than twice a step have died by exp(-pi z / step): a step of a quarter of the depth loses 5e-5.
-_STEPS_IN_DEPTH = 4.0
+_MIN_STEPS_IN_DEPTH = 4.0
 # Fewest points along an axis.
-_FEWEST = 16
+_MIN_POINTS = 16
 
 
 class StressPlanes(abc.ABC):
@@ -39,7 +39,7 @@ def find_steps(shape: tuple[int, int], sides: Pair, z: float) -> tuple[int, int]
 
 def _find_step(count: int, cells: float) -> int:
     step = 1
-    while count % (2 * step) == 0 and count >= 2 * step * _FEWEST and 2.0 * step * _STEPS_IN_DEPTH <= cells:
+    while count % (2 * step) == 0 and count >= 2 * step * _MIN_POINTS and 2.0 * step * _MIN_STEPS_IN_DEPTH <= cells:
         step *= 2
     return step
 

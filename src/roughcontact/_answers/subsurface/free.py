@@ -20,7 +20,7 @@ COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 ODD_IN_X = (False, False, False, False, True, True)
 ODD_IN_Y = (False, False, False, True, False, True)
 # Values of a table that are computed at a time.
-_TILE = 2**16
+_TILE_VALUES = 2**16
 
 
 @attrs.frozen
@@ -73,7 +73,7 @@ def cell_stress(depth: Depth, shape: tuple[int, int], sides: Pair, dtype: type[A
             across = np.subtract(corners[1:], corners[:-1])
             np.subtract(across[:, 1:], across[:, :-1], out=table[place, rows])
 
-    map_tiles(work, split(shape[0], max(1, _TILE // shape[1])))
+    map_tiles(work, split(shape[0], max(1, _TILE_VALUES // shape[1])))
     return table
 
 
@@ -110,10 +110,10 @@ def _sum_corners(x: RealArray, y: RealArray, z: Any, poisson: float) -> tuple[Re
 
 
 # Columns that are multiplied and transformed at a time, and rows: few enough for the cache.
-_COLUMNS = 32
-_ROWS = 64
+_COLUMNS_PER_TILE = 32
+_ROWS_PER_TILE = 64
 # Square of the depth over the area of a cell from which the corners of a cell cancel too much for float32.
-_FAR = 256.0
+_MAX_FLOAT32_DEPTH_SQUARE = 256.0
 
 
 @attrs.frozen(eq=False)
@@ -155,7 +155,7 @@ class FreePlanes(StressPlanes):
         nx, ny = (n // step for n, step in zip(self.pressure.shape, steps, strict=True))
         sides = steps[0] * self.sides[0], steps[1] * self.sides[1]
         waves = coarsen(coarsen(self.waves, self.padded[1], steps[1], 1), self.padded[0], steps[0], 0)
-        precision = np.float64 if z * z > _FAR * sides[0] * sides[1] else np.float32
+        precision = np.float64 if z * z > _MAX_FLOAT32_DEPTH_SQUARE * sides[0] * sides[1] else np.float32
         tables = cell_stress(Depth(z, poisson), (mx // 2 + 1, my // 2 + 1), sides, precision).astype(np.float32)
         stress = np.empty((len(COMPONENTS), nx, ny), dtype=np.float32)
         for place, table in enumerate(tables):
@@ -203,6 +203,6 @@ def _multiply(
     def transform_rows(rows: slice) -> None:
         field[rows] = scipy.fft.irfft(kept[rows], n=length, axis=1, overwrite_x=True)[:, : shape[1]]
 
-    map_tiles(transform_columns, split(waves.shape[1], _COLUMNS))
-    map_tiles(transform_rows, split(shape[0], _ROWS))
+    map_tiles(transform_columns, split(waves.shape[1], _COLUMNS_PER_TILE))
+    map_tiles(transform_rows, split(shape[0], _ROWS_PER_TILE))
     return field

@@ -17,16 +17,16 @@ from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves
 from roughcontact._base.machine import threads_for
 
 # Depth, in sides of a cell, from which aliases have died: exp(-4 pi) = 3e-6.
-_NO_ALIASES = 4.0
+_ALIAS_FREE_DEPTH = 4.0
 # Aliases on each side, averages of neighbouring partial sums (Euler's method), and Chebyshev nodes of their sum in the
 # square of the phase: with half as many of each the stress changes by 1e-6 of the pressure.
-_ALIASES = 16
-_AVERAGES = 8
-_NODES = 14
+_MAX_ALIAS_ORDER = 16
+_EULER_AVERAGES = 8
+_CHEBYSHEV_NODES = 14
 # Depth in sides of a cell, times the order, from which an alias has died: exp(-2 pi 3) = 6e-9.
-_REACH = 3.0
+_ALIAS_DEPTH = 3.0
 # Terms of a sum that are added at a time.
-_TERMS = 2**20
+_TERMS_PER_TILE = 2**20
 
 
 @attrs.frozen(eq=False)
@@ -97,7 +97,7 @@ def find_symbols(phases: tuple[Array, Array], sides: Pair, z: float, poisson: fl
     none = np.zeros(1, dtype=np.intp)
     terms = [_Axis(phase.astype(np.float32), side, none) for phase, side in zip(phases, sides, strict=True)]
     sums = _sum_terms(terms[0], terms[1], z, poisson)
-    if z < _NO_ALIASES * max(sides):
+    if z < _ALIAS_FREE_DEPTH * max(sides):
         for one, aliases in zip(sums, _sum_aliases(phases, sides, z, poisson), strict=True):
             one += aliases
     trace, xx, zz, yz, xz, xy = sums
@@ -147,8 +147,8 @@ class _Axis:
     @property
     def _weights(self) -> RealArray:
         """Alternating signs, and Euler's weights of the last terms."""
-        sums = np.tri(_ALIASES + 1)
-        for _ in range(_AVERAGES):
+        sums = np.tri(_MAX_ALIAS_ORDER + 1)
+        for _ in range(_EULER_AVERAGES):
             sums = 0.5 * (sums[1:] + sums[:-1])
         order = np.abs(self.orders)
         return np.asarray(sums[-1][order] * (1.0 - 2.0 * (order % 2))).astype(self.phase.dtype)
@@ -161,7 +161,7 @@ def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float) -> list
     """
     kind = along_x.phase.dtype.type
     sums = [np.zeros((along_x.phase.size, along_y.phase.size), dtype=kind) for _ in COMPONENTS]
-    step = max(1, _TERMS // sums[0].size)
+    step = max(1, _TERMS_PER_TILE // sums[0].size)
     pairs = [(m, n) for m in range(along_x.orders.size) for n in range(along_y.orders.size)]
     for start in range(0, len(pairs), step):
         m, n = (np.array(side) for side in zip(*pairs[start : start + step], strict=True))
@@ -192,7 +192,7 @@ def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float) -> list
 def _sum_aliases(phases: tuple[Array, Array], sides: Pair, z: float, poisson: float) -> Sequence[Array]:
     """Return the sums over all aliases: smooth and even in the phase along each axis that is aliased."""
     none = np.zeros(1, dtype=np.intp)
-    nodes = 0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES))
+    nodes = 0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_CHEBYSHEV_NODES) + 0.5) / _CHEBYSHEV_NODES))
     vandermonde = np.linalg.inv(_vandermonde(nodes))
     to_x, to_y = (_vandermonde(phase**2) @ vandermonde for phase in phases)
     exact = [_Axis(np.abs(phase), side, none) for phase, side in zip(phases, sides, strict=True)]
@@ -208,9 +208,9 @@ def _sum_aliases(phases: tuple[Array, Array], sides: Pair, z: float, poisson: fl
 
 def _list_aliases(depth: float) -> IntArray:
     """Return the orders of the aliases that have not died at a depth, in sides of a cell."""
-    most = _ALIASES if depth * _ALIASES <= _REACH else math.ceil(_REACH / depth)
+    most = _MAX_ALIAS_ORDER if depth * _MAX_ALIAS_ORDER <= _ALIAS_DEPTH else math.ceil(_ALIAS_DEPTH / depth)
     return np.array([order for order in range(-most, most + 1) if order != 0], dtype=np.intp)
 
 
 def _vandermonde(square: Array) -> Array:
-    return np.asarray(chebyshev.chebvander(2.0 * square / math.pi**2 - 1.0, _NODES - 1))
+    return np.asarray(chebyshev.chebvander(2.0 * square / math.pi**2 - 1.0, _CHEBYSHEV_NODES - 1))

@@ -32,13 +32,13 @@ from roughcontact.errors import InputError
 
 # Relative error of the maximum at a depth of n cells, over 1/n^2 and 1/n^4: set on Hertz's balls and on rough
 # surfaces, held out ones of which docs/studies/stress.py judges.
-_COARSE = (0.012, 0.004)
+_GRID_ERROR_TERMS = (0.012, 0.004)
 # Error by depths that are far apart, over what the parabola adds to the largest of them.
-_BETWEEN_DEPTHS = 0.3
+_INTERPOLATION_ERROR = 0.3
 # Relative error of the stress in the planes, and by the rest of the tolerance of the solver.
-_FLOOR = 2e-4
+_MIN_RELATIVE_ERROR = 2e-4
 # Depth in cells below which the shape of the edges of the contact, and not the load, makes the stress.
-_SHALLOW = 2.0
+_MIN_DEPTH_CELLS = 2.0
 
 
 @attrs.frozen
@@ -168,29 +168,31 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
         text = f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
         warnings.append(ContactWarning(text, "depths", depth))
     cells = depth / cell
-    if cells < _SHALLOW:
+    if cells < _MIN_DEPTH_CELLS:
         text = f"the maximum lies only {cells:.2g} cells below the surface, where it depends on the grid"
         warnings.append(ContactWarning(text, "resolution", cells))
     inverse = 1.0 / max(cells, 1e-3) ** 2
-    relative = math.hypot(_FLOOR, min(_COARSE[0] * inverse + _COARSE[1] * inverse**2, 1.0))
-    uncertainty = math.hypot(relative * value, _BETWEEN_DEPTHS * rise)
+    relative = math.hypot(
+        _MIN_RELATIVE_ERROR, min(_GRID_ERROR_TERMS[0] * inverse + _GRID_ERROR_TERMS[1] * inverse**2, 1.0)
+    )
+    uncertainty = math.hypot(relative * value, _INTERPOLATION_ERROR * rise)
     return StressMaximum(value * scale, uncertainty * scale, peaks[top].x, peaks[top].y, depth, tuple(warnings))
 
 
 # Depths by default: from half a cell, each so many times the last, to two radii of the largest patch, at least some
 # cells and at most half a side of the domain.
-_FIRST = 0.5
-_RATIO = 1.15
-_RADII = 2.0
-_FEWEST = 4.0
-_LAST = 0.5
+_FIRST_DEPTH_CELLS = 0.5
+_DEPTH_RATIO = 1.15
+_LAST_DEPTH_RADII = 2.0
+_MIN_LAST_DEPTH_CELLS = 4.0
+_MAX_LAST_DEPTH_SIDES = 0.5
 # Largest depth, in sides of the domain, for which the stress is computed.
-_DEEPEST = 100.0
-_SHARP = ContactWarning(
+_MAX_DEPTH_SIDES = 100.0
+_SHARP_EDGE_WARNING = ContactWarning(
     "the contact has a sharp edge or reaches the border, where the stress is unbounded: it depends on the grid",
     "sharp edge",
 )
-_DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1e60"
+_ALLOWED_DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1e60"
 
 
 @attrs.frozen(eq=False)
@@ -273,7 +275,7 @@ class Stress:
         peaks = [peak[measure] for peak in self._peaks]
         found = find_maximum(np.unique(self.depths), peaks, self._scale, max(self._grid.spacing))
         if self._reaches_border or (found.warnings and self._has_sharp_edge):
-            found = attrs.evolve(found, uncertainty=found.value, warnings=(*found.warnings, _SHARP))
+            found = attrs.evolve(found, uncertainty=found.value, warnings=(*found.warnings, _SHARP_EDGE_WARNING))
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
 
     @property
@@ -343,9 +345,9 @@ class Stress:
 def _depths(value: Any) -> Array | None:
     if value is None:
         return None
-    depths = np.atleast_1d(numbers(value, "The depths", _DEPTHS))
+    depths = np.atleast_1d(numbers(value, "The depths", _ALLOWED_DEPTHS))
     if depths.ndim != 1 or depths.size == 0 or not np.all((depths >= 0.0) & (depths <= 1e60)):
-        raise InputError.about("The depths", value, _DEPTHS)
+        raise InputError.about("The depths", value, _ALLOWED_DEPTHS)
     return frozen_array(depths)
 
 
@@ -396,9 +398,9 @@ class StressBelow(Response[Stress]):
                 f"{what} no stress below its surface: ask for body='{other}', or give it a Poisson's ratio."
             )
         depths = default_depths(solution) if self.depths is None else self.depths
-        deepest = _DEEPEST * max(solution.grid.size)
+        deepest = _MAX_DEPTH_SIDES * max(solution.grid.size)
         if float(depths.max()) > deepest:
-            allowed = f"at most {si(deepest, 'm')}, {_DEEPEST:g} times the side of the domain"
+            allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
             raise InputError.about("A depth", float(depths.max()), allowed, "Depths are in metres.")
         return Stress(solution, depths, float(poisson), threads=problem.plan.thread_choice[0])
 
@@ -408,6 +410,8 @@ def default_depths(solution: ContactSolution) -> Array:
     cell = max(solution.grid.spacing)
     patches = solution.patches
     radius = math.sqrt(float(patches.areas.max()) / math.pi) if patches.count else 0.0
-    last = max(_FEWEST * cell, min(_RADII * radius, _LAST * max(solution.grid.size)))
-    count = math.ceil(math.log(last / (_FIRST * cell)) / math.log(_RATIO)) + 1
-    return np.asarray(np.geomspace(_FIRST * cell, last, count), dtype=np.float64)
+    last = max(
+        _MIN_LAST_DEPTH_CELLS * cell, min(_LAST_DEPTH_RADII * radius, _MAX_LAST_DEPTH_SIDES * max(solution.grid.size))
+    )
+    count = math.ceil(math.log(last / (_FIRST_DEPTH_CELLS * cell)) / math.log(_DEPTH_RATIO)) + 1
+    return np.asarray(np.geomspace(_FIRST_DEPTH_CELLS * cell, last, count), dtype=np.float64)
