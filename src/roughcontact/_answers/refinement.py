@@ -21,8 +21,14 @@ from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.extrapolation import Extrapolation, exponential
 
-# Doublings of a grid beyond which the size of the finest one is not computed: far beyond any memory.
+# Largest number of doublings for which the size of the finest grid is computed: far beyond any memory.
 _MAX_DOUBLINGS = 60
+# Cells of the shortest wave that the grid of a map can hold, which is the longest cut-off.
+_NYQUIST_CELLS = 2.0
+# Largest number of realizations: with more, their mean and spread gain nothing.
+_MAX_REALIZATIONS = 1000
+# Standard deviations on both sides of the mean that the range of the area contains.
+_RANGE_STDS = 2.0
 
 
 def require_problem(problem: ContactProblem) -> ContactProblem:
@@ -127,10 +133,10 @@ def extrapolate(
     estimator: str | AreaEstimator = DEFAULT_AREA,
     interpolation: str | None = None,
 ) -> Ladder:
-    """Return the solutions on the problem's grid and on ones with twice, four times, ... as many cells a side.
+    """Return the solutions on the problem's grid and on grids with twice, four times, ... as many cells a side.
 
-    Counted areas are extrapolated as the paper did it. The estimated area is that of the finest grid; where only an
-    accuracy is wanted, ``solve(..., area_within=)`` finds the grid.
+    Counted areas are extrapolated as in the paper. The estimated area is the one on the finest grid; for a wanted
+    accuracy, take ``solve(..., area_within=)``, which finds the grid.
 
     Parameters
     ----------
@@ -187,14 +193,6 @@ def solve_ladder(
     return Ladder(tuple(solutions), estimator)
 
 
-# Cells of the longest wave that may be drawn last: the shortest that the grid of a map can hold.
-_NYQUIST_CELLS = 2.0
-# Realizations beyond which their mean and spread gain nothing.
-_MAX_REALIZATIONS = 1000
-# Standard deviations of a range that should hold.
-_RANGE_STDS = 2.0
-
-
 @attrs.frozen(eq=False)
 class BeyondResolution:
     """The contact area of a measured map with random short waves; `str` of it is a table.
@@ -208,7 +206,7 @@ class BeyondResolution:
     rms_slopes
         Mean rms slope of the gap, for each of the wavelengths.
     measured
-        The area of the maps as they were given.
+        The area with the maps as given, without random waves.
     cell
         Largest cell of the maps, m.
     """
@@ -226,13 +224,13 @@ class BeyondResolution:
 
     @property
     def stds(self) -> Array:
-        """Standard deviation of the area for each of the wavelengths, m2: realizations and uncertainty of each."""
+        """Standard deviation of the area for each wavelength, m2: of the realizations and by their uncertainties."""
         spread = [np.std([area.value for area in areas], ddof=1) for areas in self.areas]
         return np.hypot(spread, [np.sqrt(np.mean([area.uncertainty**2 for area in areas])) for areas in self.areas])
 
     @property
     def range(self) -> tuple[float, float]:
-        """The area if the surface ends at one of the wavelengths or between, m2: from, to, by two deviations."""
+        """The smallest and the largest area for waves down to any of the wavelengths, m2: two standard deviations."""
         low = self.means - _RANGE_STDS * self.stds
         high = self.means + _RANGE_STDS * self.stds
         return max(0.0, float(low.min())), float(high.max())
@@ -353,7 +351,7 @@ def _list_wavelengths(cutoffs: Sequence[float], cell: float) -> tuple[float, ...
 
 
 def _extend(problem: ContactProblem, continuation: Continuation) -> ContactProblem:
-    """Return the problem with other maps, on the grid of their shortest wave."""
+    """Return the problem with continued maps, on a grid that resolves their shortest wave."""
     if problem.plan.pressure_limit.ndim:
         raise InputError("The pressure limit is an array, which is not known between its cells.")
     size = problem.plan.grid.size

@@ -11,10 +11,28 @@ import numpy as np
 from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact.errors import MissingPackage
 
-# Gap over the widest one below which float64 does not tell it from zero.
+# Gap over the widest gap below which float64 does not tell it from zero.
 _MIN_FILM_RATIO = 1e-14
 # Neighbours of a cell: liquid passes through sides, not through corners.
 _SIDE_NEIGHBOURS = np.array(((0, 1, 0), (1, 1, 1), (0, 1, 0)), dtype=bool)
+# Cells up to which elimination is used, 2048 x 2048 with 30 % in contact: it then takes 2.7 GiB and a third of the time
+# of conjugate gradients, and needs no package and no stopping rule.
+MAX_ELIMINATION_CELLS = 3_000_000
+# Conjugate gradients end at this residual over the right side, once the flow changes by less over so many iterations
+# and inflow and outflow agree. The residual alone hides throats: at 1e-4 the flow is up to 58 % too large.
+_RESIDUAL_TOLERANCE = 1e-6
+_FLOW_TOLERANCE = 1e-4
+_STEADY_ITERATIONS = 5
+_MAX_ITERATIONS = 300
+# Weights of the three measures of the uncertainty (`estimate_uncertainty`), set on twelve rough surfaces at four loads
+# and four grids so that 95 % of the errors are within two standard deviations; other surfaces confirm them
+# (docs/studies/leakage.py). They contain a factor of 5/4, because tight contacts on oblong domains and cells had
+# errors of 2.5 standard deviations without it (benchmarks/response_classes.py).
+_THROAT_WEIGHT = 0.94
+_RULE_WEIGHT = 0.125
+_EDGE_WEIGHT = 0.25
+# Cells beyond a periodic border in which the nearest contact is searched.
+_MAX_PADDING_CELLS = 16
 
 
 @attrs.frozen(eq=False)
@@ -82,12 +100,12 @@ class FlowNetwork:
         return np.asarray(self.conductance * (pressure[self.first] - pressure[self.second]))
 
     def find_ends(self, pressure: Array) -> tuple[float, float]:
-        """Return the flow in and the flow out."""
+        """Return the flow in at the inlet and the flow out at the outlet."""
         into = float(np.sum(self.inlet_conductance * (1.0 - pressure[self.inlet])))
         return into, float(np.sum(self.outlet_conductance * pressure[self.outlet]))
 
     def residual(self, pressure: Array) -> Array:
-        """Return the liquid that each cell gains."""
+        """Return the flow into each cell less the flow out of it."""
         faces = self.find_flow(pressure)
         into = self.inlet_conductance * (1.0 - pressure[self.inlet])
         out = self.outlet_conductance * pressure[self.outlet]
@@ -96,7 +114,7 @@ class FlowNetwork:
     def dissipation(self, pressure: Array) -> tuple[Array, Array]:
         """Return the power lost in each face and in each cell: they sum to the flow at unit pressure.
 
-        A face is half of either cell in series, so that the tighter one takes the larger part.
+        A face joins half of either cell in series, so that the tighter cell loses more.
         """
         faces = self.conductance * (pressure[self.first] - pressure[self.second]) ** 2
         cubes = self.film**3
@@ -108,7 +126,7 @@ class FlowNetwork:
         return faces, lost
 
     def find_flow_of_cells(self, pressure: Array) -> tuple[Array, Array]:
-        """Return the flow through each cell along and across: the mean of those through its two faces."""
+        """Return the flow through each cell along and across: the mean of the flows through its two faces."""
         half = 0.5 * self.find_flow(pressure)
         fields = np.zeros((2, *self.shape))
         one = slice(None, self.along)
@@ -166,9 +184,9 @@ def find_paths(open_cells: Mask, *, periodic: bool, corners: bool = False) -> Ma
     open_cells
         Shape (along, across) the flow.
     periodic
-        Whether paths go on across the border beside the flow.
+        Whether the domain repeats beyond its borders beside the flow.
     corners
-        Whether a path may pass a corner, too.
+        Whether a path may also pass through corners of cells.
     """
     from scipy import ndimage, sparse
 
@@ -179,7 +197,7 @@ def find_paths(open_cells: Mask, *, periodic: bool, corners: bool = False) -> Ma
         other = labels[:, 0]
         if corners:
             one = np.tile(one, 3)
-            other = np.concatenate([other, _shifted(other, 1), _shifted(other, -1)])
+            other = np.concatenate([other, _shift_row(other, 1), _shift_row(other, -1)])
         both = (one > 0) & (other > 0)
         links = sparse.coo_matrix((np.ones(both.sum()), (one[both], other[both])), shape=(count + 1, count + 1))
         piece = sparse.csgraph.connected_components(links, directed=False)[1]
@@ -189,8 +207,8 @@ def find_paths(open_cells: Mask, *, periodic: bool, corners: bool = False) -> Ma
     return np.asarray(joined[labels])
 
 
-def _shifted(values: RealArray, step: int) -> RealArray:
-    """Return values moved along by one, with zero where none comes in."""
+def _shift_row(values: RealArray, step: int) -> RealArray:
+    """Return values moved by one step along the row, with zero at the end that becomes free."""
     moved = np.roll(values, step)
     moved[0 if step == 1 else -1] = 0
     return moved
@@ -207,17 +225,6 @@ def _join(cubes: Array, pairs: RealArray) -> Array:
     one = cubes[pairs[0]]
     other = cubes[pairs[1]]
     return np.asarray(2.0 * one * other / (one + other))
-
-
-# Cells up to which elimination is used, 2048 x 2048 with 30 % in contact: it then takes 2.7 GiB and a third of the time
-# of conjugate gradients, and needs no package and no stopping rule.
-MAX_ELIMINATION_CELLS = 3_000_000
-# Conjugate gradients end at this residual over the right side, once the flow changes by less over so many iterations
-# and inflow and outflow agree. The residual alone hides throats: at 1e-4 the flow is up to 58 % too large.
-_RESIDUAL_TOLERANCE = 1e-6
-_FLOW_TOLERANCE = 1e-4
-_STEADY_ITERATIONS = 5
-_MAX_ITERATIONS = 300
 
 
 def solve_network(network: FlowNetwork) -> tuple[Array, bool]:
@@ -277,16 +284,6 @@ def _prepare_multigrid(matrix: Any) -> Any:
             f"The flow through {matrix.shape[0]} cells needs the package pyamg: pip install 'roughcontact[flow]'."
         ) from None
     return pyamg.smoothed_aggregation_solver(matrix, strength="evolution").aspreconditioner()
-
-
-# Weights of the three measures below, set on twelve rough surfaces at four loads and four grids so that 95 % of the
-# errors are within two standard deviations; others confirm them (docs/studies/leakage.py). All three are a fourth
-# larger since: tight contacts on oblong domains and cells had up to 2.5 (benchmarks/response_classes.py).
-_THROAT_WEIGHT = 0.94
-_RULE_WEIGHT = 0.125
-_EDGE_WEIGHT = 0.25
-# Cells across a periodic border to which the contact is looked for.
-_MAX_PADDING_CELLS = 16
 
 
 def estimate_uncertainty(

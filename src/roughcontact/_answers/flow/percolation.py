@@ -20,16 +20,16 @@ from roughcontact._solve.solution import ContactSolution, Estimate
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Mean pressure over E* times the rms slope at which a rough contact has about two fifths of the nominal area, the
-# factor from one load to the next while only one side of the closing is known, and the range of these loads.
+# First mean pressure over E* times the rms slope: a rough contact then has about two fifths of the nominal area.
 _FIRST_PRESSURE_RATIO = 0.25
+# Factor from one load to the next until both an open and a closed contact are known, and the largest over the first.
 _LOAD_STEP_FACTOR = 1.5
 _MAX_LOAD_FACTOR = 1e6
-# Relative distance of two loads at which the search for other widths of paths ends.
+# Relative distance of two loads at which the search ends for paths as wide as two cells or as narrow as a corner.
 _WIDTH_TOLERANCE = 0.01
-# The standard deviation of the load over the distance of those that close paths of blocks of cells and of corners, and
-# over the curvature resolution.
+# Standard deviation of the load over the distance of the loads that close these two paths.
 _WIDTH_STD = 0.5
+# Relative standard deviation of the load over the resolution ratio of the heights.
 _RESOLUTION_STD = 0.1
 # Widths of paths: two cells, one cell, and one point.
 _BLOCKS, _SIDES, _CORNERS = range(3)
@@ -63,10 +63,10 @@ class Percolation:
 
 @guarded
 def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 0.01) -> Percolation:
-    """Find the load at which the last open path between two opposite sides closes.
+    """Return the load at which the last open path between two opposite sides closes.
 
-    Liquid passes through sides of cells. Paths that are two cells wide close at a lighter load, those through corners
-    at a heavier one: the distance of these loads is what the grid leaves open.
+    Liquid passes through sides of cells. Paths that are two cells wide close at a lighter load, paths through corners
+    at a heavier one: the distance of these loads gives the uncertainty by the grid.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
 
 
 def _enclose(problem: ContactProblem, axis: int) -> tuple[ContactSolution, ContactSolution]:
-    """Return a solution with an open path through sides, and one at a larger load without any, of corners neither."""
+    """Return a solution with an open path through sides, and one at a larger load without any, not even by corners."""
     maximum = maximum_pressure(problem.plan)
     slope = rms_slope(problem.initial_gap, problem.plan.grid)
     guess = pressure = min(_FIRST_PRESSURE_RATIO * problem.plan.modulus * slope, 0.5 * maximum)

@@ -18,9 +18,10 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, counted, outlined, si
 from roughcontact.errors import InputError
 
-# Misfit that is allowed whatever the uncertainties, over the value and over its change, and the fewest loads and their
-# smallest ratio: a straight line through any smooth curve fits in a shorter range, and a logarithm has a small change.
+# Misfit that is allowed whatever the uncertainties, both over the value and over its change in the range.
 _ALLOWED_MISFIT = 0.01
+# Smallest number of loads of a power law, and smallest ratio of the last to the first: in a shorter range a power law
+# fits any smooth curve.
 _MIN_FITTED_LOADS = 4
 _MIN_LOAD_RANGE = 10.0
 
@@ -263,7 +264,7 @@ class InterfaceLaw:
         target = checks.path(path, "The table")
         if target.suffix != ".csv":
             raise InputError.about("The table of MOOSE", str(target), "a file that ends in .csv")
-        table, blocks = formats.write_function(self, target.name, name, conductance, min_gap, units)
+        table, blocks = formats.write_moose(self, target.name, name, conductance, min_gap, units)
         _write(target, table)
         _write(target.with_suffix(".i"), blocks)
 

@@ -17,9 +17,9 @@ from roughcontact._solve.solution import ContactSolution, Estimate, Response, re
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Units of what is in proportion to the nominal area, and of its ratio to it.
+# Units of numbers in proportion to the nominal area, and their units per area.
 _UNITS_PER_AREA = {"N/m": "Pa/m", "W/K": "W/(m2 K)", "S": "S/m2"}
-# Units of the responses that do not say it, by their registered names.
+# Units of responses whose results have no unit, by registered name.
 _UNITS_OF_RESPONSES = {"conductance": "W/K", "leakage": "m3/s"}
 _OWN_COLUMNS = ("pressure", "area", "mean_gap")
 # Ratio of neighbouring loads up to which a straight line between them is within 1 % of powers of 1/3 to 1.
@@ -134,7 +134,7 @@ def _solve(
 
 
 def _read_estimate(found: object, name: str, response: Response[Any]) -> Estimate:
-    """Return the number that a response has found: its value, uncertainty and warnings, and their unit."""
+    """Return the result of a response as an estimate, with its unit."""
     value, spread = (getattr(found, part, None) for part in ("value", "uncertainty"))
     if not isinstance(value, (int, float)) or not isinstance(spread, (int, float)) or math.isnan(value):
         raise InputError(f"The response {name!r} is not a number with an uncertainty, and cannot be a column of a law.")

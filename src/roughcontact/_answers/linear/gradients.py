@@ -17,18 +17,24 @@ from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
 from roughcontact.errors.door import outside, warn
 
-# A Hertzian area grows as its force to this power.
+PressureDerivative: TypeAlias = Callable[[Array], Array]
+
+# Power of the force with which a Hertzian area grows.
 _HERTZ_EXPONENT = 2.0 / 3.0
 # Relative residual of the answer to a unit approach, whose moments need no more.
 _MOMENT_TOLERANCE = 1e-3
-# Load of a patch by its virial over its own, or the inverse, from which it has more than one summit.
+# Ratio of the load of a patch by its virial to its actual load, or the inverse, from which it has several summits.
 _MAX_SUMMIT_LOAD_RATIO = 2.0
 # Area of Hertzian spots of one size over (sum p)^2 / sum p^2: the mean of the square of their pressure.
 _PARTICIPATION_FACTOR = 9.0 / 8.0
-
-
-def _nothing() -> Array:
-    return np.zeros(())
+# Relative residual of the linear answers: the gradient is linear in it.
+_ADJOINT_TOLERANCE = 1e-10
+_VARIABLES = ("heights", "modulus", "load")
+_EDGE_RESPONSES = ("stiffness", "conductance")
+_AREA_WARNING = (
+    "under a given load the gradient of the area is a small difference of large parts, and even its sign may be wrong: "
+    "that of the participation is exact"
+)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -47,14 +53,14 @@ class Sensitivity:
         With respect to the contact modulus E*, 1/Pa times the unit of J.
     """
 
-    pressure: Array = attrs.field(factory=_nothing)
+    pressure: Array = attrs.field(factory=lambda: np.zeros(()))
     position: float = 0.0
-    heights: Array = attrs.field(factory=_nothing)
+    heights: Array = attrs.field(factory=lambda: np.zeros(()))
     modulus: float = 0.0
 
 
 def mark_summit(solution: ContactSolution) -> Array:
-    """Return one at the highest cell, from whose touch the approach counts, and zero elsewhere, shape (nx, ny)."""
+    """Return one at the highest cell, whose first touch is the zero of the approach, and zero elsewhere."""
     summit = np.zeros(solution.grid.shape)
     summit.flat[np.argmin(solution.initial_gap)] = 1.0
     return summit
@@ -87,7 +93,7 @@ def _of_mean_gap(solution: ContactSolution) -> Sensitivity:
 
 
 def _of_participation(solution: ContactSolution) -> Sensitivity:
-    # Squares of pressures near the ends of float64 leave it.
+    # Squares of very large or small pressures leave the range of float64.
     largest = float(solution.pressure.max())
     if largest == 0.0:
         raise InputError("The participation has no gradient where nothing is in contact.")
@@ -114,11 +120,11 @@ def _of_area(solution: ContactSolution) -> Sensitivity:
 
 
 def _find_sharpening(solution: ContactSolution, weights: Array) -> Array:
-    r"""Return by how much heights change the sum of the logarithms of 1/V of the patches, each times its weight.
+    r"""Return the derivative of the weighted sum of log(1/V) over the patches with respect to the heights.
 
     V is the virial :math:`\sum q\, x \cdot \nabla g` of the initial gap g, over the centre x = 0 of the answer q to a
     unit approach: the load that presses a round tip by itself to the size of the patch. Patches that carry another load
-    are of several summits, and are omitted.
+    have several summits and are omitted.
     """
     labels = solution.patches.labels
     shape = solution.grid.shape
@@ -146,7 +152,7 @@ def _find_sharpening(solution: ContactSolution, weights: Array) -> Array:
 
 
 def _center(solution: ContactSolution, place: IntArray, members: IntArray, stiffness: Array, axis: int) -> Array:
-    """Return the distance of cells along an axis to the centre of the answer of their patch, m."""
+    """Return the distance of cells along an axis from the centre of the answer of their patch, m."""
     size = solution.grid.shape[axis]
     count = solution.patches.count
     distance = place.astype(np.float64)
@@ -164,7 +170,7 @@ def _center(solution: ContactSolution, place: IntArray, members: IntArray, stiff
 def _find_neighbours(
     solution: ContactSolution, cells: IntArray, place: IntArray, axis: int
 ) -> tuple[IntArray, IntArray, Array]:
-    """Return the measured neighbours of cells on both sides along an axis, else the cells, and their distance, m."""
+    """Return the neighbours of cells on both sides along an axis, or the cells if not measured, and their distance, m."""
     shape = solution.grid.shape
     stride = shape[1] if axis == 0 else 1
     sides = []
@@ -189,18 +195,6 @@ SENSITIVITIES: dict[str, Callable[[ContactSolution], Sensitivity]] = {
     "mean-gap": _of_mean_gap,
     "participation": _of_participation,
 }
-
-
-PressureDerivative: TypeAlias = Callable[[Array], Array]
-
-# Relative residual of the linear answers: the gradient is linear in it.
-_ADJOINT_TOLERANCE = 1e-10
-_VARIABLES = ("heights", "modulus", "load")
-_EDGE_RESPONSES = ("stiffness", "conductance")
-_AREA_WARNING = (
-    "under a given load the gradient of the area is a small difference of large parts, and even its sign may be wrong: "
-    "that of the participation is exact"
-)
 
 
 def _number(value: str | PressureDerivative) -> str | PressureDerivative:
@@ -301,7 +295,7 @@ class _Adjoint:
     surface
         With respect to heights at a position that does not move with them, shape (nx, ny); zero outside the contact.
     summit
-        With respect to the height of the highest cell besides.
+        With respect to the height of the highest cell, in addition to `surface`.
     load
         With respect to the sum of the pressure, or to the approach.
     """
@@ -331,12 +325,12 @@ class _Adjoint:
             uniform = _solve(tangent, np.ones(()))
             compliance = 1.0 / float(uniform.sum())
             shares = uniform * compliance
-        # What a uniform change of the derivative by the pressure adds is the change of the load, which is zero.
+        # A constant added to the derivative by the pressure counts the change of the load, which is zero.
         mean = float(np.sum(shares * sensitivity.pressure))
         surface = _solve(tangent, sensitivity.pressure - mean) - sensitivity.position * shares
         return cls(surface, 0.0, mean + sensitivity.position * compliance)
 
 
 def _solve(tangent: Tangent, right: Array) -> Array:
-    """Return the pressure on the cells in contact by a right side, shape () or (nx, ny)."""
+    """Return the pressure on the cells in contact for a right side of shape () or (nx, ny)."""
     return tangent.solve(np.broadcast_to(right, tangent.cells.shape), _ADJOINT_TOLERANCE).values
