@@ -170,7 +170,7 @@ def _center(solution: ContactSolution, place: IntArray, members: IntArray, stiff
 def _find_neighbours(
     solution: ContactSolution, cells: IntArray, place: IntArray, axis: int
 ) -> tuple[IntArray, IntArray, Array]:
-    """Return the neighbours of cells on both sides along an axis, or the cells if not measured, and their distance, m."""
+    """Return the neighbours of cells along an axis (the cells themselves where not measured) and their distance, m."""
     shape = solution.grid.shape
     stride = shape[1] if axis == 0 else 1
     sides = []
