@@ -1,4 +1,4 @@
-"""Corrections of the approach: the highest summit between the cells, and the stiffness that cells lack."""
+"""Corrections of the approach: the highest summit between the cells, and uniform pressure on each cell."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from roughcontact._answers.areas import quantity_calibration as calibration
 from roughcontact._answers.areas.cells import find_cut_cells, find_straight_rows
 from roughcontact._answers.areas.curvature import (
-    average_differences,
+    average_curvature,
     curvature_resolution,
     find_filled,
     is_linear,
@@ -25,27 +25,30 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution, heal
 
-# The highest cells of a map that are looked at: the highest summit is often not the one of the highest cell.
+# Number of the highest cells of a map that are tried: often the highest summit is not beside the highest cell.
 _SEARCHED_CELLS = 64
-# Cells on each side of a summit through which polynomials are taken.
+# Cells on each side of a summit through which polynomials are fitted.
 _POLYNOMIAL_REACH = 4
-# Distance of a summit from its highest cell, in cells along an axis, and the places in between that are tried.
+# Largest distance of a summit from its highest cell along an axis, and the distances that are tried, cells.
 _MAX_SUMMIT_OFFSET = 0.75
 _TRIED_OFFSETS = np.linspace(-_MAX_SUMMIT_OFFSET, _MAX_SUMMIT_OFFSET, 13)
-# Cells on each side of a tip through which a hyperboloid is taken.
+# Cells on each side of a tip through which a hyperboloid is fitted.
 TIP_REACH = 2
-# What a paraboloid leaves of the gap around a summit, over its range, below which the summit is one.
+# Misfit of a paraboloid to the gap around a summit, over the range of the gap, below which the summit is one.
 _PARABOLOID_MISFIT = 1e-6
 # Smallest ratio of the principal curvatures of a hyperboloid: any ridge has one through five cells across it.
 _MIN_CURVATURE_RATIO = 0.1
-# What a hyperboloid leaves of the gap, over what a paraboloid leaves: below the first it is the summit, below the
-# second if its radius at the tip, over the range of the gap, is smaller than that, and from the third on no tip.
+# Misfit of a hyperboloid over the misfit of a paraboloid below which the summit is a hyperboloid, and below which it is
+# one if its radius at the tip, over the range of the gap, is below the third number.
 _EXACT_TIP_MISFIT = 0.02
 _TIP_MISFIT = 0.2
 _MAX_TIP_RADIUS = 0.3
+# The same misfit from which the summit is not pointed.
 _ROUND_MISFIT = 0.3
 # Second difference where a line has no kink, over the largest beside it.
 _KINK_TOLERANCE = 1e-6
+# Results for solutions that still exist: approach and mean gap ask for the same.
+_BENDS_OF_SOLUTIONS: WeakKeyDictionary[ContactSolution, Bend] = WeakKeyDictionary()
 
 
 def _weigh(reach: int) -> Array:
@@ -65,7 +68,7 @@ _POLYNOMIAL_WEIGHTS = {reach: _weigh(reach) for reach in (_POLYNOMIAL_REACH - 1,
 def find_rise(
     gap: Array, boundary: Boundary, missing: Mask | None = None, *, linear: bool = False
 ) -> tuple[float, float]:
-    """Return the height of the highest summit above the highest cell that was measured, and its standard deviation, m.
+    """Return the height of the highest summit above the highest measured cell, and its standard deviation, m.
 
     Parameters
     ----------
@@ -116,7 +119,7 @@ def _gather_highest(gap: Array, measured: Array, boundary: Boundary) -> tuple[Ar
     beside = slice(_POLYNOMIAL_REACH - 1, _POLYNOMIAL_REACH + 2)
     here = near[:, _POLYNOMIAL_REACH, _POLYNOMIAL_REACH]
     summits = near[:, beside, beside].min(axis=(1, 2)) >= here
-    # Beside points that were not measured, no cell may be higher than its neighbours.
+    # Beside non-measured points possibly no cell is higher than its neighbours.
     summits[np.argmin(here)] = True
     return near, np.asarray(summits)
 
@@ -159,7 +162,7 @@ def _find_bend(near: Array) -> float:
 
 
 def fit_hyperboloid(near: Array) -> tuple[float | None, float]:
-    """Return the gap at the tip of a hyperboloid, m, or none, and how pointed the summit is, from 0 to 1.
+    """Return the gap at the tip of a hyperboloid, m, or None, and how pointed the summit is, from 0 to 1.
 
     Paraboloids and cones are hyperboloids, (g + t)^2 a quadratic, which is linear in its seven numbers. The second is
     zero on paraboloids, waves, rough surfaces and round tips, about 0.3 to 0.5 on tips r^1.5 and one on cones.
@@ -208,7 +211,7 @@ def _meet(line: Array) -> tuple[float, float, int]:
     bends = np.diff(line[_POLYNOMIAL_REACH - 2 : _POLYNOMIAL_REACH + 3], 2)
     if abs(bends[1]) <= _KINK_TOLERANCE * np.max(np.abs(bends)):
         return 0.0, 0.0, _POLYNOMIAL_REACH
-    # A kink between two cells bends the line alike at both.
+    # A kink between two cells bends the line at both.
     side = 1 if abs(bends[2] - bends[1]) < abs(bends[0] - bends[1]) else -1
     before, here, after, beyond = (float(line[_POLYNOMIAL_REACH + side * k]) for k in (-1, 0, 1, 2))
     slope = here - before
@@ -217,18 +220,14 @@ def _meet(line: Array) -> tuple[float, float, int]:
     return (distance if 0.0 <= distance <= 1.0 else 0.0), slope, _POLYNOMIAL_REACH - side
 
 
-# What was measured on solutions that still exist: approach and mean gap both ask for it.
-_BENDS_OF_SOLUTIONS: WeakKeyDictionary[ContactSolution, Bend] = WeakKeyDictionary()
-
-
 @attrs.frozen(eq=False)
 class Bend:
-    """The curvature of the heights under a contact, and what of them the cells do not show.
+    """The curvature of the heights under a contact, and how far the cells show the heights.
 
     Attributes
     ----------
     load
-        Part of the load on each patch, shape (count,).
+        Fraction of the load on each patch, shape (count,).
     spread
         Standard deviation of the curvature of each over its mean, shape (count,).
     mean
@@ -236,11 +235,11 @@ class Bend:
     width
         Fourth root of the cells of a patch, weighted by the load.
     saturated, filled
-        Parts of the load on saturated cells and on those that were filled from their neighbours.
+        Fractions of the load on saturated cells and on cells that were filled from their neighbours.
     resolution
         Resolution ratio of `curvature_resolution`.
     rim
-        How sharp the rims of flats are that were run in, times the width, 0 without them.
+        Sharpness of the rims of flats that were run in, times the width; zero without such rims.
     linear
         Whether the heights are linear between points further apart than the cells.
     """
@@ -263,7 +262,7 @@ def measure_bend(solution: ContactSolution) -> Bend:
         return _BENDS_OF_SOLUTIONS[solution]
     patches = solution.patches
     touching = np.flatnonzero(solution.contact)
-    _, _, spread, bends = (part[1:] for part in average_differences(solution, touching))
+    _, _, spread, bends = (part[1:] for part in average_curvature(solution, touching))
     load = patches.forces / patches.forces.sum()
     pressure = solution.pressure.ravel()[touching] / np.sum(solution.pressure)
     resolution = curvature_resolution(solution)
@@ -283,7 +282,7 @@ def measure_bend(solution: ContactSolution) -> Bend:
 
 
 def find_shift(solution: ContactSolution) -> tuple[float, float]:
-    """Return how much the approach is too small, and the standard deviation of that, m."""
+    """Return the deficit of the approach and its standard deviation, m."""
     solution = heal(solution)
     if solution.patches.count == 0:
         return 0.0, 0.0
@@ -315,9 +314,9 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
 
 
 def _find_aligned(solution: ContactSolution) -> float:
-    """Return the error of the shift where the edge is straight, so that its cells err alike, over the bend, no unit."""
+    """Return the error of the shift over the bend where the edge is straight and its cells have the same error."""
     rows = find_straight_rows(solution.contact, solution.boundary)
-    # On average, for a slender ellipse has some long ones too.
+    # The mean counts, because a slender ellipse has some long rows too.
     long = rows.size > 0 and float(np.mean(rows)) > 0.5 * min(solution.grid.shape)
     if long:
         return calibration.ALIGNED_GAP_STD
@@ -327,7 +326,7 @@ def _find_aligned(solution: ContactSolution) -> float:
 
 def _find_spread(bend: Bend, cells: Array) -> float:
     """Return the standard deviation of the shift of smooth heights over their second difference, no unit."""
-    # Alike patches err alike; others average out.
+    # Equal patches have the same error; errors of different ones average out.
     alike = min(1.0, float(np.sum(bend.load * bend.spread)) ** 2)
     number = 1.0 + (1.0 / float(np.sum(bend.load**2)) - 1.0) * alike
     few = calibration.SMALL_PATCH_GAP_STD * float(np.sum(bend.load / np.sqrt(cells)))
@@ -338,7 +337,7 @@ def _find_spread(bend: Bend, cells: Array) -> float:
 
 
 def find_hidden_rise(solution: ContactSolution) -> float:
-    """Return the standard deviation of the height of the highest summit where the cells do not show it, m."""
+    """Return the standard deviation of the height of the highest summit where the cells do not resolve it, m."""
     solution = heal(solution)
     if solution.patches.count == 0:
         return 0.0
@@ -354,10 +353,10 @@ def _ramp(value: float, ends: tuple[float, float]) -> float:
 
 
 def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
-    """Return how much the approach is too large where the contact is cut, and the standard deviation of that, m.
+    """Return the excess of the approach where the contact is cut, and its standard deviation, m.
 
     There the pressure rises as the inverse root of the distance, which uniform pressure on each cell does not follow:
-    what it lacks in energy is a part of p^2 / E* over the cells at the cut.
+    the deficit of energy is a fraction of p^2 / E* over the cells at the cut.
     """
     missing = solution.non_measured
     free = solution.boundary is Boundary.FREE

@@ -24,10 +24,22 @@ CORNER_COUNTS = _CORNERS_INSIDE.sum(axis=0).astype(np.float64)
 _TWO_INSIDE = CORNER_COUNTS == 2
 _THREE_INSIDE = CORNER_COUNTS == 3
 _DIAGONAL_INSIDE = (_CORNERS_INSIDE[0] == _CORNERS_INSIDE[2]) & (_CORNERS_INSIDE[1] == _CORNERS_INSIDE[3]) & _TWO_INSIDE
-# The corner to begin at: the one that is unlike the others, or the first of two in contact.
+# The corner at which a polygon begins: the one that differs from the others, or the first of two in contact.
 _ODD_CORNERS = np.where(_THREE_INSIDE, ~_CORNERS_INSIDE, _CORNERS_INSIDE)
 _FIRST_CORNERS = np.where(_ODD_CORNERS[0] & _ODD_CORNERS[3] & _TWO_INSIDE, 3, np.argmax(_ODD_CORNERS, axis=0))
 _EULER_NUMBERS = np.select([CORNER_COUNTS == 1, _THREE_INSIDE, _DIAGONAL_INSIDE], [0.25, -0.25, -0.5], 0.0)
+# Upper bound of the distance at the corners of a dual cell, in cells; at a smooth edge it is below sqrt(2).
+_MAX_DISTANCE_CELLS = 16.0
+# Distance of the furthest corner, in cells, where no y gives the gradient one, as at saddles: half a diagonal.
+_SADDLE_DISTANCE_CELLS = 0.7
+# Difference up to which edges in two dual cells count as the same, in cells; the largest number of such steps; and an
+# offset, so that half a cell does not lie at the limit between two steps.
+_KEY_STEP = 1e-3
+_KEY_COUNT = 10_000
+_KEY_OFFSET = 0.382
+# Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
+_NEWTON_STEPS = 4
+_BRACKETED_STEPS = 16
 
 
 def find_kinds(contact: Mask) -> npt.NDArray[np.uint8]:
@@ -72,7 +84,7 @@ def measure_polygons(
 
 
 def _divide(one: Array, other: Array) -> Array:
-    """Return the part of a side from one corner to the edge, of the distances of both of its corners from the edge."""
+    """Return the fraction of a side from one corner to the edge, for the distances of both corners from the edge."""
     with np.errstate(invalid="ignore"):
         part = one / (one + other)
     np.copyto(part, 0.5, where=np.isnan(part))
@@ -82,12 +94,12 @@ def _divide(one: Array, other: Array) -> Array:
 def _measure_saddles(
     distance: Corners, contact: Mask, crossing: Corners, size: tuple[float, float]
 ) -> tuple[Array, Array]:
-    """Return area and length where opposite corners are inside: connected if the sum of distances is positive."""
+    """Return area and length where opposite corners are inside: connected if the distances have a positive sum."""
     connected = distance.sum(axis=0) > 0.0
     area = np.zeros(distance.shape[1])
     chord = np.zeros(distance.shape[1])
     for corner in range(4):
-        # A corner inside keeps its own triangle; where they are connected, each corner outside loses its own.
+        # Separate corners inside have a triangle each; if they are connected, each corner outside has one instead.
         one = 1.0 - crossing[corner - 1]
         other = crossing[corner]
         triangle = contact[corner] != connected
@@ -128,7 +140,7 @@ class DualCells:
         return np.asarray(rows[:, :-s] + rows[:, s:])
 
     def find_edge(self, contact: Mask) -> tuple[IntArray, IntArray]:
-        """Return the row and the column of the dual cells with corners in contact and others."""
+        """Return rows and columns of the dual cells that have corners in contact and open corners."""
         return split(np.flatnonzero((self.count_inside(contact) - np.uint8(1)) < 3), self.columns.shape[1])
 
     def corners(self, i: IntArray, j: IntArray) -> IntArray:
@@ -145,7 +157,7 @@ class DualCells:
         return np.asarray(found)
 
     def cover(self, solution: ContactSolution) -> Array:
-        """Return the number of dual cells whose corners are in each patch, by quarters, shape (count + 1,)."""
+        """Return the number of dual cells in each patch, a quarter for each corner, shape (count + 1,)."""
         patches = solution.patches
         if self.before == 0:
             return np.concatenate(([0.0], patches.cells))
@@ -159,13 +171,14 @@ class DualCells:
 
 
 @attrs.frozen(eq=False)
-class Owners:
-    """The patches that dual cells belong to; one whose corners lie in several is divided by its corners in contact.
+class CellOwners:
+    """The patches to which dual cells belong; a dual cell with corners in several patches is divided among them.
 
     Attributes
     ----------
     cell, patch, fraction
-        Dual cells (all, if none is divided), patches and how much of the one belongs to the other, shape (m,).
+        Dual cells (all, if none is divided), their patches, and the fraction of the dual cell that belongs to the
+        patch, shape (m,).
     count
         Number of patches.
     """
@@ -176,7 +189,7 @@ class Owners:
     count: int
 
     @classmethod
-    def find(cls, label: IntArray, kind: npt.NDArray[np.uint8], count: int) -> Owners:
+    def find(cls, label: IntArray, kind: npt.NDArray[np.uint8], count: int) -> CellOwners:
         """Return the owners of dual cells from the labels at their corners, shape (4, n)."""
         highest = label.max(axis=0)
         divided = ((label != highest) & (label > 0)).any(axis=0)
@@ -219,20 +232,6 @@ def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
     return DualCells(stride, before, (weights[0], weights[1]), corners[0], corners[1])
 
 
-# Upper bound of the distance at the corners of a dual cell, in cells; at a smooth edge it is below sqrt(2).
-_MAX_DISTANCE_CELLS = 16.0
-# Distance of the furthest corner, in cells, where no y gives the gradient one, as at saddles: half a diagonal.
-_SADDLE_DISTANCE_CELLS = 0.7
-# Difference up to which edges in two dual cells count as the same, in cells, and the number of such steps in any.
-_KEY_STEP = 1e-3
-_KEY_COUNT = 10_000
-# So that a half of a cell is not a limit between two steps.
-_KEY_OFFSET = 0.382
-# Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
-_NEWTON_STEPS = 4
-_BRACKETED_STEPS = 16
-
-
 @attrs.frozen(eq=False)
 class Contour:
     """The edge of each patch, arrays of shape (count + 1,); the first entry stands for no patch and is zero.
@@ -262,8 +261,8 @@ class Contour:
 def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
     """Return the edge of each patch between neighbouring cells, or between cells `stride` apart.
 
-    With a stride it is the mean over all choices of cells. At the cells of sharp edges, shape (nx, ny), the
-    cells are counted.
+    With a stride it is the mean over all choices of cells. At the cells `sharp` of sharp edges, shape (nx, ny), cells
+    are counted instead.
     """
     dual = find_dual_cells(solution, stride)
     patches = solution.patches
@@ -286,9 +285,9 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     # Each of stride^2 choices of cells covers all of the contact.
     weight = dual.weights[0][i] * dual.weights[1][j] / stride**2
     smooth = weight * ~counted
-    owners = Owners.find(label, kind, patches.count)
+    owners = CellOwners.find(label, kind, patches.count)
     total = owners.sum(weight)
-    # The dual cells inside the patches, with quarters of those at the edge, which their polygons replace.
+    # At the edge the area of the polygon replaces the quarters of the corners in contact.
     area = cell * dual.cover(solution) + owners.sum((parts - inside / 4.0 * (size[0] * size[1])) * weight)
     return Contour(
         area=area,
@@ -301,7 +300,7 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
 
 
 def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -> tuple[Mask, Mask]:
-    """Mark the dual cells with non-measured corners, and those of them that have open ones too, shape (n,)."""
+    """Return which dual cells have non-measured corners, and which of these have open corners too, shape (n,)."""
     if solution.non_measured is None:
         none = np.zeros(k.shape[1], dtype=bool)
         return none, none

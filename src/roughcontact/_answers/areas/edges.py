@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import find_cut_cells, find_sharp_edges, find_straight_rows
+from roughcontact._answers.areas.cells import count_saturated, find_cut_cells, find_sharp_edges, find_straight_rows
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
 from roughcontact._answers.areas.curvature import curvature_resolution, find_filled, lay_ratio, rim_ratio
 from roughcontact._base.arrays import Array
@@ -16,36 +16,49 @@ from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import Boundary, extend, grow
 from roughcontact._solve.solution import Area, ContactSolution, Estimate
 
-# Area between a smooth convex edge and its chords, in cells around each piece: a chord of length l cuts off
-# curvature * l^3 / 12, and the mean chords of the unit square are <l> = pi / 4 and <l^3> = 3 / 4.
-_CHORD_AREA = 0.5
-# Sides of cells along an edge over its length in cells: mean over all directions.
+# Area that polygons lack inside a smooth convex edge, in cells around each piece: at corners, and beside the chords. A
+# chord of length l cuts off curvature * l^3 / 12, and the mean chords of the unit square are <l> = pi / 4 and
+# <l^3> = 3 / 4, which gives 1/2.
+CUT_OFF_CELLS = 0.5 + calibration.PIECE_AREA_DEFICIT
+# Mean number of cell sides along an edge over its length in cells, of all directions.
 _SIDES_PER_LENGTH = 4.0 / np.pi
 # Number of cells from which a patch whose topology differs between both strides is not resolved.
 _MIN_TOPOLOGY_CELLS = 12
-# Standard deviation on single spheres over that on rough contacts, where Hertz's areas take part.
+# Standard deviation of the area of single spheres over its value on rough contacts, where Hertz's areas take part.
 _SINGLE_CONTACT_FACTOR = 1.6
-# Factor by which the standard deviation of a sharp edge is larger, one less.
+# Relative increase of the standard deviation where all of the edge is sharp.
 _SHARP_STD_FACTOR = 2.0
 # Ratio of a patch's cells to its width, in cells of a disc, up to which it is compact.
 _MAX_COMPACT_RATIO = 2.0
-# Ratio of the width of a patch, in cells of a disc, to its cells, below which the width counts.
+# Ratio of the width of a patch, in cells of a disc, to its cells, below which its size is the width.
 _MAX_SLENDER_RATIO = 0.35
-# Width, in cells of a disc, from which the edges of a slender patch are known better.
+# Width, in cells of a disc, of a slender patch whose edges have half the additional standard deviation.
 _WIDE_PATCH_WIDTH = 50.0
-# Standard deviation of an excess that has been subtracted, over it.
+# Standard deviation of an excess that has been subtracted, over the excess.
 SUBTRACTED_EXCESS_STD = 0.3
-# Number of cells below which a patch has no cell that is surrounded by contact.
+# Number of cells below which no cell of a patch is surrounded by contact.
 _MIN_SURROUNDED_CELLS = 4
-# Maximum excess over the area: above it the linear law of the excess does not hold.
+# Maximum excess over the area, above which the linear law of the excess does not hold.
 _MAX_EXCESS_FRACTION = 0.3
-# Sum of squares over sum of the lengths of the rows of sides below which a long edge is a diagonal of the grid, sides.
+# Mean length of the rows of sides, weighted by their length, below which a long edge is a diagonal of the grid, sides.
 _MAX_DIAGONAL_ROW = 1.9
-# The same where the heights are ridges of one direction, with a lay ratio below the second.
+# The same for an oblique edge where the heights are ridges of one direction.
 _MAX_OBLIQUE_ROW = 8.0
+# Lay ratio below which the heights are ridges of one direction.
 MAX_RIDGE_LAY = 0.03
-# Cell sides for each patch from which an edge is long: that of a disc of six cells radius.
+# Cell sides of each patch from which an edge is long, as of a disc of six cells radius.
 _LONG_EDGE_SIDES = 48
+# Fraction of the counted area in patches of fewer than four cells above which the grid does not resolve the contact ...
+_MAX_SMALL_FRACTION = 0.2
+# ... unless the resolution ratio is below this (six cells a shortest wave), when load and curvature determine the area.
+_MAX_SMOOTH_RATIO = 0.4
+# Cells of the waves that dominate the curvature below which the grid does not resolve it; self-affine surfaces come
+# below with three cells a shortest wave, where areas err by up to 3 % (benchmarks/rough_constants.py).
+_MIN_WAVE_CELLS = 5.5
+# Logarithm of the change of E* over two octaves of wavelength above which the edge is uncertain by 0.03 cells.
+_MAX_MODULUS_CHANGE = 0.3
+# Relative uncertainty above which two standard deviations are more than 10 %.
+_MAX_RELATIVE_STD = 0.05
 
 
 @attrs.frozen(eq=False)
@@ -57,11 +70,11 @@ class TracedEdges:
     area, refined
         Area inside the edge between neighbouring cells, and extrapolated from that between every second cell, m2.
     length, sharp
-        Length of the edge, m, and the fraction of it that is sharp.
+        Length of the edge, m, and the fraction of the edge that is sharp.
     std
         Standard deviation of either area, m2.
     alike
-        Factor of its square, for the parts of the edge of each patch, and of others, that err alike.
+        Factor of the square of `std`, for the parts of this and of other edges that have the same error.
     strip
         Area of a strip along the edge, one cell wide, m2.
     curvature_resolution
@@ -81,15 +94,15 @@ class TracedEdges:
     border
         Standard deviation where edges meet a free border or filled points, all patches together, m2.
     topology
-        One cell for each piece or hole of the larger patches that the edge has at only one of both strides, m2.
+        One cell for each piece or hole of the larger patches that is found at only one of both strides, m2.
     shift
         Standard deviation of the position of the edges, together, in cells.
     slender
         Standard deviation of the position of the edges of slender patches, together, in cells.
     oblong
-        Longer side of the cells over their mean side: edges err by parts of the former.
+        Longer side of the cells over their mean side: the error of an edge is a part of the former.
     pieces
-        Number of pieces of all edges that err by themselves where the grid hardly resolves the heights, at least one:
+        Number of pieces of all edges with independent errors where the grid hardly resolves the heights, at least one:
         each is as long as a wave, and longer in a lay.
     """
 
@@ -118,13 +131,13 @@ class TracedEdges:
 
     @property
     def alone_std(self) -> Array:
-        """Standard deviation of either area by itself, m2: of single contacts too, and of parts that err alike."""
+        """Standard deviation of either area by itself, m2, also for single contacts and parts with the same error."""
         shift = calibration.EDGE_POSITION_STD * self.strip
         return np.asarray(_SINGLE_CONTACT_FACTOR * self.oblong * (self.std * np.sqrt(self.alike) + shift))
 
     @property
     def blended_std(self) -> Array:
-        """Standard deviation of either area beside Hertz's areas, m2, and of parts that err alike."""
+        """Standard deviation of either area where Hertz's areas take part, m2, also for parts with the same error."""
         return np.asarray(self.oblong * self.std * np.sqrt(calibration.BLENDED_STD_FACTOR**2 - 1.0 + self.alike))
 
     def find_excess(self, extrapolated: Array) -> Array:
@@ -132,14 +145,12 @@ class TracedEdges:
         first, second = calibration.EXCESS_HALF
         cells = first * self.curvature_resolution + second * self.curvature_resolution**2
         half = np.minimum(cells * self.strip, _MAX_EXCESS_FRACTION * self.area)
-        none = self.excess
-        full = self.excess_refined
-        below = 2.0 * extrapolated * half + (1.0 - 2.0 * extrapolated) * none
-        above = 2.0 * (1.0 - extrapolated) * half + (2.0 * extrapolated - 1.0) * full
+        below = 2.0 * extrapolated * half + (1.0 - 2.0 * extrapolated) * self.excess
+        above = 2.0 * (1.0 - extrapolated) * half + (2.0 * extrapolated - 1.0) * self.excess_refined
         return np.where(extrapolated < 0.5, below, above)
 
     def average_excess(self, excess: Array) -> float:
-        """Return the standard deviation of a total that excess was subtracted from, m2: one wave has more, one less."""
+        """Return the standard deviation of the total of the excess of all edges, m2, as it varies from wave to wave."""
         return calibration.EXCESS_STD * float(np.sum(excess)) / math.sqrt(self.pieces)
 
     def common_std(self, excess_std: float, fraction: float | Array = 1.0) -> float:
@@ -197,9 +208,7 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         roundness=_measure_roundness(width, counted),
         border=math.hypot(oblong * _border_std(solution), _find_filled_std(solution)) * cell,
         topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _MIN_TOPOLOGY_CELLS))) * cell,
-        shift=calibration.EDGE_POSITION_STD * (1.0 + calibration.LAY_POSITION_FACTOR * (1.0 - lay))
-        + calibration.LAYERED_POSITION_STD * find_modulus_change(solution)
-        + _measure_rims(solution),
+        shift=position + _measure_rims(solution),
         slender=_slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH),
         oblong=oblong,
         pieces=max(1.0, lay**calibration.LAY_PIECES_EXPONENT * float(np.sum(one.length / one.alike)) * waves / step),
@@ -207,7 +216,7 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
 
 
 def _slender_std(lay: float) -> float:
-    """Return the standard deviation of the edges of very slender patches, in cells: those of a lay err alike."""
+    """Return the standard deviation of the position of the edges of very slender patches, in cells."""
     along, merged = calibration.SLENDER_POSITION_STD
     return along * (1.0 - lay) + merged * lay
 
@@ -220,12 +229,13 @@ def _measure_rims(solution: ContactSolution) -> Array:
 
 
 def _measure_roundness(width: Array, cells: Array) -> Array:
+    """Return one for compact patches, and less the more slender they are."""
     slenderness = np.maximum(cells / (_MAX_COMPACT_RATIO * width), 1.0) - 1.0
     return np.asarray(1.0 / (1.0 + slenderness / (1.0 + (width / _WIDE_PATCH_WIDTH) ** 2)))
 
 
 def _count(alike: Array) -> Array:
-    """Return the number of errors that add up, for a number of parts of the edge that are the same."""
+    """Return the number of equal errors that add up, for the number of parts of the edge that are the same."""
     return 1.0 + calibration.ALIKE_PARTS_FACTOR * (alike - 1.0)
 
 
@@ -239,7 +249,7 @@ def _measure_width(area: Array, length: Array, cell: float, cells: Array) -> Arr
 def _correct(solution: ContactSolution, edge: Contour, stride: int) -> Array:
     """Return the areas inside the smooth edges whose chords are the sides of the polygons."""
     step = np.sqrt(solution.grid.cell_area)
-    cut_off = (_CHORD_AREA + calibration.PIECE_AREA_DEFICIT) * stride**2 * edge.euler * solution.grid.cell_area
+    cut_off = CUT_OFF_CELLS * stride**2 * edge.euler * solution.grid.cell_area
     return np.asarray(np.maximum(edge.area + solution.edge_shift * step * edge.length + cut_off, 0.0))
 
 
@@ -265,12 +275,7 @@ def _find_filled_std(solution: ContactSolution) -> float:
 
 def _saturated_weight(solution: ContactSolution) -> Array:
     """Return the weight of the saturated error in each patch, shape (count + 1,): one from half its cells saturated."""
-    patches = solution.patches
-    if not solution.capped:
-        return np.zeros(patches.count + 1)
-    saturated = patches.member_labels[solution.saturated.ravel()[patches.members]]
-    saturated = np.bincount(saturated, minlength=patches.count + 1)
-    return np.minimum(2.0 * saturated / np.concatenate(([1], patches.cells)), 1.0)
+    return np.minimum(2.0 * count_saturated(solution) / np.concatenate(([1], solution.patches.cells)), 1.0)
 
 
 def is_diagonal(solution: ContactSolution, lay: float) -> bool:
@@ -281,26 +286,13 @@ def is_diagonal(solution: ContactSolution, lay: float) -> bool:
     return bool(long and np.sum(rows**2) < oblique * rows.sum())
 
 
-# Fraction of the counted area in patches of fewer than four cells above which the grid does not resolve the contact ...
-_MAX_SMALL_FRACTION = 0.2
-# ... unless the resolution ratio is below this (six cells a shortest wave), when load and curvature determine the area.
-_MAX_SMOOTH_RATIO = 0.4
-# Cells of the waves that dominate the curvature below which the grid does not resolve it; self-affine surfaces come
-# below with three cells a shortest wave, where areas err by up to 3 % (benchmarks/rough_constants.py).
-_MIN_WAVE_CELLS = 5.5
-# Logarithm of the change of E* over two octaves of wavelength above which the edge is uncertain by 0.03 cells.
-_MAX_MODULUS_CHANGE = 0.3
-# Relative uncertainty above which two of it are more than 10 %.
-_MAX_RELATIVE_STD = 0.05
-
-
 def total_area(
     solution: ContactSolution, values: Array, stds: Array, common: float, edges: TracedEdges, name: str
 ) -> Area:
-    """Return the area of the contact from those of the patches; exactly zero or nominal without or in full contact.
+    """Return the area of the contact from the areas of the patches; exactly zero or nominal without or in full contact.
 
-    `values` and `stds` are the areas and their independent standard deviations, shape (count + 1,), m2; `common`
-    is the one that they share, m2.
+    `values` and `stds` are the areas and their independent standard deviations, shape (count + 1,), m2; `common` is
+    their common standard deviation, m2.
     """
     grid = solution.grid
     patches = solution.patches
@@ -337,14 +329,14 @@ def _count_hidden_gaps(solution: ContactSolution) -> float:
 
 
 def warn_if_uncertain(value: float, std: float, unit: str, warnings: tuple[str, ...]) -> Estimate:
-    """Return an estimate, with a warning if it has none and two of its standard deviations are more than 10 %."""
+    """Return an estimate, with a warning if it has no other and two of its standard deviations are more than 10 %."""
     if value != 0.0:
         warnings = _judge_uncertainty("this number", value, std, warnings)
     return Estimate(value, std, unit, warnings)
 
 
 def _judge_uncertainty(what: str, value: float, std: float, warnings: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the warnings, or if there are none and two standard deviations are more than 10 %, that they are."""
+    """Return the warnings; if there are none and two standard deviations are more than 10 %, a warning about that."""
     if warnings or std <= _MAX_RELATIVE_STD * abs(value):
         return warnings
     text = f"the grid hardly determines {what}, whose uncertainty is above 5 %: refine the grid"
@@ -352,7 +344,7 @@ def _judge_uncertainty(what: str, value: float, std: float, warnings: tuple[str,
 
 
 def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tuple[str, ...]:
-    """Return why an area from this solution must not be trusted, in sentences; empty if there are no warnings."""
+    """Return why an area from this solution must not be trusted, in sentences."""
     warnings = []
     waves = 2.0 * math.pi / math.sqrt(curvature_resolution) if curvature_resolution > 0.0 else math.inf
     if waves < _MIN_WAVE_CELLS:

@@ -21,11 +21,11 @@ _COUNT_EXCESS = (math.pi - 1.0 + math.log(2.0)) / 24.0
 _CORRECTION_STD = 0.5
 # Position of an edge within its cell, in cells: standard deviation of a uniform distribution.
 _POSITION_STD = 1.0 / math.sqrt(12.0)
-# Widths, in cells of a disc, between which the first and the second half of the extrapolation of the traced area set
-# in: narrow patches have too small an area inside their edges, and too large a one where it is extrapolated.
+# Widths, in cells of a disc, between which the two halves of the extrapolation of the traced area set in: in narrow
+# patches the area inside the edge is too small, and the extrapolated area too large.
 _FIRST_HALF_WIDTHS = (1.5, 3.0)
 _SECOND_HALF_WIDTHS = (6.0, 60.0)
-# Standard deviation of an excess that is not subtracted, over it.
+# Standard deviation of an excess that is not subtracted, over the excess.
 _KEPT_EXCESS_STD = 1.3
 # Fraction of its edge that may look sharp in a smooth patch, times the resolution ratio where that is above one.
 _MAX_SHARP_FRACTION = 0.1
@@ -248,7 +248,7 @@ class Blend(AreaEstimator):
         traced_std = np.hypot(edges.std, SUBTRACTED_EXCESS_STD * excess + edges.saturated)
         summits = hertz_areas(solution)
         known = smooth & np.isfinite(summits.error)
-        # Only the load determines a contact far smaller than a cell; else the larger area is the safer scale.
+        # Only the load determines a contact far smaller than a cell; otherwise the larger area is the safer scale.
         tiny = summits.area < solution.grid.cell_area
         scale = np.where(tiny, summits.area, np.maximum(summits.area, traced))
         hertz_std = np.where(known, summits.error, 1.0) * scale

@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact._answers.areas import quantity_calibration as calibration
 from roughcontact._answers.areas.approach import TIP_REACH, fit_hyperboloid
-from roughcontact._answers.areas.cells import find_cut_patches
+from roughcontact._answers.areas.cells import MIN_SHARP_PATCH_CELLS, find_cut_patches
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.edges import warn_if_uncertain
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
@@ -24,15 +24,13 @@ from roughcontact._solve.solution import Area, ContactSolution, Estimate, respon
 _QUARTIC_FACTOR = -32.0 / 45.0
 # Largest ratio of the bends of p^2 along both axes on a straight strip.
 _MAX_STRIP_BEND_RATIO = 0.002
-# Cells of a patch from which a maximum at a step of its heights is that of a sharp edge.
-MIN_SHARP_PATCH_CELLS = 9
-# Largest change of the heights over two cells inward over that of a step.
+# Largest change of the heights over two cells inward from a step, over the height of the step.
 _MAX_FLAT_RATIO = 0.25
-# Cells from a free border within which the spline through the heights is less certain.
+# Distance from a free border, in cells, within which the spline through the heights is less certain.
 _BORDER_CELLS = 3.0
-# Third difference, of five cells.
+# Weights of five cells in the third difference.
 _THIRD_DIFFERENCE = np.array((-0.5, 1.0, 0.0, -1.0, 0.5))
-# Largest change by that term for which it is a small one.
+# Largest relative change by the fourth-order term of a summit for which the term is small.
 _MAX_QUARTIC_CHANGE = 0.2
 # Distance of the maximum from the centre of the highest cell, in cells along an axis: half the diagonal.
 _MAX_OFFSET_CELLS = 0.71
@@ -68,7 +66,7 @@ class PeakPressure(Quantity):
         highest = _find_highest(solution)
         limit = np.broadcast_to(solution.pressure_limit, solution.grid.shape)
         if solution.saturated.any():
-            return Estimate(float(limit[solution.saturated].max()), 0.0, "Pa", _list_warnings(solution, area, None))
+            return Estimate(float(limit[solution.saturated].max()), 0.0, "Pa", area.warnings)
         sharpness = _find_sharpness(solution, highest)
         quadratic, quadratic_std = _fit_quadratics(solution, highest, sharpness)
         with np.errstate(all="ignore"):
@@ -86,11 +84,7 @@ class PeakPressure(Quantity):
         pointed = peak * _find_point_error(solution, highest[top : top + 1], int(patches.cells[top]))
         uncertainty = math.hypot(float(std[top]), pointed) if more is None else peak
         peak = min(peak, float(limit.max()))
-        return warn_if_uncertain(peak, uncertainty, "Pa", _list_warnings(solution, area, more))
-
-
-def _list_warnings(solution: ContactSolution, area: Area, more: str | None) -> tuple[str, ...]:
-    return area.warnings if more is None else (*area.warnings, more)
+        return warn_if_uncertain(peak, uncertainty, "Pa", area.warnings if more is None else (*area.warnings, more))
 
 
 def _find_highest(solution: ContactSolution) -> IntArray:
@@ -110,14 +104,14 @@ def _find_sharpness(solution: ContactSolution, highest: IntArray) -> Array:
 
 
 def _find_tip_error(cells: IntArray, sharpness: Array) -> Array:
-    """Return the relative error for the pressure at a tip, which rises between the cells, shape (count,)."""
+    """Return the relative error of the pressure at a tip, which rises between the cells, shape (count,)."""
     first, certain, most = calibration.TIP_PEAK_ERROR
     part = np.clip((sharpness - first) / (certain - first), 0.0, 1.0)
     return np.asarray(most * part * cells**-0.25)
 
 
 def _find_point_error(solution: ContactSolution, highest: IntArray, cells: int) -> float:
-    """Return the relative error for the pressure at a tip that its gap shows, whose pressure shows no more."""
+    """Return the relative error of the pressure at a tip that only its gap shows."""
     near = _gather(solution.initial_gap, solution.boundary, highest, TIP_REACH)
     pointed = fit_hyperboloid(near[..., 0])[1]
     certain, first, steep = calibration.POINTED_PEAK_ERROR
@@ -139,7 +133,7 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     determinant = fxx * fyy - fxy**2
     peaked = (fxx < 0.0) & (fyy < 0.0) & (determinant > 0.0)
     safe = np.where(peaked, determinant, 1.0)
-    # Along a ridge that hardly bends, or rises, the maximum across it.
+    # Along a ridge that hardly bends, or rises, take the maximum across it.
     x = -fx / np.where(fxx < np.minimum(fyy, 0.0), fxx, -np.inf)
     y = -fy / np.where(fyy < np.minimum(fxx, 0.0), fyy, -np.inf)
     x = np.clip(np.where(peaked, (fxy * fy - fyy * fx) / safe, x), -_MAX_OFFSET_CELLS, _MAX_OFFSET_CELLS)
@@ -148,14 +142,14 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     # Uniform pressure on each cell makes the discrete pressure too peaked, as it moves the edge.
     bend = np.minimum(-(fxx + fyy) / here, calibration.MAX_PEAK_BEND)
     excess = calibration.PEAK_EXCESS * solution.edge_shift * bend * here
-    # Across a ridge the fit is at its worst. The third difference says how far p^2 is from even.
+    # The error of the fit is largest across a ridge. The third difference tells how far p^2 is from even.
     mean = -0.5 * (fxx + fyy) / here
     difference = np.hypot(0.5 * (fxx - fyy), fxy) / here
     across = np.abs(mean + difference)
     skew = np.hypot(_THIRD_DIFFERENCE @ along_x, _THIRD_DIFFERENCE @ along_y) / here
     first, second, third, fourth = calibration.PEAK_ERROR
     blunt = calibration.BLUNT_PEAK_ERROR * np.clip(-sharpness / calibration.BLUNT_SHARPNESS, 0.0, 1.0)
-    # Along a straight strip all cells err alike; of an oblique ridge the highest cell lies nearer its crest.
+    # Along a straight strip all cells have the same error; on an oblique ridge the highest cell lies nearer its crest.
     alike = np.minimum(np.abs(fxx), np.abs(fyy)) < _MAX_STRIP_BEND_RATIO * np.maximum(np.abs(fxx), np.abs(fyy))
     oblique = np.where(peaked, fxy**2 / np.where(peaked, fxx * fyy, 1.0), 0.0)
     uneven = (second + blunt) * across + third * skew + fourth * across**3
@@ -174,13 +168,13 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
 def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:
     """Return which cells lie at a free border, which cuts the contact there."""
     nx, ny = solution.grid.shape
-    i, j = np.divmod(cells, solution.grid.shape[1])
+    i, j = np.divmod(cells, ny)
     outermost = (i == 0) | (i == nx - 1) | (j == 0) | (j == ny - 1)
     return np.asarray(outermost & (solution.boundary is Boundary.FREE))
 
 
 def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
-    """Return whether a step of the heights bounds the contact beside this cell, on whose other side they are flat."""
+    """Return whether the contact ends at a step of the heights beside this cell, and the heights inward are flat."""
     contact, gap = (
         _gather(field, solution.boundary, cell, 2)[..., 0] for field in (solution.contact, solution.initial_gap)
     )
@@ -204,13 +198,13 @@ def _meets_holes(solution: ContactSolution) -> bool:
 
 
 def _find_summits(solution: ContactSolution, area: Area, highest: IntArray) -> tuple[Array, Array]:
-    """Return the maximum pressure of each patch as one summit, and its relative error; infinite where it is none."""
+    """Return the maximum pressure of each patch as one summit, and its relative error; infinite without a summit."""
     patches = solution.patches
     if area.patches is None or solution.capped:
         return np.zeros(patches.count), np.full(patches.count, np.inf)
     found = hertz_areas(solution)
     mean = found.summits.curvature
-    factor = found.sharing.factor
+    factor = found.correction.factor
     single = np.isfinite(found.error[1:])
     areas = np.where(single, found.area[1:], solution.grid.area)
     near = _gather(solution.initial_gap, solution.boundary, highest, 2)

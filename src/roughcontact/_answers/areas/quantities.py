@@ -10,14 +10,13 @@ import numpy as np
 
 from roughcontact._answers.areas import quantity_calibration as calibration
 from roughcontact._answers.areas.approach import find_cut_shift, find_hidden_rise, find_rise, find_shift, measure_bend
-from roughcontact._answers.areas.calibration import PIECE_AREA_DEFICIT
 from roughcontact._answers.areas.cells import (
     count_crossings,
     find_cut_patches,
     measure_sides,
 )
 from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, lay_ratio
-from roughcontact._answers.areas.edges import is_diagonal, trace_edges, warn_if_uncertain
+from roughcontact._answers.areas.edges import CUT_OFF_CELLS, is_diagonal, trace_edges, warn_if_uncertain
 from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact._answers.areas.summits import find_axes_ratio, find_near_holes, is_elliptic
 from roughcontact._base.arrays import Array
@@ -34,13 +33,11 @@ from roughcontact._solve.solution import (
     responses,
 )
 
-# Area that polygons lack inside a smooth convex edge, which `trace_edges` adds, cells: chords and corners.
-_CUT_OFF_CELLS = 0.5 + PIECE_AREA_DEFICIT
-# Cells of a patch from which its traced length needs no correction.
+# Cells of a patch from which its traced length is not corrected.
 _LARGE_PATCH_CELLS = 100
 # Patches of fewer cells may be parts of others, or others may be missing beside them.
 _SMALL_PATCH_CELLS = (4, 9)
-# Slope outward at the border, half a cell from the first of three centres, to second order.
+# Weights of the three outermost centres in the outward slope at the border, to second order.
 _BORDER_SLOPE_WEIGHTS = np.array((2.0, -3.0, 1.0))
 
 
@@ -85,20 +82,22 @@ class EdgeLength(Quantity):
             return Estimate(length, calibration.COUNTED_LENGTH_ERROR * length, "m", area.warnings)
         edges = trace_edges(solution)
         cell = solution.grid.cell_area
-        mean, difference, spread = (part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact)))
+        mean, difference, spread, _ = (
+            part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact))
+        )
         # Single summits have the ellipse of their curvature, others the shape of their traced edge.
         even = is_elliptic(mean, difference, spread)
-        # Edges at a border and beside points that were not measured are not counted: the area does not give the length.
+        # For edges at a border and beside non-measured points the area does not give the length.
         cut_off = find_near_holes(solution) | find_cut_patches(solution)
         single = np.where(even & ~cut_off, 1.0 / (1.0 + (spread / calibration.UNEVEN_SPREAD) ** 4), 0.0)
         # Large patches may have holes or span the domain, so that no smooth convex edge bounds their quotient.
         large = solution.patches.cells >= _LARGE_PATCH_CELLS
-        inside = np.maximum(edges.area[1:] - np.where(large, 0.0, _CUT_OFF_CELLS) * cell, 0.3 * cell)
+        inside = np.maximum(edges.area[1:] - np.where(large, 0.0, CUT_OFF_CELLS) * cell, 0.3 * cell)
         traced = np.maximum(edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large | cut_off, 0.0, 1.0))
         around = 2.0 * np.sqrt(np.pi * area.patches)
         lobed = (1.0 - single) * np.sqrt(traced) * around
-        # Contacts at summits between the cells, which all together make up the rest of the area.
-        hidden = 2.0 * np.sqrt(np.pi * hertz_areas(solution).sharing.hidden)
+        # Contacts at summits between the cells have the rest of the area.
+        hidden = 2.0 * np.sqrt(np.pi * hertz_areas(solution).correction.hidden)
         lost = calibration.LOST_LENGTH * edges.curvature_resolution**1.5 * float(np.sum(lobed))
         length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
         length += float(np.sum(hidden))
@@ -143,7 +142,7 @@ class PatchCount(Quantity):
         small, few = (int(np.count_nonzero(uneven & (cells < limit))) for limit in _SMALL_PATCH_CELLS)
         many = int(np.count_nonzero(uneven))
         ratio = min(curvature_resolution(solution), 2.0)
-        hidden = hertz_areas(solution).sharing.hidden.size
+        hidden = hertz_areas(solution).correction.hidden.size
         each, unresolved, of_all = calibration.MISSING_PATCH_TERMS
         ridges = calibration.RIDGE_PATCH_VARIANCE * (1.0 - lay_ratio(solution)) * min(many, 1)
         variance = ridges + each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
@@ -160,14 +159,13 @@ class SummitApproach(Quantity):
     """Approach of the bodies since the first touch of the summits between the cells, m.
 
     The attribute `approach` of a solution counts from the highest cell. Added are the height of the summit above that
-    cell and what uniform pressure on each cell subtracts: see `MeanGap`.
+    cell and the deficit by uniform pressure on each cell: see `MeanGap`.
     """
 
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the approach; see `Quantity.find`."""
-        healed = heal(solution)
-        linear = healed.patches.count > 0 and measure_bend(healed).linear
-        rise, rise_std = find_rise(healed.initial_gap, solution.boundary, solution.non_measured, linear=linear)
+        linear = solution.patches.count > 0 and measure_bend(solution).linear
+        rise, rise_std = find_rise(solution.initial_gap, solution.boundary, solution.non_measured, linear=linear)
         shift, shift_std = find_shift(solution)
         hidden = find_hidden_rise(solution)
         warnings = area.warnings if solution.status.success else (str(solution.status),)
@@ -198,13 +196,13 @@ class MeanGap(Quantity):
         value = float(np.mean(gap)) + beyond - shift * outside + cut * part
         uncertainty = math.hypot(std * outside, holes_std, cut_std * part, calibration.MEAN_CORRECTION_ERROR * beyond)
         if solution.contact.all():
-            # What is left of the gap is the error of the solve.
+            # The rest of the gap is the error of the solve.
             return Estimate(max(value, 0.0), math.hypot(uncertainty, float(np.ptp(gap))), "m", area.warnings)
         return warn_if_uncertain(max(value, 0.0), uncertainty, "m", area.warnings)
 
 
 def _correct_mean(gap: Array, boundary: Boundary) -> float:
-    """Return what the mean over cell centres lacks on a free domain, m: after Euler and Maclaurin."""
+    """Return the deficit of the mean over cell centres on a free domain, m: after Euler and Maclaurin."""
     if boundary is not Boundary.FREE:
         return 0.0
     lacking = 0.0

@@ -14,10 +14,10 @@ from roughcontact._solve.solution import ContactSolution
 
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
 _DEGREE: Literal[5] = 5
-# Centres before and behind a point whose B-splines cover it, the one before it included.
+# Number of centres before and behind a point whose B-splines cover the point.
 _CENTRES_BEFORE = 3
 _CENTRES_BEHIND = 3
-# The pieces of the quintic B-spline there, in powers of the fraction of a cell, with first and second derivatives.
+# The pieces of the quintic B-spline at these centres, in powers of the fraction of a cell.
 _SPLINE_PIECES = (
     np.array(
         (
@@ -31,13 +31,14 @@ _SPLINE_PIECES = (
     )
     / 120.0
 )
-# Cells by which values are continued beyond a free border, where a spline that is mirrored would bend: the bend of
-# the continued one is felt over as many cells.
-CONTINUED_CELLS = 8
+# Their first and second derivatives, and all three together.
 _PIECE_SLOPES = np.pad(_SPLINE_PIECES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
 _PIECE_BENDS = np.pad(_PIECE_SLOPES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
 _PIECE_FACTORS = np.concatenate((_SPLINE_PIECES, _PIECE_SLOPES, _PIECE_BENDS))
-# The B-spline at the centres from 0 to 2 cells from its own.
+# Cells by which values are continued beyond a free border: a mirrored spline bends at the border, and the bend has an
+# effect over as many cells.
+CONTINUED_CELLS = 8
+# Values of the B-spline at 0, 1 and 2 cells from its centre.
 _CENTRE_VALUES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
 # Points at a time: their coefficients stay in a core's cache.
 _POINTS_PER_CHUNK = 1024
@@ -50,7 +51,7 @@ class Spline:
     Attributes
     ----------
     coefficients
-        Of the B-splines, with those beyond the border whose B-splines cover points inside it.
+        Coefficients of the B-splines, also of those beyond the border that cover points inside it.
     spacing
         Distances of the centres, m.
     periodic
@@ -85,7 +86,7 @@ class Spline:
     def derivatives(self, i: Array, j: Array, *degrees: int) -> Array:
         """Return derivatives at points given in cells from the first centre.
 
-        Those of degree 0 are the value, of degree 1 along x and y, of degree 2 along xx, xy and yy.
+        Degree 0 is the value, degree 1 has the derivatives along x and y, degree 2 those along xx, xy and yy.
         """
         dx, dy = self.spacing
         orders = [(degree - n, n) for degree in degrees for n in range(degree + 1)]
@@ -121,7 +122,7 @@ class Spline:
 
 
 def _weigh(fraction: Array, highest: int) -> Array:
-    """Return the factors of the B-splines around points, shape (2, n), by derivative: (2, orders, centres, n)."""
+    """Return the factors of the B-splines around points, shape (2, n), as an array (2, orders, centres, n)."""
     powers = np.ones((_DEGREE + 1, fraction.size))
     for degree in range(_DEGREE):
         np.multiply(powers[degree], fraction.ravel(), out=powers[degree + 1])
@@ -149,7 +150,7 @@ def continue_beyond(values: Array) -> Array:
     if widest == 0:
         return values
     k = np.arange(1, CONTINUED_CELLS + 1)
-    # A parabola through three points as far apart as the place that it gives, on small domains as they have.
+    # A parabola through three points, as far apart as the new point from the border, or as the domain allows.
     step = np.minimum(k, widest)
     ahead = (k / step)[:, np.newaxis]
     first = 0.5 * (ahead + 1.0) * (ahead + 2.0)

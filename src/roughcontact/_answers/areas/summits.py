@@ -19,8 +19,23 @@ from roughcontact._solve.solution import ContactSolution
 # Ratio of the axes up to which contacts are tabulated, and the number of ratios.
 _MAX_AXES_RATIO = 30.0
 _TABLE_ENTRIES = 600
-# Angles of the points, which are symmetric as the grid is.
+# Number of angles of the points in an ellipse, which have the symmetry of the grid.
 _POINT_ANGLES = 8
+# Number of contacts around each one that are summed as point loads; beyond, the load is spread over the plane.
+_NEAR_CONTACTS = 24
+# Distance of two contacts, over the radius that is searched, below which they are one and the same.
+_IMAGE_DISTANCE = 1e-6
+# Smallest ratio of the principal curvatures of a summit: longer contacts are not elliptic on a rough surface.
+MIN_CURVATURE_RATIO = 0.05
+# The same where the curvature varies by less than the smaller principal curvature, as on rollers.
+_MIN_EVEN_CURVATURE_RATIO = 0.01
+# Rounds of place and ellipse, and the round from which the far field is known.
+_ELLIPSE_ROUNDS = 3
+_FAR_FIELD_ROUND = 1
+# Rounds of the fixed point for the modulus at the size of a contact: each at least halves the logarithmic error.
+_MODULUS_ROUNDS = 20
+# Cells between a patch and a non-measured point, which the spline needs.
+_SPLINE_REACH = 3
 
 
 def find_area_factor(ratio: Array) -> Array:
@@ -84,22 +99,16 @@ def _place_points(square: float, fourth: float) -> tuple[Array, Array, Array]:
     return np.append(radius * np.cos(angles), 0.0), np.append(radius * np.sin(angles), 0.0), weights
 
 
-# Contacts around each one that are summed as point loads; beyond, the load is spread over the plane.
-_NEAR_CONTACTS = 24
-# Nearest distance over the farthest: below it a contact is its own image.
-_IMAGE_DISTANCE = 1e-6
-
-
 @attrs.frozen(eq=False)
 class FarField:
-    """Slope, shape (2, count), and xx, xy and yy curvature, shape (3, count), 1/m, of the displacement by others."""
+    """Slope, shape (2, count), and xx, xy, yy curvature, shape (3, count), 1/m, of the displacement by other patches."""
 
     slope: Array
     curvature: Array
 
     @classmethod
     def zero(cls, count: int) -> FarField:
-        """Return that of contacts alone."""
+        """Return the far field of contacts without others."""
         return cls(np.zeros((2, count)), np.zeros((3, count)))
 
 
@@ -154,7 +163,7 @@ def _pair(solution: ContactSolution, x: Array, y: Array, radius: float) -> tuple
 
 
 def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
-    """Return the same for the few contacts of a small domain, which may have several images within the radius."""
+    """Return the pairs of the few contacts of a small domain, which may have several images within the radius."""
     from scipy.spatial import cKDTree
 
     reach = [range(-math.ceil(radius / side), math.ceil(radius / side) + 1) for side in size]
@@ -167,25 +176,10 @@ def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, I
     image = near[pairs["j"]]
     other = image % len(points)
     shift = image // len(points)
-    # Once each: of a contact's own images those on one side.
+    # Each pair once; of the images of a contact itself, those on one side.
     once = (one < other) | ((one == other) & (shift > len(shifts) // 2))
     step = (points[one] - places[image])[once]
     return one[once], other[once], step[:, 0], step[:, 1]
-
-
-# Smallest ratio of the principal curvatures of a summit: longer contacts are not elliptic on a rough surface.
-MIN_CURVATURE_RATIO = 0.05
-# Rounds of place and ellipse, and the one from which the far field is known.
-_ELLIPSE_ROUNDS = 3
-_FAR_FIELD_ROUND = 1
-# Rounds of the fixed point for the modulus at the size of a contact: each halves the logarithmic error at least.
-_MODULUS_ROUNDS = 20
-# Smallest ratio where the curvature varies less than the smaller one, as on rollers.
-_MIN_EVEN_CURVATURE_RATIO = 0.01
-# Cells between an ellipse and the outermost centres at a free border.
-_MARGIN = 0.0
-# Cells between a patch and a non-measured point, which the spline needs.
-_SPLINE_REACH = 3
 
 
 @attrs.frozen(eq=False)
@@ -199,7 +193,7 @@ class Summits:
     row, column
         Centre, in cells from the first centre of a cell.
     area
-        Contact area, m2; of no meaning where `known` is false, as all that follows.
+        Contact area, m2; without meaning where `known` is false, as all other attributes.
     axes_ratio, angle
         Ratio of the axes, at least one, and angle of the longer one from the x axis, rad.
     curvature
@@ -250,9 +244,8 @@ class Summits:
 def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     """Return the summits of all patches.
 
-    The curvature of the initial gap and of the far field is averaged over the ellipse with Hertz's pressure as
-    weight, which is exact to first order for summits that are not paraboloids, and the centre lies where the slopes
-    balance.
+    The curvature of the initial gap and of the far field is averaged over the ellipse with Hertz's pressure as weight,
+    which is exact to first order for summits that are not paraboloids. The mean slope at the centre is zero.
     """
     patches = solution.patches
     dx, dy = solution.grid.spacing
@@ -330,7 +323,7 @@ def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) ->
 def is_elliptic(mean: Array, difference: Array, spread: Array) -> Mask:
     """Return which summits have elliptic contacts, by half the sum and difference of their principal curvatures.
 
-    The curvature of the longer ones may vary by the smaller principal one at most; `spread` is relative to the mean.
+    In long contacts the curvature may vary by the smaller principal one at most; `spread` is relative to the mean.
     """
     smaller = mean - difference
     larger = mean + difference
@@ -339,7 +332,7 @@ def is_elliptic(mean: Array, difference: Array, spread: Array) -> Mask:
 
 
 def _move(found: Summits, slope: Array, curvature: Array, spacing: tuple[float, float]) -> Summits:
-    """Move the centres to where the slopes would balance, by one semi-axis at most."""
+    """Return the summits with centres where the mean slope vanishes, moved by one semi-axis at most."""
     xx, xy, yy = curvature
     determinant = np.where(found.known, xx * yy - xy**2, 1.0)
     x, y = (
@@ -366,18 +359,18 @@ def solve_for_area(solution: ContactSolution, force: Array, curvature: Array, ra
 
 
 def _near_border(solution: ContactSolution, found: Summits) -> Mask:
-    """Mark the ellipses that a free border cuts, or nearly so."""
+    """Return which ellipses reach beyond the outermost cell centres at a free border."""
     near = np.zeros(found.known.shape, dtype=bool)
     if solution.boundary is Boundary.FREE:
         rows = zip((found.row, found.column), found.extents, solution.grid.shape, solution.grid.spacing, strict=True)
         for at, extent, n, step in rows:
-            reach = extent / step + _MARGIN
+            reach = extent / step
             near |= (at < reach) | (at > n - 1 - reach)
     return near
 
 
 def find_near_holes(solution: ContactSolution) -> Mask:
-    """Mark the patches beside non-measured points, whose heights are not known there, shape (count,)."""
+    """Return which patches lie beside non-measured points, shape (count,): their heights are not known there."""
     near = np.zeros(solution.patches.count + 1, dtype=bool)
     if solution.non_measured is not None:
         near[solution.patches.labels[grow(solution.non_measured, _SPLINE_REACH, solution.boundary)]] = True
