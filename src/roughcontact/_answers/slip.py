@@ -52,7 +52,7 @@ class FrettingLoop:
     def cycle(self) -> tuple[Array, Array]:
         """Force, N, and displacement, m, of a cycle from the maximum force and back, shape (2 points + 1,).
 
-        After a reversal the change is twice that of the first loading at half the change of force (Masing).
+        After a reversal the change is twice the displacement of the first loading at half the change of force (Masing).
         """
         force = self.force[-1] - 2.0 * self.force
         moved = self.displacement[-1] - 2.0 * self.displacement
@@ -161,7 +161,7 @@ class PartialSlip:
         both = self.stick_area, self.slip_area
         areas = (f"{si(area.value, 'm2', 5)} +- {si(area.uncertainty, 'm2', 2)}" for area in both)
         rows = {
-            "tangential force": f"{si(self.tangential_force, 'N')}, {100 * sliding:.3g} % of that of sliding",
+            "tangential force": f"{si(self.tangential_force, 'N')}, {100 * sliding:.3g} % of the force of sliding",
             "direction": "xy"[self.axis],
             "displacement": self.displacement,
             **dict(zip(("area that sticks", "area that slips"), areas, strict=True)),
@@ -202,7 +202,7 @@ class CiavarellaJaeger(Response[PartialSlip]):
     Notes
     -----
     Exact for plane contacts of like materials, and for all contacts if Poisson's ratio is zero; else the direction of
-    slip differs from that of the traction by a few per cent, which the uncertainty contains.
+    slip differs from the direction of the traction by a few per cent, which the uncertainty contains.
 
     References
     ----------

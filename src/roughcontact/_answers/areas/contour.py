@@ -245,7 +245,7 @@ class Contour:
     sharp
         Fraction of the edge that is sharp.
     alike
-        Mean number of dual cells whose edge is the same as that of one.
+        Mean number of dual cells with the same edge as one of them.
     meeting
         Number of dual cells in which the edge of the contact meets non-measured points.
     """
@@ -376,7 +376,7 @@ def _differentiate(values: Corners, size: tuple[float, float]) -> tuple[Array, A
 def _find_root(cubic: Array, square: Array, linear: Array, highest: Array, value: float = 1.0) -> Array:
     """Return w in [0, highest] where the polynomial reaches a value, by Newton's method."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        # Each term alone reaches the value at the inverse of one of these; all together near that of their norm.
+        # Each term alone reaches the value at the inverse of one of these; their sum near the inverse of the norm.
         w = 1.0 / np.sqrt(np.cbrt(cubic / value) ** 2 + square / value + (linear / value) ** 2)
         for _ in range(_NEWTON_STEPS):
             excess = ((cubic * w + square) * w + linear) * w - value

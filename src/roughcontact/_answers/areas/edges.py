@@ -240,7 +240,7 @@ def _count(alike: Array) -> Array:
 
 
 def _measure_width(area: Array, length: Array, cell: float, cells: Array) -> Array:
-    """Return the number of cells of discs with the same ratio of area to edge, at most that of the patch."""
+    """Return the number of cells of discs with the same ratio of area to edge, at most the cells of the patch."""
     with np.errstate(divide="ignore", invalid="ignore"):
         width = np.pi * (2.0 * area / length) ** 2 / cell
     return np.where((length > 0.0) & (area > 0.0), np.clip(width, 0.5, cells), cells)

@@ -271,7 +271,7 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     growth = _plastic_growth(solution, patches.forces * correction.factor, area)
     area = area * growth
     constant, square, fourth = calibration.HERTZ_ERROR
-    # Positions err with the longer side of a cell.
+    # The error of positions grows with the longer side of a cell.
     oblong = (max(solution.grid.spacing) / min(solution.grid.spacing)) ** 0.25
     slight = constant * oblong * summits.spread / (summits.spread + calibration.EVEN_SPREAD)
     error = calibration.MIN_HERTZ_ERROR + slight + square * summits.spread**2 + fourth * summits.spread**4

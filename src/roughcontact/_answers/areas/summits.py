@@ -39,7 +39,7 @@ _SPLINE_REACH = 3
 
 
 def find_area_factor(ratio: Array) -> Array:
-    """Return the area of an elliptic contact over that of the circular one with the same mean curvature."""
+    """Return the area of an elliptic contact over the area of the circular one with the same mean curvature."""
     logarithms, factors, _ = _tabulate()
     return np.asarray(np.interp(np.log(ratio), logarithms, factors))
 
@@ -101,7 +101,7 @@ def _place_points(square: float, fourth: float) -> tuple[Array, Array, Array]:
 
 @attrs.frozen(eq=False)
 class FarField:
-    """Slope, shape (2, count), and xx, xy, yy curvature, shape (3, count), 1/m, of the displacement by other patches."""
+    """Slope, (2, count), and xx, xy and yy curvature, (3, count), 1/m, of the displacement by the other patches."""
 
     slope: Array
     curvature: Array

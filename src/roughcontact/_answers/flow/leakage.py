@@ -168,7 +168,7 @@ class Leakage(Estimate):
     connected
         Whether an open path joins both sides.
     flow_factor
-        The flow over that of a parallel gap of the same mean gap.
+        The flow over the flow through a parallel gap with the same mean gap.
     throat
         The critical throat; None if no path is open.
     inflow, outflow

@@ -39,7 +39,7 @@ _MAX_PADDING_CELLS = 16
 class FlowNetwork:
     """The open cells that join both ends of the domain; liquid flows along axis 0 of its arrays.
 
-    Conductances are those of cubes of gaps over the widest gap: a face between square cells of that gap has 1.
+    Conductances are dimensionless: a face between square cells with the widest gap has 1.
 
     Attributes
     ----------

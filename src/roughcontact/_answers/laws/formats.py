@@ -156,7 +156,7 @@ def write_abaqus(law: InterfaceLaw, name: str, conductance: str | None, electric
         return lines
     system = unit_system(units)
     electrical = flag(electrical, "electrical=") or law[conductance].unit == ELECTRICAL_UNIT
-    # Abaqus takes no unit of current beside those of its model: electrical conductances are those of SI per area.
+    # Abaqus has no own unit of current: electrical conductances are in S over the area in units of the model.
     unit = (f"S/{system.length[0]}2", system.length[1] ** -2) if electrical else system.conductance
     pressures, values, comments = tabulate_conductance(law, conductance, _KEYWORD_COMMENT, system.pressure, unit)
     keyword = "*GAP ELECTRICAL CONDUCTANCE" if electrical else "*GAP CONDUCTANCE"

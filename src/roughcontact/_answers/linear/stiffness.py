@@ -69,7 +69,7 @@ def correct_edges(
     cells
         The cells on which it was solved, shape (nx, ny).
     area
-        The area of the contact, with that of each patch.
+        The area of the contact and of each patch.
     film
         Compliance of a film on the cells, m/Pa, scaled so that the cells together yield as the film on the real area.
     """

@@ -219,7 +219,7 @@ class TangentialStiffness(Response[Estimate]):
        \qquad c_i = \frac{1 - \nu_i^2}{E_i}
 
     where :math:`\theta` is the angle of a wave of q to the axis and the mean is weighted by the elastic energy of the
-    waves. Round and isotropic contacts have 1/2, which gives Mindlin's :math:`2(1-\nu)/(2-\nu)` for bodies alike.
+    waves. Round and isotropic contacts have 1/2, which gives Mindlin's :math:`2(1-\nu)/(2-\nu)` for like materials.
     Coupling of normal and tangential displacements is neglected, and bodies that differ are refused. For other contacts
     than ellipses the value is a lower bound unless Poisson's ratio is zero, because the true traction stores the
     smallest energy. The uncertainty contains the deficit, and a warning names it from half a per cent on.
