@@ -89,7 +89,7 @@ class PartialSlip:
     axis
         Direction of the force: 0 along x, 1 along y.
     contact
-        The normal contact under the whole normal force P.
+        The normal contact under the normal force P.
     stick_contact
         The normal contact under P - Q / friction, whose contact is the stick zone.
     traction
@@ -287,13 +287,13 @@ def _solve_stick(near: list[ContactSolution], contact: ContactSolution, lost: fl
 
 def _compare_areas(contact: ContactSolution, stuck: ContactSolution) -> tuple[Estimate, Estimate]:
     """Return the areas that stick and that slip."""
-    whole = contact.area()
-    stick = whole if stuck is contact else stuck.area()
-    warnings = tuple(dict.fromkeys((*whole.warnings, *stick.warnings)))
-    slip = 0.0 if stuck is contact else math.hypot(whole.uncertainty, stick.uncertainty)
+    total = contact.area()
+    stick = total if stuck is contact else stuck.area()
+    warnings = tuple(dict.fromkeys((*total.warnings, *stick.warnings)))
+    slip = 0.0 if stuck is contact else math.hypot(total.uncertainty, stick.uncertainty)
     return (
         Estimate(stick.value, stick.uncertainty, "m2", stick.warnings),
-        Estimate(max(whole.value - stick.value, 0.0), slip, "m2", warnings),
+        Estimate(max(total.value - stick.value, 0.0), slip, "m2", warnings),
     )
 
 

@@ -66,7 +66,7 @@ _POLYNOMIAL_WEIGHTS = {reach: _weigh(reach) for reach in (_POLYNOMIAL_REACH - 1,
 
 
 def find_rise(
-    gap: Array, boundary: Boundary, missing: Mask | None = None, *, linear: bool = False
+    gap: Array, boundary: Boundary, non_measured: Mask | None = None, *, linear: bool = False
 ) -> tuple[float, float]:
     """Return the height of the highest summit above the highest measured cell, and its standard deviation, m.
 
@@ -76,14 +76,14 @@ def find_rise(
         Initial gap, m, shape (nx, ny).
     boundary
         Whether the gap repeats beyond the border.
-    missing
+    non_measured
         Cells that were not measured.
     linear
         Whether the gap is linear between points, with its summits at points.
     """
     if min(gap.shape) < 2 * TIP_REACH + 1:
         return 0.0, float(np.ptp(gap))
-    measured = gap if missing is None else np.where(missing, np.inf, gap)
+    measured = gap if non_measured is None else np.where(non_measured, np.inf, gap)
     near, summits = _gather_highest(gap, measured, boundary)
     highest = float(measured.min())
     if linear:
@@ -201,12 +201,14 @@ def fit_hyperboloid(near: Array) -> tuple[float | None, float]:
 def _extend_lines(near: Array) -> float:
     """Return the gap at the summit of a map that is linear between points, m: where the lines of both sides meet."""
     here = near[_POLYNOMIAL_REACH, _POLYNOMIAL_REACH]
-    (x, along_x, i), (y, along_y, j) = (_meet(line) for line in (near[:, _POLYNOMIAL_REACH], near[_POLYNOMIAL_REACH]))
+    (x, along_x, i), (y, along_y, j) = (
+        _find_kink(line) for line in (near[:, _POLYNOMIAL_REACH], near[_POLYNOMIAL_REACH])
+    )
     twist = here - near[i, _POLYNOMIAL_REACH] - near[_POLYNOMIAL_REACH, j] + near[i, j]
     return float(here + x * along_x + y * along_y + x * y * twist)
 
 
-def _meet(line: Array) -> tuple[float, float, int]:
+def _find_kink(line: Array) -> tuple[float, float, int]:
     """Return the distance in cells to where the lines of both sides meet, the slope there and the cell behind."""
     bends = np.diff(line[_POLYNOMIAL_REACH - 2 : _POLYNOMIAL_REACH + 3], 2)
     if abs(bends[1]) <= _KINK_TOLERANCE * np.max(np.abs(bends)):
@@ -358,14 +360,14 @@ def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
     There the pressure rises as the inverse root of the distance, which uniform pressure on each cell does not follow:
     the deficit of energy is a fraction of p^2 / E* over the cells at the cut.
     """
-    missing = solution.non_measured
+    non_measured = solution.non_measured
     free = solution.boundary is Boundary.FREE
-    if solution.force == 0.0 or (missing is None and not free):
+    if solution.force == 0.0 or (non_measured is None and not free):
         return 0.0, 0.0
     cut = find_cut_cells(solution)
-    beside = None if missing is None else np.nonzero(missing)
+    beside = None if non_measured is None else np.nonzero(non_measured)
     border = 0.0
-    holes = 0.0
+    unknown = 0.0
     for axis, step in enumerate(solution.grid.spacing):
         weight = step * solution.grid.cell_area
         pressure = np.moveaxis(solution.pressure, axis, 0)
@@ -377,11 +379,11 @@ def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
             for neighbour in (beside[axis] - 1, beside[axis] + 1):
                 row = np.clip(neighbour, 0, len(pressure) - 1) if free else neighbour % len(pressure)
                 at = row, beside[1 - axis]
-                holes += weight * float(np.sum(pressure[at] ** 2, where=elastic[at]))
-    energies = np.array((border, holes))
+                unknown += weight * float(np.sum(pressure[at] ** 2, where=elastic[at]))
+    energies = np.array((border, unknown))
     modulus = float(solution.effective_modulus(1.0 / math.sqrt(solution.grid.cell_area)))
     shift, std = (
-        np.transpose((calibration.CUT_BORDER_EXCESS, calibration.CUT_HOLE_EXCESS))
+        np.transpose((calibration.CUT_BORDER_EXCESS, calibration.CUT_NON_MEASURED_EXCESS))
         @ energies
         / (modulus * solution.force)
     )

@@ -89,9 +89,14 @@ def find_cut_cells(solution: ContactSolution) -> Mask:
 
 def find_cut_patches(solution: ContactSolution) -> Mask:
     """Return which patches a free border cuts, shape (count,)."""
-    cut = np.zeros(solution.patches.count + 1, dtype=bool)
-    cut[solution.patches.labels[find_cut_cells(solution)]] = True
-    return cut[1:]
+    return find_patches_of(solution, find_cut_cells(solution))
+
+
+def find_patches_of(solution: ContactSolution, marked: Mask) -> Mask:
+    """Return which patches have marked cells, shape (count,)."""
+    found = np.zeros(solution.patches.count + 1, dtype=bool)
+    found[solution.patches.labels[marked]] = True
+    return found[1:]
 
 
 def count_saturated(solution: ContactSolution) -> IntArray:

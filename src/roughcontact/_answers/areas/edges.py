@@ -195,7 +195,7 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         untraced_std=calibration.NON_MEASURED_LENGTH_STD * met,
         sharp=one.sharp,
         std=np.hypot(np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), few), places),
-        alike=_count(one.alike)
+        alike=_count_equal_errors(one.alike)
         * (calibration.OBLIQUE_PARTS_FACTOR if lay < MAX_RIDGE_LAY and is_diagonal(solution, lay) else 1.0),
         strip=strip,
         curvature_resolution=ratio,
@@ -234,7 +234,7 @@ def _measure_roundness(width: Array, cells: Array) -> Array:
     return np.asarray(1.0 / (1.0 + slenderness / (1.0 + (width / _WIDE_PATCH_WIDTH) ** 2)))
 
 
-def _count(alike: Array) -> Array:
+def _count_equal_errors(alike: Array) -> Array:
     """Return the number of equal errors that add up, for the number of parts of the edge that are the same."""
     return 1.0 + calibration.ALIKE_PARTS_FACTOR * (alike - 1.0)
 

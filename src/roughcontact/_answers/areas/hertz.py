@@ -1,4 +1,4 @@
-"""Hertz's area of each patch, from its curvature and its load or the approach that all share."""
+"""Hertz's area of each patch, from its curvature and its load or the common approach."""
 
 from __future__ import annotations
 
@@ -87,9 +87,9 @@ def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -
 
     def loads(shift: float) -> tuple[Array, Array]:
         # A paraboloid's load grows as depth^(3/2); a large patch is stiff as a flat punch of its area.
-        small = patches.forces * _grow(1.0 + (excess + shift) / (1.5 * flat))
+        small = patches.forces * _raise_to_three_halves(1.0 + (excess + shift) / (1.5 * flat))
         large = np.maximum(patches.forces + stiffness * (excess + shift), 0.0)
-        return np.where(even, small, large), _grow((depth + shift) / unit_depth)
+        return np.where(even, small, large), _raise_to_three_halves((depth + shift) / unit_depth)
 
     def surplus(shift: float) -> float:
         return float(sum(part.sum() for part in loads(shift)) - patches.forces.sum())
@@ -107,7 +107,7 @@ def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -
     return LoadCorrection(factor, error, unit_area[hidden > 0.0] * hidden[hidden > 0.0] ** (2.0 / 3.0))
 
 
-def _grow(depth: Array) -> Array:
+def _raise_to_three_halves(depth: Array) -> Array:
     """Return depth^(3/2), zero for negative depths; faster than a power."""
     positive = np.maximum(depth, 0.0)
     return np.asarray(positive * np.sqrt(positive))

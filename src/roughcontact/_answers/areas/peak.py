@@ -80,7 +80,7 @@ class PeakPressure(Quantity):
         peak = float(value[top])
         sharp = patches.cells[top] >= MIN_SHARP_PATCH_CELLS and _lies_at_step(solution, highest[top : top + 1])
         sharp = sharp or bool(_find_cut(solution, highest[top])) or bool(find_cut_patches(solution).any())
-        more = _NON_MEASURED_WARNING if _meets_holes(solution) else _SHARP_EDGE_WARNING if sharp else None
+        more = _NON_MEASURED_WARNING if _meets_non_measured(solution) else _SHARP_EDGE_WARNING if sharp else None
         pointed = peak * _find_point_error(solution, highest[top : top + 1], int(patches.cells[top]))
         uncertainty = math.hypot(float(std[top]), pointed) if more is None else peak
         peak = min(peak, float(limit.max()))
@@ -190,7 +190,7 @@ def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
     return False
 
 
-def _meets_holes(solution: ContactSolution) -> bool:
+def _meets_non_measured(solution: ContactSolution) -> bool:
     """Return whether non-measured points that would touch lie beside the contact."""
     return solution.non_measured is not None and bool(
         (grow(solution.non_measured, 1, solution.boundary) & solution.contact).any()

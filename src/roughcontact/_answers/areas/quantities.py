@@ -18,7 +18,7 @@ from roughcontact._answers.areas.cells import (
 from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, lay_ratio
 from roughcontact._answers.areas.edges import CUT_OFF_CELLS, is_diagonal, trace_edges, warn_if_uncertain
 from roughcontact._answers.areas.hertz import hertz_areas
-from roughcontact._answers.areas.summits import find_axes_ratio, find_near_holes, is_elliptic
+from roughcontact._answers.areas.summits import find_axes_ratio, find_beside_non_measured, is_elliptic
 from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import (
@@ -35,7 +35,7 @@ from roughcontact._solve.solution import (
 
 # Cells of a patch from which its traced length is not corrected.
 _LARGE_PATCH_CELLS = 100
-# Patches of fewer cells may be parts of others, or others may be missing beside them.
+# Numbers of cells below which a patch may be a part of another one, or other patches may be missing beside it.
 _SMALL_PATCH_CELLS = (4, 9)
 # Weights of the three outermost centres in the outward slope at the border, to second order.
 _BORDER_SLOPE_WEIGHTS = np.array((2.0, -3.0, 1.0))
@@ -88,7 +88,7 @@ class EdgeLength(Quantity):
         # Single summits have the ellipse of their curvature, others the shape of their traced edge.
         even = is_elliptic(mean, difference, spread)
         # For edges at a border and beside non-measured points the area does not give the length.
-        cut_off = find_near_holes(solution) | find_cut_patches(solution)
+        cut_off = find_beside_non_measured(solution) | find_cut_patches(solution)
         single = np.where(even & ~cut_off, 1.0 / (1.0 + (spread / calibration.UNEVEN_SPREAD) ** 4), 0.0)
         # Large patches may have holes or span the domain, so that no smooth convex edge bounds their quotient.
         large = solution.patches.cells >= _LARGE_PATCH_CELLS
@@ -186,7 +186,7 @@ class MeanGap(Quantity):
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the mean gap; see `Quantity.find`."""
         shift, std = find_shift(solution)
-        gap, holes_std = fill_gap(solution)
+        gap, non_measured_std = fill_gap(solution)
         # Where cells are saturated the bodies flow instead of overlapping.
         gap = np.where(solution.saturated, 0.0, gap)
         beyond = _correct_mean(gap, solution.boundary)
@@ -194,7 +194,9 @@ class MeanGap(Quantity):
         cut, cut_std = find_cut_shift(solution)
         part = (1.0 - area.fraction) ** calibration.CUT_GAP_EXPONENT
         value = float(np.mean(gap)) + beyond - shift * outside + cut * part
-        uncertainty = math.hypot(std * outside, holes_std, cut_std * part, calibration.MEAN_CORRECTION_ERROR * beyond)
+        uncertainty = math.hypot(
+            std * outside, non_measured_std, cut_std * part, calibration.MEAN_CORRECTION_ERROR * beyond
+        )
         if solution.contact.all():
             # The rest of the gap is the error of the solve.
             return Estimate(max(value, 0.0), math.hypot(uncertainty, float(np.ptp(gap))), "m", area.warnings)

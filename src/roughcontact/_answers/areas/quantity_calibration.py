@@ -98,7 +98,7 @@ MIN_FADING = 0.3
 # of p^2 h^2 b / (E* F) over the sides of cells there, h across and b along them, and its standard deviation; no unit.
 # Set on rough contacts: 0.09 to 0.34 at borders, 0.02 to 0.07 at single points, 0.03 to 0.14 at groups of them.
 CUT_BORDER_EXCESS = (0.2, 0.07)
-CUT_HOLE_EXCESS = (0.06, 0.03)
+CUT_NON_MEASURED_EXCESS = (0.06, 0.03)
 # Length of the edge that is not traced where it meets a border that cuts the contact, cells for each such place, and
 # its standard deviation. Set on rough contacts.
 UNTRACED_CUT_LENGTH = (0.9, 0.6)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy import special
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import split
+from roughcontact._answers.areas.cells import find_patches_of, split
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, grow
@@ -124,7 +124,7 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
     if solution.moduli is not None or count == 0:
         return FarField.zero(count)
     radius = math.sqrt(_NEAR_CONTACTS * solution.grid.area / (np.pi * count))
-    one, other, dx, dy = _pair(solution, x, y, radius)
+    one, other, dx, dy = _pair_contacts(solution, x, y, radius)
     square = dx * dx + dy * dy
     cube = 1.0 / (np.pi * solution.modulus * square * np.sqrt(square))
     parts = (-dx, -dy, 3.0 * dx * dx / square - 1.0, 3.0 * dx * dy / square, 3.0 * dy * dy / square - 1.0)
@@ -140,7 +140,9 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
     return FarField(sums[:2], sums[2:])
 
 
-def _pair(solution: ContactSolution, x: Array, y: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
+def _pair_contacts(
+    solution: ContactSolution, x: Array, y: Array, radius: float
+) -> tuple[IntArray, IntArray, Array, Array]:
     """Return the pairs of contacts within a radius, with periodic images: both numbers, dx and dy, m."""
     from scipy.spatial import cKDTree
 
@@ -272,7 +274,7 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     found = attrs.evolve(found, spread=np.sqrt(variance) / found.curvature)
     xx, xy, yy = curvature
     known = found.known & is_elliptic(found.curvature, np.hypot(0.5 * (xx - yy), xy), found.spread)
-    return attrs.evolve(found, known=known & ~_near_border(solution, found) & ~find_near_holes(solution))
+    return attrs.evolve(found, known=known & ~_find_near_border(solution, found) & ~find_beside_non_measured(solution))
 
 
 def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
@@ -358,7 +360,7 @@ def solve_for_area(solution: ContactSolution, force: Array, curvature: Array, ra
     return area, np.asarray(change)
 
 
-def _near_border(solution: ContactSolution, found: Summits) -> Mask:
+def _find_near_border(solution: ContactSolution, found: Summits) -> Mask:
     """Return which ellipses reach beyond the outermost cell centres at a free border."""
     near = np.zeros(found.known.shape, dtype=bool)
     if solution.boundary is Boundary.FREE:
@@ -369,9 +371,8 @@ def _near_border(solution: ContactSolution, found: Summits) -> Mask:
     return near
 
 
-def find_near_holes(solution: ContactSolution) -> Mask:
+def find_beside_non_measured(solution: ContactSolution) -> Mask:
     """Return which patches lie beside non-measured points, shape (count,): their heights are not known there."""
-    near = np.zeros(solution.patches.count + 1, dtype=bool)
-    if solution.non_measured is not None:
-        near[solution.patches.labels[grow(solution.non_measured, _SPLINE_REACH, solution.boundary)]] = True
-    return near[1:]
+    if solution.non_measured is None:
+        return np.zeros(solution.patches.count, dtype=bool)
+    return find_patches_of(solution, grow(solution.non_measured, _SPLINE_REACH, solution.boundary))

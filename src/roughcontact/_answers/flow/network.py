@@ -101,14 +101,17 @@ class FlowNetwork:
 
     def find_ends(self, pressure: Array) -> tuple[float, float]:
         """Return the flow in at the inlet and the flow out at the outlet."""
-        into = float(np.sum(self.inlet_conductance * (1.0 - pressure[self.inlet])))
-        return into, float(np.sum(self.outlet_conductance * pressure[self.outlet]))
+        into, out = self._find_end_flows(pressure)
+        return float(np.sum(into)), float(np.sum(out))
+
+    def _find_end_flows(self, pressure: Array) -> tuple[Array, Array]:
+        """Return the flow into each cell at the inlet, and out of each cell at the outlet."""
+        return self.inlet_conductance * (1.0 - pressure[self.inlet]), self.outlet_conductance * pressure[self.outlet]
 
     def residual(self, pressure: Array) -> Array:
         """Return the flow into each cell less the flow out of it."""
         faces = self.find_flow(pressure)
-        into = self.inlet_conductance * (1.0 - pressure[self.inlet])
-        out = self.outlet_conductance * pressure[self.outlet]
+        into, out = self._find_end_flows(pressure)
         return self._gather((self.second, faces), (self.first, -faces), (self.inlet, into), (self.outlet, -out))
 
     def dissipation(self, pressure: Array) -> tuple[Array, Array]:
@@ -131,9 +134,8 @@ class FlowNetwork:
         fields = np.zeros((2, *self.shape))
         one = slice(None, self.along)
         other = slice(self.along, None)
-        into = 0.5 * self.inlet_conductance * (1.0 - pressure[self.inlet])
-        out = 0.5 * self.outlet_conductance * pressure[self.outlet]
-        ends = (self.inlet, into), (self.outlet, out)
+        into, out = self._find_end_flows(pressure)
+        ends = (self.inlet, 0.5 * into), (self.outlet, 0.5 * out)
         for field, part, extra in ((fields[0], one, ends), (fields[1], other, ())):
             faces = (self.first[part], half[part]), (self.second[part], half[part])
             field.reshape(-1)[self.cells] = self._gather(*faces, *extra)
@@ -162,14 +164,14 @@ def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool)
     cells = np.flatnonzero(kept)
     number = np.full(gap.shape, -1, dtype=np.int32)
     number[kept] = np.arange(cells.size, dtype=np.int32)
-    along = _pair(number[:-1], number[1:])
-    across = _pair(number[:, :-1], number[:, 1:])
+    along = _pair_cells(number[:-1], number[1:])
+    across = _pair_cells(number[:, :-1], number[:, 1:])
     if periodic and gap.shape[1] > 1:
-        around = _pair(number[:, -1], number[:, 0])
+        around = _pair_cells(number[:, -1], number[:, 0])
         across = np.concatenate((across, around), axis=1)
     film = film.reshape(-1)[cells]
     cubes = film**3
-    conductance = np.concatenate([_join(cubes, along) * aspect, _join(cubes, across) / aspect])
+    conductance = np.concatenate([_join_cubes(cubes, along) * aspect, _join_cubes(cubes, across) / aspect])
     first, second = np.concatenate((along, across), axis=1)
     inlet, outlet = (row[row >= 0] for row in (number[0], number[-1]))
     ends = (2.0 * aspect * cubes[end] for end in (inlet, outlet))
@@ -214,13 +216,13 @@ def _shift_row(values: RealArray, step: int) -> RealArray:
     return moved
 
 
-def _pair(one: RealArray, other: RealArray) -> RealArray:
+def _pair_cells(one: RealArray, other: RealArray) -> RealArray:
     """Return the pairs of neighbours that are both in the network, shape (2, n)."""
     both = (one >= 0) & (other >= 0)
     return np.stack((one[both], other[both]))
 
 
-def _join(cubes: Array, pairs: RealArray) -> Array:
+def _join_cubes(cubes: Array, pairs: RealArray) -> Array:
     """Return the harmonic mean of both cells: the trapezoidal rule for the integral of 1/g^3 along the flow."""
     one = cubes[pairs[0]]
     other = cubes[pairs[1]]

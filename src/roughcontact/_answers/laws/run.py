@@ -73,7 +73,7 @@ def interface_law(
     if problem.boundary is not Boundary.PERIODIC:
         raise InputError(
             f"A law per area needs boundary='periodic', but got '{problem.boundary}': mean gap and stiffness of a "
-            "cut-out are those of the cut. A map that does not repeat can be mirrored at its borders."
+            "cut-out depend on where it is cut. A map that does not repeat can be mirrored at its borders."
         )
     asked = _name_columns(responses)
     loads = Load.sequence(pressure=pressure)

@@ -13,7 +13,7 @@ from roughcontact._answers.linear.stiffness import (
     describe_full_contact,
     list_warnings,
     require_mean_gap,
-    sum_of,
+    sum_answer,
 )
 from roughcontact._answers.linear.tangent import LinearSolution, Tangent
 from roughcontact._base.arrays import Array, Pair, read_only
@@ -131,7 +131,7 @@ class ContactConductance(Response[Conductance]):
         require_mean_gap(solution, "conductance")
         if solution.moduli is not None:
             raise InputError(
-                "The conductance follows from the stiffness of two half-spaces, but this kernel is that of a layer, "
+                "The conductance follows from the stiffness of two half-spaces, but this kernel is of a layer, "
                 "which conducts otherwise than it deforms: choose kernel='love'."
             )
         area = solution.area()
@@ -172,5 +172,5 @@ def _find_currents(
     """Return the stiffness of each patch and the standard deviation of their sum, N/m."""
     correction = correct_edges(solution, answer.values, tangent.cells, area, film)
     parts = solution.patches.sum(answer.values) * solution.grid.cell_area
-    total = sum_of(answer.values, answer.residual) * solution.grid.cell_area
+    total = sum_answer(answer.values, answer.residual) * solution.grid.cell_area
     return parts * (total / float(parts.sum())) + correction.patches, correction.uncertainty

@@ -33,7 +33,7 @@ _VARIABLES = ("heights", "modulus", "load")
 _EDGE_RESPONSES = ("stiffness", "conductance")
 _AREA_WARNING = (
     "under a given load the gradient of the area is a small difference of large parts, and even its sign may be wrong: "
-    "that of the participation is exact"
+    "the gradient of the participation is exact"
 )
 
 
@@ -180,9 +180,9 @@ def _find_neighbours(
             moved = np.clip(moved, 0, shape[axis] - 1)
         other = cells + (moved % shape[axis] - place) * stride
         if solution.non_measured is not None:
-            missing = solution.non_measured.ravel()[other]
-            moved = np.where(missing, place, moved)
-            other = np.where(missing, cells, other)
+            unknown = solution.non_measured.ravel()[other]
+            moved = np.where(unknown, place, moved)
+            other = np.where(unknown, cells, other)
         sides.append((moved, other))
     (before, low), (behind, high) = sides
     return low, high, np.asarray((behind - before) * solution.grid.spacing[axis], dtype=np.float64)
@@ -319,15 +319,15 @@ class _Adjoint:
         if not tangent.cells.any():
             raise InputError("All cells in contact are at the pressure limit: how they share a change of load is open.")
         if tangent.is_rigid:
-            shares = np.full(tangent.cells.shape, 1.0 / tangent.cells.size)
+            fractions = np.full(tangent.cells.shape, 1.0 / tangent.cells.size)
             compliance = 0.0
         else:
             uniform = _solve(tangent, np.ones(()))
             compliance = 1.0 / float(uniform.sum())
-            shares = uniform * compliance
+            fractions = uniform * compliance
         # A constant added to the derivative by the pressure counts the change of the load, which is zero.
-        mean = float(np.sum(shares * sensitivity.pressure))
-        surface = _solve(tangent, sensitivity.pressure - mean) - sensitivity.position * shares
+        mean = float(np.sum(fractions * sensitivity.pressure))
+        surface = _solve(tangent, sensitivity.pressure - mean) - sensitivity.position * fractions
         return cls(surface, 0.0, mean + sensitivity.position * compliance)
 
 

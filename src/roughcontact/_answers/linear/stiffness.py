@@ -75,8 +75,7 @@ def correct_edges(
     """
     count = solution.patches.count
     cell = solution.grid.cell_area
-    labels = solution.patches.labels.ravel()
-    cells_of = np.bincount(labels[np.flatnonzero(cells)], minlength=count + 1)[1:].astype(np.float64)
+    cells_of = solution.patches.sum(cells.astype(np.float64))
     lost, sides, squares, along = _measure_rows(solution, answer, cells)
     # A film that yields more than a cell makes the pressure even at the edge: the cells then act with their own area.
     faded = 1.0 - 1.0 / (1.0 + _FILM_FADING * film * solution.modulus / math.sqrt(cell))
@@ -91,14 +90,14 @@ def correct_edges(
     ratio = curvature_resolution(solution)
     trust = _find_trust(solution, ratio)
     correction = 2.0 * trust * slope * acting * (np.sqrt(growth) - 1.0)
-    stiffness = _sum_patches(labels, answer, count) * cell
+    stiffness = solution.patches.sum(answer) * cell
     total = float(stiffness.sum())
     nominal = float(acting.sum())
     unsure = _CORRECTION_STD * abs(float(correction.sum()))
     growing = float(np.sum(slope * acting))
     in_film = np.zeros(count)
     if film > 0.0:
-        in_film = film * _sum_patches(labels, answer**2, count) * cell
+        in_film = film * solution.patches.sum(answer**2) * cell
         at_edge = film * along / np.maximum(sides, 1e-300)
         counted = cells_of * cell
         grown = float(known.sum()) / float(counted.sum()) - 1.0
@@ -136,10 +135,6 @@ def _find_areas(solution: ContactSolution, cells_of: Array, acting: Array, area:
         return acting
     saturated = (solution.patches.cells - cells_of) * solution.grid.cell_area
     return np.asarray(np.maximum(area.patches - saturated, 0.0))
-
-
-def _sum_patches(labels: IntArray, values: Array, count: int) -> Array:
-    return np.asarray(np.bincount(labels, weights=values.ravel(), minlength=count + 1)[1:], dtype=np.float64)
 
 
 def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tuple[Array, Array, Array, Array]:
@@ -254,11 +249,11 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
         return NormalAnswer(0.0 * unit, 0.0, 0.0, warnings)
     answer = tangent.solve(unit, _RESIDUAL_TOLERANCE)
     correction = correct_edges(solution, answer.values, tangent.cells, area)
-    value = sum_of(answer.values, answer.residual) * solution.grid.cell_area + float(correction.patches.sum())
+    value = sum_answer(answer.values, answer.residual) * solution.grid.cell_area + float(correction.patches.sum())
     return NormalAnswer(answer.values, value, correction.uncertainty, warnings)
 
 
-def sum_of(values: Array, residual: Array) -> float:
+def sum_answer(values: Array, residual: Array) -> float:
     """Return the sum of the answer to a unit displacement, exact to the square of the residual."""
     return float(np.add.reduce(values * (1.0 + residual), axis=None))
 

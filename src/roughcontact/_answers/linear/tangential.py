@@ -242,8 +242,8 @@ class TangentialStiffness(Response[Estimate]):
         """Return the stiffness; see `Response.respond`."""
         if solution.moduli is not None:
             raise InputError(
-                "The tangential stiffness follows from that of two half-spaces, but this kernel is that of a layer: "
-                "choose kernel='love'."
+                "The tangential stiffness follows from the normal one of two half-spaces, but this kernel is of a "
+                "layer: choose kernel='love'."
             )
         if solution.saturated.any():
             raise InputError(

@@ -377,7 +377,8 @@ class StressBelow(Response[Stress]):
         """Return the stress; see `Response.respond`."""
         if solution.moduli is not None:
             raise InputError(
-                "The stress below the surface is that of a homogeneous half-space; this kernel is of another."
+                "The stress below the surface is known for homogeneous half-spaces only, but this kernel is of a "
+                "layer: choose kernel='love'."
             )
         scale = float(solution.pressure.max())
         if not (math.isfinite(scale) and scale > 0.0):
