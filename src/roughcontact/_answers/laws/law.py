@@ -126,7 +126,7 @@ class LawColumn:
 
 @attrs.frozen(eq=False)
 class InterfaceLaw:
-    """What a nominally flat interface does, over the nominal mean pressure.
+    """The properties of a nominally flat interface over the nominal mean pressure.
 
     Attributes
     ----------

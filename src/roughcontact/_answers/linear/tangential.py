@@ -191,7 +191,7 @@ def _find_displacements(solution: ContactSolution, pressure: Array) -> Array:
 
 @attrs.frozen
 class _WavesAlong(InfluenceKernel):
-    r"""The displacement by pressure, each wave of it times :math:`\cos^2` of its angle to an axis.
+    r"""The displacement by pressure, with each wave multiplied by :math:`\cos^2` of its angle to an axis.
 
     Along x the response to a point force is :math:`y^2/r^3` in place of :math:`1/r`: its integral over a cell is the
     sum of :math:`\pm X \operatorname{asinh}(Y/|X|)` over the corners (X, Y).

@@ -102,7 +102,7 @@ def _sum_corners(x: RealArray, y: RealArray, z: Any, poisson: float) -> tuple[Re
 
 @attrs.frozen(eq=False)
 class FreePlanes(StressPlanes):
-    """Linear convolution on a padded grid, as `DCFFT` does for displacements.
+    """The stress below a free domain, by linear convolution on a padded grid, as the displacement by `DCFFT`.
 
     Attributes
     ----------

@@ -31,7 +31,7 @@ _TERMS_PER_TILE = 2**20
 
 @attrs.frozen(eq=False)
 class PeriodicPlanes(StressPlanes):
-    r"""Waves of the pressure, multiplied; the pressure is constant on each cell.
+    r"""The stress below a periodic pressure, which is constant on each cell: a factor for each of its waves.
 
     With :math:`k = (1 - 2\nu)/q^2 - z/q` a wave of unit amplitude gives
 
