@@ -128,6 +128,8 @@ class AdhesiveDescent:
         self._length = _FIRST
         self.products = 0
         self.multiplier = 0.0
+        # Sum of the gaps that were snapped to zero, which a held mean needs elsewhere.
+        self._missing = 0.0
 
     def _split(self) -> list[_Tile]:
         nx, ny = self._shape
@@ -181,16 +183,21 @@ class AdhesiveDescent:
 
     def advance(self, error: float) -> bool:
         """Make one step from the last measurement, which gave an error; return whether the energy fell."""
-        conjugate = self._conjugate()
-        slope, clipped = self._clip()
-        if slope >= 0.0 and conjugate:
-            # Clipping has turned the direction uphill.
-            self._length = _CAREFUL
-            self._image = self._precondition()
-            slope, clipped = self._clip()
+        self._conjugate()
+        slope, clipped = self._clip(self._weights)
         if not slope < 0.0:
-            return False
-        return self._move(slope, clipped, error)
+            slope, clipped = self._fall_back()
+        return slope < 0.0 and self._move(slope, clipped, error)
+
+    def _fall_back(self) -> tuple[float, bool]:
+        """Clip the preconditioned residual or, where that is uphill too, the residual alone, which never is."""
+        self._length = _CAREFUL
+        self._image = self._precondition()
+        slope, clipped = self._clip(self._weights)
+        if slope < 0.0:
+            return slope, clipped
+        self._image = self._residual / self.dtype(self.problem.stiffness.shortest)
+        return self._clip(None if self._weights is None else np.ones_like(self._weights))
 
     def _map(self, work: Callable[[_Tile], T]) -> list[T]:
         return map_tiles(work, self._tiles)
@@ -272,16 +279,16 @@ class AdhesiveDescent:
             image -= self.dtype(float(image.sum(dtype=np.float64)) / float(weights.sum(dtype=np.float64))) * weights
         return image
 
-    def _conjugate(self) -> bool:
-        """Add the part of the last step that makes the direction conjugate to it; return whether there is any."""
+    def _conjugate(self) -> None:
+        """Add the part of the last step that makes the direction conjugate to it."""
         step = self._step
         change = self._change
         if step is None or change is None or not self._curvature > 0.0:
-            return False
+            return
         image = self._image
         factor = -math.fsum(self._map(lambda tile: _dot(image[tile.rows], change[tile.rows]))) / self._curvature
         if not factor > 0.0:
-            return False
+            return
 
         def add(tile: _Tile) -> None:
             part = step[tile.rows]
@@ -290,15 +297,16 @@ class AdhesiveDescent:
             image[tile.rows] += part
 
         self._map(add)
-        return True
 
-    def _clip(self) -> tuple[float, bool]:
-        """Scale the direction to a step within the bounds, in place; return the slope along it, and if it is clipped."""
+    def _clip(self, weights: RealArray | None) -> tuple[float, bool]:
+        """Scale the direction to a step within the bounds, in place; return the slope along it, and if it is clipped.
+
+        With weights the step keeps the mean gap: it is shifted in proportion to them.
+        """
         image = self._image
         length = self.dtype(self._length)
         self._map(lambda tile: _multiply(image[tile.rows], length))
-        if self._weights is not None:
-            self._keep_mean(image, self._weights * self._mask)
+        shifted = weights is not None and self._keep_mean(image, weights * self._mask)
 
         def clip(tile: _Tile) -> tuple[float, bool]:
             inside = self._inside(image, tile)
@@ -306,7 +314,7 @@ class AdhesiveDescent:
             return _dot(image[tile.rows], self._residual[tile.rows]), clipped
 
         found = self._map(clip)
-        return -math.fsum(slope for slope, _ in found), any(clipped for _, clipped in found)
+        return -math.fsum(slope for slope, _ in found), shifted or any(clipped for _, clipped in found)
 
     def _bound(self, step: RealArray, tile: _Tile) -> bool:
         """Clip a step of a tile at a gap of zero, in place; return whether it was longer than that."""
@@ -323,20 +331,24 @@ class AdhesiveDescent:
         step[:] = bounded
         return clipped
 
-    def _keep_mean(self, step: RealArray, weights: RealArray) -> None:
-        """Shift a step, in place, so that it does not change the mean gap when it is clipped: Newton's method."""
+    def _keep_mean(self, step: RealArray, weights: RealArray) -> bool:
+        """Shift and clip a step, in place, so that it keeps the mean gap; return whether it is clipped.
+
+        Newton's method finds the shift.
+        """
         shift = 0.0
         size = float(np.abs(step).sum(dtype=np.float64))
         for _ in range(_ROUNDS):
             trial = step - self.dtype(shift) * weights
             before = trial.copy()
-            self._map(lambda tile: self._bound(trial[tile.inner], tile))
-            excess = float(trial.sum(dtype=np.float64))
+            clipped = any(self._map(lambda tile: self._bound(trial[tile.inner], tile)))
+            excess = float(trial.sum(dtype=np.float64)) - self._missing
             moved = float(weights[trial == before].sum(dtype=np.float64))
             if abs(excess) <= _MISSED * size or not moved > 0.0:
                 break
             shift += excess / moved
         step[:] = trial
+        return clipped
 
     def _move(self, slope: float, clipped: bool, error: float) -> bool:
         """Take the part of the step after which the energy does not fall further."""
@@ -352,19 +364,23 @@ class AdhesiveDescent:
         fraction = self.dtype(part)
         near = self.dtype(_SNAP * error) if clipped and part < 1.0 else self.dtype(0.0)
 
-        def update(tile: _Tile) -> None:
+        def update(tile: _Tile) -> float:
             inside = self._inside(self.gap, tile)
             ends = inside + self._inside(step, tile) == 0.0 if near else None
             step[tile.rows] *= fraction
             change[tile.rows] *= fraction
             self.gap[tile.rows] += step[tile.rows]
             self.pressure[tile.rows] += change[tile.rows]
+            snapped = 0.0
             if ends is not None:
                 ends &= np.abs(inside) <= near
+                snapped = float(np.add.reduce(inside[ends]))
                 inside[ends] = 0.0
             self._inside(change, tile)[:] += self._trial[tile.inner] - self.tension[tile.inner]
+            return snapped
 
-        self._map(update)
+        # Of what the last step should have restored, a part is still missing.
+        self._missing = (1.0 - part) * self._missing + math.fsum(self._map(update))
         self.tension, self._trial = self._trial, self.tension
         self._step = step
         self._change = change
