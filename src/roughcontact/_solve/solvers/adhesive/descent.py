@@ -27,12 +27,11 @@ _SMALLEST_WEIGHT = 1e-3
 _FIRST = 0.8
 _LONGEST_STEP = 1.5
 _CAREFUL = 0.3
+# Part of a clipped step above which it is taken in full, so that the cells that it closes do close.
+_FULL = 0.6
 # Slope at the end of a line search over that at its start, and trials at most.
 _FLAT = 0.05
 _TRIALS = 12
-# Gaps of cells that a shortened step should have closed, over the error, below which they close: else they would
-# approach zero for ever.
-_SNAP = 0.05
 # Rounds of Newton's method for the shift that keeps the mean of a step, and the sum over that of magnitudes that is
 # rounding in float32.
 _ROUNDS = 30
@@ -128,8 +127,6 @@ class AdhesiveDescent:
         self._length = _FIRST
         self.products = 0
         self.multiplier = 0.0
-        # Sum of the gaps that were snapped to zero, which a held mean needs elsewhere.
-        self._missing = 0.0
 
     def _split(self) -> list[_Tile]:
         nx, ny = self._shape
@@ -181,13 +178,13 @@ class AdhesiveDescent:
         self._image = self._precondition()
         return max(self._map(lambda tile: _magnitude(self._image[tile.rows])))
 
-    def advance(self, error: float) -> bool:
-        """Make one step from the last measurement, which gave an error; return whether the energy fell."""
+    def advance(self) -> bool:
+        """Make one step from the last measurement; return whether the energy fell."""
         self._conjugate()
         slope, clipped = self._clip(self._weights)
         if not slope < 0.0:
             slope, clipped = self._fall_back()
-        return slope < 0.0 and self._move(slope, clipped, error)
+        return slope < 0.0 and self._move(slope, clipped)
 
     def _fall_back(self) -> tuple[float, bool]:
         """Clip the preconditioned residual or, where that is uphill too, the residual alone, which never is."""
@@ -342,7 +339,7 @@ class AdhesiveDescent:
             trial = step - self.dtype(shift) * weights
             before = trial.copy()
             clipped = any(self._map(lambda tile: self._bound(trial[tile.inner], tile)))
-            excess = float(trial.sum(dtype=np.float64)) - self._missing
+            excess = float(trial.sum(dtype=np.float64))
             moved = float(weights[trial == before].sum(dtype=np.float64))
             if abs(excess) <= _MISSED * size or not moved > 0.0:
                 break
@@ -350,7 +347,7 @@ class AdhesiveDescent:
         step[:] = trial
         return clipped
 
-    def _move(self, slope: float, clipped: bool, error: float) -> bool:
+    def _move(self, slope: float, clipped: bool) -> bool:
         """Take the part of the step after which the energy does not fall further."""
         step = self._image
         change = self._inverse.multiply(step, self._symbol, self._inverse.padded)
@@ -358,29 +355,23 @@ class AdhesiveDescent:
         curvature = math.fsum(self._map(lambda tile: _dot(step[tile.rows], change[tile.rows])))
         if not math.isfinite(curvature):
             return False
-        # A step beyond the direction's own length would leave the bounds where it is clipped.
-        part, end = self._search(step, slope, curvature, 1.0 if clipped or not self._has_room(step) else _LONGEST_STEP)
+        # A longer step would leave the bounds where it is clipped.
+        longest = 1.0 if clipped or not self._has_room(step) else _LONGEST_STEP
+        part, end = self._search(step, slope, curvature, longest)
         self._length = min(_LONGEST_STEP, self._length * math.sqrt(min(max(part, 0.25), 4.0)))
+        if clipped and _FULL < part < 1.0:
+            part = 1.0
+            end = self._slope_at(part, step, slope, curvature)
         fraction = self.dtype(part)
-        near = self.dtype(_SNAP * error) if clipped and part < 1.0 else self.dtype(0.0)
 
-        def update(tile: _Tile) -> float:
-            inside = self._inside(self.gap, tile)
-            ends = inside + self._inside(step, tile) == 0.0 if near else None
+        def update(tile: _Tile) -> None:
             step[tile.rows] *= fraction
             change[tile.rows] *= fraction
             self.gap[tile.rows] += step[tile.rows]
             self.pressure[tile.rows] += change[tile.rows]
-            snapped = 0.0
-            if ends is not None:
-                ends &= np.abs(inside) <= near
-                snapped = float(np.add.reduce(inside[ends]))
-                inside[ends] = 0.0
             self._inside(change, tile)[:] += self._trial[tile.inner] - self.tension[tile.inner]
-            return snapped
 
-        # Of what the last step should have restored, a part is still missing.
-        self._missing = (1.0 - part) * self._missing + math.fsum(self._map(update))
+        self._map(update)
         self.tension, self._trial = self._trial, self.tension
         self._step = step
         self._change = change
@@ -405,17 +396,13 @@ class AdhesiveDescent:
         The tension there is left in the trial field.
         """
 
-        def evaluate(part: float) -> float:
-            added = self._map(lambda tile: self._add_slope(tile, step, part))
-            return slope + part * curvature + math.fsum(added)
-
         low = 0.0
         slope_low = slope
         high = math.inf
         slope_high = math.nan
         part = min(1.0, -slope / curvature) if curvature > 0.0 else 1.0
         for _ in range(_TRIALS):
-            here = evaluate(part)
+            here = self._slope_at(part, step, slope, curvature)
             if abs(here) <= -_FLAT * slope or (here < 0.0 and part >= longest):
                 break
             if here < 0.0:
@@ -431,6 +418,11 @@ class AdhesiveDescent:
             else:
                 part = longest
         return part, here
+
+    def _slope_at(self, part: float, step: RealArray, slope: float, curvature: float) -> float:
+        """Return the slope of the energy after a part of the step; the tension there is left in the trial field."""
+        added = math.fsum(self._map(lambda tile: self._add_slope(tile, step, part)))
+        return slope + part * curvature + added
 
     def _add_slope(self, tile: _Tile, step: RealArray, part: float) -> float:
         """Return what the change of the tension adds to the slope, and store the tension after a part of the step."""

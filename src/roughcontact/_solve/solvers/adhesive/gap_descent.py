@@ -174,7 +174,7 @@ class _Run:
             self._left -= 1
             idle = 0 if error < 0.5 * best else idle + 1
             best = min(best, error)
-            if idle > _IDLE or not descent.advance(error * scale):
+            if idle > _IDLE or not descent.advance():
                 return None
             self._apart = self._apart + 1 if descent.is_apart() else 0
             if self._apart >= _APART and self._task.mean_pressure is not None:

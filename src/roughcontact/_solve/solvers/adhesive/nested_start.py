@@ -157,7 +157,7 @@ def _solve_coarse(guess: GapGuess, task: Task) -> GapGuess:
     count = 0
     while True:
         error = descent.measure()
-        if error <= _TOLERANCE * scale or count >= _ITERATIONS or not descent.advance(error):
+        if error <= _TOLERANCE * scale or count >= _ITERATIONS or not descent.advance():
             break
         count += 1
     gap = hold_mean(problem, task, descent.gap.astype(np.float64))
