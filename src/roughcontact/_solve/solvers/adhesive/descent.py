@@ -20,15 +20,15 @@ T = TypeVar("T")
 _SUPPORT = 0.5
 _LONGEST = 0.02
 # Fraction of the cells that may open or close before the support is computed again.
-_CHANGED = 0.02
+_CHANGED = 0.05
 # Minimum weight of a cell of a held mean, over the mean of the weights.
 _SMALLEST_WEIGHT = 1e-3
 # Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient.
-_FIRST = 0.8
-_LONGEST_STEP = 1.5
+_FIRST = 1.0
+_LONGEST_STEP = 4.0
 _CAREFUL = 0.3
 # Part of a clipped step above which it is taken in full, so that the cells that it closes do close.
-_FULL = 0.6
+_FULL = 0.7
 # Slope at the end of a line search over that at its start, and trials at most.
 _FLAT = 0.05
 _TRIALS = 12
@@ -358,7 +358,9 @@ class AdhesiveDescent:
         # A longer step would leave the bounds where it is clipped.
         longest = 1.0 if clipped or not self._has_room(step) else _LONGEST_STEP
         part, end = self._search(step, slope, curvature, longest)
-        self._length = min(_LONGEST_STEP, self._length * math.sqrt(min(max(part, 0.25), 4.0)))
+        # The slope falls further beyond a step that ends early: where it would vanish follows from the change so far.
+        wanted = part * slope / (slope - end) if end > slope else 4.0
+        self._length = min(_LONGEST_STEP, self._length * math.sqrt(min(max(wanted, 0.25), 4.0)))
         if clipped and _FULL < part < 1.0:
             part = 1.0
             end = self._slope_at(part, step, slope, curvature)

@@ -20,9 +20,9 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import _interpolate,
 _ROUGHLY = 1e-2
 # Error and iterations at which the solve on a coarse grid ends.
 _TOLERANCE = 1e-2
-_ITERATIONS = 12
+_ITERATIONS = 8
 # Cells of the cohesive length that a coarse grid should have: a range that is shorter is stretched.
-_RESOLVED = 1.5
+_RESOLVED = 1.0
 
 
 @attrs.frozen(eq=False)
