@@ -13,6 +13,7 @@ from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import Boundary
+from roughcontact._solve.problem import step_approach
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
 
@@ -45,6 +46,10 @@ _CORRECTION_STD = 0.25
 _HIDDEN_RADIUS_FACTOR = 0.375
 # Relative residual of the answer to a unit displacement: the relative error of the stiffness is its square.
 _RESIDUAL_TOLERANCE = 1e-2
+# Change of the approach over the range of the displacement from which the stiffness with adhesion follows, and the
+# difference of its sides over it from which on a jump is near.
+_ADHESIVE_STEP = 2e-3
+_NEAR_JUMP = 0.2
 
 
 @attrs.frozen(eq=False)
@@ -210,10 +215,34 @@ class Stiffness(Response[Estimate]):
     Barber, Proc. R. Soc. A 459 (2003) 53-66, https://doi.org/10.1098/rspa.2002.1038
     """
 
+    with_adhesion = "total pressure"
+
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
+        if solution.tension is not None:
+            return _compare_neighbours(solution)
         normal = find_normal_answer(solution, "stiffness")
         return Estimate(normal.value, normal.uncertainty, "N/m", normal.warnings)
+
+
+def _compare_neighbours(solution: ContactSolution) -> Estimate:
+    """Return the stiffness of surfaces that attract each other, N/m, from states at slightly other approaches.
+
+    Their contact and the tension beside it change together, which the linear answer of a fixed contact does not know.
+    """
+    moved = float(solution.displacement.max() - solution.displacement.min())
+    step = _ADHESIVE_STEP * moved
+    above = step_approach(solution, step)
+    below = step_approach(solution, -step)
+    forward = (above.force - solution.force) / step
+    backward = (solution.force - below.force) / step
+    value = 0.5 * (forward + backward)
+    uncertainty = 0.5 * abs(forward - backward)
+    warnings: tuple[str, ...] = ()
+    if uncertainty > _NEAR_JUMP * abs(value):
+        text = "the force changes by other amounts on both sides: the contact is near a jump, or sticks to the cells"
+        warnings = (ContactWarning(text, "near a jump", uncertainty / max(abs(value), 1e-300)),)
+    return Estimate(value, uncertainty, "N/m", warnings)
 
 
 @attrs.frozen(eq=False)

@@ -151,6 +151,16 @@ def _follow(solve: Solve, before: Sequence[ContactSolution], load: Load) -> Cont
     return solve(load, last.pressure, start_gap=gap)
 
 
+def step_approach(solution: ContactSolution, change: float) -> ContactSolution:
+    """Return the state whose approach, m, differs by a change, continued from a solution with adhesion."""
+    if solution.origin is None or solution.origin.source is None:
+        raise InputError("The solution has no problem that could be solved again: solve it anew.")
+    found: ContactSolution = _follow(
+        solution.origin.source._solve, [solution], Load("approach", solution.approach + change)
+    )
+    return found
+
+
 def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:
     """Return both branches over ascending approaches."""
     values = [load.value for load in loads]
