@@ -25,6 +25,8 @@ _MAX_STEPS = 200
 _RISEN = 0.02
 # Rounds that halve the steps around the lowest force.
 _REFINEMENTS = 4
+# Relative standard deviation of the lowest force because of the cells beside what sticking to them does; measured on balls.
+_CELL_ERROR = 1e-3
 # Energy of a step, over the work done in it, above which a loss is a jump and not the error of the trapezoidal rule.
 _JUMP = 0.5
 
@@ -216,7 +218,7 @@ def _find_minimum(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
     force = sweep.force
     k = int(force.argmin())
     cells = _cells_of(sweep[0])
-    trapped = trapping_error(cells) * abs(float(force[k]))
+    trapped = math.hypot(trapping_error(cells), _CELL_ERROR) * abs(float(force[k]))
     if not 0 < k < len(force) - 1:
         text = "the lowest force is at the end of the path: continue it"
         return Estimate(float(force[k]), float(np.ptp(force)), "N", (*warnings, text))
