@@ -1,4 +1,4 @@
-"""How far area and maximum pressure move with the tolerance of the solver: the constants of `_solve/problem/accuracy.py`.
+"""Area and maximum pressure against the tolerance of the solver: the constants of `_solve/problem/accuracy.py`.
 
 python docs/studies/tolerance.py
 """

@@ -19,11 +19,11 @@ from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 # Digits behind the point of heights in m: a picometre, far below every roughness, hides the rounding of machines.
-_DIGITS = 12
+_HEIGHT_DECIMALS = 12
 # By how much the numbers of a file may differ from those that it should hold: rounding, in m and in µm.
-_SAME = {".npz": 2e-12, ".csv": 2e-6}
+_FILE_TOLERANCES = {".npz": 2e-12, ".csv": 2e-6}
 # Standard deviation of the logarithm of the depth of skewed surfaces: a skewness of about -1.
-_DEPTH = 0.33
+_LOG_DEPTH_STD = 0.33
 
 
 @guarded
@@ -146,7 +146,7 @@ def _is_there(path: Path, content: dict[str, Array]) -> bool:
         found = {"": np.loadtxt(file, delimiter=",")} if path.suffix == ".csv" else read_npz(file, deflated=True)
         if found.keys() == content.keys() and all(
             np.shape(found[name]) == values.shape
-            and np.allclose(found[name], values, rtol=0.0, atol=_SAME[path.suffix], equal_nan=True)
+            and np.allclose(found[name], values, rtol=0.0, atol=_FILE_TOLERANCES[path.suffix], equal_nan=True)
             for name, values in content.items()
         ):
             return True
@@ -174,7 +174,7 @@ def _double(grid: Grid) -> Grid:
 def _deepen(surface: SelfAffineSurface, grid: Grid) -> Array:
     """Return heights of rms one made lognormal, their valleys deeper than summits high, without shorter waves."""
     whole = _double(grid)
-    spectrum = np.fft.rfft2(-np.exp(-_DEPTH * surface.heights(whole)))
+    spectrum = np.fft.rfft2(-np.exp(-_LOG_DEPTH_STD * surface.heights(whole)))
     fx = np.fft.fftfreq(whole.shape[0], whole.spacing[0])
     fy = np.fft.rfftfreq(whole.shape[1], whole.spacing[1])
     spectrum[np.hypot(fx[:, None], fy) * surface.shortest > 1.0] = 0.0
@@ -183,6 +183,6 @@ def _deepen(surface: SelfAffineSurface, grid: Grid) -> Array:
 
 def _make(heights: Array, grid: Grid, text: str) -> HeightMap:
     """Return the map of heights, NaN at non-measured points, which are filled as `read_surface` fills them."""
-    rounded = np.asarray(np.round(heights - np.nanmean(heights), _DIGITS), dtype=np.float64)
+    rounded = np.asarray(np.round(heights - np.nanmean(heights), _HEIGHT_DECIMALS), dtype=np.float64)
     mask = np.isnan(rounded)
     return HeightMap(fill(rounded) if mask.any() else rounded, grid.size, non_measured=mask, history=(text,))

@@ -19,10 +19,10 @@ from roughcontact.errors.door import outside
 
 T = TypeVar("T")
 # Magnitudes of quantities in SI units; products of a few of them stay within float64.
-SMALLEST = 1e-60
-LARGEST = 1e60
+MIN_MAGNITUDE = 1e-60
+MAX_MAGNITUDE = 1e60
 # Characters of a path: PATH_MAX of Linux, the largest of the systems.
-_LONGEST_PATH = 4096
+_MAX_PATH_CHARACTERS = 4096
 
 
 def number(
@@ -73,8 +73,9 @@ def number(
     )
     if not inside:
         raise InputError.about(what, value, allowed)
-    if abs(result) > LARGEST or (above == 0.0 and result < SMALLEST):
-        raise InputError.about(what, result, f"between {SMALLEST:g} and {LARGEST:g} in magnitude", "Check its unit.")
+    if abs(result) > MAX_MAGNITUDE or (above == 0.0 and result < MIN_MAGNITUDE):
+        allowed = f"between {MIN_MAGNITUDE:g} and {MAX_MAGNITUDE:g} in magnitude"
+        raise InputError.about(what, result, allowed, "Check its unit.")
     return result
 
 
@@ -150,8 +151,10 @@ def path(value: object, what: str) -> Path:
     if not isinstance(value, (str, os.PathLike)):
         raise InputError.about(what, value, "a str or a path")
     name = os.fspath(value)
-    if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_PATH or "\0" in name:
-        raise InputError.about(what, name, f"a path of 1 to {_LONGEST_PATH} characters, without the character NUL")
+    if not isinstance(name, str) or not 0 < len(name) <= _MAX_PATH_CHARACTERS or "\0" in name:
+        raise InputError.about(
+            what, name, f"a path of 1 to {_MAX_PATH_CHARACTERS} characters, without the character NUL"
+        )
     return Path(name)
 
 
@@ -232,6 +235,6 @@ def heights_array(values: npt.ArrayLike, *, nan: bool = False) -> Array:
             f"{what} must be finite everywhere, but {missing} of {array.size} points are NaN or infinite. "
             "Fill them first, for instance with read_surface(path, non_measured='fill')."
         )
-    if max(high, -low) > LARGEST:
-        raise InputError(f"{what} must hold heights of at most {LARGEST:g} m: check the unit.")
+    if max(high, -low) > MAX_MAGNITUDE:
+        raise InputError(f"{what} must hold heights of at most {MAX_MAGNITUDE:g} m: check the unit.")
     return frozen_array(array)

@@ -24,6 +24,30 @@ from roughcontact._base.units import binary
 from roughcontact.errors import InputError, NotEnoughMemory
 from roughcontact.errors.door import guarded
 
+T = TypeVar("T")
+# Bytes up to which the available memory is not looked up: that costs up to a millisecond.
+_UNCHECKED_BYTES = 2**24
+# Address space that threads and libraries reserve without taking memory.
+_RESERVED_BYTES = 2**31
+# A number of bytes in words, and the bytes of each unit.
+_BYTES_IN_WORDS = re.compile(r"\s*([0-9]{1,18}(?:\.[0-9]{0,18})?)\s*(bytes|B|[kMGT]B|[KMGT]iB)\s*")
+_BYTES_PER_UNIT = {"B": 1, "bytes": 1, **{f"{name}B": 1000**power for power, name in enumerate("kMGT", 1)}}
+_BYTES_PER_UNIT |= {f"{name}iB": 1024**power for power, name in enumerate("KMGT", 1)}
+# The files of a group's limit and use, and the entries of its memory.stat that the kernel gives back, by version.
+_CGROUP_FILES = {
+    2: ("memory.max", "memory.current", ("inactive_file", "active_file")),
+    1: ("memory.limit_in_bytes", "memory.usage_in_bytes", ("total_inactive_file", "total_active_file")),
+}
+# Cells that make a further thread worth its hand-over: with two threads a solve on 512 x 512 cells takes 1.2 times
+# the wall time of one, on 1024 x 1024 no more and on 2048 x 2048 less (docs/studies/scale.py).
+_CELLS_PER_THREAD = 2**19
+# Side of the square grid from which on two threads are used.
+_TWO_THREADS_SIDE = math.isqrt(2 * _CELLS_PER_THREAD)
+# Values of an array that a pass treats at a time: a few such tiles fit into the cache.
+_VALUES_PER_TILE = 2**16
+_THREADS = contextvars.ContextVar("threads of the solve that runs", default=1)
+_IS_SHARED = contextvars.ContextVar("whether others of a pool work beside this one", default=False)
+
 
 def control_groups(controller: str, root: Path) -> Iterator[tuple[Path, int]]:
     """Yield the folder and the version of each group whose limits hold for this process, from below.
@@ -50,29 +74,14 @@ def control_groups(controller: str, root: Path) -> Iterator[tuple[Path, int]]:
                     group = group.parent
 
 
-# Bytes that are taken without asking: asking costs up to a millisecond, and importing a library takes as much.
-_UNASKED = 2**24
-# Address space that threads and libraries reserve without taking memory.
-_UNTOUCHED = 2**31
-# A number of bytes in words, and the bytes of each unit.
-_SIZE = re.compile(r"\s*([0-9]{1,18}(?:\.[0-9]{0,18})?)\s*(bytes|B|[kMGT]B|[KMGT]iB)\s*")
-_UNITS = {"B": 1, "bytes": 1, **{f"{name}B": 1000**power for power, name in enumerate("kMGT", 1)}}
-_UNITS |= {f"{name}iB": 1024**power for power, name in enumerate("KMGT", 1)}
-# The files of a group's limit and use, and the entries of its memory.stat that the kernel gives back, by version.
-_FILES = {
-    2: ("memory.max", "memory.current", ("inactive_file", "active_file")),
-    1: ("memory.limit_in_bytes", "memory.usage_in_bytes", ("total_inactive_file", "total_active_file")),
-}
-
-
 def limit_of_memory(value: float | str | None) -> int | None:
     """Return a limit in bytes, given as a number or a text such as ``"8 GiB"``, or None, or raise `InputError`."""
     what = "The limit of the memory"
     if isinstance(value, str):
-        found = _SIZE.fullmatch(value)
+        found = _BYTES_IN_WORDS.fullmatch(value)
         if found is None:
             raise InputError.about(what, value, "a number of bytes, or a text such as '8 GiB' or '500 MB'")
-        value = float(found[1]) * _UNITS[found[2]]
+        value = float(found[1]) * _BYTES_PER_UNIT[found[2]]
     return None if value is None else int(number(value, what, "bytes", at_least=1.0))
 
 
@@ -95,7 +104,7 @@ def require_memory(needed: float, what: str, advice: str | Callable[[int], str],
     NotEnoughMemory
         If there is less.
     """
-    available = limit if limit is not None or needed <= _UNASKED else available_memory()
+    available = limit if limit is not None or needed <= _UNCHECKED_BYTES else available_memory()
     if available is not None and needed > available:
         process = f"this process may take only {binary(available)} more"
         there = process if limit is None else f"memory_limit= allows only {binary(limit)}"
@@ -130,7 +139,7 @@ def limit_address_space(root: Path = Path("/")) -> None:
         available = available_memory(root)
         used = int((root / "proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
         if available is not None:
-            limits = (used + available + _UNTOUCHED, soft, hard)
+            limits = (used + available + _RESERVED_BYTES, soft, hard)
             limit = min(limit for limit in limits if limit != resource.RLIM_INFINITY)
             resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
 
@@ -151,7 +160,7 @@ def _of_machine(root: Path) -> Iterator[int]:
 
 def _of_groups(root: Path) -> Iterator[int]:
     for group, version in control_groups("memory", root):
-        yield from _of_group(group, *_FILES[version])
+        yield from _of_group(group, *_CGROUP_FILES[version])
 
 
 def _of_group(group: Path, limit: str, usage: str, cached: tuple[str, ...]) -> Iterator[int]:
@@ -181,19 +190,6 @@ def _read_table(path: Path) -> dict[str, int]:
     return {words[0].rstrip(":"): int(words[1]) for words in lines if len(words) > 1}
 
 
-T = TypeVar("T")
-# Cells that make a further thread worth its hand-over: with two threads a solve on 512 x 512 cells takes 1.2 times
-# the wall time of one, on 1024 x 1024 no more and on 2048 x 2048 less (docs/studies/scale.py).
-_CELLS = 2**19
-# Side of the square grid from which on two threads are used.
-_TWO = math.isqrt(2 * _CELLS)
-# Values of an array that a pass treats at a time: a few such tiles fit into the cache.
-_TILE = 2**16
-
-_COUNT = contextvars.ContextVar("threads of the solve that runs", default=1)
-_SHARED = contextvars.ContextVar("whether others of a pool work beside this one", default=False)
-
-
 def thread_count(value: object) -> int | str:
     """Return ``"auto"``, or a number of threads, checked to be at least one."""
     if isinstance(value, str) and value == "auto":
@@ -214,11 +210,11 @@ def choose_threads(given: int | str, cells: int) -> tuple[int, str]:
     cells
         Cells of its grid.
     """
-    useful = max(1, cells // _CELLS)
+    useful = max(1, cells // _CELLS_PER_THREAD)
     asked = None if isinstance(given, str) else given
     if asked is None and useful == 1:
-        return 1, f"two pay from {_TWO} x {_TWO} cells"
-    if asked is None and (_SHARED.get() or _is_pooled()):
+        return 1, f"two pay from {_TWO_THREADS_SIDE} x {_TWO_THREADS_SIDE} cells"
+    if asked is None and (_IS_SHARED.get() or _is_pooled()):
         return 1, "others of a pool work beside this process"
     if asked is None and _has_limited_address_space():
         return 1, "each takes a part of the address space, which is limited (ulimit -v)"
@@ -226,7 +222,9 @@ def choose_threads(given: int | str, cells: int) -> tuple[int, str]:
     if asked is not None:
         return (asked, "as given") if asked <= available else (available, f"not {asked}: this process may use no more")
     return (
-        (useful, f"one for each {_CELLS} cells") if useful < available else (available, "this process may use no more")
+        (useful, f"one for each {_CELLS_PER_THREAD} cells")
+        if useful < available
+        else (available, "this process may use no more")
     )
 
 
@@ -272,26 +270,26 @@ def _has_limited_address_space() -> bool:
 @contextlib.contextmanager
 def use_threads(count: int) -> Iterator[None]:
     """Limit the threads used inside the context."""
-    token = _COUNT.set(count)
+    token = _THREADS.set(count)
     try:
         yield
     finally:
-        _COUNT.reset(token)
+        _THREADS.reset(token)
 
 
 @contextlib.contextmanager
 def share_machine() -> Iterator[None]:
     """Let each problem inside that does not say how many threads it takes use one: others work beside it."""
-    token = _SHARED.set(True)
+    token = _IS_SHARED.set(True)
     try:
         yield
     finally:
-        _SHARED.reset(token)
+        _IS_SHARED.reset(token)
 
 
 def threads_for(cells: int) -> int:
     """Return how many threads work on an array of so many cells gains from, of those that the solve has."""
-    return min(_COUNT.get(), max(1, cells // _CELLS))
+    return min(_THREADS.get(), max(1, cells // _CELLS_PER_THREAD))
 
 
 def split(length: int, step: int) -> list[slice]:
@@ -303,7 +301,7 @@ def tiles_of(values: npt.NDArray[Any]) -> list[slice]:
     """Return the tiles of a pass over an array, along its first axis; an array of another kind than numpy's is one."""
     length = values.shape[0]
     width = max(1, math.prod(values.shape[1:]))
-    return split(length, max(1, _TILE // width) if isinstance(values, np.ndarray) else max(1, length))
+    return split(length, max(1, _VALUES_PER_TILE // width) if isinstance(values, np.ndarray) else max(1, length))
 
 
 def map_tiles(work: Callable[[slice], T], tiles: Sequence[slice]) -> list[T]:
@@ -311,7 +309,7 @@ def map_tiles(work: Callable[[slice], T], tiles: Sequence[slice]) -> list[T]:
 
     The work on one tile must not depend on that on another. Results have the same bits whatever the number of threads.
     """
-    count = min(_COUNT.get(), len(tiles))
+    count = min(_THREADS.get(), len(tiles))
     if count == 1:
         return [work(tile) for tile in tiles]
     results: dict[int, T] = {}

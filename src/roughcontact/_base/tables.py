@@ -20,9 +20,9 @@ from roughcontact._base.units import WIDTH, Estimate, scale_column, si, write_co
 from roughcontact.errors import InputError, MissingPackage
 
 # Rows that a notebook shows: the first and the last ones of a longer table.
-_SHOWN_ROWS = 20
+_MAX_HTML_ROWS = 20
 # Blanks between two columns of a text.
-_GAP = "  "
+_COLUMN_GAP = "  "
 # Signs of print, as a terminal shows them.
 _ASCII = str.maketrans({"±": "+-", "²": "2", "³": "3"})
 
@@ -129,7 +129,10 @@ class Table:
         widths = [max(len(line[place]) for line in lines) for place in range(len(headings))]
         justify = [str.ljust if name in self.left else str.rjust for name in self.columns]
         blocks = [
-            [_GAP.join(justify[place](line[place], widths[place]) for place in places).rstrip() for line in lines]
+            [
+                _COLUMN_GAP.join(justify[place](line[place], widths[place]) for place in places).rstrip()
+                for line in lines
+            ]
             for places in _fold(widths, keys, width)
         ]
         return "\n\n".join("\n".join(block) for block in blocks)
@@ -143,7 +146,7 @@ class Table:
 
     def to_html(self, *notes: str) -> str:
         """Return notes and a table of HTML for a notebook, with SI prefixes; of many rows the first and the last."""
-        headings, rows = self.to_cells(_SHOWN_ROWS)
+        headings, rows = self.to_cells(_MAX_HTML_ROWS)
         lines = [_row(headings, "th"), *(_row(cells, "td") for cells in rows)]
         above = "".join(f"<div>{html.escape(note)}</div>" for note in notes)
         return f"{above}<table>{''.join(lines)}</table>"
@@ -207,7 +210,7 @@ def _fold(widths: Sequence[int], keys: int, width: int | None) -> list[list[int]
     blocks: list[list[int]] = [[]]
     for place in range(len(first), len(widths)):
         wanted = [*first, *blocks[-1], place]
-        needed = sum(widths[one] for one in wanted) + len(_GAP) * (len(wanted) - 1)
+        needed = sum(widths[one] for one in wanted) + len(_COLUMN_GAP) * (len(wanted) - 1)
         if blocks[-1] and width is not None and needed > width:
             blocks.append([])
         blocks[-1].append(place)

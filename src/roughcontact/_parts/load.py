@@ -11,10 +11,10 @@ from roughcontact._base.checks import number
 from roughcontact._base.units import si
 from roughcontact.errors import InputError
 
-_KINDS = {"pressure": ("The mean pressure", "Pa"), "force": ("The force", "N"), "approach": ("The approach", "m")}
+_LOAD_KINDS = {"pressure": ("The mean pressure", "Pa"), "force": ("The force", "N"), "approach": ("The approach", "m")}
 # What is said of several loads where the pressure has a limit.
 FIRST_LOADING = "Each load is a first loading, of surfaces not flattened yet (see running in)."
-_CHOICE = "pressure= (Pa), force= (N) and approach= (m)"
+_LOAD_ARGUMENTS = "pressure= (Pa), force= (N) and approach= (m)"
 
 
 @attrs.frozen
@@ -42,8 +42,8 @@ class Load:
         InputError
             If not exactly one is given, or it is not a number above zero.
         """
-        kind, value = _the_one(given, f"Give exactly one of {_CHOICE}")
-        name, unit = _KINDS[kind]
+        kind, value = _the_one(given, f"Give exactly one of {_LOAD_ARGUMENTS}")
+        name, unit = _LOAD_KINDS[kind]
         return cls(kind, number(value, name, unit, above=0.0))
 
     @classmethod
@@ -55,14 +55,14 @@ class Load:
         InputError
             If not exactly one list is given, it is empty, or a load in it is not a number above zero.
         """
-        kind, values = _the_one(given, f"Give exactly one list of loads: {_CHOICE}")
+        kind, values = _the_one(given, f"Give exactly one list of loads: {_LOAD_ARGUMENTS}")
         try:
             items = None if isinstance(values, (str, bytes)) or not isinstance(values, Iterable) else tuple(values)
         except Exception:
             items = None
         if items is None:
             raise InputError.about("The loads", values, f"a list, {kind}=[...]", "For one load call solve().")
-        unit = _KINDS[kind][1]
+        unit = _LOAD_KINDS[kind][1]
         loads = tuple(cls(kind, number(value, f"A load of {kind}=[...]", unit, above=0.0)) for value in items)
         if not loads:
             raise InputError(f"The list of loads, {kind}=, is empty: give at least one load.")
@@ -74,7 +74,7 @@ class Load:
         return {self.kind: self.value}
 
     def __str__(self) -> str:
-        return f"{self.kind} {si(self.value, _KINDS[self.kind][1])}"
+        return f"{self.kind} {si(self.value, _LOAD_KINDS[self.kind][1])}"
 
 
 def _the_one(given: dict[str, object], request: str) -> tuple[str, object]:

@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, frozen_array, restore_state
-from roughcontact._base.checks import LARGEST, SMALLEST, number
+from roughcontact._base.checks import MAX_MAGNITUDE, MIN_MAGNITUDE, number
 from roughcontact._base.registry import Registry
 from roughcontact.errors import InputError
 
@@ -100,7 +100,7 @@ def _hardness(value: float | Array) -> float | Array:
     except ValueError:
         array = np.empty(0)
     is_real = array.ndim == 2 and array.size > 0 and array.dtype.kind in "fiu" and not np.ma.is_masked(value)
-    if not (is_real and array.min() >= SMALLEST and array.max() <= LARGEST):
+    if not (is_real and array.min() >= MIN_MAGNITUDE and array.max() <= MAX_MAGNITUDE):
         raise InputError.about("The hardness", value, "a number or an array (nx, ny), finite and above 0 (Pa)")
     return frozen_array(array)
 

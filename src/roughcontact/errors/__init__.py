@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 # Characters of a value that a sentence repeats.
-_VALUE = 80
+_MAX_VALUE_CHARACTERS = 80
 # A word that is longer than any path that is read, and the characters of the longest sentence.
-_WORD = re.compile(r"\S{500,}")
-_PAGE = 4000
+_LONG_WORD = re.compile(r"\S{500,}")
+_MAX_SENTENCE_CHARACTERS = 4000
 
 
 class RoughContactError(Exception):
@@ -65,7 +65,7 @@ class InputError(RoughContactError, ValueError):
     def unknown(cls, kind: str, name: object, known: Iterable[str]) -> InputError:
         """Compose the sentence for a name that is not known, with the closest known one."""
         names = sorted(known)
-        close = difflib.get_close_matches(str(name)[:_VALUE].lower(), names, n=1, cutoff=0.5)
+        close = difflib.get_close_matches(str(name)[:_MAX_VALUE_CHARACTERS].lower(), names, n=1, cutoff=0.5)
         guess = f" Did you mean {close[0]!r}?" if close else ""
         return cls(f"There is no {kind} named {short(name)}.{guess} Known: {', '.join(names) or 'none'}.")
 
@@ -218,13 +218,15 @@ def short(value: object) -> str:
     # A class of the caller's may fail to describe itself.
     except Exception:
         text = f"a {type(value).__name__}"
-    is_own = type(value).__module__ != "builtins" and len(text) > _VALUE
-    return f"a {type(value).__name__}" if is_own or "array(" in text else shorten(text, _VALUE)
+    is_own = type(value).__module__ != "builtins" and len(text) > _MAX_VALUE_CHARACTERS
+    return f"a {type(value).__name__}" if is_own or "array(" in text else shorten(text, _MAX_VALUE_CHARACTERS)
 
 
 def _shorten_words(text: str) -> str:
     """Return a sentence whose words are no longer than a path, and that is no longer than a page."""
-    return shorten(_WORD.sub(lambda found: shorten(found[0], _VALUE), text), _PAGE)
+    return shorten(
+        _LONG_WORD.sub(lambda found: shorten(found[0], _MAX_VALUE_CHARACTERS), text), _MAX_SENTENCE_CHARACTERS
+    )
 
 
 def shorten(text: str, longest: int) -> str:

@@ -14,7 +14,7 @@ from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 # Ratio of two radii beyond which the ellipse of contact is too slender to be found.
-_SLENDER = 1e24
+_MAX_RADIUS_RATIO = 1e24
 
 
 def _positive(value: float, unit: str) -> float:
@@ -128,8 +128,10 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     sharp = min(radii)
     if blunt == sharp:
         return hertz_sphere(force, blunt, modulus)
-    if blunt > _SLENDER * sharp:
-        raise InputError(f"The radii {radii} differ by more than {_SLENDER:g} times: take a contact of cylinders.")
+    if blunt > _MAX_RADIUS_RATIO * sharp:
+        raise InputError(
+            f"The radii {radii} differ by more than {_MAX_RADIUS_RATIO:g} times: take a contact of cylinders."
+        )
 
     def mismatch(log_ratio: float) -> float:
         shallow, steep = _curvature_integrals(math.exp(log_ratio))

@@ -9,17 +9,19 @@ import numpy as np
 import scipy.fft
 
 from roughcontact._base.arrays import Array, read_only
-from roughcontact._base.checks import SMALLEST, flag, heights_array, numbers
+from roughcontact._base.checks import MIN_MAGNITUDE, flag, heights_array, numbers
 from roughcontact._base.units import Estimate, outlined
 from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 # Modes in a Hann window w for each independent one: the mean of w^4 over the squared mean of w^2, along each axis.
-_DEPENDENT = (35.0 / 18.0) ** 2
+_MODES_PER_INDEPENDENT_MODE = (35.0 / 18.0) ** 2
 
 # Power over that of the strongest wave below which it is rounding.
-_ROUNDING = 1e-28
+_MIN_RELATIVE_POWER = 1e-28
+# Parts of a map along each side, whose differences give the sampling error.
+_PARTS_PER_SIDE = 4
 
 
 @attrs.frozen(eq=False)
@@ -79,8 +81,8 @@ def list_waves(heights: Array, grid: Grid, periodic: bool) -> Waves:
 def transform_waves(heights: Array, grid: Grid, periodic: bool = True) -> Waves:
     """Return the waves of heights that have been checked; see `list_waves`."""
     largest = max(float(heights.max()), -float(heights.min()))
-    if largest < SMALLEST:
-        raise InputError(f"The heights are below {SMALLEST:g} m: there is no roughness.")
+    if largest < MIN_MAGNITUDE:
+        raise InputError(f"The heights are below {MIN_MAGNITUDE:g} m: there is no roughness.")
     scaled = heights / largest
     scaled -= scaled.mean()
     unit = max(float(scaled.max()), -float(scaled.min()))
@@ -92,13 +94,15 @@ def transform_waves(heights: Array, grid: Grid, periodic: bool = True) -> Waves:
     power += modes.imag**2
     power[0, 0] = 0.0
     # Of a band-limited surface most modes are rounding.
-    i, j = np.nonzero(power > _ROUNDING * power.max())
+    i, j = np.nonzero(power > _MIN_RELATIVE_POWER * power.max())
     nx, ny = grid.shape
     ratio = grid.spacing[0] / grid.spacing[1]
     qx = 2.0 * np.pi * scipy.fft.fftfreq(nx)[i]
     qy = 2.0 * np.pi * ratio * scipy.fft.rfftfreq(ny)[j]
     count = np.where((j == 0) | (2 * j == ny), 1.0, 2.0)
-    return Waves(qx, qy, power[i, j], count, unit * largest, grid.spacing[0], 1.0 if periodic else _DEPENDENT)
+    return Waves(
+        qx, qy, power[i, j], count, unit * largest, grid.spacing[0], 1.0 if periodic else _MODES_PER_INDEPENDENT_MODE
+    )
 
 
 def _window(heights: Array) -> Array:
@@ -107,10 +111,6 @@ def _window(heights: Array) -> Array:
     window = windows[0][:, np.newaxis] * windows[1][np.newaxis, :]
     window /= np.sqrt(np.mean(window**2))
     return np.asarray((heights - np.sum(heights * window) / np.sum(window)) * window)
-
-
-# Parts of a map along each side, whose differences give the sampling error.
-_PARTS = 4
 
 
 def _column(values: object) -> Array:
@@ -167,7 +167,11 @@ def bearing_area(heights: Array, levels: Array | None = None) -> BearingCurve:
     at = np.linspace(rough.min(), rough.max(), 101) if levels is None else numbers(levels, what, allowed)
     if at.ndim != 1 or not np.isfinite(at).all():
         raise InputError.about(what, levels, allowed)
-    blocks = [part for row in np.array_split(rough, _PARTS, axis=0) for part in np.array_split(row, _PARTS, axis=1)]
+    blocks = [
+        part
+        for row in np.array_split(rough, _PARTS_PER_SIDE, axis=0)
+        for part in np.array_split(row, _PARTS_PER_SIDE, axis=1)
+    ]
     parts = np.array([_find_fractions(part, at) for part in blocks if part.size])
     spread = np.std(parts, axis=0, ddof=1) / np.sqrt(len(parts)) if len(parts) > 1 else np.zeros(at.size)
     return BearingCurve(at, _find_fractions(rough, at), spread)

@@ -25,10 +25,31 @@ import numpy.typing as npt
 from roughcontact.errors import InputError, NotWritten, RoughContactError
 
 # Characters of a file's name in that of its unfinished one: systems allow 255 bytes, UTF-8 takes up to 4 for each.
-_NAMED = 40
-_PARTIAL = re.compile(r"\..+\.(?P<machine>[0-9a-f]{8})-(?P<pid>\d+)\.[0-9a-f]{12}\.partial", re.DOTALL)
+_PARTIAL_NAME_CHARACTERS = 40
+_PARTIAL_NAME = re.compile(r"\..+\.(?P<machine>[0-9a-f]{8})-(?P<pid>\d+)\.[0-9a-f]{12}\.partial", re.DOTALL)
 # Seconds, a week: the age at which an unfinished file is stale if its process cannot be seen from this machine.
-_STALE = 604800.0
+_STALE_AGE = 604800.0
+HEADER = "header"
+# Version of the file format; a change that older versions cannot read counts up.
+FORMAT = 1
+# How a file is opened; a pipe is not waited for.
+_OPEN_FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+# Hexadecimal digits of a SHA-256 digest.
+_SHA256_DIGITS = 64
+SEAL = f"roughcontact file, format {FORMAT}, sha256 ".encode() + _SHA256_DIGITS * b"0"
+_SEAL_PATTERN = re.compile(rb"roughcontact file, format (\d{1,9}), sha256 [0-9a-f]{64}\Z")
+# Bytes of a header; that of a problem takes some thousands.
+_MAX_HEADER_BYTES = 2**22
+# Bytes to which an npz file may expand, beside a multiple of its own size: heights deflate by 1 to 2, zeros by 1000.
+_EXPANSION_ALLOWANCE = 2**24
+_MAX_EXPANSION_RATIO = 20
+# Levels of brackets in a header, of which a sum of surfaces takes three, and characters of a number; float64 takes 24.
+_MAX_JSON_DEPTH = 150
+_MAX_NUMBER_CHARACTERS = 40
+# Bytes of the header of an npy file, of which numpy parses at most 10000.
+_NPY_HEADER_BYTES = 2**14
+# Possessive: a text of a million letters must not take a million steps back.
+_JSON_TOKEN = re.compile(r'"(?:[^"\\]++|\\.)*+"?|[\[{]|[\]}]|[^\s"\[\]{},:]+')
 
 
 @contextlib.contextmanager
@@ -46,7 +67,10 @@ def replacing(path: str | os.PathLike[str], *, flush: bool = True) -> Iterator[P
         If the disk is full or refuses; what was there before is unchanged.
     """
     target = Path(path)
-    partial = target.parent / f".{target.name[:_NAMED]}.{_machine()}-{os.getpid()}.{uuid.uuid4().hex[:12]}.partial"
+    partial = (
+        target.parent
+        / f".{target.name[:_PARTIAL_NAME_CHARACTERS]}.{_machine()}-{os.getpid()}.{uuid.uuid4().hex[:12]}.partial"
+    )
     try:
         if "\0" in target.name or not target.parent.is_dir():
             raise InputError(f"There is no folder {str(target.parent)!r} to write {target.name!r} into.")
@@ -71,7 +95,7 @@ def remove_stale(folder: str | os.PathLike[str]) -> None:
     """Remove the unfinished files of `replacing` whose process was killed; those of a running process stay."""
     with contextlib.suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
-            owner = _PARTIAL.fullmatch(entry.name)
+            owner = _PARTIAL_NAME.fullmatch(entry.name)
             with contextlib.suppress(OSError):
                 if owner and entry.is_file(follow_symlinks=False) and _is_stale(entry, owner["machine"], owner["pid"]):
                     os.unlink(entry.path)
@@ -84,7 +108,7 @@ _remove_stale_once = functools.cache(remove_stale)
 def _is_stale(entry: os.DirEntry[str], machine: str, pid: str) -> bool:
     if machine == _machine() and os.name == "posix":
         return _has_ended(int(pid))
-    return time.time() - entry.stat(follow_symlinks=False).st_mtime > _STALE
+    return time.time() - entry.stat(follow_symlinks=False).st_mtime > _STALE_AGE
 
 
 def _has_ended(pid: int) -> bool:
@@ -120,27 +144,6 @@ def _flush_names(folder: Path) -> None:
 
 
 RealArray: TypeAlias = npt.NDArray[Any]
-HEADER = "header"
-# Version of the file format; a change that older versions cannot read counts up.
-FORMAT = 1
-# How a file is opened; a pipe is not waited for.
-_READING = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-# Hexadecimal digits of a SHA-256 digest.
-_DIGITS = 64
-SEAL = f"roughcontact file, format {FORMAT}, sha256 ".encode() + _DIGITS * b"0"
-_SEALED = re.compile(rb"roughcontact file, format (\d{1,9}), sha256 [0-9a-f]{64}\Z")
-# Bytes of a header; that of a problem takes some thousands.
-_LONGEST_HEADER = 2**22
-# Bytes to which an npz file may expand, beside a multiple of its own size: heights deflate by 1 to 2, zeros by 1000.
-_EXPANDED = 2**24
-_EXPANSION = 20
-# Levels of brackets in a header, of which a sum of surfaces takes three, and characters of a number; float64 takes 24.
-_DEPTH = 150
-_LONGEST_NUMBER = 40
-# Bytes of the header of an npy file, of which numpy parses at most 10000.
-_NPY_HEADER = 2**14
-# Possessive: a text of a million letters must not take a million steps back.
-_TOKEN = re.compile(r'"(?:[^"\\]++|\\.)*+"?|[\[{]|[\]}]|[^\s"\[\]{},:]+')
 
 
 def write_archive(
@@ -187,7 +190,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
     if not file.is_file():
         raise InputError(f"There is no file {str(file)!r}.")
     try:
-        descriptor = os.open(file, _READING)
+        descriptor = os.open(file, _OPEN_FLAGS)
     except OSError as error:
         raise InputError(f"The file {file.name} cannot be read: {error.strerror}.") from error
     try:
@@ -211,7 +214,7 @@ def opened(path: str | os.PathLike[str]) -> Iterator[IO[bytes]]:
 def seal(path: Path) -> None:
     """Put the checksum of a file that ends with `SEAL` into it."""
     with path.open("r+b") as file:
-        end = file.seek(-_DIGITS, os.SEEK_END)
+        end = file.seek(-_SHA256_DIGITS, os.SEEK_END)
         digest = _checksum(file, end)
         file.seek(end)
         file.write(digest)
@@ -242,7 +245,7 @@ def unpack(packed: Mapping[str, RealArray], *, complete: bool = True) -> tuple[d
 def read_npz(file: IO[bytes], wanted: set[str] | None = None, *, deflated: bool = False) -> dict[str, RealArray]:
     """Return all arrays of an npz file, or those wanted; ValueError if it declares what it cannot hold."""
     size = file.seek(0, os.SEEK_END)
-    limit = _EXPANDED + _EXPANSION * size
+    limit = _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * size
     arrays: dict[str, RealArray] = {}
     with zipfile.ZipFile(file) as archive:
         members = {member.filename.removesuffix(".npy"): member for member in archive.infolist()}
@@ -260,7 +263,7 @@ def require_expansion(archive: zipfile.ZipFile, size: int, advice: str, *, defla
     """Raise ValueError if an archive of `size` bytes expands to far more than that, or in a way without a bound."""
     members = archive.infolist()
     declared, stored = (sum(getattr(one, name) for one in members) for name in ("file_size", "compress_size"))
-    if stored > size or declared > _EXPANDED + _EXPANSION * size:
+    if stored > size or declared > _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * size:
         raise ValueError(
             f"it declares {declared} bytes of data, more than a file of {size} bytes may hold; if that is right, "
             f"{advice}"
@@ -274,7 +277,7 @@ def require_expansion(archive: zipfile.ZipFile, size: int, advice: str, *, defla
 def read_npy(file: IO[bytes], size: int, most: int | None = None) -> RealArray:
     """Return the array of an npy file of `size` bytes; ValueError if it declares too many numbers."""
     # The length of the header is declared too, and a file takes the memory before it is read.
-    start = io.BytesIO(file.read(_NPY_HEADER))
+    start = io.BytesIO(file.read(_NPY_HEADER_BYTES))
     version = np.lib.format.read_magic(start)
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, fortran_order, dtype = read(start)
@@ -291,13 +294,13 @@ def read_npy(file: IO[bytes], size: int, most: int | None = None) -> RealArray:
 def read_json(text: str) -> Any:
     """Return the content of JSON; ValueError if it is nested deeply, or a number is not finite or has no end."""
     depth = 0
-    for token in map(re.Match.group, _TOKEN.finditer(text)):
+    for token in map(re.Match.group, _JSON_TOKEN.finditer(text)):
         depth += (token in "[{") - (token in "]}")
-        if depth > _DEPTH:
-            raise ValueError(f"its header has more than {_DEPTH} levels")
+        if depth > _MAX_JSON_DEPTH:
+            raise ValueError(f"its header has more than {_MAX_JSON_DEPTH} levels")
         is_number = token[0] not in '"[]{}' and token not in ("true", "false", "null")
-        if is_number and (len(token) > _LONGEST_NUMBER or not math.isfinite(float(token))):
-            raise ValueError(f"its header has the number {token[:_LONGEST_NUMBER]}")
+        if is_number and (len(token) > _MAX_NUMBER_CHARACTERS or not math.isfinite(float(token))):
+            raise ValueError(f"its header has the number {token[:_MAX_NUMBER_CHARACTERS]}")
     return json.loads(text)
 
 
@@ -310,7 +313,7 @@ def digest_of(array: RealArray) -> str:
 
 
 def _header(packed: Mapping[str, RealArray]) -> dict[str, Any]:
-    if HEADER not in packed or packed[HEADER].nbytes > _LONGEST_HEADER:
+    if HEADER not in packed or packed[HEADER].nbytes > _MAX_HEADER_BYTES:
         raise ValueError("it has no header, or one that is too long")
     header = read_json(packed[HEADER].tobytes().decode())
     if not isinstance(header, dict):
@@ -322,10 +325,10 @@ def _sealed_format(file: IO[bytes]) -> int:
     """Return the number of a file's format; ValueError if its content has another checksum than its seal."""
     size = file.seek(0, os.SEEK_END)
     file.seek(max(0, size - 2 * len(SEAL)))
-    found = _SEALED.search(file.read(2 * len(SEAL)))
+    found = _SEAL_PATTERN.search(file.read(2 * len(SEAL)))
     if found is None:
         raise ValueError("it does not end with a checksum")
-    if _checksum(file, size - _DIGITS) != found[0][-_DIGITS:]:
+    if _checksum(file, size - _SHA256_DIGITS) != found[0][-_SHA256_DIGITS:]:
         raise ValueError("its content has another checksum")
     return int(found[1])
 

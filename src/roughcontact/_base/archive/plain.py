@@ -28,10 +28,16 @@ from roughcontact._base.registry import Registry, path_of, registries
 from roughcontact.errors import InputError
 
 # Hexadecimal digits of the digest of a source.
-_DIGITS = 32
+_SOURCE_DIGEST_DIGITS = 32
 # What a class has besides what it does; the hash that attrs makes is another in each process.
-_BESIDE = {"__module__", "__dict__", "__hash__", "__weakref__", "__firstlineno__", "__static_attributes__"}
+_IGNORED_MEMBERS = {"__module__", "__dict__", "__hash__", "__weakref__", "__firstlineno__", "__static_attributes__"}
 _texts: weakref.WeakKeyDictionary[Any, tuple[str, frozenset[str]]] = weakref.WeakKeyDictionary()
+Described: TypeAlias = Any
+_PACKAGE = __name__.partition(".")[0]
+# Maximum length of the text that stands for a field which is not plain data.
+_MAX_TEXT_CHARACTERS = 200
+# Missing classes that are listed.
+_MAX_LISTED_CLASSES = 5
 
 
 def programs(classes: Iterable[type], own: str) -> list[str]:
@@ -87,7 +93,7 @@ def _digest(definition: Any, ours: set[str]) -> str:
             used = {name: module[name] for name in names if name in module}
             waiting += [(f"{value.__module__}.{name}", used[name]) for name in used if _is_plain(used[name])]
     content = "\0".join(f"{place}\0{texts[place]}" for place in sorted(texts))
-    return hashlib.sha256(content.replace("__mp_main__", "__main__").encode()).hexdigest()[:_DIGITS]
+    return hashlib.sha256(content.replace("__mp_main__", "__main__").encode()).hexdigest()[:_SOURCE_DIGEST_DIGITS]
 
 
 def _is_plain(value: object) -> bool:
@@ -124,7 +130,7 @@ def _codes_of(value: Any, seen: set[int]) -> Iterator[tuple[str, tuple[str, ...]
     elif isinstance(value, (type, FunctionType)):
         seen.add(id(value))
         members = vars(value) if isinstance(value, type) else {}
-        inner = [member for name, member in sorted(members.items()) if name not in _BESIDE]
+        inner = [member for name, member in sorted(members.items()) if name not in _IGNORED_MEMBERS]
         if isinstance(value, FunctionType):
             cells = [cell.cell_contents for cell in value.__closure__ or () if cell != CellType()]
             inner = [value.__code__, value.__defaults__, value.__kwdefaults__, *cells]
@@ -140,13 +146,6 @@ def _codes_of(value: Any, seen: set[int]) -> Iterator[tuple[str, tuple[str, ...]
     for item in inner:
         yield from _codes_of(item, seen)
 
-
-Described: TypeAlias = Any
-_PACKAGE = __name__.partition(".")[0]
-# Maximum length of the text that stands for a field which is not plain data.
-_TEXT = 200
-# Missing classes that are listed.
-_SHOWN = 5
 
 # Classes that plug-ins use in the fields of their parts, such as a layer of a coating.
 parts = Registry(object, "part", "roughcontact.parts")
@@ -185,7 +184,7 @@ def describe(value: object, arrays: dict[str, RealArray]) -> Described:
     with contextlib.suppress(InputError):
         if attrs.has(cls) or not fields:
             return {**part, "fields": {key: describe(item, arrays) for key, item in fields.items()}}
-    return {**part, "texts": {key: repr(item)[:_TEXT] for key, item in fields.items()}}
+    return {**part, "texts": {key: repr(item)[:_MAX_TEXT_CHARACTERS] for key, item in fields.items()}}
 
 
 def rebuild(described: Described, arrays: Mapping[str, RealArray], bases: tuple[type, ...] | None = None) -> Any:
@@ -221,7 +220,7 @@ def rebuild(described: Described, arrays: Mapping[str, RealArray], bases: tuple[
     # A registered class may refuse its fields with an error of any type.
     except Exception as error:
         raise InputError(
-            f"The {described['kind']} {described['name']!r} does not take its fields: {error!s:.{_TEXT}}"
+            f"The {described['kind']} {described['name']!r} does not take its fields: {error!s:.{_MAX_TEXT_CHARACTERS}}"
         ) from error
 
 
@@ -247,7 +246,7 @@ def rebuild_fields(
     needed = {key for key, field in fields.items() if field.default is attrs.NOTHING}
     if not needed <= set(given) <= set(fields):
         known = ", ".join(fields) or "nothing"
-        got = f"{', '.join(given)!r:.{_TEXT}}" if given else "nothing"
+        got = f"{', '.join(given)!r:.{_MAX_TEXT_CHARACTERS}}" if given else "nothing"
         raise InputError(f"The fields of the {kind} {name!r} are {known}, but the file gives {got}.")
     hints = _hints(cls)
     bases_of = {key: tuple(_bases_in(hints.get(field.name, Any))) for key, field in fields.items()}
@@ -264,7 +263,11 @@ def missing_classes(described: Described) -> str:
         elif cls is None:
             missing.append(f"the {part['kind']} {part['name']} must be registered")
     found = [*dict.fromkeys(missing)]
-    shown = [*found[:_SHOWN], f"{len(found) - _SHOWN} others as well"] if len(found) > _SHOWN else found
+    shown = (
+        [*found[:_MAX_LISTED_CLASSES], f"{len(found) - _MAX_LISTED_CLASSES} others as well"]
+        if len(found) > _MAX_LISTED_CLASSES
+        else found
+    )
     return f"To solve it again, {', and '.join(shown)}." if missing else ""
 
 
@@ -344,8 +347,8 @@ def _kind_and_name(cls: type) -> dict[str, str]:
 
 def _class_of(kind: str, name: str) -> type | None:
     """Return the class of a part; None if it is of a plug-in and is not registered here or cannot be loaded."""
-    if len(kind + name) > 2 * _TEXT or not (kind + name).isprintable():
-        raise InputError(f"The name of a part must be at most {2 * _TEXT} printable characters.")
+    if len(kind + name) > 2 * _MAX_TEXT_CHARACTERS or not (kind + name).isprintable():
+        raise InputError(f"The name of a part must be at most {2 * _MAX_TEXT_CHARACTERS} printable characters.")
     registry = registries().get(kind)
     package, _, own = name.partition(":")
     if registry is None or (package == _PACKAGE and own):

@@ -20,12 +20,12 @@ from roughcontact.errors import InputError, MissingPackage
 # Endings of files that need no instrument's reader.
 _ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .mat"
 # Descriptions in the archives of instruments, and their bytes: elements of XML take twenty times as much memory.
-_TEXTS = (".xml", ".txt")
-_LONGEST_TEXT = 2**22
+_DESCRIPTION_ENDINGS = (".xml", ".txt")
+_MAX_DESCRIPTION_BYTES = 2**22
 # Numbers in a row of a profile x z and of a list of points x y z; and rows from which on a table is one: 3 x 3 points.
 _COLUMNS_OF_PROFILES = 2
 _COLUMNS_OF_POINTS = 3
-_ROWS_OF_LISTS = 9
+_MIN_LIST_ROWS = 9
 
 
 @attrs.frozen
@@ -138,12 +138,12 @@ class TextReader(SurfaceReader):
         table = read_table(path, self.separator, self.decimal, self.skip_rows)
         heights = table.numbers
         stated = read_header(table.header)
-        if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] == _COLUMNS_OF_PROFILES:
+        if heights.shape[0] >= _MIN_LIST_ROWS and heights.shape[1] == _COLUMNS_OF_PROFILES:
             raise InputError(
                 f"each of its {heights.shape[0]} rows holds 2 numbers, as in a list of points x z of a profile, but a "
                 "height map has a row for each x and a number for each y"
             )
-        if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] == _COLUMNS_OF_POINTS:
+        if heights.shape[0] >= _MIN_LIST_ROWS and heights.shape[1] == _COLUMNS_OF_POINTS:
             return put_on_grid(heights)
         require_heights(heights)
         if stated.unit is not None:
@@ -169,9 +169,15 @@ def _require_bounded_archive(path: Path) -> None:
             return
         with zipfile.ZipFile(file) as archive:
             require_expansion(archive, path.stat().st_size, "export it without compression", deflated=True)
-            texts = [member.file_size for member in archive.infolist() if member.filename.lower().endswith(_TEXTS)]
-    if max(texts, default=0) > _LONGEST_TEXT:
-        raise InputError(f"a description in it has {max(texts)} bytes, more than {_LONGEST_TEXT}: it is damaged")
+            texts = [
+                member.file_size
+                for member in archive.infolist()
+                if member.filename.lower().endswith(_DESCRIPTION_ENDINGS)
+            ]
+    if max(texts, default=0) > _MAX_DESCRIPTION_BYTES:
+        raise InputError(
+            f"a description in it has {max(texts)} bytes, more than {_MAX_DESCRIPTION_BYTES}: it is damaged"
+        )
 
 
 @attrs.frozen

@@ -22,27 +22,27 @@ from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, pu
 from roughcontact.errors import InputError, MissingPackage
 
 # Bytes to which compressed arrays may expand, beside a multiple of the file: heights deflate by 1 to 2, zeros by 1000.
-_EXPANDED = 2**21
-_EXPANSION = 20
+_EXPANSION_ALLOWANCE = 2**21
+_MAX_EXPANSION_RATIO = 20
 # Bytes of the head of a file, and of the flags, dimensions and name before the numbers of an array.
-_HEAD = 128
-_LONGEST_NAME = 64
+_HEAD_BYTES = 128
+_MAX_NAME_BYTES = 64
 # Types of data by number: integers and floats of MATLAB.
-_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+_NUMBER_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 # Types of an array with its head, and of one that is deflated.
-_MATRIX = 14
-_COMPRESSED = 15
+_MATRIX_ELEMENT = 14
+_COMPRESSED_ELEMENT = 15
 # Classes of arrays: 6 to 15, double to uint64; the flags of complex ones, and of those of true and false.
-_NUMBERS = range(6, 16)
-_COMPLEX = 0x0800
-_LOGICAL = 0x0200
+_NUMERIC_CLASSES = range(6, 16)
+_COMPLEX_FLAG = 0x0800
+_LOGICAL_FLAG = 0x0200
 # Arrays that give the sides of a map, and the longest side of one, m.
-_SIZES = ("size", "lx", "ly", "dx", "dy")
-_METRE = 1.0
+_SIZE_NAMES = ("size", "lx", "ly", "dx", "dy")
+_MAX_SIDE = 1.0
 # The signature of HDF5 behind the head of a file of MATLAB's.
-_HDF5 = b"\x89HDF\r\n\x1a\n"
+_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # Filters of HDF5 that MATLAB uses: deflate and shuffle.
-_FILTERS = {1, 2}
+_MATLAB_FILTERS = {1, 2}
 
 
 def read_mat(path: Path) -> dict[str, RealArray]:
@@ -56,8 +56,12 @@ def read_mat(path: Path) -> dict[str, RealArray]:
         If it is of version 7.3, and h5py is not installed.
     """
     with path.open("rb") as file:
-        start = file.read(_HEAD)
-        if start.startswith(_HDF5) or file.read(len(_HDF5)) == _HDF5 or b"MATLAB 7.3" in start[:20]:
+        start = file.read(_HEAD_BYTES)
+        if (
+            start.startswith(_HDF5_SIGNATURE)
+            or file.read(len(_HDF5_SIGNATURE)) == _HDF5_SIGNATURE
+            or b"MATLAB 7.3" in start[:20]
+        ):
             return _read_hdf5(path)
         file.seek(len(start))
         data = file.read()
@@ -66,12 +70,12 @@ def read_mat(path: Path) -> dict[str, RealArray]:
     order = "<" if start[126:128] == b"IM" else ">"
     arrays: dict[str, RealArray] = {}
     # All arrays together may take so much.
-    left = _EXPANDED + _EXPANSION * len(data)
+    left = _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * len(data)
     for kind, content in _elements(data, order):
-        if kind == _COMPRESSED:
+        if kind == _COMPRESSED_ELEMENT:
             content = _inflate(content, order, left)
             left -= len(content)
-        elif kind != _MATRIX:
+        elif kind != _MATRIX_ELEMENT:
             continue
         arrays |= _read_matrix(content, order)
     return arrays
@@ -92,7 +96,7 @@ def _elements(data: bytes | memoryview, order: str) -> Iterator[tuple[int, memor
         if start + size > min(end, len(view)):
             raise InputError(f"an element of type {kind} declares {size} bytes, more than it has: it is damaged")
         yield kind, view[start : start + size]
-        place = end if kind == _COMPRESSED else -(-end // 8) * 8
+        place = end if kind == _COMPRESSED_ELEMENT else -(-end // 8) * 8
 
 
 def _inflate(content: memoryview, order: str, most: int) -> memoryview:
@@ -102,21 +106,26 @@ def _inflate(content: memoryview, order: str, most: int) -> memoryview:
     if stream.unconsumed_tail or not stream.eof:
         raise InputError(f"an array of it is damaged, or expands to more than {most} bytes: save it with '-v6'")
     (kind, inner), *_ = [*_elements(data, order), (0, memoryview(b""))]
-    return inner if kind == _MATRIX else memoryview(b"")
+    return inner if kind == _MATRIX_ELEMENT else memoryview(b"")
 
 
 def _read_matrix(content: memoryview, order: str) -> dict[str, RealArray]:
     """Return an array by its name, or nothing if it is of another kind."""
     parts = _elements(content, order)
     flags, dimensions, name, numbers = (next(parts, (0, memoryview(b""))) for _ in range(4))
-    if len(flags[1]) != 8 or len(dimensions[1]) != 8 or len(name[1]) > _LONGEST_NAME:
+    if len(flags[1]) != 8 or len(dimensions[1]) != 8 or len(name[1]) > _MAX_NAME_BYTES:
         return {}
     (flag,) = struct.unpack_from(f"{order}I", flags[1])
     shape = struct.unpack(f"{order}ii", dimensions[1])
-    if flag & 0xFF not in _NUMBERS or flag & (_COMPLEX | _LOGICAL) or min(shape) < 1 or numbers[0] not in _TYPES:
+    if (
+        flag & 0xFF not in _NUMERIC_CLASSES
+        or flag & (_COMPLEX_FLAG | _LOGICAL_FLAG)
+        or min(shape) < 1
+        or numbers[0] not in _NUMBER_TYPES
+    ):
         return {}
     text = bytes(name[1]).decode("ascii", "replace")
-    kind = np.dtype(f"{order}{_TYPES[numbers[0]]}")
+    kind = np.dtype(f"{order}{_NUMBER_TYPES[numbers[0]]}")
     if len(numbers[1]) != math.prod(shape) * kind.itemsize:
         raise InputError(
             f"its array {text!a} declares {shape[0]} x {shape[1]} numbers, but holds others: it is damaged"
@@ -135,7 +144,7 @@ def _read_hdf5(path: Path) -> dict[str, RealArray]:
         ) from None
     arrays: dict[str, RealArray] = {}
     size = path.stat().st_size
-    left = _EXPANDED + _EXPANSION * size
+    left = _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * size
     with path.open("rb") as stream, h5py.File(stream, "r") as file:
         for name in file:
             link = file.get(name, getlink=True)
@@ -157,12 +166,12 @@ def _is_plain(item: Any, h5py: Any) -> bool:
     stored = item.id.get_create_plist()
     filters = {stored.get_filter(number)[0] for number in range(stored.get_nfilters())}
     is_inside = stored.get_layout() in (h5py.h5d.COMPACT, h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED)
-    return is_inside and not stored.get_external_count() and filters <= _FILTERS
+    return is_inside and not stored.get_external_count() and filters <= _MATLAB_FILTERS
 
 
 def _find_size(arrays: dict[str, RealArray], shape: tuple[int, int]) -> tuple[Pair | None, str]:
     """Return the sides of a map, m, by `size`, by `lx` and `ly`, or by the pitch `dx` and `dy`; and what is known."""
-    known = {name: arrays[name].ravel().astype(np.float64).tolist() for name in _SIZES if name in arrays}
+    known = {name: arrays[name].ravel().astype(np.float64).tolist() for name in _SIZE_NAMES if name in arrays}
     known = {name: values for name, values in known.items() if len(values) <= 2}
     words = ", ".join(f"its {name} is {' x '.join(f'{value:g}' for value in values)}" for name, values in known.items())
     sides = known.get("size") or [*known.get("lx", []), *known.get("ly", [])]
@@ -171,7 +180,7 @@ def _find_size(arrays: dict[str, RealArray], shape: tuple[int, int]) -> tuple[Pa
     if len(sides) == 1 and shape[0] == shape[1]:
         sides = 2 * sides
     # One of more than a metre is in another unit.
-    if len(sides) != 2 or not all(0.0 < side <= _METRE for side in sides):
+    if len(sides) != 2 or not all(0.0 < side <= _MAX_SIDE for side in sides):
         return None, words
     return (sides[0], sides[1]), words
 

@@ -21,13 +21,13 @@ from roughcontact._parts.surfaces import TREATMENTS, HeightMap, complete
 from roughcontact.errors import InputError, RoughContactError, shorten
 from roughcontact.errors.door import guarded
 
-_FALLBACK = "instrument"
+_FALLBACK_READER = "instrument"
 # Characters of a reader's message that a sentence repeats.
-_REASON = 200
+_MAX_REASON_CHARACTERS = 200
 # A given size agrees with that of the file to this fraction: six digits, as people type them.
-_SAME_SIZE = 1e-6
+_SIZE_TOLERANCE = 1e-6
 # Cells are square to this fraction: sizes are given with three digits.
-_SQUARE = 5e-3
+_SQUARE_CELL_TOLERANCE = 5e-3
 
 
 @guarded
@@ -95,7 +95,7 @@ def read_surface(
         )
     if size is not None and raw.size is not None:
         sides = pair(size, "The size of the height map", "m", above=0.0)
-        if not np.allclose(sides, raw.size, rtol=_SAME_SIZE, atol=0.0):
+        if not np.allclose(sides, raw.size, rtol=_SIZE_TOLERANCE, atol=0.0):
             raise InputError(
                 f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
                 f"which is not the size given: leave size= out."
@@ -144,7 +144,9 @@ def _explain(error: Exception, file: Path) -> Exception:
     if isinstance(error, RoughContactError):
         return error
     reason = " ".join(str(error).split()) or type(error).__name__
-    return InputError(f"The file {file.name} cannot be read as a height map: {shorten(reason, _REASON).rstrip('.')}.")
+    return InputError(
+        f"The file {file.name} cannot be read as a height map: {shorten(reason, _MAX_REASON_CHARACTERS).rstrip('.')}."
+    )
 
 
 def options_of(file: Path, reader: str = "auto") -> tuple[str, ...]:
@@ -169,9 +171,9 @@ def _reader_for(file: Path) -> str:
     for name in readers:
         # A broken plug-in must not keep others from reading their files.
         with contextlib.suppress(InputError):
-            if name != _FALLBACK and suffix in readers.create(name).suffixes:
+            if name != _FALLBACK_READER and suffix in readers.create(name).suffixes:
                 return name
-    return _FALLBACK
+    return _FALLBACK_READER
 
 
 def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> None:
@@ -182,7 +184,10 @@ def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> 
     nx, ny = heights.shape
     here = (sides[0] / nx, sides[1] / ny)
     turned = (sides[0] / ny, sides[1] / nx)
-    if abs(here[0] / here[1] - 1.0) > _SQUARE and abs(turned[0] / turned[1] - 1.0) <= _SQUARE:
+    if (
+        abs(here[0] / here[1] - 1.0) > _SQUARE_CELL_TOLERANCE
+        and abs(turned[0] / turned[1] - 1.0) <= _SQUARE_CELL_TOLERANCE
+    ):
         raise InputError(
             f"The file {file.name} has {nx} rows of {ny} numbers: on {si(sides[0], 'm')} x {si(sides[1], 'm')}, a row "
             f"for each x makes cells of {si(here[0], 'm')} x {si(here[1], 'm')}, a row for each y square ones of "

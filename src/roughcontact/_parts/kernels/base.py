@@ -15,8 +15,8 @@ from roughcontact.errors import InputError
 
 # Cells per wave number at which a spectrum is that of the body and not of the cells, and the relative change of the
 # modulus below which a body is homogeneous.
-_FINE = 1e-3
-_EVEN = 1e-3
+_FINE_CELL_PHASE = 1e-3
+_HOMOGENEITY_TOLERANCE = 1e-3
 
 
 class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method below, or both
@@ -70,12 +70,12 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         if not isinstance(self, SupportsSpectrum):
             return None
         none = np.zeros((1, 1))
-        cells = _FINE / wavenumber
+        cells = _FINE_CELL_PHASE / wavenumber
         waves = zip(wavenumber, cells, strict=True)
         amplitudes = [self.spectrum(none + q, none, (cell, cell), compliance).item() for q, cell in waves]
         with np.errstate(divide="ignore"):
             moduli = 2.0 / (wavenumber * np.array(amplitudes))
-        even = bool(np.all(np.abs(moduli * compliance - 1.0) < _EVEN))
+        even = bool(np.all(np.abs(moduli * compliance - 1.0) < _HOMOGENEITY_TOLERANCE))
         return None if even else np.asarray(moduli)
 
 
@@ -128,7 +128,7 @@ class SupportsSpectrum(Protocol):
         """
 
 
-_MISSING: dict[type, str] = {
+_MISSING_FORMS: dict[type, str] = {
     SupportsCoefficients: "real-space coefficients, which this boundary needs: use boundary='periodic'",
     SupportsSpectrum: "spectrum, which the periodic boundary needs: use boundary='wrapped' or 'free',",
 }
@@ -137,7 +137,7 @@ _MISSING: dict[type, str] = {
 def require_form(kernel: InfluenceKernel, form: type) -> InfluenceKernel:
     """Return a kernel that has a form, `SupportsCoefficients` or `SupportsSpectrum`, or raise `InputError`."""
     if not isinstance(kernel, form):
-        raise InputError(f"The kernel {kernel!r} has no {_MISSING[form]} or another kernel.")
+        raise InputError(f"The kernel {kernel!r} has no {_MISSING_FORMS[form]} or another kernel.")
     return kernel
 
 

@@ -2,7 +2,7 @@
 
 from roughcontact._parts.surfaces.base import SampledSurface, Surface, SurfaceSum, surfaces
 from roughcontact._parts.surfaces.continuation import Continuation, cells_for, find_maps
-from roughcontact._parts.surfaces.filling import TREATMENTS, WIDEST, complete, fill, solve_in_bands
+from roughcontact._parts.surfaces.filling import MAX_BANDWIDTH, TREATMENTS, complete, fill, solve_in_bands
 from roughcontact._parts.surfaces.heightmap import HeightMap, Separated, list_facts, read_topography
 from roughcontact._parts.surfaces.matching import MatchedPair, PlacedMap, match
 from roughcontact._parts.surfaces.resampling import bilinear
@@ -16,8 +16,8 @@ from roughcontact._parts.surfaces.synthetic import (
 )
 
 __all__ = [
+    "MAX_BANDWIDTH",
     "TREATMENTS",
-    "WIDEST",
     "Continuation",
     "FlatSurface",
     "HeightMap",

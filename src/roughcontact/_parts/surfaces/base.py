@@ -18,6 +18,9 @@ from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.resampling import check_interpolation, shift_by_half_cell
 from roughcontact.errors import InputError
 
+# Two evaluations of the same heights at the same points agree to this fraction of their range: rounding.
+_HEIGHT_TOLERANCE = 1e-9
+
 
 @attrs.frozen(eq=False)
 class SampledSurface:
@@ -41,10 +44,6 @@ class SampledSurface:
     def rms_height(self) -> float:
         """Root mean square of the measured heights about their mean, m."""
         return float(np.nanstd(self.heights))
-
-
-# Two evaluations of the same heights at the same points agree to this fraction of their range: rounding.
-_ROUNDING = 1e-9
 
 
 class Surface(abc.ABC):
@@ -154,7 +153,7 @@ class Surface(abc.ABC):
             raise InputError(f"The surface {name} is not known between its points, as a periodic height map would be.")
         heights = self.heights(grid)
         inner = _enlarge(self, grid, 2)[1:-1, 1:-1]
-        if np.abs(inner - heights).max() <= _ROUNDING * max(float(np.ptp(heights)), float(np.ptp(inner))):
+        if np.abs(inner - heights).max() <= _HEIGHT_TOLERANCE * max(float(np.ptp(heights)), float(np.ptp(inner))):
             # The heights depend on position alone; the centres of one cell more along each axis lie half a cell aside.
             return _Samples(grid, _enlarge(self, grid, 1)[:-1, :-1])
         if not periodic:

@@ -11,26 +11,26 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.machine import require_memory
 from roughcontact.errors import InputError
 
-_DONE = {"fill": "filled from their neighbours", "keep": "kept so"}
+_TREATMENT_WORDS = {"fill": "filled from their neighbours", "keep": "kept so"}
 # What can be done with non-measured points.
-TREATMENTS = ("refuse", *_DONE)
+TREATMENTS = ("refuse", *_TREATMENT_WORDS)
 # Bandwidth up to which systems are solved in bands, in time as its square; holes of 30 x 30 points have it.
-WIDEST = 40
+MAX_BANDWIDTH = 40
 # Up to so many points in wider holes Laplace's equation is solved directly, in less than a second; that takes memory as
 # n log n and time as n^1.5, but iterations take both as n.
-_DIRECT = 2**15
+_MAX_DIRECT_POINTS = 2**15
 # Peak memory of the iterations, bytes for each point; measured.
-_PER_POINT = 500
+_BYTES_PER_POINT = 500
 # Damping of Jacobi's iteration and of the smoothed aggregates: 2/3, because no eigenvalue of a row-scaled Laplacian
 # exceeds 2 (Vanek, Mandel, Brezina, Computing 56 (1996) 179, https://doi.org/10.1007/BF02238511).
-_DAMPING = 2.0 / 3.0
+_JACOBI_DAMPING = 2.0 / 3.0
 # Added to the sums of squared second differences, in case that no known point is near.
-_RIDGE = 1e-12
+_RIDGE_WEIGHT = 1e-12
 # Cells along the side of an aggregate.
-_SIDE = 3
+_AGGREGATE_SIDE = 3
 # Relative residual to which conjugate gradients go, and steps; 15 to 40 are needed.
-_TOLERANCE = 1e-13
-_STEPS = 300
+_CG_TOLERANCE = 1e-13
+_MAX_CG_STEPS = 300
 
 
 def complete(heights: Array, where: str, treatment: str, option: str = "") -> tuple[Array, Mask | None, str]:
@@ -64,7 +64,7 @@ def complete(heights: Array, where: str, treatment: str, option: str = "") -> tu
             f"In {where} {found} were not measured: fill them from their neighbours with "
             f"non_measured='fill', or keep them with non_measured='keep'{option}."
         )
-    done = f", {found} non-measured and {_DONE[treatment]}"
+    done = f", {found} non-measured and {_TREATMENT_WORDS[treatment]}"
     return fill(heights), mask if treatment == "keep" else None, done
 
 
@@ -85,15 +85,15 @@ def fill(heights: Array) -> Array:
     count = int(np.count_nonzero(unknown))
     if count == 0:
         return heights.copy()
-    if count > _DIRECT:
-        require_memory(_PER_POINT * count, f"Filling {count} non-measured points", "keep them, or cut the map")
+    if count > _MAX_DIRECT_POINTS:
+        require_memory(_BYTES_PER_POINT * count, f"Filling {count} non-measured points", "keep them, or cut the map")
     known = heights[~unknown]
     # The mean is taken out, because its digits would be lost to those of the roughness.
     mean = float(known.mean())
     matrix, right = _laplace(heights - mean, unknown, count)
-    found = solve_in_bands(matrix, right, WIDEST)
+    found = solve_in_bands(matrix, right, MAX_BANDWIDTH)
     if found is None:
-        if count <= _DIRECT:
+        if count <= _MAX_DIRECT_POINTS:
             found = spsolve(matrix.tocsc(), right)
         else:
             found = _solve(matrix.tocsr(), right, np.stack(np.nonzero(unknown)))
@@ -147,7 +147,7 @@ def solve_in_bands(matrix: Any, right: Array, widest: int) -> Array | None:
 
 def was_filled(history: Iterable[str]) -> bool:
     """Return whether the history of a map says that non-measured points were filled."""
-    return any(_DONE["fill"] in text for text in history)
+    return any(_TREATMENT_WORDS["fill"] in text for text in history)
 
 
 def smooth_over(heights: Array, holes: Mask) -> Array:
@@ -177,7 +177,7 @@ def smooth_over(heights: Array, holes: Mask) -> Array:
     bending = vstack(differences).tocsc()
     known = np.where(holes, 0.0, heights)
     inside = bending[:, holes.ravel()]
-    matrix = inside.T @ inside + _RIDGE * eye_array(inside.shape[1])
+    matrix = inside.T @ inside + _RIDGE_WEIGHT * eye_array(inside.shape[1])
     result = heights.copy()
     result[holes] = spsolve(matrix.tocsc(), -(inside.T @ (bending @ known.ravel())))
     return result
@@ -216,7 +216,7 @@ def _solve(matrix: Any, right: Array, places: Array) -> Array:
 
     cycle = _prepare(matrix, places)
     preconditioner = LinearOperator(matrix.shape, matvec=cycle, dtype=np.float64)
-    found, failed = cg(matrix, right, rtol=_TOLERANCE, maxiter=_STEPS, M=preconditioner)
+    found, failed = cg(matrix, right, rtol=_CG_TOLERANCE, maxiter=_MAX_CG_STEPS, M=preconditioner)
     if failed:
         raise InputError("The non-measured points cannot be filled: keep them, with non_measured='keep'.")
     return np.asarray(found)
@@ -228,12 +228,12 @@ def _prepare(matrix: Any, places: Array) -> Any:
     from scipy.sparse.linalg import splu
 
     count = matrix.shape[0]
-    if count <= _DIRECT // 4:
+    if count <= _MAX_DIRECT_POINTS // 4:
         return splu(matrix.tocsc()).solve
-    blocks = places // _SIDE
+    blocks = places // _AGGREGATE_SIDE
     keys, block = np.unique(blocks[0] * (int(blocks[1].max()) + 1) + blocks[1], return_inverse=True)
     aggregates = csr_array((np.ones(count), (np.arange(count), block)), shape=(count, keys.size))
-    damped = diags_array(_DAMPING / matrix.diagonal())
+    damped = diags_array(_JACOBI_DAMPING / matrix.diagonal())
     step = (damped @ matrix).tocsr()
     up = (aggregates - step @ aggregates).tocsr()
     down = up.T.tocsr()

@@ -27,7 +27,8 @@ from roughcontact.errors import InputError, MissingPackage
 # Beyond this degree a polynomial follows the roughness, and its normal equations lose their digits.
 _MAX_DEGREE = 30
 # Degree of the polynomial of each form that has a name of its own.
-_DEGREES = {"mean": 0, "plane": 1}
+_DEGREE_OF_FORM = {"mean": 0, "plane": 1}
+_TOPOGRAPHY_ATTRIBUTES = ("dim", "unit", "to_unit", "heights", "physical_sizes", "is_periodic")
 
 
 def _size(value: float | Sequence[float], height_map: Any) -> Pair:
@@ -269,7 +270,7 @@ class HeightMap(Surface):
         InputError
             If the form is unknown, or the map does not determine it.
         """
-        degree = _DEGREES.get(form, form) if isinstance(form, str) else form
+        degree = _DEGREE_OF_FORM.get(form, form) if isinstance(form, str) else form
         curvature = 0.0
         if isinstance(degree, str) and degree == "sphere":
             if min(self._heights.shape) < 3:
@@ -343,9 +344,6 @@ def list_facts(height_map: HeightMap) -> list[str]:
     return lines
 
 
-_ASKED = ("dim", "unit", "to_unit", "heights", "physical_sizes", "is_periodic")
-
-
 def read_topography(topography: Any) -> tuple[Array, Pair, bool]:
     """Return heights, shape (nx, ny), m, NaN at non-measured points; the sides, m; and whether it is periodic.
 
@@ -354,7 +352,7 @@ def read_topography(topography: Any) -> tuple[Array, Pair, bool]:
     InputError
         If it is not a two-dimensional topography of SurfaceTopography, or does not state its unit.
     """
-    if not all(hasattr(topography, name) for name in _ASKED):
+    if not all(hasattr(topography, name) for name in _TOPOGRAPHY_ATTRIBUTES):
         raise InputError.about("it", topography, "a Topography of the package SurfaceTopography")
     if topography.dim != 2:
         raise InputError("it holds a line profile, not a height map")

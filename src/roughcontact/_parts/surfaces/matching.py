@@ -19,11 +19,11 @@ from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 # Fraction of a map by which a domain may reach beyond it, and by which a domain found by iteration is made smaller.
-_MARGIN = 1e-6
+_COVER_TOLERANCE = 1e-6
 # A cell is added only if more than this fraction of it lies inside the domain.
-_CUT = 1e-3
+_MIN_CELL_FRACTION = 1e-3
 # Sine or cosine of a rotation below which the axes of both maps are parallel: rounding.
-_ALIGNED = 1e-12
+_PARALLEL_TOLERANCE = 1e-12
 _is_map = instance_of(HeightMap, "Each side of a pair", "a HeightMap")
 
 
@@ -149,7 +149,7 @@ class PlacedMap(Surface):
         x, y = (0.5 * side * np.array([-1.0, 1.0]) for side in grid.size)
         corners = self._indices(x[:, np.newaxis], y[np.newaxis, :])
         for index, count in zip(corners, self.source.grid.shape, strict=True):
-            if index.min() < -0.5 - _MARGIN * count or index.max() > count - 0.5 + _MARGIN * count:
+            if index.min() < -0.5 - _COVER_TOLERANCE * count or index.max() > count - 0.5 + _COVER_TOLERANCE * count:
                 raise InputError(
                     f"The height map of {self.source.grid}, as it is placed, does not cover the {grid}: choose a "
                     "smaller domain or another place; match() finds the overlap of two maps."
@@ -222,7 +222,7 @@ def match(
     placed = PlacedMap(counterbody, offset=offset, rotation=rotation, mirrored=mirrored, interpolation=interpolation)
     centre, largest = _overlap(body, placed)
     wanted = largest if size is None else pair(size, "The size of the domain", "m", above=0.0)
-    if any(side > most * (1 + _MARGIN) for side, most in zip(wanted, largest, strict=True)):
+    if any(side > most * (1 + _COVER_TOLERANCE) for side, most in zip(wanted, largest, strict=True)):
         raise InputError(
             f"The maps overlap on {si(largest[0], 'm')} x {si(largest[1], 'm')}, but a domain of "
             f"{si(wanted[0], 'm')} x {si(wanted[1], 'm')} was asked for: choose a smaller one or leave it out."
@@ -242,7 +242,7 @@ def _finer_cells(body: HeightMap, placed: PlacedMap, size: Pair) -> tuple[int, i
     # The pitch of the rotated map along an axis, by the cells that a line along it crosses.
     rotated = 1.0 / math.hypot(cos / dx, sin / dy), 1.0 / math.hypot(sin / dx, cos / dy)
     pitches = (min(one, other) for one, other in zip(body.grid.spacing, rotated, strict=True))
-    nx, ny = (max(2, math.ceil(side / pitch - _CUT)) for side, pitch in zip(size, pitches, strict=True))
+    nx, ny = (max(2, math.ceil(side / pitch - _MIN_CELL_FRACTION)) for side, pitch in zip(size, pitches, strict=True))
     return nx, ny
 
 
@@ -252,10 +252,10 @@ def _overlap(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
         return (0.0, 0.0), body.size
     cos = abs(math.cos(placed.rotation))
     sin = abs(math.sin(placed.rotation))
-    if min(cos, sin) >= _ALIGNED:
+    if min(cos, sin) >= _PARALLEL_TOLERANCE:
         return _largest_rectangle(body, placed)
     lx, ly = placed.source.size
-    sides = (lx, ly) if sin < _ALIGNED else (ly, lx)
+    sides = (lx, ly) if sin < _PARALLEL_TOLERANCE else (ly, lx)
     if body.periodic:
         return placed.offset, sides
     (x, width), (y, height) = (_intersect(*spans) for spans in zip(body.size, sides, placed.offset, strict=True))
@@ -298,8 +298,8 @@ def _largest_rectangle(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
         return np.asarray(found.x, dtype=np.float64)
 
     skew = float(minimize_scalar(lambda s: -best(s)[2], bounds=(-5.0, 5.0), options={"xatol": 1e-9}).x)
-    x, y, half = np.where(np.abs(found := best(skew)) < _MARGIN, 0.0, found) * unit
-    width, height = (2.0 * half * (1 - _MARGIN) * math.exp(sign * skew) for sign in (1, -1))
+    x, y, half = np.where(np.abs(found := best(skew)) < _COVER_TOLERANCE, 0.0, found) * unit
+    width, height = (2.0 * half * (1 - _COVER_TOLERANCE) * math.exp(sign * skew) for sign in (1, -1))
     return (float(x), float(y)), (float(width), float(height))
 
 

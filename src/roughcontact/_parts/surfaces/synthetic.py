@@ -18,6 +18,12 @@ from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface
 from roughcontact.errors import InputError
 
+# Wavelengths that miss a limit by no more than this fraction count as inside: rounding.
+_WAVELENGTH_TOLERANCE = 1e-9
+# Peak memory of the heights in numbers of float64 for each wave, and for each cell; measured.
+_NUMBERS_PER_WAVE = 9.1
+_NUMBERS_PER_CELL = 5.1
+
 
 def _center(value: float | Sequence[float]) -> Pair:
     return pair(value, "The centre", "m")
@@ -180,13 +186,6 @@ class WavySurface(Surface):
         return np.asarray(along_x + along_y, dtype=np.float64)
 
 
-# Wavelengths that miss a limit by no more than this fraction count as inside: rounding.
-_ROUNDING = 1e-9
-# Peak memory of the heights in numbers of float64 for each wave, and for each cell; measured.
-_PER_WAVE = 9.1
-_PER_CELL = 5.1
-
-
 def _hurst(value: float) -> float:
     return number(value, "The Hurst exponent", at_least=0.0, at_most=1.0)
 
@@ -287,13 +286,13 @@ class SelfAffineSurface(Surface):
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, of mean zero."""
         nyquist = max(2.0 * step for step in grid.spacing)
-        if self.shortest < nyquist * (1 - _ROUNDING):
+        if self.shortest < nyquist * (1 - _WAVELENGTH_TOLERANCE):
             allowed = f"at least two cells ({nyquist:g} m) on this grid"
             hint = "Refine the grid or choose a longer wave."
             raise InputError.about("The shortest wavelength", self.shortest, allowed, hint)
         inner, outer = self._boxes(grid)
         kx, ky = (np.arange(-m, m + 1) for m in outer)
-        numbers = max(_PER_WAVE * kx.size * ky.size, _PER_CELL * grid.cells)
+        numbers = max(_NUMBERS_PER_WAVE * kx.size * ky.size, _NUMBERS_PER_CELL * grid.cells)
         require_memory(8.0 * numbers, f"A self-affine surface of {kx.size} x {ky.size} waves", "choose fewer cells")
         qx, qy = (
             np.asarray(2 * np.pi * k / side, dtype=np.float64)
@@ -319,7 +318,8 @@ class SelfAffineSurface(Surface):
     def _boxes(self, grid: Grid) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """Return the largest wave numbers, in waves a side, of the waves that the rms value counts, and of all."""
         inner, shown = (
-            tuple(int(side / wave * (1 + _ROUNDING)) for side in grid.size) for wave in (self.rms_cutoff, self.shortest)
+            tuple(int(side / wave * (1 + _WAVELENGTH_TOLERANCE)) for side in grid.size)
+            for wave in (self.rms_cutoff, self.shortest)
         )
         return inner, tuple(map(max, inner, shown))
 
@@ -328,9 +328,9 @@ class SelfAffineSurface(Surface):
         cos = math.cos(self.lay)
         sin = math.sin(self.lay)
         q = np.hypot(self.peklenik * (cos * qx + sin * qy), cos * qy - sin * qx)
-        inside = q * self.longest >= 2 * np.pi * (1 - _ROUNDING)
+        inside = q * self.longest >= 2 * np.pi * (1 - _WAVELENGTH_TOLERANCE)
         shown, counted = (
-            inside & (q * wave <= 2 * np.pi * (1 + _ROUNDING)) for wave in (self.shortest, self.rms_cutoff)
+            inside & (q * wave <= 2 * np.pi * (1 + _WAVELENGTH_TOLERANCE)) for wave in (self.shortest, self.rms_cutoff)
         )
         if not shown.any() or not counted.any():
             raise InputError("No wave between shortest and longest fits into the domain: enlarge it.")

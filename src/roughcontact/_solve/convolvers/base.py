@@ -30,9 +30,19 @@ from roughcontact.errors import InputError
 
 # Bytes along a row of the columns that are transformed at a time: few enough for the cache, enough for the vector
 # units. On 512 x 512 and 1024 x 1024 cells 16 and 32 columns of float64 are fastest; 8 take 6 % longer, 128 take 13 %.
-_COLUMNS = 32 * 16
+_COLUMN_BLOCK_BYTES = 32 * 16
 # Values of the rows that are cut at a time, so that padded rows are not in memory as a whole.
-_ROWS = 2**17
+_ROW_BLOCK_VALUES = 2**17
+# Sides of the padded grid of the inverse on a free boundary: at least this multiple of the domain's, and this
+# many cells more, so that opposite borders hardly interact. 1.125 and 1.5, 8 and 32 cells change the products of
+# the default solver by less than 1 % (docs/studies/solver_constants.py).
+_PADDING_FACTOR = 1.25
+_PADDING_CELLS = 16
+# Amplitudes below this fraction of the mean are rounding, or ringing of the kernel: their inverse is bounded.
+_MIN_AMPLITUDE = 1e-6
+# Waves from which on they are multiplied by columns: in float32 that takes 5 % less than three passes on
+# 2048 x 2048 cells, 10 % less on 4096 x 4096 and 4 % more on 1024 x 1024 (docs/studies/scale.py products).
+_MIN_COLUMNWISE_WAVES = 2**21
 
 
 def transform_rows(values: RealArray, length: int) -> Waves:
@@ -59,7 +69,7 @@ def multiply_columns(waves: Waves, length: int, multiply: Callable[[Waves, slice
         multiply(columns, block)
         waves[:, block] = scipy.fft.ifft(columns, axis=0, overwrite_x=True)[: waves.shape[0]]
 
-    map_tiles(work, split(waves.shape[1], _COLUMNS // waves.itemsize))
+    map_tiles(work, split(waves.shape[1], _COLUMN_BLOCK_BYTES // waves.itemsize))
 
 
 def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
@@ -72,20 +82,8 @@ def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
     def work(rows: slice) -> None:
         values[rows] = scipy.fft.irfft(waves[rows], n=length, axis=1, overwrite_x=True)[:, :count]
 
-    map_tiles(work, split(waves.shape[0], max(1, _ROWS // length)))
+    map_tiles(work, split(waves.shape[0], max(1, _ROW_BLOCK_VALUES // length)))
     return values
-
-
-# Sides of the padded grid of the inverse on a free boundary: at least this multiple of the domain's, and this
-# many cells more, so that opposite borders hardly interact. 1.125 and 1.5, 8 and 32 cells change the products of
-# the default solver by less than 1 % (docs/studies/solver_constants.py).
-_PADDED = 1.25
-_PADDING = 16
-# Amplitudes below this fraction of the mean are rounding, or ringing of the kernel: their inverse is bounded.
-_SMALLEST = 1e-6
-# Waves from which on they are multiplied by columns: in float32 that takes 5 % less than three passes on
-# 2048 x 2048 cells, 10 % less on 4096 x 4096 and 4 % more on 1024 x 1024 (docs/studies/scale.py products).
-_LARGE = 2**21
 
 
 @attrs.frozen(eq=False)
@@ -174,7 +172,7 @@ def _multiply_waves_of_rows(values: RealArray, rows: IntArray, symbol: RealArray
 
 def _multiply_columns(waves: Waves, symbol: RealArray, length: int) -> Waves:
     """Return waves along y times the symbol of all waves; columns are padded to a length for it."""
-    if symbol.size >= _LARGE:
+    if symbol.size >= _MIN_COLUMNWISE_WAVES:
         multiply_columns(waves, length, lambda columns, block: np.multiply(columns, symbol[:, block], out=columns))
         return waves
     # Two one-dimensional transforms are twice as fast as scipy's two-dimensional inverse.
@@ -190,7 +188,9 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
     """Return the approximate inverse of a convolution, its stiffness in the given precision."""
     shape = setup.grid.shape
     if setup.boundary is Boundary.FREE:
-        mx, my = (scipy.fft.next_fast_len(max(math.ceil(_PADDED * n), n + _PADDING), real=True) for n in shape)
+        mx, my = (
+            scipy.fft.next_fast_len(max(math.ceil(_PADDING_FACTOR * n), n + _PADDING_CELLS), real=True) for n in shape
+        )
         shape = mx, my
     if setup.boundary is Boundary.PERIODIC:
         response = np.array(setup.spectrum)
@@ -199,7 +199,7 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
         spectrum = periodic_spectrum if known else wrapped_spectrum
         response = spectrum(setup.kernel, shape, setup.grid.spacing)
     response[0, 0] = 0.0
-    floor = _SMALLEST * float(np.abs(response).mean())
+    floor = _MIN_AMPLITUDE * float(np.abs(response).mean())
     exact = setup.boundary is Boundary.PERIODIC and bool((response.ravel()[1:] > floor).all())
     response = np.abs(response)
     stiffness = np.zeros_like(response)

@@ -12,7 +12,7 @@ from roughcontact._parts.kernels import BoundKernel
 from roughcontact._solve.convolvers.base import ConvolutionSetup, Convolver, PreparedConvolution
 
 # Numbers of a Toeplitz matrix that is in memory at once: all of it up to 2048 cells along y.
-_LARGEST_MATRIX = 2**22
+_MAX_MATRIX_NUMBERS = 2**22
 
 
 @attrs.frozen
@@ -47,7 +47,7 @@ class _DirectSum(PreparedConvolution):
     def apply(self, pressure: RealArray) -> RealArray:
         nx, ny = self.coefficients.shape
         total = np.zeros((nx, ny), dtype=pressure.dtype)
-        step = max(1, _LARGEST_MATRIX // ny)
+        step = max(1, _MAX_MATRIX_NUMBERS // ny)
         for part in (slice(start, start + step) for start in range(0, ny, step)):
             self._add(total[:, part], pressure, np.abs(np.arange(ny)[:, np.newaxis] - np.arange(ny)[part]))
         return total

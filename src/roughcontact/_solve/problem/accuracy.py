@@ -26,6 +26,37 @@ from roughcontact.errors import InputError, NotEnoughMemory
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
 
+# The algebraic error is at most this part of the standard deviation that is asked for, which is the rule of Ern and
+# Vohralik, SIAM J. Sci. Comput. 35 (2013) A1761, https://doi.org/10.1137/120896918.
+_ALGEBRAIC_ERROR_PART = 0.1
+# Relative change of area and maximum pressure by the tolerance, over the tolerance: at most 0.8 and 0.7 on 44 waves,
+# balls, rough and capped contacts at tolerances of 1e-4, 0.4 and 1.1 at 1e-3 (docs/studies/tolerance.py); and margin.
+_TOLERANCE_SENSITIVITY = 2.0
+# Tolerance above which the set of cells in contact is not settled: areas are off by up to 0.8 % at 1e-2.
+_MAX_TOLERANCE = 1e-3
+# Fraction of the mean square curvature of the heights that a coarse grid must show: five cells to a wave.
+_MIN_CURVATURE_FRACTION = 0.75
+# ... and that of a grid of half the cells, beside the only one that was solved: three cells to a wave.
+_MIN_CONFIRMED_FRACTION = 0.5
+# Fewest cells along an axis of the coarsest grid, and the number that those of others are multiples of.
+_MIN_COARSE_CELLS = 64
+_SIDE_MULTIPLE = 8
+# Order at which the uncertainty falls with the cell before two grids have shown it, bounds for what they show, and
+# bounds of the factor between the cells of two grids.
+_FIRST_ORDER = 3.0
+_ORDER_RANGE = (1.0, 4.0)
+_REFINEMENT_RANGE = (1.15, 4.0)
+# Factor on the cells that the next grid seems to need, because the uncertainty scatters.
+_REFINEMENT_MARGIN = 1.05
+# Factor between the cells of two grids of which the first met the accuracy and disagreed with the one before.
+_CONFIRMING_REFINEMENT = 1.5
+# Cells to which a grid is refined without being asked, about ten seconds, and times the cells of the grid given.
+_MAX_UNASKED_CELLS = 2**22
+_MAX_CELLS_OVER_GIVEN = 64
+_NO_HEIGHTS_REASON = (
+    "the heights are known at the points of a map only, and a finer grid cannot add any: measure a finer map"
+)
+
 
 def resample_problem(
     problem: ContactProblem, shape: tuple[int, int], interpolation: str | None = None
@@ -41,36 +72,6 @@ def resample_problem(
         for side in (problem.body, problem.counterbody)
     )
     return attrs.evolve(problem, body=body, counterbody=counterbody, grid=grid)
-
-
-# The algebraic error is at most this part of the standard deviation that is asked for, which is the rule of Ern and
-# Vohralik, SIAM J. Sci. Comput. 35 (2013) A1761, https://doi.org/10.1137/120896918.
-_ALGEBRAIC = 0.1
-# Relative change of area and maximum pressure by the tolerance, over the tolerance: at most 0.8 and 0.7 on 44 waves,
-# balls, rough and capped contacts at tolerances of 1e-4, 0.4 and 1.1 at 1e-3 (docs/studies/tolerance.py); and margin.
-_SENSITIVITY = 2.0
-# Tolerance above which the set of cells in contact is not settled: areas are off by up to 0.8 % at 1e-2.
-_LOOSEST = 1e-3
-# Fraction of the mean square curvature of the heights that a coarse grid must show: five cells to a wave.
-_CURVATURE = 0.75
-# ... and that of a grid of half the cells, beside the only one that was solved: three cells to a wave.
-_RESOLVED = 0.5
-# Fewest cells along an axis of the coarsest grid, and the number that those of others are multiples of.
-_COARSEST = 64
-_MULTIPLE = 8
-# Order at which the uncertainty falls with the cell before two grids have shown it, bounds for what they show, and
-# bounds of the factor between the cells of two grids.
-_ORDER = 3.0
-_ORDERS = (1.0, 4.0)
-_FACTORS = (1.15, 4.0)
-# Factor on the cells that the next grid seems to need, because the uncertainty scatters.
-_MARGIN = 1.05
-# Factor between the cells of two grids of which the first met the accuracy and disagreed with the one before.
-_AGAIN = 1.5
-# Cells to which a grid is refined without being asked, about ten seconds, and times the cells of the grid given.
-_UNASKED = 2**22
-_TIMES_GIVEN = 64
-_NO_HEIGHTS = "the heights are known at the points of a map only, and a finer grid cannot add any: measure a finer map"
 
 
 @attrs.frozen
@@ -92,7 +93,7 @@ class Target:
     def tolerance(self, smallest: float) -> float:
         """Return the tolerance of a solver, `smallest` at the smallest."""
         within = min(value for value in (self.area_within, self.peak_within) if value is not None)
-        return max(min(0.5 * within * _ALGEBRAIC / _SENSITIVITY, _LOOSEST), smallest)
+        return max(min(0.5 * within * _ALGEBRAIC_ERROR_PART / _TOLERANCE_SENSITIVITY, _MAX_TOLERANCE), smallest)
 
     def measure(self, solution: ContactSolution) -> Trial:
         """Return what a grid gives."""
@@ -192,9 +193,12 @@ def _coarsest(problem: ContactProblem) -> ContactProblem:
     if _has_map(problem):
         return problem
     all_of_it = _mean_square_curvature(problem.initial_gap, problem.plan.grid)
-    while min(shape) // (2 * stride) >= _COARSEST:
+    while min(shape) // (2 * stride) >= _MIN_COARSE_CELLS:
         coarse = problem.initial_gap[:: 2 * stride, :: 2 * stride]
-        if _mean_square_curvature(coarse, Grid(coarse.shape, problem.plan.grid.size)) < _CURVATURE * all_of_it:
+        if (
+            _mean_square_curvature(coarse, Grid(coarse.shape, problem.plan.grid.size))
+            < _MIN_CURVATURE_FRACTION * all_of_it
+        ):
             break
         stride *= 2
     try:
@@ -233,22 +237,27 @@ def _is_confirmed(rung: ContactProblem, problem: ContactProblem, trials: list[Tr
     except InputError:
         return True
     sharp = _mean_square_curvature(finer.initial_gap, finer.plan.grid)
-    return _mean_square_curvature(problem.initial_gap, problem.plan.grid) >= _RESOLVED * sharp
+    return _mean_square_curvature(problem.initial_gap, problem.plan.grid) >= _MIN_CONFIRMED_FRACTION * sharp
 
 
 def _refine(problem: ContactProblem, trials: list[Trial], target: Target) -> ContactProblem:
     """Return the problem on the grid that should meet the target; `InputError` with the reason if there is none."""
     excess = target.excess(trials[-1])
-    order = _ORDER
+    order = _FIRST_ORDER
     cells = [math.sqrt(math.prod(trial.shape)) for trial in trials]
     if len(trials) > 1 and math.isfinite(before := target.excess(trials[-2])) and excess > 0.0:
         observed = math.log(before / excess) / math.log(cells[-1] / cells[-2])
-        order = min(max(observed, _ORDERS[0]), _ORDERS[1])
-    factor = min(max(_MARGIN * excess ** (1.0 / order), _FACTORS[0]), _FACTORS[1]) if excess > 1.0 else _AGAIN
-    nx, ny = (
-        _MULTIPLE * scipy.fft.next_fast_len(math.ceil(factor * n / _MULTIPLE), real=True) for n in trials[-1].shape
+        order = min(max(observed, _ORDER_RANGE[0]), _ORDER_RANGE[1])
+    factor = (
+        min(max(_REFINEMENT_MARGIN * excess ** (1.0 / order), _REFINEMENT_RANGE[0]), _REFINEMENT_RANGE[1])
+        if excess > 1.0
+        else _CONFIRMING_REFINEMENT
     )
-    allowed = max(_UNASKED, _TIMES_GIVEN * problem.plan.grid.cells)
+    nx, ny = (
+        _SIDE_MULTIPLE * scipy.fft.next_fast_len(math.ceil(factor * n / _SIDE_MULTIPLE), real=True)
+        for n in trials[-1].shape
+    )
+    allowed = max(_MAX_UNASKED_CELLS, _MAX_CELLS_OVER_GIVEN * problem.plan.grid.cells)
     if nx * ny > allowed:
         raise InputError(
             f"it seems to need {nx} x {ny} cells, more than the {allowed} to which this grid of "
@@ -263,7 +272,7 @@ def _refine(problem: ContactProblem, trials: list[Trial], target: Target) -> Con
         return resample_problem(problem, (nx, ny))
     except InputError as error:
         if _has_map(problem):
-            raise InputError(_NO_HEIGHTS) from error
+            raise InputError(_NO_HEIGHTS_REASON) from error
         raise
 
 

@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, frozen_array
-from roughcontact._base.checks import LARGEST, instance_of
+from roughcontact._base.checks import MAX_MAGNITUDE, instance_of
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Material, Rigid, resolve_material
@@ -57,8 +57,8 @@ class Body:
                 f"but gave an array of shape {heights.shape} and type {heights.dtype}."
             )
         # Without a temporary of the grid's size; a NaN fails both.
-        if not (heights.min() >= -LARGEST and heights.max() <= LARGEST):
-            raise InputError(f"The surface {name} gave heights that are not finite, or above {LARGEST:g} m.")
+        if not (heights.min() >= -MAX_MAGNITUDE and heights.max() <= MAX_MAGNITUDE):
+            raise InputError(f"The surface {name} gave heights that are not finite, or above {MAX_MAGNITUDE:g} m.")
         return heights
 
     def non_measured(self, grid: Grid) -> Mask | None:

@@ -29,52 +29,50 @@ from roughcontact.errors.door import guarded
 
 # Transforms there and back of the grid's cells that a solve lasts as long as; measured on self-affine, wavy and
 # spherical surfaces of 128 x 128 to 512 x 512 cells, of which most need less.
-_TRANSFORMS = {Boundary.FREE: 64.0, Boundary.PERIODIC: 40.0, Boundary.WRAPPED: 40.0}
+_TRANSFORMS_PER_SOLVE = {Boundary.FREE: 64.0, Boundary.PERIODIC: 40.0, Boundary.WRAPPED: 40.0}
 # Seconds that a solve takes on the smallest grid, measured on the same.
-_ANY_GRID = 0.1
+_MIN_SOLVE_SECONDS = 0.1
 # Cells along a side of the transform that is timed, and how often it is.
-_TIMED = 256
-_REPEATS = 5
+_TIMED_SIDE = 256
+_TIMED_REPEATS = 5
+# Peak memory of a solve in float64 arrays of the grid's size, at fractions of the cells in contact below the
+# pressure limit, without and with a free boundary; measured by docs/studies/memory.py. Vectors hold
+# only the cells in contact; on a free boundary kernel and spectra are larger.
+_CONTACT_FRACTIONS = {False: (0.0, 0.1, 0.28, 0.36, 1.0), True: (0.0, 0.1, 0.4, 1.0)}
+# ... arrays at each fraction.
+_ARRAYS_AT_FRACTIONS = {False: (8.0, 9.2, 10.3, 15.5, 16.6), True: (11.5, 12.7, 17.6, 17.8)}
+# ... and at least, where vectors hold all cells: other solvers, and the direct sum; measured by tests/test_memory.py.
+_UNRESTRICTED_ARRAYS = 14.0
+# Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), to leave room for
+# coarser and finer grids.
+_MAX_CELL_ASPECT = 1e8
+# The sides of the largest grid that is proposed are multiples of this, so that they can be halved to coarser grids.
+_SIDE_MULTIPLE = 32
+# Lengths in m and moduli in Pa up to this, and their inverses, keep the products in forces, areas and curvatures
+# within the 1e308 of float64.
+_MAX_MAGNITUDE = 1e40
+_OMITTED_IMAGES = {
+    Boundary.FREE: "images of the domain: the boundary is free",
+    Boundary.PERIODIC: "padding: the domain repeats, every image counts",
+    Boundary.WRAPPED: "padding and all but the nearest images: the boundary is wrapped",
+}
 
 
 def forecast_seconds(cells: int, boundary: Boundary) -> float:
     """Return about how long one solve takes on this machine, s: likely within a factor of three."""
-    return _ANY_GRID + _TRANSFORMS[boundary] * _time_of_transform() * cells * math.log(max(cells, 2))
+    return _MIN_SOLVE_SECONDS + _TRANSFORMS_PER_SOLVE[boundary] * _time_of_transform() * cells * math.log(max(cells, 2))
 
 
 @functools.cache
 def _time_of_transform() -> float:
     """Return the time of a transform there and back over n log n, s, measured here and now."""
-    values = np.random.default_rng(0).random((_TIMED, _TIMED))
+    values = np.random.default_rng(0).random((_TIMED_SIDE, _TIMED_SIDE))
     times = []
-    for _ in range(_REPEATS):
+    for _ in range(_TIMED_REPEATS):
         started = time.perf_counter()
         scipy.fft.irfft2(scipy.fft.rfft2(values), s=values.shape)
         times.append(time.perf_counter() - started)
     return min(times) / (values.size * math.log(values.size))
-
-
-# Peak memory of a solve in float64 arrays of the grid's size, at fractions of the cells in contact below the
-# pressure limit, without and with a free boundary; measured by docs/studies/memory.py. Vectors hold
-# only the cells in contact; on a free boundary kernel and spectra are larger.
-_FRACTIONS = {False: (0.0, 0.1, 0.28, 0.36, 1.0), True: (0.0, 0.1, 0.4, 1.0)}
-# ... arrays at each fraction.
-_ARRAYS = {False: (8.0, 9.2, 10.3, 15.5, 16.6), True: (11.5, 12.7, 17.6, 17.8)}
-# ... and at least, where vectors hold all cells: other solvers, and the direct sum; measured by tests/test_memory.py.
-_UNRESTRICTED = 14.0
-# Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), to leave room for
-# coarser and finer grids.
-_LONGEST = 1e8
-# The sides of the largest grid that is proposed are multiples of this, so that they can be halved to coarser grids.
-_HALVED = 32
-# Lengths in m and moduli in Pa up to this, and their inverses, keep the products in forces, areas and curvatures
-# within the 1e308 of float64.
-_EXTREME = 1e40
-_IMAGES = {
-    Boundary.FREE: "images of the domain: the boundary is free",
-    Boundary.PERIODIC: "padding: the domain repeats, every image counts",
-    Boundary.WRAPPED: "padding and all but the nearest images: the boundary is wrapped",
-}
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -160,7 +158,7 @@ class SolvePlan:
         contact_fraction = number(contact_fraction, "The contact fraction", at_least=0.0, at_most=1.0)
         memory = memory_of_solve(self.grid, self.boundary, contact_fraction)
         restricted = isinstance(self.solver, ProjectedConjugateGradient) and not isinstance(self.convolver, Direct)
-        return memory if restricted else max(memory, int(8 * self.grid.cells * _UNRESTRICTED))
+        return memory if restricted else max(memory, int(8 * self.grid.cells * _UNRESTRICTED_ARRAYS))
 
     def __str__(self) -> str:
         nx, ny = self.transform_shape
@@ -204,7 +202,7 @@ class SolvePlan:
 def memory_of_solve(grid: Grid, boundary: Boundary, contact_fraction: float) -> int:
     """Return the peak memory of a solve, beyond the problem itself, bytes; see `SolvePlan.memory_at`."""
     free = boundary is Boundary.FREE
-    return int(8 * grid.cells * np.interp(contact_fraction, _FRACTIONS[free], _ARRAYS[free]))
+    return int(8 * grid.cells * np.interp(contact_fraction, _CONTACT_FRACTIONS[free], _ARRAYS_AT_FRACTIONS[free]))
 
 
 @guarded
@@ -226,7 +224,7 @@ def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = 
 
 def _round_down(side: float) -> int:
     """Return a number of cells that can be halved a few times, at most `side` of them and at least one."""
-    return int(side) // _HALVED * _HALVED or max(1, int(side))
+    return int(side) // _SIDE_MULTIPLE * _SIDE_MULTIPLE or max(1, int(side))
 
 
 def make_plan(
@@ -251,8 +249,10 @@ def make_plan(
     """
     convolver.require(kernel, boundary)
     short, long = sorted(grid.spacing)
-    if not long <= _LONGEST * short:
-        raise InputError.about("The cells of the grid", grid.spacing, f"at most {_LONGEST:g} times as long as wide")
+    if not long <= _MAX_CELL_ASPECT * short:
+        raise InputError.about(
+            "The cells of the grid", grid.spacing, f"at most {_MAX_CELL_ASPECT:g} times as long as wide"
+        )
     peak_to_valley = float(gap.values.max())
     if peak_to_valley == 0.0:
         raise InputError("Both surfaces are flat, so the pressure is uniform: give at least one of them heights.")
@@ -292,13 +292,13 @@ def make_plan(
 
 
 def _require_range(value: float, unit: str, name: str) -> None:
-    if not 1.0 / _EXTREME < value < _EXTREME:
+    if not 1.0 / _MAX_MAGNITUDE < value < _MAX_MAGNITUDE:
         raise InputError(f"A {name} of {value:g} {unit} leaves the range of float64: check the units.")
 
 
 def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool) -> list[str]:
     """Return what this problem does not need, with the reason."""
-    texts = [_IMAGES[boundary]]
+    texts = [_OMITTED_IMAGES[boundary]]
     if not capped:
         texts.append("pressure limit: neither material has one")
     if boundary is Boundary.PERIODIC:

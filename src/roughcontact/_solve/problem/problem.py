@@ -29,7 +29,7 @@ from roughcontact.errors import InputError
 _AUTO_CONVOLVER = {Boundary.FREE: "dc-fft", Boundary.PERIODIC: "circular-fft", Boundary.WRAPPED: "circular-fft"}
 _AUTO_SOLVER = "projected-cg"
 # Arguments that say how a machine computes: they change no bit of a solution, and are no part of what was solved.
-_OF_MACHINE = ("threads", "memory_limit")
+_MACHINE_ARGUMENTS = ("threads", "memory_limit")
 
 
 def _boundary(value: str) -> Boundary:
@@ -151,7 +151,7 @@ class ContactProblem:
     @property
     def parts(self) -> dict[str, Any]:
         """The arguments that determine its solutions, by name: all but `threads` and `memory_limit`."""
-        return attrs.asdict(self, recurse=False, filter=lambda field, _: field.name not in _OF_MACHINE)
+        return attrs.asdict(self, recurse=False, filter=lambda field, _: field.name not in _MACHINE_ARGUMENTS)
 
     def explain(self) -> str:
         """Return in words what a solve will do, and what is omitted and why."""

@@ -28,12 +28,16 @@ if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
 
 # Wave numbers at which the effective modulus is kept: about 24 a decade on a grid of 1000 cells a side.
-_WAVE_NUMBERS = 96
+_SAMPLED_WAVE_NUMBERS = 96
 # Difference of residuals, and of other figures over their largest value, that another machine or version of numpy
 # and scipy may make: transforms differ by some 1e-15, Love's kernel by up to 5e-11 between its forms.
-_SAME = 1e-10
+_MACHINE_DIFFERENCE = 1e-10
 # Rounding of a gap over its largest term, with a margin of four over that of `ContactConditions`.
-_ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
+_GAP_ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
+# Depth of non-measured points that touch, over the sum of the last depth and the approach, and the exponent that it
+# gets in the last round: after eight rounds they are 4^36 = 5e21 times deeper.
+_DEPTH_FACTOR = 4.0
+_MAX_DEEPENINGS = 8
 
 
 def certify(
@@ -137,15 +141,15 @@ def _require_confirmed(stated: ContactSolution, again: ContactSolution, initial_
     found = again.residuals
     moduli = again.moduli or ()
     displaced = float(np.abs(again.displacement).max())
-    margin = _SAME + _ROUNDING * (displaced + float(np.abs(again.initial_gap).max())) / found.scale
+    margin = _MACHINE_DIFFERENCE + _GAP_ROUNDING * (displaced + float(np.abs(again.initial_gap).max())) / found.scale
     pairs: dict[str, tuple[ArrayLike, ArrayLike, float]] = {
-        "initial gap": (stated.initial_gap, initial_gap, _SAME * float(initial_gap.max())),
+        "initial gap": (stated.initial_gap, initial_gap, _MACHINE_DIFFERENCE * float(initial_gap.max())),
         "boundary": (float(stated.boundary is again.boundary), 1.0, 0.0),
         "pressure limit": (stated.pressure_limit, again.pressure_limit, 0.0),
-        "contact modulus": (stated.modulus, again.modulus, _SAME * again.modulus),
-        "moduli": (stated.moduli or (), moduli, _SAME * float(np.max(moduli, initial=0.0))),
-        "edge shift": (stated.edge_shift, again.edge_shift, _SAME),
-        "displacement": (stated.displacement, again.displacement, _SAME * displaced),
+        "contact modulus": (stated.modulus, again.modulus, _MACHINE_DIFFERENCE * again.modulus),
+        "moduli": (stated.moduli or (), moduli, _MACHINE_DIFFERENCE * float(np.max(moduli, initial=0.0))),
+        "edge shift": (stated.edge_shift, again.edge_shift, _MACHINE_DIFFERENCE),
+        "displacement": (stated.displacement, again.displacement, _MACHINE_DIFFERENCE * displaced),
         "approach": (stated.approach, again.approach, margin * found.scale),
         "scale": (residuals.scale, found.scale, margin * found.scale),
         "complementarity": (residuals.complementarity, found.complementarity, margin),
@@ -169,19 +173,13 @@ def _are_close(given: Array, right: Array, allowed: float) -> bool:
 
 def _sample_modulus(plan: SolvePlan) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
     """Return inverse wave numbers, from a tenth of a cell to the domain, m, and the effective modulus at each, Pa."""
-    lengths = np.geomspace(0.1 * min(plan.grid.spacing), max(plan.grid.size), _WAVE_NUMBERS)
+    lengths = np.geomspace(0.1 * min(plan.grid.spacing), max(plan.grid.size), _SAMPLED_WAVE_NUMBERS)
     moduli = plan.kernel.effective_modulus(1.0 / lengths, 1.0 / plan.modulus)
     if moduli is None:
         return None
     if moduli.shape != lengths.shape or not (np.isfinite(moduli).all() and moduli.min() > 0.0):
         raise InputError(f"The kernel {plan.kernel!r} must return moduli above zero, of shape {lengths.shape}.")
     return tuple(lengths.tolist()), tuple(moduli.tolist())
-
-
-# Depth of non-measured points that touch, over the sum of the last depth and the approach, and the exponent that it
-# gets in the last round: after eight rounds they are 4^36 = 5e21 times deeper.
-_DEEPER = 4.0
-_MAXIMUM_DEEPENED = 8
 
 
 def run_solve(
@@ -224,11 +222,11 @@ def _solve(
         solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
         excess = gap.sum_non_measured(solution.pressure)
         touch = LOAD_TOLERANCE * float(solution.pressure.sum()) < excess < math.inf if excess else False
-        if not touch or deepened == _MAXIMUM_DEEPENED:
+        if not touch or deepened == _MAX_DEEPENINGS:
             break
         # Non-measured points do not touch, however large the approach.
         deepened += 1
-        gap = gap.with_depth(_DEEPER**deepened * (float(gap.values.max()) + abs(solution.approach)))
+        gap = gap.with_depth(_DEPTH_FACTOR**deepened * (float(gap.values.max()) + abs(solution.approach)))
     if excess > 0.0:
         # The load of the measured points alone: the certificate tells whether it lacks more than rounding.
         outcome = attrs.evolve(outcome, pressure=np.where(np.asarray(gap.non_measured), 0.0, outcome.pressure))

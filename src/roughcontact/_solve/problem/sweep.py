@@ -23,20 +23,36 @@ from roughcontact.errors.door import guarded
 # the search ends at its uncertainty.
 _AREA_TOLERANCE = 1e-3
 # The search halves its bracket in the worst case: 40 halvings narrow any bracket below the criterion for jumps.
-_MAXIMUM_TRIES = 40
+_MAX_TRIES = 40
 # Relative width of the bracket at which the area is taken to jump.
-_NARROW = 1e-6
+_JUMP_BRACKET_WIDTH = 1e-6
 # Mean pressure, over that of a large area, below which the area cannot follow the load: single cells are in contact.
-_LIGHTEST = 1e-20
+_MIN_PRESSURE_RATIO = 1e-20
 # Powers of the pressure (first) and of the overlap (last) that are extrapolated; maximum pressure, over the limit, of
 # a cell that is not saturated.
-_POWER = 1.75
-_BELOW = 0.97
-_OVERLAP = 2.0 / 3.0
+_PRESSURE_POWER = 1.75
+_MAX_UNSATURATED_PRESSURE = 0.97
+_OVERLAP_POWER = 2.0 / 3.0
 # Relative difference of two loads, or of their approaches, up to which they are one: rounding.
-_EQUAL = 1e-9
+_EQUAL_LOAD_TOLERANCE = 1e-9
 # Ratio of two loads below which a solve from coarse grids is as fast as one from the other solution.
-_FARTHEST = 0.5
+_MIN_LOAD_RATIO = 0.5
+_COLUMN_UNITS = {
+    "mean_pressure": "Pa",
+    "force": "N",
+    "approach": "m",
+    "area": "m2",
+    "area_uncertainty": "m2",
+    "area_fraction": "",
+    "peak_pressure": "Pa",
+    "peak_pressure_uncertainty": "Pa",
+    "secant_stiffness": "N/m",
+}
+_LOAD_NAMES = {
+    "pressure": ("nominal mean pressure", "Pa"),
+    "force": ("normal force", "N"),
+    "approach": ("approach", "m"),
+}
 
 
 @attrs.frozen(eq=False)
@@ -105,7 +121,7 @@ class Sweep:
         order = np.argsort(self.force, kind="stable")
         force = self.force[order]
         approach = self.approach[order]
-        differ = [np.diff(one) > _EQUAL * np.abs(one[1:]) for one in (force, approach)]
+        differ = [np.diff(one) > _EQUAL_LOAD_TOLERANCE * np.abs(one[1:]) for one in (force, approach)]
         is_new = np.append(True, differ[0] & differ[1])
         force = force[is_new]
         approach = approach[is_new]
@@ -228,17 +244,17 @@ def find_load_of_area(
     high = maximum
     pressure = min(0.5 * fraction * guess, 0.5 * maximum)
     solutions: list[ContactSolution] = []
-    for _ in range(_MAXIMUM_TRIES):
+    for _ in range(_MAX_TRIES):
         load = Load("pressure", pressure)
         solution = solve(load, predict_pressure(solutions, load))
         solutions = [*solutions[-1:], solution]
         area = solution.area(estimator)
         if abs(area.fraction / fraction - 1.0) <= _AREA_TOLERANCE:
             return solution
-        narrow = high - low <= _NARROW * low
+        narrow = high - low <= _JUMP_BRACKET_WIDTH * low
         if narrow and abs(area.fraction - fraction) * solution.grid.area <= area.uncertainty:
             return solution
-        if narrow or pressure < _LIGHTEST * guess:
+        if narrow or pressure < _MIN_PRESSURE_RATIO * guess:
             break
         low, high = (pressure, high) if area.fraction < fraction else (low, pressure)
         # At light load the area is nearly in proportion to the load.
@@ -270,7 +286,7 @@ def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | No
     last = solutions[-1]
     name = {"pressure": "mean_pressure"}.get(load.kind, load.kind)
     values = [float(getattr(solution, name)) for solution in solutions[-2:]]
-    if not _FARTHEST <= load.value / values[-1] <= 1.0 / _FARTHEST:
+    if not _MIN_LOAD_RATIO <= load.value / values[-1] <= 1.0 / _MIN_LOAD_RATIO:
         return None
     if len(values) == 1 and last.saturated.any():
         return None
@@ -281,12 +297,14 @@ def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | No
     cells = np.flatnonzero(last.contact)
     peak = float(last.pressure.max())
     # Powers take a tenth of the time in float32.
-    now, then = ((one.pressure.take(cells) / peak).astype(np.float32) ** _POWER for one in (last, before))
-    inside = peak * (np.maximum(now + np.float32(step) * (now - then), 0.0) ** (1.0 / _POWER)).astype(np.float64)
+    now, then = ((one.pressure.take(cells) / peak).astype(np.float32) ** _PRESSURE_POWER for one in (last, before))
+    inside = peak * (np.maximum(now + np.float32(step) * (now - then), 0.0) ** (1.0 / _PRESSURE_POWER)).astype(
+        np.float64
+    )
     limit = np.broadcast_to(last.pressure_limit, last.pressure.shape).take(cells)
-    np.minimum(inside, _BELOW * limit, out=inside)
+    np.minimum(inside, _MAX_UNSATURATED_PRESSURE * limit, out=inside)
     if last.saturated.any():
-        depth, earlier = (np.maximum(-one.gap.take(cells), 0.0) ** _OVERLAP for one in (last, before))
+        depth, earlier = (np.maximum(-one.gap.take(cells), 0.0) ** _OVERLAP_POWER for one in (last, before))
         overlap = depth + step * (depth - earlier) > 0.0
         np.copyto(inside, limit, where=last.saturated.take(cells) & overlap)
     start = np.zeros_like(last.pressure)
@@ -294,30 +312,16 @@ def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | No
     return start if inside.max(initial=0.0) > 0.0 else None
 
 
-_UNITS = {
-    "mean_pressure": "Pa",
-    "force": "N",
-    "approach": "m",
-    "area": "m2",
-    "area_uncertainty": "m2",
-    "area_fraction": "",
-    "peak_pressure": "Pa",
-    "peak_pressure_uncertainty": "Pa",
-    "secant_stiffness": "N/m",
-}
-_LOADS = {"pressure": ("nominal mean pressure", "Pa"), "force": ("normal force", "N"), "approach": ("approach", "m")}
-
-
 def make_table(sweep: Sweep) -> Table:
     """Return a row for each load."""
     peaks = [solution.peak_pressure() for solution in sweep.solutions]
-    columns = {name: getattr(sweep, name) for name in _UNITS if hasattr(sweep, name)}
+    columns = {name: getattr(sweep, name) for name in _COLUMN_UNITS if hasattr(sweep, name)}
     columns |= {
         "area_fraction": sweep.area / [solution.grid.area for solution in sweep.solutions],
         "peak_pressure": np.array([peak.value for peak in peaks]),
         "peak_pressure_uncertainty": np.array([peak.uncertainty for peak in peaks]),
     }
-    return Table({name: columns[name] for name in _UNITS}, _UNITS)
+    return Table({name: columns[name] for name in _COLUMN_UNITS}, _COLUMN_UNITS)
 
 
 def to_dataset(sweep: Sweep) -> Any:
@@ -340,7 +344,7 @@ def to_dataset(sweep: Sweep) -> Any:
     notes = {"long_name": "gap before deformation", "units": "m"}
     variables["initial_gap"] = (("x", "y"), first.initial_gap.copy(), notes)
     places = {
-        "load": ("load", loads, dict(zip(("long_name", "units"), _LOADS[kind], strict=True))),
+        "load": ("load", loads, dict(zip(("long_name", "units"), _LOAD_NAMES[kind], strict=True))),
         "x": ("x", first.grid.x[:, 0], {"units": "m"}),
         "y": ("y", first.grid.y[0], {"units": "m"}),
     }

@@ -16,9 +16,9 @@ from roughcontact.errors import InputError
 LOAD_TOLERANCE = 1e-12
 # Range of dimensionless loads and approaches: beyond 1e15 the displacement hides the heights from float64, and
 # float32, in which solvers iterate, holds 1e-38 to 1e38. Limits above the third number are not reached.
-_SMALLEST = 1e-30
-_LARGEST = 1e15
-_UNLIMITED = 1e30
+_MIN_LOAD = 1e-30
+_MAX_LOAD = 1e15
+_MAX_PRESSURE_LIMIT = 1e30
 
 
 def pressure_unit(plan: SolvePlan) -> float:
@@ -48,7 +48,7 @@ def make_task(plan: SolvePlan, initial_gap: Array, load: Load, start: Array | No
     load = limit_load(plan, initial_gap, load)
     unit = pressure_unit(plan)
     start = None if start is None else _limit_start(start, plan) / unit
-    if start is not None and load.kind == "pressure" and not start.max() > _SMALLEST:
+    if start is not None and load.kind == "pressure" and not start.max() > _MIN_LOAD:
         # What carries no load cannot be scaled to one.
         start = None
     gap = initial_gap / plan.peak_to_valley
@@ -72,7 +72,7 @@ def limit_load(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
     area = plan.grid.area if load.kind == "force" else 1.0
     mean = load.value / area if area > 0.0 else float("inf")
     unit = pressure_unit(plan)
-    if not _SMALLEST * unit < mean < _LARGEST * unit:
+    if not _MIN_LOAD * unit < mean < _MAX_LOAD * unit:
         raise InputError(
             f"The mean pressure of {mean:g} Pa leaves the range of float64 beside {unit:g} Pa, contact modulus times "
             "peak-to-valley height over cell: check the units."
@@ -89,7 +89,7 @@ def limit_load(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
 
 def _dimensionless_limit(plan: SolvePlan) -> Array:
     unit = pressure_unit(plan)
-    return np.where(plan.pressure_limit < _UNLIMITED * unit, plan.pressure_limit, np.inf) / unit
+    return np.where(plan.pressure_limit < _MAX_PRESSURE_LIMIT * unit, plan.pressure_limit, np.inf) / unit
 
 
 def maximum_pressure(plan: SolvePlan) -> float:
@@ -101,7 +101,7 @@ def maximum_pressure(plan: SolvePlan) -> float:
 def _limit_approach(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
     height = plan.peak_to_valley
     full = float(initial_gap.mean())
-    if not _SMALLEST * height < load.value < _LARGEST * height:
+    if not _MIN_LOAD * height < load.value < _MAX_LOAD * height:
         raise InputError(
             f"The approach of {load.value:g} m leaves the range of float64 beside the peak-to-valley height of "
             f"{height:g} m: check the units."
@@ -126,5 +126,5 @@ def _limit_start(start: Array, plan: SolvePlan) -> Array:
             f"The pressure to start from must be an array of {plan.grid.shape} finite numbers in Pa, "
             f"but got {type(start).__name__} of shape {values.shape} and type {values.dtype}."
         )
-    highest = np.minimum(plan.pressure_limit, _LARGEST * pressure_unit(plan))
+    highest = np.minimum(plan.pressure_limit, _MAX_LOAD * pressure_unit(plan))
     return np.clip(np.asarray(values, dtype=np.float64), 0.0, highest)

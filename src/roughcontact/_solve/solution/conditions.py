@@ -15,10 +15,10 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.machine import map_tiles, tiles_of
 
 # Range of the displacement, over the maximum pressure, below which the pressure is uniform up to rounding.
-_UNIFORM = 1e-12
+_UNIFORM_RANGE = 1e-12
 # Rounding of the gap over its largest term. Transforms of 2048 x 2048 cells round by up to 7 eps
 # (docs/studies/solver_constants.py); the rest is margin for the sums.
-_ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
+_GAP_ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
 
 
 @attrs.frozen
@@ -123,14 +123,14 @@ class ContactConditions:
         open_gap = math.fsum(opened) / total if total > 0.0 else without_load
         overlap = max(0.0, -min(minima))
         # With lengths in cells and E* = 1, a pressure displaces its own cell by about its own value.
-        elastic_range = high - low if high - low > _UNIFORM * peak else 0.0
+        elastic_range = high - low if high - low > _UNIFORM_RANGE * peak else 0.0
         scale = min(self._rms, elastic_range) or max(self._rms, elastic_range) or 1.0
         if total == 0.0 and overlap > 0.0:
             # However small an approach is beside the heights, it takes pressure.
             scale = min(scale, overlap)
         # On a periodic domain a uniform pressure displaces nothing, but its rounding displaces single cells. Initial
         # gaps larger than displacement and approach are open, whatever their rounding.
-        floor = _ROUNDING * (max(high, -low, peak) + abs(approach)) / scale
+        floor = _GAP_ROUNDING * (max(high, -low, peak) + abs(approach)) / scale
         return Violation(approach, open_gap / scale, overlap / scale, scale, floor)
 
     def _limits(self, tile: slice) -> float | Array:

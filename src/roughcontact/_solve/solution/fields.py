@@ -17,7 +17,7 @@ from roughcontact._solve.solution.results import GridLevel, Residuals, Status
 from roughcontact.errors import InputError
 
 # Cells below which a patch has no point that is surrounded by contact, so that its area is hardly known.
-_SMALL_PATCH = 4
+_SMALL_PATCH_CELLS = 4
 
 
 @attrs.frozen(eq=False)
@@ -99,7 +99,7 @@ class ContactPatches:
     def small_fraction(self) -> float:
         """Fraction of the counted area in patches of fewer than four cells."""
         total = int(self.cells.sum())
-        return float(self.cells[self.cells < _SMALL_PATCH].sum() / total) if total else 0.0
+        return float(self.cells[self.cells < _SMALL_PATCH_CELLS].sum() / total) if total else 0.0
 
     def __str__(self) -> str:
         if self.count == 0:
@@ -107,7 +107,8 @@ class ContactPatches:
         return (
             f"{self.count} patches of {self.cells.mean():.3g} cells on average, {int(self.cells.max())} at most; "
             f"the largest carries {100 * self.forces.max() / self.forces.sum():.3g} % of the load; "
-            f"{100 * self.small_fraction:.3g} % of the counted area is in patches of fewer than {_SMALL_PATCH} cells"
+            f"{100 * self.small_fraction:.3g} % of the counted area is in patches of fewer than "
+            f"{_SMALL_PATCH_CELLS} cells"
         )
 
 

@@ -26,6 +26,11 @@ from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface, Surface, find_maps
 from roughcontact.errors import InputError
 
+_PROBLEM_PART = {"kind": "part", "name": "roughcontact:ContactProblem"}
+# Heights and waves that the surfaces of a problem from a file may have, beside a multiple of its cells.
+_ALLOWED_NUMBERS = 2**20
+_ALLOWED_NUMBERS_PER_CELL = 32
+
 
 def _shape(value: Sequence[int]) -> tuple[int, int]:
     nx, ny = value
@@ -120,12 +125,6 @@ class Accuracy:
         )
 
 
-_PROBLEM = {"kind": "part", "name": "roughcontact:ContactProblem"}
-# Heights and waves that the surfaces of a problem from a file may have, beside a multiple of its cells.
-_NUMBERS = 2**20
-_NUMBERS_PER_CELL = 32
-
-
 @attrs.frozen(eq=False)
 class Origin:
     """What was solved: ``ContactProblem(**origin.problem).solve(**origin.load)`` does it again.
@@ -158,7 +157,7 @@ class Origin:
         described, arrays = self._saved
         if self.missing:
             raise InputError(self.missing)
-        if not isinstance(described, dict) or described | _PROBLEM != described:
+        if not isinstance(described, dict) or described | _PROBLEM_PART != described:
             raise InputError("What was solved must be described as a ContactProblem.")
         return rebuild_fields(described, arrays, (object,))[1]
 
@@ -203,7 +202,7 @@ class Origin:
             raise InputError(f"It is not a solution on the grid of its problem, {own}.")
         surfaces = [surface for body in bodies for surface in _list_surfaces(body.surface)]
         waves = sum(surface.count_waves(grid) for surface in surfaces if isinstance(surface, SelfAffineSurface))
-        if waves + len(surfaces) * grid.cells > _NUMBERS + _NUMBERS_PER_CELL * grid.cells:
+        if waves + len(surfaces) * grid.cells > _ALLOWED_NUMBERS + _ALLOWED_NUMBERS_PER_CELL * grid.cells:
             raise InputError(
                 f"The {len(surfaces)} surfaces of its problem have {waves} waves on {grid.cells} cells, too many "
                 "for a file: ContactSolution.load(..., verify=False) takes its fields and residuals as they are."
@@ -213,7 +212,7 @@ class Origin:
     def describe(self, arrays: dict[str, RealArray]) -> Described:
         """Return the problem as plain data; see `roughcontact._base.archive.plain.describe`."""
         if self._problem is not None:
-            return {**_PROBLEM, "fields": {name: describe(part, arrays) for name, part in self._problem.items()}}
+            return {**_PROBLEM_PART, "fields": {name: describe(part, arrays) for name, part in self._problem.items()}}
         arrays.update(self._saved[1])
         return self._saved[0]
 

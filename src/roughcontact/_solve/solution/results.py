@@ -21,6 +21,25 @@ if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
 
 T_co = TypeVar("T_co", covariant=True)
+DEFAULT_AREA = "blend"
+# Error by rounding, over the scale, above which float64 does not resolve the gap: docs/use/conventions.md states it.
+_MAX_RESOLVED_ERROR = 1e-5
+# Standard deviation of the position of edges on the facets of an interpolated map, cells: set on maps of 4 and 8 cells
+# a wave interpolated two and four times, bilinearly, in benchmarks/area_classes.py.
+_FACET_EDGE_STD = 0.04
+# A pressure this close to the limit, relative to it, counts as the limit; a gap up to this times the scale, as zero.
+_LIMIT_TOLERANCE = 1e-4
+# Fraction of the pressure limit above which a cell, whose pressure is a mean, may hold saturated points.
+_NEAR_LIMIT_FRACTION = 0.95
+# Fraction of the saturated area that may be undecided without a warning.
+_MAX_UNDECIDED_FRACTION = 0.05
+# Standard deviation of the position of the edge of saturated cells beyond that of the edge of the rest, cells: the
+# elastic ring around them is narrow. Measured on 60 balls whose maximum pressure by Hertz is 1.15 to 2.5 times it.
+_SATURATED_EDGE_STD = 0.055
+_RUN_IN_WARNING = ContactWarning(
+    "cells at the pressure limit hardly overlap, as on run-in surfaces: their saturated part is not determined",
+    "run in",
+)
 
 
 class Response(abc.ABC, Generic[T_co]):
@@ -63,14 +82,6 @@ class Response(abc.ABC, Generic[T_co]):
 responses: Registry[Response[Any]] = Registry(Response, "response", "roughcontact.responses")
 
 
-DEFAULT_AREA = "blend"
-# Error by rounding, over the scale, above which float64 does not resolve the gap: docs/use/conventions.md states it.
-_RESOLVED = 1e-5
-# Standard deviation of the position of edges on the facets of an interpolated map, cells: set on maps of 4 and 8 cells
-# a wave interpolated two and four times, bilinearly, in benchmarks/area_classes.py.
-_FACETS = 0.04
-
-
 class Status(Enum):
     """How a solve ended, in a sentence.
 
@@ -109,9 +120,9 @@ class Status(Enum):
         tolerance
             The error at which the solver counts a pressure as converged.
         """
-        if not self.success or floor <= min(tolerance, _RESOLVED):
+        if not self.success or floor <= min(tolerance, _MAX_RESOLVED_ERROR):
             return self
-        return Status.CONVERGED_TO_ROUNDING if floor <= _RESOLVED else Status.UNRESOLVED
+        return Status.CONVERGED_TO_ROUNDING if floor <= _MAX_RESOLVED_ERROR else Status.UNRESOLVED
 
     def __str__(self) -> str:
         return self.value
@@ -237,7 +248,7 @@ def judge_maps(area: Area, maps: Iterable[HeightMap], cell_area: float) -> Area:
     warnings = dict.fromkeys(text for one in maps for text in one.warnings)
     facets = 0.0
     if area.perimeter > 0.0 and any(one.period > 0.0 for one in maps):
-        facets = _FACETS * area.perimeter * math.sqrt(cell_area)
+        facets = _FACET_EDGE_STD * area.perimeter * math.sqrt(cell_area)
     if not warnings and facets == 0.0:
         return area
     uncertainty = math.hypot(area.uncertainty, facets)
@@ -272,28 +283,16 @@ class AreaEstimator(Response[Area]):
 areas = Registry(AreaEstimator, "area estimator", "roughcontact.areas")
 
 
-# A pressure this close to the limit, relative to it, counts as the limit; a gap up to this times the scale, as zero.
-_CLOSE = 1e-4
-# Fraction of the pressure limit above which a cell, whose pressure is a mean, may hold saturated points.
-_NEAR = 0.95
-# Fraction of the saturated area that may be undecided without a warning.
-_UNDECIDED = 0.05
-# Standard deviation of the position of the edge of saturated cells beyond that of the edge of the rest, cells: the
-# elastic ring around them is narrow. Measured on 60 balls whose maximum pressure by Hertz is 1.15 to 2.5 times it.
-_EDGE = 0.055
-_RUN_IN = ContactWarning(
-    "cells at the pressure limit hardly overlap, as on run-in surfaces: their saturated part is not determined",
-    "run in",
-)
-
-
 def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEstimator) -> Area:
     """Return the saturated area; see `ContactSolution.saturated_area`."""
     name = str(estimator) if isinstance(estimator, str) else type(estimator).__name__
     areas.resolve(estimator)
     if not solution.saturated.any():
         # A cell whose mean pressure is near the limit may hold a point that has reached it.
-        near = int(np.count_nonzero(solution.pressure > _NEAR * solution.pressure_limit)) * solution.grid.cell_area
+        near = (
+            int(np.count_nonzero(solution.pressure > _NEAR_LIMIT_FRACTION * solution.pressure_limit))
+            * solution.grid.cell_area
+        )
         return Area(0.0, 0.0, near, name, perimeter=0.0)
     complement = attrs.evolve(
         solution,
@@ -308,9 +307,13 @@ def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEsti
     value = min(solution.grid.area - rest.value, admissible)
     undecided = _undecided(solution)
     warnings = rest.warnings
-    if undecided > _UNDECIDED * value:
-        warnings += (_RUN_IN,)
-    edge = _EDGE * rest.perimeter * float(np.sqrt(solution.grid.cell_area)) if np.isfinite(rest.perimeter) else 0.0
+    if undecided > _MAX_UNDECIDED_FRACTION * value:
+        warnings += (_RUN_IN_WARNING,)
+    edge = (
+        _SATURATED_EDGE_STD * rest.perimeter * float(np.sqrt(solution.grid.cell_area))
+        if np.isfinite(rest.perimeter)
+        else 0.0
+    )
     uncertainty = float(np.hypot(np.hypot(rest.uncertainty, undecided), edge))
     fraction = value / solution.grid.area
     return attrs.evolve(rest, value=value, fraction=fraction, uncertainty=uncertainty, warnings=warnings, patches=None)
@@ -318,6 +321,6 @@ def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEsti
 
 def _undecided(solution: ContactSolution) -> float:
     """Return the area of the cells at the limit whose gap is zero within the residual, m2: saturated or not."""
-    at_limit = solution.pressure > (1.0 - _CLOSE) * solution.pressure_limit
-    closed = np.abs(solution.gap) <= _CLOSE * solution.residuals.scale
+    at_limit = solution.pressure > (1.0 - _LIMIT_TOLERANCE) * solution.pressure_limit
+    closed = np.abs(solution.gap) <= _LIMIT_TOLERANCE * solution.residuals.scale
     return int(np.count_nonzero(at_limit & closed)) * solution.grid.cell_area

@@ -49,6 +49,31 @@ if TYPE_CHECKING:
 # As what xarray writes booleans, which netCDF has not; no other array is of this type. The attribute in which it notes
 # them stays unread: HDF5 may search a damaged file without end for a text of any length.
 _STORED_BOOLEANS = np.int8
+T = TypeVar("T")
+_ARCHIVE_KIND = "solution"
+_PART_PREFIX = "part_"
+_FIELDS = {
+    "pressure": ("contact pressure", "Pa"),
+    "displacement": ("elastic displacement of both surfaces", "m"),
+    "initial_gap": ("gap before deformation", "m"),
+    "gap": ("gap", "m"),
+}
+_SCALARS = {
+    "modulus": ("contact modulus", "Pa"),
+    "maximum_pressure": ("maximum contact pressure", "Pa"),
+    "force": ("normal force", "N"),
+    "mean_pressure": ("nominal mean pressure", "Pa"),
+    "approach": ("approach since first touch", "m"),
+    "area": ("real contact area", "m2"),
+    "area_uncertainty": ("standard deviation of the real contact area", "m2"),
+    "saturated_area": ("area at the pressure limit", "m2"),
+    "saturated_area_uncertainty": ("standard deviation of the saturated area", "m2"),
+}
+# Bytes that the arrays of a problem may take beside a multiple of their own; masks of bytes are read as they are.
+_COPY_ALLOWANCE = 2**26
+_MAX_COPIES = 16
+_REAL_FIELDS = ("modulus", "approach", "seconds", "edge_shift")
+_COUNT_FIELDS = ("iterations", "convolutions")
 
 
 def require_netcdf() -> None:
@@ -108,33 +133,6 @@ def read_netcdf(path: Path) -> tuple[dict[str, RealArray], dict[str, Any]]:
         return unpack(packed)
 
 
-T = TypeVar("T")
-_KIND = "solution"
-_PART = "part_"
-_FIELDS = {
-    "pressure": ("contact pressure", "Pa"),
-    "displacement": ("elastic displacement of both surfaces", "m"),
-    "initial_gap": ("gap before deformation", "m"),
-    "gap": ("gap", "m"),
-}
-_SCALARS = {
-    "modulus": ("contact modulus", "Pa"),
-    "maximum_pressure": ("maximum contact pressure", "Pa"),
-    "force": ("normal force", "N"),
-    "mean_pressure": ("nominal mean pressure", "Pa"),
-    "approach": ("approach since first touch", "m"),
-    "area": ("real contact area", "m2"),
-    "area_uncertainty": ("standard deviation of the real contact area", "m2"),
-    "saturated_area": ("area at the pressure limit", "m2"),
-    "saturated_area_uncertainty": ("standard deviation of the saturated area", "m2"),
-}
-# Bytes that the arrays of a problem may take beside a multiple of their own; masks of bytes are read as they are.
-_COPIED = 2**26
-_COPIES = 16
-_REALS = ("modulus", "approach", "seconds", "edge_shift")
-_COUNTS = ("iterations", "convolutions")
-
-
 def write(path: Path, solution: ContactSolution, *, flush: bool = True) -> None:
     """Write a solution; see `ContactSolution.save` and, for `flush`, `replacing`."""
     if path.suffix not in (".npz", ".nc"):
@@ -153,7 +151,7 @@ def write(path: Path, solution: ContactSolution, *, flush: bool = True) -> None:
 def read(path: Path, key: str | None = None) -> dict[str, Any]:
     """Return the arguments of a `ContactSolution`, of the one with a key if it is given; see `ContactSolution.load`."""
     arrays, header = read_netcdf(path) if path.suffix == ".nc" else read_archive(path)
-    if header.get("kind") != _KIND:
+    if header.get("kind") != _ARCHIVE_KIND:
         raise InputError(f"The file {path.name} does not hold a solution.")
     with _usable(path, "its header is wrong"):
         require_key(header, key)
@@ -168,7 +166,7 @@ def read_figures(path: Path, key: str) -> dict[str, Any]:
     with _usable(path, "its header is wrong"):
         require_key(header, key)
         numbers = {name: float(arrays[name]) for name in _SCALARS}
-        stated = {name: rebuild(header[name], {}) for name in ("status", "seconds", *_COUNTS)}
+        stated = {name: rebuild(header[name], {}) for name in ("status", "seconds", *_COUNT_FIELDS)}
         return {**numbers, **stated}
 
 
@@ -210,12 +208,12 @@ def _require_sound(fields: Mapping[str, Any], arrays: Mapping[str, RealArray]) -
     gap = fields["initial_gap"] + fields["displacement"] - fields["approach"]
     if not np.array_equal(arrays["gap"], gap, equal_nan=True):
         raise InputError("Its gap is not the initial gap plus displacement minus approach.")
-    if min(fields[name] for name in _COUNTS) < 0 or not fields["seconds"] >= 0.0 or not fields["modulus"] > 0.0:
+    if min(fields[name] for name in _COUNT_FIELDS) < 0 or not fields["seconds"] >= 0.0 or not fields["modulus"] > 0.0:
         raise InputError("A number of iterations or convolutions, the time or the contact modulus is negative.")
     force = float(np.add.reduce(pressure, axis=None)) * fields["grid"].cell_area
     if not np.allclose([arrays["force"], arrays["mean_pressure"] * fields["grid"].area], force, equal_nan=True):
         raise InputError("Its force is not that of its pressure.")
-    finite = all(np.isfinite(fields[name]).all() for name in ("pressure", "displacement", "initial_gap", *_REALS))
+    finite = all(np.isfinite(fields[name]).all() for name in ("pressure", "displacement", "initial_gap", *_REAL_FIELDS))
     residuals_hold = all(0.0 <= value < math.inf for value in attrs.astuple(residuals))
     bounded = finite and pressure.min() >= 0.0 and (pressure <= fields["pressure_limit"]).all()
     if status.success and not (bounded and residuals_hold):
@@ -227,7 +225,7 @@ def to_xarray(solution: ContactSolution) -> Any:
     arrays, _ = _disassemble(solution)
     # Without the arrays of its problem, which only a file needs.
     return _dataset(
-        solution, {name: np.asarray(values) for name, values in arrays.items() if not name.startswith(_PART)}
+        solution, {name: np.asarray(values) for name, values in arrays.items() if not name.startswith(_PART_PREFIX)}
     )
 
 
@@ -250,10 +248,10 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
     parts: dict[str, RealArray] = {}
     origin = solution.origin
     limit = solution.pressure_limit
-    described = ("moduli", "boundary", *_REALS, *_COUNTS)
+    described = ("moduli", "boundary", *_REAL_FIELDS, *_COUNT_FIELDS)
     tables = {name: attrs.asdict(getattr(solution, name)) for name in ("grid", "residuals")}
     header = {
-        "kind": _KIND,
+        "kind": _ARCHIVE_KIND,
         "key": key_of_origin(origin),
         "versions": versions() if origin is None else dict(origin.versions),
         "programs": [] if origin is None else origin.programs,
@@ -269,7 +267,7 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
         "load": None if origin is None else describe(origin.load, parts),
     }
     fields = {name: getattr(solution, name) for name in _FIELDS}
-    return {**fields, **scalars_of(solution), **{_PART + name: values for name, values in parts.items()}}, header
+    return {**fields, **scalars_of(solution), **{_PART_PREFIX + name: values for name, values in parts.items()}}, header
 
 
 def scalars_of(solution: ContactSolution) -> dict[str, float]:
@@ -294,7 +292,9 @@ def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:
 
 
 def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dict[str, Any]:
-    parts = {name.removeprefix(_PART): values for name, values in arrays.items() if name.startswith(_PART)}
+    parts = {
+        name.removeprefix(_PART_PREFIX): values for name, values in arrays.items() if name.startswith(_PART_PREFIX)
+    }
 
     def build(cls: type[T], described: Described) -> T:
         return cls(**rebuild(described, parts))
@@ -311,8 +311,8 @@ def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dic
         origin = Origin(None, load, saved=(header["problem"], parts), versions=made_by)
         origin = origin if origin.missing else Origin(origin.problem, load, versions=made_by)
     return {
-        **{name: float(rebuild(header[name], parts)) for name in _REALS},
-        **{name: int(header[name]) for name in _COUNTS},
+        **{name: float(rebuild(header[name], parts)) for name in _REAL_FIELDS},
+        **{name: int(header[name]) for name in _COUNT_FIELDS},
         **{name: _field(arrays[name], grid) for name in ("pressure", "displacement", "initial_gap")},
         "grid": grid,
         "pressure_limit": _field(limit, grid) if isinstance(limit, np.ndarray) else float(limit),
@@ -331,7 +331,7 @@ def _require_few(described: Described, parts: Mapping[str, RealArray]) -> None:
     """Raise `InputError` if a problem names its arrays so often that their copies take far more than the file."""
     # Each copy may be of float64; a sum of two surfaces may name a map twice.
     taken = sum(8 * parts[name].size for name in arrays_in(described) if name in parts)
-    if taken > _COPIED + _COPIES * sum(values.nbytes for values in parts.values()):
+    if taken > _COPY_ALLOWANCE + _MAX_COPIES * sum(values.nbytes for values in parts.values()):
         raise InputError(f"The arrays that its problem names take {taken} bytes, more than it may hold.")
 
 

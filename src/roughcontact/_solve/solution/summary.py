@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
-from roughcontact._base.units import Estimate, counted, kind_of, prefixed, si, warn_about, with_spread
+from roughcontact._base.units import WIDTH, Estimate, counted, kind_of, prefixed, si, warn_about, with_spread
 from roughcontact._parts.load import FIRST_LOADING, Load
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
@@ -24,11 +24,12 @@ T = TypeVar("T")
 _UNKNOWN = "not determined"
 # What is said below a maximum pressure that no metal bears.
 MORE_THAN_METALS = "more than metals bear: unless it is meant, give a hardness"
-# Columns of a printed solution, and those of the labels.
-_WIDTH = 80
-_LABEL = 15
+# Columns of the labels of a printed solution.
+_LABEL_WIDTH = 15
 # Cells up to which the area is estimated unasked for the one line of `repr`: 0.1 s.
-_SMALL = 2**20
+_MAX_REPR_CELLS = 2**20
+# Loads that are named where a warning concerns all of them.
+_MAX_NAMED_LOADS = 3
 
 
 def list_answers(solution: ContactSolution) -> dict[str, str]:
@@ -115,7 +116,7 @@ def abbreviate(solution: ContactSolution) -> str:
     shape = " x ".join(map(str, solution.grid.shape))
     verdict, _, _ = str(solution.status).partition(":")
     texts = [verdict, si(solution.mean_pressure, "Pa")]
-    area = _attempt(solution.area, None) if solution.grid.cells <= _SMALL and solution.status.success else None
+    area = _attempt(solution.area, None) if solution.grid.cells <= _MAX_REPR_CELLS and solution.status.success else None
     if area is not None:
         texts.append(f"contact area {with_spread(*_percentages(area, solution.grid.area))} %")
     return f"<ContactSolution {shape}, {solution.boundary}: {', '.join(texts)}>"
@@ -148,14 +149,10 @@ def _attempt(estimate: Callable[[], T], otherwise: S) -> T | S:
 
 
 def _wrap(label: str, text: str) -> Iterator[str]:
-    indent = f"{label:<{_LABEL}}"
+    indent = f"{label:<{_LABEL_WIDTH}}"
     for line in text.splitlines():
-        yield from textwrap.wrap(line, _WIDTH, initial_indent=indent, subsequent_indent=_LABEL * " ") or [indent]
+        yield from textwrap.wrap(line, WIDTH, initial_indent=indent, subsequent_indent=_LABEL_WIDTH * " ") or [indent]
         indent = ""
-
-
-# Loads that are named where a warning concerns all of them.
-_NAMED = 3
 
 
 @guarded
@@ -222,6 +219,6 @@ def _attribute(found: Sequence[tuple[str, str]], count: int) -> str:
     """Return a warning behind the loads that it concerns."""
     *before, (last, text) = found
     named = f"{', '.join(load for load, _ in before)} and {last}" if before else last
-    loads = f"all {count} loads" if len(found) == count > _NAMED else named
+    loads = f"all {count} loads" if len(found) == count > _MAX_NAMED_LOADS else named
     differ = any(other != text for _, other in before)
     return f"At {loads}{f' (here with the numbers at {last})' if differ else ''}: {text}"

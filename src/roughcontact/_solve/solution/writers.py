@@ -25,6 +25,12 @@ from roughcontact.errors import InputError, MissingPackage
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
 
+_FIELDS = ("pressure", "gap", "initial_gap", "displacement")
+_MASKS = ("contact", "saturated", "non_measured")
+_VTK_TYPES = {np.dtype(np.float64): "Float64", np.dtype(np.uint8): "UInt8"}
+# Bytes of the number that stands before each array, its length in bytes.
+_LENGTH_BYTES = 8
+
 
 class SolutionWriter(abc.ABC):
     """A writer of one kind of file. Subclass it and register it in ``roughcontact.writers``.
@@ -93,13 +99,6 @@ def page_or_file(make: Callable[[], Any], path: str | os.PathLike[str] | None) -
     with replacing(target) as partial:
         partial.write_text(text, encoding="utf-8")
     return None
-
-
-_FIELDS = ("pressure", "gap", "initial_gap", "displacement")
-_MASKS = ("contact", "saturated", "non_measured")
-_TYPES = {np.dtype(np.float64): "Float64", np.dtype(np.uint8): "UInt8"}
-# Bytes of the number that stands before each array, its length in bytes.
-_LENGTH = 8
 
 
 @final
@@ -179,9 +178,9 @@ def _heading(grid: Grid, numbers: dict[str, RealArray], cells: dict[str, RealArr
     lines = {"numbers": "", "cells": ""}
     for group, arrays, tuples in (("numbers", numbers, ' NumberOfTuples="1"'), ("cells", cells, "")):
         for name, values in arrays.items():
-            kind = f"type={quoteattr(_TYPES[values.dtype])} Name={quoteattr(name)}{tuples}"
+            kind = f"type={quoteattr(_VTK_TYPES[values.dtype])} Name={quoteattr(name)}{tuples}"
             lines[group] += f'<DataArray {kind} format="appended" offset="{offset}"/>\n'
-            offset += _LENGTH + values.nbytes
+            offset += _LENGTH_BYTES + values.nbytes
     extent = f"0 {grid.shape[0]} 0 {grid.shape[1]} 0 0"
     origin, spacing = (" ".join(map(repr, values)) for values in (_origin(grid), _spacing(grid)))
     order = f"{sys.byteorder.capitalize()}Endian"

@@ -13,20 +13,20 @@ from roughcontact.errors.door import guarded
 
 # Rounds of Newton's method for the shift of all cells, and of released ones: it needs about five; bisection to
 # the last bit would need 200.
-_ROUNDS = 200
-_RELEASED_ROUNDS = 60
+_MAX_ROUNDS = 200
+_MAX_RELEASED_ROUNDS = 60
 # Error of the load, over the load, below which the search ends (2 eps), and above which it is not rounding.
-_EXACT = 4e-16
+_LOAD_EPSILON = 4e-16
 LOAD_ROUNDING = 1e-13
 # Cells within this multiple of the expected shift of a bound are near it. The search uses them alone as long as
 # they are at most this fraction of all. Half or double costs up to 5 % more CPU time, or saves 1 %
 # (docs/studies/solver_constants.py).
-_REACH = 4.0
-_FEW = 0.3
+_REACH_FACTOR = 4.0
+_MAX_NEAR_FRACTION = 0.3
 # Error of the load over the change of pressure in a step: each float64 verification restores the load.
-_MISSED = 1e-5
+_STEP_LOAD_ERROR = 1e-5
 # A product of float32 vectors below this may have lost terms below 1e-38, the smallest that float32 holds.
-_UNDERFLOW = 1e-30
+_UNDERFLOW_PRODUCT = 1e-30
 
 
 @guarded
@@ -49,7 +49,7 @@ def project_to_load(values: Array, mean: float, pressure_limit: float | Array) -
     # With the lower shift every cell carries its limit, or at least the mean; with the upper one none carries any.
     lower = float(values.min()) - mean if limit.size == 1 else float((values - limit).min())
     bracket = lower, float(values.max())
-    pressure = values - _find_shift(values.ravel(), None, load, limit.ravel(), bracket, _EXACT * load)
+    pressure = values - _find_shift(values.ravel(), None, load, limit.ravel(), bracket, _LOAD_EPSILON * load)
     np.clip(pressure, 0.0, limit, out=pressure)
     # The shift is known to the last digit of the values, which may be far larger than the mean.
     return rescale_to_load(pressure, load, limit)
@@ -69,7 +69,7 @@ def project_to_weighted_load(values: Array, weights: RealArray, load: float, lim
     error
         Admissible error of the sum.
     """
-    error = max(error, _EXACT * load)
+    error = max(error, _LOAD_EPSILON * load)
     shift = _find_shift_near_bounds(values, weights, load, limit, error)
     if shift is None:
         shift = _find_shift(values, weights, load, limit, (-math.inf, math.inf), error)
@@ -130,14 +130,14 @@ def _find_shift_near_bounds(values: Array, weights: RealArray, load: float, limi
     if weight <= 0.0:
         return None
     excess = float(np.add.reduce(np.clip(values, 0.0, limit))) - load
-    reach = _REACH * abs(excess) / weight
+    reach = _REACH_FACTOR * abs(excess) / weight
     swing = weights * weights.dtype.type(reach)
     # Near zero the precision of the weights is enough, and a uniform limit needs no more.
     near = values.astype(weights.dtype) < swing
     if np.isfinite(limit).any():
         # With too much load pressures fall: none below its limit will reach it, and the limit changes no bit.
         near |= values > (limit if excess > 0.0 else limit.astype(weights.dtype) - swing)
-    if not 0 < np.count_nonzero(near) <= _FEW * near.size:
+    if not 0 < np.count_nonzero(near) <= _MAX_NEAR_FRACTION * near.size:
         return None
     inside = values[near]
     slopes = weights[near].astype(np.float64)
@@ -161,7 +161,7 @@ def _find_shift(
     lower, upper = bracket
     reach = abs(load) / values.size
     shift = min(max(0.0, lower), upper)
-    for _ in range(_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         carried = values - (shift if weights is None else shift * weights)
         np.clip(carried, 0.0, limit, out=carried)
         excess = float(np.add.reduce(carried)) - shift * elsewhere - load
@@ -234,7 +234,7 @@ class LoadControl:
         slopes = weights[cells].astype(np.float64)
         inward = np.repeat((1.0, -1.0), (released.low.size, released.high.size))
         held = np.zeros(cells.size, dtype=bool)
-        for _ in range(_RELEASED_ROUNDS):
+        for _ in range(_MAX_RELEASED_ROUNDS):
             before = held
             held = inward * (values - shift * slopes) < 0.0
             slope = weight - float(np.add.reduce(slopes[held]))
@@ -246,7 +246,7 @@ class LoadControl:
     def feasible(self, trial: Array, before: Array, weights: RealArray, limit: Array) -> Array:
         """Return the pressure near `trial`, within the bounds, of the load of `before`, shape (n,)."""
         change = float(np.add.reduce(np.abs(trial - before)))
-        return project_to_weighted_load(trial, weights, float(np.add.reduce(before)), limit, _MISSED * change)
+        return project_to_weighted_load(trial, weights, float(np.add.reduce(before)), limit, _STEP_LOAD_ERROR * change)
 
     def restore(self, pressure: Array, limit: Array) -> Array:
         """Return the pressure, changed in place, without the rounding of its load."""
@@ -288,6 +288,6 @@ def total(vector: RealArray) -> float:
 def dot(one: RealArray, other: RealArray) -> float:
     """Return the product of two vectors, without the threads of a BLAS."""
     product = float(np.einsum("i,i->", one, other))
-    if abs(product) < _UNDERFLOW:
+    if abs(product) < _UNDERFLOW_PRODUCT:
         product = float(np.einsum("i,i->", one, other, dtype=np.float64, casting="same_kind"))
     return product

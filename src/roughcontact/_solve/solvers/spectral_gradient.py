@@ -25,11 +25,11 @@ from roughcontact._solve.solvers.base import (
 
 # A step may raise the energy, but not above the maximum of the last 10, less 1e-4 of the predicted decrease:
 # the values of Birgin, Martinez and Raydan (2000).
-_MEMORY = 10
-_DECREASE = 1e-4
+_ENERGY_MEMORY = 10
+_MIN_DECREASE = 1e-4
 # Iterations between exact displacements, which are otherwise updated with each step: an update rounds by an eps
 # or two, so that 50 stay well below the resolution of 1e-5.
-_REFRESH = 50
+_REFRESH_INTERVAL = 50
 
 
 @attrs.frozen
@@ -71,11 +71,11 @@ class SpectralGradient(Solver):
         displacement = convolution.apply(pressure)
         convolutions = 1
         exact = True
-        energies: deque[float] = deque(maxlen=_MEMORY)
+        energies: deque[float] = deque(maxlen=_ENERGY_MEMORY)
         length = math.nan
         while True:
             violation, status = monitor.judge(pressure, displacement)
-            if not exact and (status is not None or len(monitor.errors) % _REFRESH == 0):
+            if not exact and (status is not None or len(monitor.errors) % _REFRESH_INTERVAL == 0):
                 # Only an exact displacement may decide, so that rounding does not accumulate.
                 displacement = convolution.apply(pressure)
                 convolutions += 1
@@ -99,7 +99,7 @@ class SpectralGradient(Solver):
             if not (slope < 0.0 and math.isfinite(curvature)):
                 return monitor.outcome(pressure, Status.STALLED, convolutions)
             part = 1.0
-            if energies[-1] + slope + 0.5 * curvature > max(energies) + _DECREASE * slope:
+            if energies[-1] + slope + 0.5 * curvature > max(energies) + _MIN_DECREASE * slope:
                 part = min(1.0, -slope / curvature)
             if curvature > 0.0:
                 # Not so where a uniform pressure, which displaces nothing on a periodic domain, meets an approach.

@@ -15,10 +15,10 @@ from roughcontact._base.machine import map_tiles, tiles_of
 
 # Fraction of active cells above which fields with zeros are faster than lists of cells; 0.2 and 0.8 change the
 # CPU time by less than 3 % (docs/studies/solver_constants.py).
-_DENSE = 0.4
+_DENSE_FRACTION = 0.4
 # Fraction of rows with active cells below which transforms leave the others out; above, it costs memory and saves
 # little.
-_SPARSE = 0.5
+_SPARSE_ROW_FRACTION = 0.5
 
 
 @attrs.frozen(eq=False)
@@ -85,7 +85,7 @@ class ListedCells:
         """Return the rows of the given length that have an active cell; None if those are most."""
         counts = self._count_in_rows(length)
         rows = np.flatnonzero(counts)
-        return rows if rows.size < _SPARSE * counts.size else None
+        return rows if rows.size < _SPARSE_ROW_FRACTION * counts.size else None
 
     def _count_in_rows(self, length: int) -> IntArray:
         # Cells are in the order of rows: this takes half of the time of dividing.
@@ -200,4 +200,4 @@ def active_cells(field: RealArray, mark: Callable[[slice], Mask]) -> ActiveCells
 
     found = map_tiles(find, tiles_of(field))
     count = sum(cells.size for cells in found)
-    return MaskedCells(mask, count) if count > _DENSE * mask.size else ListedCells(mask, np.concatenate(found))
+    return MaskedCells(mask, count) if count > _DENSE_FRACTION * mask.size else ListedCells(mask, np.concatenate(found))

@@ -15,18 +15,18 @@ from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot
 
 # Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient,
 # which is also the factor that shortens a rejected step.
-_FIRST = 0.65
-_LONGEST = 1.5
-_CAREFUL = 0.3
+_FIRST_LENGTH = 0.65
+_MAX_LENGTH = 1.5
+_CAREFUL_LENGTH = 0.3
 # Rejected steps before the descent ends: 0.3^40 = 1e-21 of the first is below any rounding.
-_BACKTRACKS = 40
+_MAX_BACKTRACKS = 40
 # A clipped step on which the energy has its minimum at a part above the first is taken in full, above the second
 # up to the minimum; else it is rejected.
-_FULL = 0.75
-_SHORTENED = 0.1
+_FULL_STEP_PART = 0.75
+_SHORTENED_STEP_PART = 0.1
 # Slope along the conjugate direction over that along the preconditioned gradient, below which only rounding is left of
 # the former: they are equal but for cells that are released or clipped.
-_DOWNHILL = 0.01
+_MIN_CONJUGATE_SLOPE = 0.01
 _NO_CELLS: IntArray = np.zeros(0, dtype=np.intp)
 
 
@@ -79,7 +79,7 @@ class Descent:
         self._limit = limit
         self._capped = bool(np.isfinite(limit).any())
         self._shape = shape
-        self._length = _FIRST
+        self._length = _FIRST_LENGTH
         self._step: RealArray | None = None
         self._change: RealArray | None = None
         self._curvature = 1.0
@@ -183,7 +183,7 @@ class Descent:
     def _find_direction(self, state: ActiveState, released: ReleasedCells, residual: RealArray) -> RealArray | None:
         """Return the first direction that lowers the energy: conjugate, preconditioned or plain gradient; else None."""
         preconditioned = self._preconditioner.apply(state.active, state.weights, residual)
-        steepness = _DOWNHILL * dot(residual, preconditioned)
+        steepness = _MIN_CONJUGATE_SLOPE * dot(residual, preconditioned)
         candidates = (
             (self._conjugate(preconditioned, state.active), steepness),
             (preconditioned, 0.0),
@@ -193,7 +193,7 @@ class Descent:
             direction = self._control.admissible(candidate, state.weights, released)
             if dot(residual, direction) > max(minimum, 0.0):
                 return direction
-            self._length = _CAREFUL
+            self._length = _CAREFUL_LENGTH
         return None
 
     def _conjugate(self, preconditioned: RealArray, active: ActiveCells) -> RealArray:
@@ -206,7 +206,7 @@ class Descent:
         limit = state.active.limits(self._limit)
         # Free the last step: memory peaks here.
         self._step = self._change = None
-        for _ in range(_BACKTRACKS):
+        for _ in range(_MAX_BACKTRACKS):
             trial = state.pressure + np.float32(self._length) * direction
             clipped = self._is_outside(trial, limit)
             if clipped:
@@ -228,7 +228,7 @@ class Descent:
                 self._curvature = part * curvature
                 self._state = ActiveState(state.active, pressure, state.active.gather(self.gap), state.weights)
                 return True
-            self._length *= _CAREFUL
+            self._length *= _CAREFUL_LENGTH
         return False
 
     def _add_to_gap(self, change: RealArray, part: np.float32) -> None:
@@ -249,15 +249,15 @@ class Descent:
         `part` is where along the step the energy has its minimum.
         """
         if not clipped:
-            self._length = min(_LONGEST, self._length * min(max(part, 0.25), 4.0))
+            self._length = min(_MAX_LENGTH, self._length * min(max(part, 0.25), 4.0))
             full = _between(before, trial, part)
             if not self._is_outside(full, limit):
                 return part, full
             part = min(part, 1.0)
-        elif part > _FULL:
-            self._length = min(_LONGEST, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
+        elif part > _FULL_STEP_PART:
+            self._length = min(_MAX_LENGTH, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
             return 1.0, trial
-        elif part > _SHORTENED:
+        elif part > _SHORTENED_STEP_PART:
             self._length *= max(part, 0.5)
         else:
             return 0.0, before

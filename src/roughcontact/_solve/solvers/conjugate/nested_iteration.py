@@ -14,22 +14,22 @@ from roughcontact._solve.solvers.base import Monitor, Task, starting_pressure
 from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, Refinement
 
 # Axes are halved down to this many cells, and to the second number where only the approach is wanted.
-_COARSEST = 32
-_ESTIMATE = 64
+_MIN_COARSE_CELLS = 32
+_MAX_ESTIMATE_CELLS = 64
 # Error and iterations at which a coarse solve ends: its grid makes it no better than that.
-_TOLERANCE = 4e-2
-_ITERATIONS = 5
+_COARSE_TOLERANCE = 4e-2
+_COARSE_ITERATIONS = 5
 # ... and one from which an approach is estimated.
-_ESTIMATED = 1e-2
-_ESTIMATES = 60
+_ESTIMATE_TOLERANCE = 1e-2
+_ESTIMATE_ITERATIONS = 60
 # Factor on the estimated approach, for its error; a window that proves too small is enlarged.
-_MARGIN = 1.02
+_APPROACH_MARGIN = 1.02
 # Sides of a window are multiples of so many cells, so that they can be halved.
-_ROUND = 32
+_WINDOW_MULTIPLE = 32
 # Fraction of the domain above which a window saves nothing.
-_WORTH = 0.7
+_MAX_WINDOW_FRACTION = 0.7
 # Fraction of the coarser grid in contact above which the gap is sought instead of the pressure.
-_NEARLY_FULL = 0.6
+_NEARLY_FULL_FRACTION = 0.6
 
 
 @attrs.frozen(eq=False)
@@ -66,7 +66,7 @@ def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGue
     guess = nested_iteration(coarse, coarse_task)
     gap = np.zeros(guess.pressure.shape, dtype=np.float32, like=guess.pressure)
     if not guess.closed:
-        monitor = Monitor(coarse_task, _TOLERANCE, _ITERATIONS)
+        monitor = Monitor(coarse_task, _COARSE_TOLERANCE, _COARSE_ITERATIONS)
         refinement = Refinement(coarse, coarse_task, monitor, guess.nearly_full)
         pressure, gap = refinement.approximate(guess.pressure)
         guess = attrs.evolve(
@@ -84,7 +84,7 @@ def start_from(convolution: PreparedConvolution, task: Task, start: Array) -> In
     """Return the pressure of a start, copied; near full contact the gap that it leaves too, as from a coarser grid."""
     guess = InitialGuess(start.copy(), 0.0)
     bearing = start > 0.0
-    if task.capped or np.count_nonzero(bearing) <= _NEARLY_FULL * start.size:
+    if task.capped or np.count_nonzero(bearing) <= _NEARLY_FULL_FRACTION * start.size:
         return guess
     full = _close(convolution, task)
     if full is None or not full.inverse.exact:
@@ -114,7 +114,7 @@ def _refine(
     gap += task.initial_gap
     is_open = (gap >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)
     contact = np.count_nonzero(pressure) / pressure.size
-    if contact == 1.0 or (contact > _NEARLY_FULL and not task.capped):
+    if contact == 1.0 or (contact > _NEARLY_FULL_FRACTION and not task.capped):
         full = _close(convolution, task)
         products += 0 if full is None else 1
         if full is not None and full.is_closed(task.pressure_limit):
@@ -139,7 +139,7 @@ def _repeat(mask: Mask, fx: int, fy: int) -> Mask:
 
 def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
     """Return the grid with every axis halved that is even and long enough, and its task; None if there is none."""
-    shape = tuple(n // 2 if n % 2 == 0 and n // 2 >= _COARSEST else n for n in grid.shape)
+    shape = tuple(n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in grid.shape)
     if shape == grid.shape:
         return None
     half = Grid(shape, grid.size)
@@ -157,11 +157,11 @@ def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[flo
     half = coarsen(convolution.setup.grid, attrs.evolve(task, start=None))
     if half is None:
         return None, False
-    while max(half[0].shape) > _ESTIMATE and (coarser := coarsen(*half)) is not None:
+    while max(half[0].shape) > _MAX_ESTIMATE_CELLS and (coarser := coarsen(*half)) is not None:
         half = coarser
     coarse = convolution.on(half[0])
     coarse_task = half[1]
-    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _ESTIMATED, _ESTIMATES))
+    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _ESTIMATE_TOLERANCE, _ESTIMATE_ITERATIONS))
     _, violation, _ = refinement.run(_guess_without_grids(coarse, coarse_task).pressure)
     return violation.approach, refinement.met_limit
 
@@ -279,11 +279,11 @@ def find_window(convolution: PreparedConvolution, task: Task, approach: float) -
     """Return the window of the cells that can touch at about this approach; None if it saves nothing."""
     if convolution.setup.boundary is not Boundary.FREE:
         return None
-    touching = task.initial_gap <= _MARGIN * approach
+    touching = task.initial_gap <= _APPROACH_MARGIN * approach
     if not touching.any():
         return None
     rows, columns = (_extent(np.flatnonzero(touching.any(axis=axis)), touching.shape[1 - axis]) for axis in (1, 0))
-    if touching[rows, columns].size > _WORTH * touching.size:
+    if touching[rows, columns].size > _MAX_WINDOW_FRACTION * touching.size:
         return None
     capacity = np.sum(np.broadcast_to(task.pressure_limit, touching.shape)[rows, columns])
     mean = task.mean_pressure
@@ -291,9 +291,9 @@ def find_window(convolution: PreparedConvolution, task: Task, approach: float) -
 
 
 def _extent(marked: IntArray, count: int) -> slice:
-    """Return a range that contains the marked of `count` cells and is a multiple of `_ROUND` long."""
+    """Return a range that contains the marked of `count` cells and is a multiple of `_WINDOW_MULTIPLE` long."""
     first = int(marked[0])
     last = int(marked[-1]) + 1
-    length = min(-(-(last - first + 2) // _ROUND) * _ROUND, count)
+    length = min(-(-(last - first + 2) // _WINDOW_MULTIPLE) * _WINDOW_MULTIPLE, count)
     start = min(max(first - (length - (last - first)) // 2, 0), count - length)
     return slice(start, start + length)

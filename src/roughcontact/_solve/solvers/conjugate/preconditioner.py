@@ -16,15 +16,38 @@ from roughcontact._solve.solvers.projection import dot, total
 
 # Weights are computed again when so many cells have changed since, over the active ones, or over the passive ones and
 # so much of the grid if that is less: the stencil omits how far cells act.
-_CHANGED = 0.5
-_PASSIVE = 0.02
+_MAX_CHANGED_FRACTION = 0.5
+_PASSIVE_ALLOWANCE = 0.02
 # Fraction of all cells that change at once above which a product is faster than the stencil.
-_MANY = 0.03
+_MAX_STENCIL_FRACTION = 0.03
 # Cells to each side over which a cell that joins or leaves acts: the inverse kernel falls as the third power of
 # the distance.
-_WEIGHT_REACH = 3
+_STENCIL_REACH = 3
 # Minimum weight over the mean: smaller ones are ringing of the inverse.
-_SMALLEST_WEIGHT = 1e-3
+_MIN_WEIGHT = 1e-3
+# Steepness (see `is_steep`) above which the extension saves products. Love's kernel has 0.7; a layer five times
+# stiffer than its substrate and as thick as a cell 9, one ten times stiffer 12 and 28 at half a cell and a cell,
+# and 7 at four cells.
+_MIN_STEEPNESS = 10.0
+# Cells along an axis from which on its waves tell the steepness.
+_MIN_STEEPNESS_CELLS = 16
+# Length over which the average falls, in blocks.
+_DECAY_BLOCKS = 0.7
+# Weight of zero in the average: the extension ends where all active cells together weigh less.
+_EXTENSION_END_WEIGHT = 0.01
+# Waves are long up to this multiple of the wave whose stiffness is the mean weight; blocks resolve so much more.
+_LONG_WAVE_CUT = 3.0
+_BLOCK_RESOLUTION = 1.5
+# Maximum cells along a block, and minimum blocks along an axis.
+_MAX_BLOCK_CELLS = 64
+_MIN_BLOCKS = 8
+# Conjugate gradients on the blocks at most, and the relative residual at which they end.
+_MAX_BLOCK_STEPS = 4
+_BLOCK_RESIDUAL = 0.02
+# Bound of the exponent that cuts the short waves off: exp(30) = 1e13 is beyond float32's resolution.
+_MAX_EXPONENT = 30.0
+# Singular values of the two rigid pressures, over the larger, below which they are one; float32 has 1e-7.
+_MIN_SINGULAR_RATIO = 1e-6
 
 
 class PunchWeights:
@@ -52,7 +75,9 @@ class PunchWeights:
         changed = np.flatnonzero(mask ^ self._mask) if self._mask.size else None
         self._changed += 0 if changed is None else changed.size
         self.renewed = (
-            changed is None or changed.size > _MANY * mask.size or self._changed > _CHANGED * _smaller(active)
+            changed is None
+            or changed.size > _MAX_STENCIL_FRACTION * mask.size
+            or self._changed > _MAX_CHANGED_FRACTION * _smaller(active)
         )
         if self.renewed:
             self._changed = 0
@@ -66,19 +91,19 @@ class PunchWeights:
         mean = total(weights) / active.count
         if not mean > 0.0:
             return None
-        return np.maximum(weights, np.float32(_SMALLEST_WEIGHT * mean) * active.ones)
+        return np.maximum(weights, np.float32(_MIN_WEIGHT * mean) * active.ones)
 
     def _add(self, cells: IntArray, amounts: RealArray) -> None:
         """Add amounts times the inverse kernel around cells."""
         if self._stencil is None:
-            self._stencil = self._inverse.coefficients(_WEIGHT_REACH)
+            self._stencil = self._inverse.coefficients(_STENCIL_REACH)
         nx, ny = self._shape
         padded = self._inverse.padded
         # On a small periodic grid a cell is reached once.
-        x, y = (np.arange(-reach, reach + 1) for reach in (min(_WEIGHT_REACH, (m - 1) // 2) for m in padded))
+        x, y = (np.arange(-reach, reach + 1) for reach in (min(_STENCIL_REACH, (m - 1) // 2) for m in padded))
         rows, columns = np.divmod(cells, ny)
-        far = (np.minimum(rows, nx - 1 - rows) >= _WEIGHT_REACH) & (
-            np.minimum(columns, ny - 1 - columns) >= _WEIGHT_REACH
+        far = (np.minimum(rows, nx - 1 - rows) >= _STENCIL_REACH) & (
+            np.minimum(columns, ny - 1 - columns) >= _STENCIL_REACH
         )
         inner = cells[far]
         inner_amounts = amounts[far]
@@ -99,19 +124,7 @@ class PunchWeights:
 def _smaller(active: ActiveCells) -> float:
     """Return the number of the active cells, or of the passive ones and a little more, if that is less."""
     cells = active.mask.size
-    return min(active.count, cells - active.count + _PASSIVE * cells)
-
-
-# Steepness (see `is_steep`) above which the extension saves products. Love's kernel has 0.7; a layer five times
-# stiffer than its substrate and as thick as a cell 9, one ten times stiffer 12 and 28 at half a cell and a cell,
-# and 7 at four cells.
-_STEEP = 10.0
-# Cells along an axis from which on its waves tell the steepness.
-_FEWEST = 16
-# Length over which the average falls, in blocks.
-_DECAY_BLOCKS = 0.7
-# Weight of zero in the average: the extension ends where all active cells together weigh less.
-_FAR = 0.01
+    return min(active.count, cells - active.count + _PASSIVE_ALLOWANCE * cells)
 
 
 def is_steep(inverse: InverseConvolution) -> bool:
@@ -123,9 +136,9 @@ def is_steep(inverse: InverseConvolution) -> bool:
     length of the cells most so.
     """
     return any(
-        float(axis[m // 2]) ** 2 > _STEEP * 4 * (m // 2) * float(axis[1]) * float(axis[m // 8])
+        float(axis[m // 2]) ** 2 > _MIN_STEEPNESS * 4 * (m // 2) * float(axis[1]) * float(axis[m // 8])
         for axis, m in zip(inverse.axes, inverse.padded, strict=True)
-        if m >= _FEWEST
+        if m >= _MIN_STEEPNESS_CELLS
     )
 
 
@@ -177,7 +190,7 @@ class ExtendedInverse:
         self._mask = active.mask
         indicator = self._embed(active.mask.astype(np.float32))
         weight = np.maximum(self._apply_average(indicator), np.float32(0.0))
-        self._factor = (np.float32(1.0) - indicator) / (weight + np.float32(_FAR))
+        self._factor = (np.float32(1.0) - indicator) / (weight + np.float32(_EXTENSION_END_WEIGHT))
 
     def apply(self, active: ActiveCells, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual, without its rigid part."""
@@ -257,21 +270,6 @@ def _gather_blocks(values: RealArray, axis: int) -> RealArray:
     means[1:] += eighth[:-1]
     means[0] += eighth[-1]
     return np.moveaxis(means, 0, axis).copy()
-
-
-# Waves are long up to this multiple of the wave whose stiffness is the mean weight; blocks resolve so much more.
-_CUT = 3.0
-_RESOLVED = 1.5
-# Maximum cells along a block, and minimum blocks along an axis.
-_LARGEST_BLOCK = 64
-_FEWEST_BLOCKS = 8
-# Conjugate gradients on the blocks at most, and the relative residual at which they end.
-_STEPS = 4
-_ENOUGH = 0.02
-# Bound of the exponent that cuts the short waves off: exp(30) = 1e13 is beyond float32's resolution.
-_EXPONENT = 30.0
-# Singular values of the two rigid pressures, over the larger, below which they are one; float32 has 1e-7.
-_DISTINCT = 1e-6
 
 
 class Preconditioner:
@@ -370,7 +368,7 @@ class CoarseCorrection:
         half = np.fft.fftfreq(bx, 1 / bx).astype(int)
         stiffness = inverse.stiffness[half][:, : by // 2 + 1]
         size = mx * my / (bx * by)
-        growth = np.minimum((stiffness / (_CUT * mean)) ** 2, _EXPONENT)
+        growth = np.minimum((stiffness / (_LONG_WAVE_CUT * mean)) ** 2, _MAX_EXPONENT)
         far = stiffness * np.exp(growth) * np.float32(size)
         self._mean = np.float32(size * mean)
         self._approximate = 1.0 / (far + self._mean)
@@ -391,7 +389,7 @@ class CoarseCorrection:
         first = math.sqrt(_dot(residual, residual))
         direction = response = np.zeros_like(right)
         previous = math.inf
-        for _ in range(_STEPS):
+        for _ in range(_MAX_BLOCK_STEPS):
             image = self._inverse.multiply(residual, self._approximate, right.shape)
             product = _dot(residual, image)
             factor = np.float32(product / previous)
@@ -403,7 +401,7 @@ class CoarseCorrection:
                 break
             solution += np.float32(product / curvature) * direction
             residual = residual - np.float32(product / curvature) * response
-            if math.sqrt(_dot(residual, residual)) < _ENOUGH * first:
+            if math.sqrt(_dot(residual, residual)) < _BLOCK_RESIDUAL * first:
                 break
             previous = product
         return solution * np.float32(size)
@@ -424,7 +422,7 @@ class RigidCorrection:
             active.gather(convolution.apply(active.scatter(vector).reshape(shape)).ravel()) for vector in vectors
         ]
         products = [[dot(one, other) for other in responses] for one in vectors]
-        self._inverse = np.linalg.pinv(np.array(products), rcond=_DISTINCT)
+        self._inverse = np.linalg.pinv(np.array(products), rcond=_MIN_SINGULAR_RATIO)
 
     def apply(self, active: ActiveCells, image: RealArray, residual: RealArray, weights: RealArray) -> RealArray:
         """Return the preconditioned residual with its rigid part made exact."""
@@ -436,8 +434,8 @@ class RigidCorrection:
 def _count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
     """Return the number of blocks along an axis: few, but enough for all long waves."""
     size = 1
-    while 2 * size <= _LARGEST_BLOCK and count // (2 * size) >= _FEWEST_BLOCKS:
-        if stiffness[max(count // (4 * size), 1)] < _RESOLVED * _CUT * mean:
+    while 2 * size <= _MAX_BLOCK_CELLS and count // (2 * size) >= _MIN_BLOCKS:
+        if stiffness[max(count // (4 * size), 1)] < _BLOCK_RESOLUTION * _LONG_WAVE_CUT * mean:
             break
         size *= 2
     return max(count // size, 1)

@@ -18,12 +18,21 @@ from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner,
 from roughcontact._solve.solvers.projection import ApproachControl, Control, LoadControl, total
 
 # Stiffness that supports waves longer than the openings, over the mean one of a punch of their shape.
-_SUPPORT = 0.25
+_SUPPORT_STIFFNESS = 0.25
 # Error to which float32 tells a pressure, and the factor by which a pass in float32 may lower the error.
-_SINGLE = 1e-6
-_GAIN = 2e-5
+_FLOAT32_ERROR = 1e-6
+_FLOAT32_GAIN = 2e-5
 # A pass that cannot reach the goal ends at this multiple of what float32 tells: the next one starts anew.
-_EARLY = 10.0
+_EARLY_GOAL_FACTOR = 10.0
+# The estimate aims at this fraction of the tolerance, which the verification has to meet.
+_GOAL_FRACTION = 0.7
+# Below the first factor of its error a pass ends after three iterations that do not lower the error to a third.
+_LATE_ERROR_FRACTION = 3e-3
+_SLOW_ERROR_RATIO = 1.0 / 3.0
+_MAX_SLOW_ITERATIONS = 3
+# Iterations of a pass, and verifications of a solve, that may go by without the error being halved.
+_MAX_IDLE_ITERATIONS = 30
+_MAX_IDLE_VERIFICATIONS = 5
 
 
 @attrs.frozen(eq=False)
@@ -91,7 +100,11 @@ class Openings:
             self._products += 1
             pressure = pressure + self._single.apply(self.gap.astype(np.float32))
         self._monitor.record(self._measure(pressure))
-        return self._bound(self._descend(pressure, goal if goal > _SINGLE else _EARLY * _SINGLE).astype(np.float64))
+        return self._bound(
+            self._descend(pressure, goal if goal > _FLOAT32_ERROR else _EARLY_GOAL_FACTOR * _FLOAT32_ERROR).astype(
+                np.float64
+            )
+        )
 
     def solve(self, goal: float) -> Array:
         """Return the pressure, with an error below the goal if it can be reached."""
@@ -103,7 +116,7 @@ class Openings:
             if self.error <= goal or self.error > 0.5 * previous or not self._monitor.has_iterations_left:
                 return self._bound(pressure)
             previous = self.error
-            self._descend(pressure, max(goal, _GAIN * self.error))
+            self._descend(pressure, max(goal, _FLOAT32_GAIN * self.error))
 
     def _descend(self, pressure: Array, goal: float) -> RealArray:
         """Lower the error of the gap to a goal, as far as float32 can; return the pressure."""
@@ -147,7 +160,7 @@ class OpeningPreconditioner:
     def weights(self, active: ActiveCells) -> RealArray:
         """Return the vector of ones."""
         weights = self._punch.update(active)
-        support = 1.0 if weights is None else _SUPPORT * total(weights) / active.count
+        support = 1.0 if weights is None else _SUPPORT_STIFFNESS * total(weights) / active.count
         self._symbol = 1.0 / (self._inverse.stiffness + np.float32(support))
         return active.ones
 
@@ -155,17 +168,6 @@ class OpeningPreconditioner:
         """Return the vector of the preconditioned residual."""
         self._products += 1
         return multiply_active(active, residual, self._inverse, self._symbol, self._shape)
-
-
-# The estimate aims at this fraction of the tolerance, which the verification has to meet.
-_MARGIN = 0.7
-# Below the first factor of its error a pass ends after three iterations that do not lower the error to a third.
-_LATE = 3e-3
-_SLOW = 1.0 / 3.0
-_PATIENCE = 3
-# Iterations of a pass, and verifications of a solve, that may go by without the error being halved.
-_IDLE = 30
-_STALLED = 5
 
 
 class Refinement:
@@ -229,7 +231,7 @@ class Refinement:
         It starts from a pressure that is changed in place, and aims at the tolerance without verifying it.
         """
         if self._openings is not None:
-            pressure = self._openings.approximate(_MARGIN * self._monitor.tolerance)
+            pressure = self._openings.approximate(_GOAL_FRACTION * self._monitor.tolerance)
             return pressure, self._openings.gap.astype(np.float32)
         shape = pressure.shape
         flat = self._restore(pressure.reshape(-1))
@@ -237,10 +239,10 @@ class Refinement:
         self._estimates += 1
         violation, _ = self._monitor.judge(flat.reshape(shape), displacement)
         largest = float(max(displacement.max(), -displacement.min())) / violation.scale
-        goal = _MARGIN * self._monitor.tolerance
-        exact = _SINGLE * max(1.0, largest)
+        goal = _GOAL_FRACTION * self._monitor.tolerance
+        exact = _FLOAT32_ERROR * max(1.0, largest)
         if goal < exact:
-            goal = _EARLY * exact
+            goal = _EARLY_GOAL_FACTOR * exact
         gap = self._find_gap(displacement, violation)
         del displacement
         if violation.error > goal:
@@ -253,7 +255,7 @@ class Refinement:
         flat = pressure.reshape(-1)
         best = math.inf
         idle = 0
-        goal = _MARGIN * self._monitor.tolerance
+        goal = _GOAL_FRACTION * self._monitor.tolerance
         while True:
             if self._openings is not None:
                 flat = self._openings.solve(goal).reshape(-1)
@@ -267,17 +269,19 @@ class Refinement:
             if status is None:
                 idle = 0 if violation.error < 0.5 * best else idle + 1
                 best = min(best, violation.error)
-                if idle > _STALLED:
+                if idle > _MAX_IDLE_VERIFICATIONS:
                     status = Status.STALLED
             if status is not None:
                 return flat.reshape(shape), violation, status
             if self._openings is not None and idle == 0:
-                goal = _MARGIN * self._openings.error * self._monitor.tolerance / violation.error
+                goal = _GOAL_FRACTION * self._openings.error * self._monitor.tolerance / violation.error
                 continue
             self._leave_openings()
             gap = self._find_gap(displacement, violation)
             del displacement
-            self._descend(flat, gap, violation, max(_MARGIN * self._monitor.tolerance, _GAIN * violation.error))
+            self._descend(
+                flat, gap, violation, max(_GOAL_FRACTION * self._monitor.tolerance, _FLOAT32_GAIN * violation.error)
+            )
             del gap
 
     def _restore(self, pressure: Array) -> Array:
@@ -311,10 +315,10 @@ class Refinement:
             previous = error
             error = self._descent.error() / violation.scale
             self._monitor.record(error)
-            late = error < _LATE * violation.error
-            slow = slow + 1 if late and error > _SLOW * previous else 0
+            late = error < _LATE_ERROR_FRACTION * violation.error
+            slow = slow + 1 if late and error > _SLOW_ERROR_RATIO * previous else 0
             idle = 0 if error < 0.5 * best else idle + 1
             best = min(best, error)
-            if error <= goal or slow >= _PATIENCE or idle >= _IDLE:
+            if error <= goal or slow >= _MAX_SLOW_ITERATIONS or idle >= _MAX_IDLE_ITERATIONS:
                 break
         return self._descent.stop()

@@ -32,17 +32,17 @@ from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 
 # Iterations for a given approach after which loads are searched instead, where that is possible: 40 and 160 change
 # the products of the 26 contacts by -6 and +14 %, all in the one that needs the search.
-_PATIENT = 80
+_MAX_APPROACH_ITERATIONS = 80
 # Approach over that of full contact above which they are: below, each digit of the approach needs one of the load.
-_NEAR_FULL = 0.5
+_LOAD_SEARCH_APPROACH = 0.5
 # Loads to try at most.
-_TRIES = 60
+_MAX_LOAD_TRIES = 60
 # Loads that may fail, each followed by one nearer to the last that was solved.
-_FAILURES = 6
+_MAX_LOAD_FAILURES = 6
 # First guess of the power law between the load and the gap that are missing to full contact.
-_POWER = 2.0
+_FIRST_POWER = 2.0
 # Minimum missing load, and gap, over those of full contact at zero load: log(0) is avoided.
-_NEAREST = 1e-9
+_MIN_MISSING_FRACTION = 1e-9
 
 
 @attrs.frozen(eq=False)
@@ -146,7 +146,7 @@ class ProjectedConjugateGradient(Solver):
         given = task.start
         start = nested_iteration(convolution, task) if given is None else start_from(convolution, task, given)
         searchable = _can_search_loads(convolution, task)
-        patience = min(self.max_iterations, _PATIENT) if searchable else self.max_iterations
+        patience = min(self.max_iterations, _MAX_APPROACH_ITERATIONS) if searchable else self.max_iterations
         monitor = Monitor(task, self.tolerance, patience)
         refinement = Refinement(convolution, task, monitor, start.nearly_full)
         pressure = start.pressure
@@ -190,25 +190,25 @@ class ProjectedConjugateGradient(Solver):
             return monitor.outcome(pressure, status or Status.STALLED, 1)
         low = -math.inf
         high = math.log(closing)
-        missing = math.log(max(closing - (float(pressure.mean()) or 0.5 * closing), _NEAREST * closing))
-        power = _POWER
+        missing = math.log(max(closing - (float(pressure.mean()) or 0.5 * closing), _MIN_MISSING_FRACTION * closing))
+        power = _FIRST_POWER
         before = None
         work = []
-        for _ in range(_TRIES):
+        for _ in range(_MAX_LOAD_TRIES):
             mean = closing - math.exp(missing)
             start = np.minimum(pressure * (mean / (float(pressure.mean()) or mean)), task.pressure_limit)
             found = self._solve_on_grid(convolution, attrs.evolve(task, approach=None, mean_pressure=mean, start=start))
             outcome = found.outcome
             work.append(outcome)
             failures = sum(not one.status.success for one in work)
-            if before is not None and not outcome.status.success and failures <= _FAILURES:
+            if before is not None and not outcome.status.success and failures <= _MAX_LOAD_FAILURES:
                 missing = 0.5 * (missing + before[0])
                 continue
             pressure = outcome.pressure
             _, status = monitor.judge(pressure, convolution.apply(pressure))
             if status is not None or not outcome.status.success:
                 break
-            excess = math.log(max(end - found.approach, _NEAREST * remaining) / remaining)
+            excess = math.log(max(end - found.approach, _MIN_MISSING_FRACTION * remaining) / remaining)
             low, high = (low, missing) if excess > 0.0 else (missing, high)
             if before is not None and (missing - before[0]) * (excess - before[1]) > 0.0:
                 power = (excess - before[1]) / (missing - before[0])
@@ -242,7 +242,7 @@ def _can_search_loads(convolution: PreparedConvolution, task: Task) -> bool:
         return False
     full = float(task.initial_gap.mean())
     limited = bool(np.isfinite(task.pressure_limit).all())
-    return task.approach > _NEAR_FULL * full and (limited or task.approach < full)
+    return task.approach > _LOAD_SEARCH_APPROACH * full and (limited or task.approach < full)
 
 
 def _final_load(convolution: PreparedConvolution, task: Task, *, beyond: bool) -> tuple[float, float]:
