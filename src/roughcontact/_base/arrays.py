@@ -29,8 +29,13 @@ def read_only(values: RealArray) -> RealArray:
     return array
 
 
+def sum_of_products(one: RealArray, other: RealArray) -> float:
+    """Return the sum of the products of two fields over all cells, without the threads of a BLAS."""
+    return float(np.einsum("ij,ij->", one, other))
+
+
 def restore_state(self: Any, state: Any) -> None:
-    """Restore an object that was pickled or copied, its arrays read-only as before; it serves as ``__setstate__``."""
+    """Restore a pickled or copied object with read-only arrays; a class uses it as its ``__setstate__``."""
     own, slots = state if isinstance(state, tuple) else (state, None)
     for name, value in {**(own or {}), **(slots or {})}.items():
         object.__setattr__(self, name, read_only(value) if isinstance(value, np.ndarray) else value)

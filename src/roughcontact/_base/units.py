@@ -92,7 +92,7 @@ _NO_BREAK = "\N{NO-BREAK SPACE}"
 
 @guarded
 def si(value: float, unit: str, digits: int = 4) -> str:
-    """Return `value` in words such as ``12.5 µm`` or ``360 µm2``, with so many significant digits."""
+    """Return a value with its unit, such as ``12.5 µm`` or ``360 µm2``, with `digits` significant digits."""
     if value == 0.0 or not math.isfinite(value):
         return f"{value:g} {unit}"
     raised = _AREA_OR_VOLUME.match(unit)
@@ -107,12 +107,12 @@ def si(value: float, unit: str, digits: int = 4) -> str:
 
 
 def has_power(unit: str) -> bool:
-    """Tell whether a unit begins with a power or an inverse, such as ``m3/s``, so that a prefix would be misread."""
+    """Return whether a unit begins with a power or an inverse, such as ``m3/s``: a prefix would be misread."""
     return _UNIT_WITH_POWER.match(unit) is not None
 
 
 def with_spread(value: float, uncertainty: float) -> str:
-    """Return a number and its uncertainty, of two digits, in words such as ``(1.142 +- 0.012)``."""
+    """Return a number and its uncertainty, of two digits, such as ``(1.142 +- 0.012)``."""
     if not (uncertainty > 0.0 and math.isfinite(value) and math.isfinite(uncertainty)):
         return f"{value:.5g}"
     decimals = 1 - math.floor(math.log10(uncertainty))
@@ -132,14 +132,9 @@ class PlainText(str):
 
 
 def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
-    """Return the unit with the prefix that suits numbers up to `largest`, and what they are multiplied by for it.
+    """Return the factor and the prefixed unit in which numbers up to `largest`, in ``unit**power``, are written.
 
-    Parameters
-    ----------
-    largest
-        Largest magnitude among the numbers, in the SI unit raised to the power.
-    unit, power
-        SI unit and the power that it is raised to, such as ``"m"`` and 2 for areas.
+    An area has the unit ``"m"`` and the power 2.
     """
     thousands = 0
     if 0.0 < largest < math.inf:
@@ -151,13 +146,13 @@ def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
 
 @guarded
 def binary(size: float) -> str:
-    """Return a number of bytes in words such as ``1.5 GiB``."""
+    """Return a number of bytes as text, such as ``1.5 GiB``."""
     power = min(max(0, int(size).bit_length() - 1) // 10, 4)
     return f"{size / 2 ** (10 * power):.4g} {('bytes', 'KiB', 'MiB', 'GiB', 'TiB')[power]}"
 
 
 def counted(count: int, what: str) -> str:
-    """Return a number of things in words such as ``1 load`` and ``2 loads``."""
+    """Return a number of things as text: ``1 load``, ``2 loads``."""
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
@@ -204,13 +199,13 @@ class ContactWarning(str):
 
 
 def warn_about(name: str, warning: str) -> ContactWarning:
-    """Return a warning of an estimate as one that names it: the contact area, the maximum pressure."""
+    """Return the warning of an estimate with the name of the quantity, such as the contact area."""
     value: float = getattr(warning, "value", math.nan)
     return ContactWarning(f"The {name} is uncertain: {warning}", f"{name}: {kind_of(warning)}", value)
 
 
 def kind_of(warning: str) -> str:
-    """Return the rule of a warning; of a mere text, from a file or a plug-in, what it says without its numbers."""
+    """Return the rule of a warning; of a plain text, from a file or a plug-in, the text without its numbers."""
     return getattr(warning, "rule", "") or _NUMBER_WITH_PREFIX.sub("#", warning)
 
 
@@ -252,15 +247,13 @@ class Estimate:
             return f"{self.value:.6g} +- {self.uncertainty:.2g}{self._reasons}"
         if math.isinf(self.value):
             return f"{si(self.value, self.unit)}{self._reasons}"
-        relative = (
-            f"{100 * self.uncertainty / abs(self.value):.2g} %" if self.value else si(self.uncertainty, self.unit)
-        )
-        return f"{si(self.value, self.unit, 5)} +- {relative}{self._reasons}"
+        spread = f"{100 * self.uncertainty / abs(self.value):.2g} %" if self.value else si(self.uncertainty, self.unit)
+        return f"{si(self.value, self.unit, 5)} +- {spread}{self._reasons}"
 
 
 @guarded
 def write_column(column: Sequence[Estimate]) -> list[str]:
-    """Return values of one quantity as people write them, all in the unit that suits the middle of their range."""
+    """Return the texts of values of one quantity, all in the unit that suits the middle of their range."""
     numbers, unit = scale_column(column)
     return [f"{number} {unit}".strip() for number in numbers]
 
@@ -284,14 +277,10 @@ def _write(one: Estimate, factor: float) -> str:
 
 
 def parse_quantity(text: str, unit: str) -> float:
-    """Return text such as ``100MPa``, one number and one unit, as a number in an SI unit of `EXAMPLES`.
+    """Return a text such as ``100MPa``, one number and one unit, as a number in an SI unit of `EXAMPLES`.
 
-    A number without a unit is accepted only where the quantity has no dimension: 210 may be Pa or GPa.
-
-    Raises
-    ------
-    ValueError
-        If it is something else, or of another dimension; the text says why, without a full stop.
+    A number without a unit is accepted only where the quantity has no dimension: 210 may be Pa or GPa. `ValueError` if
+    it is something else, or of another dimension; its text says why, without a full stop.
     """
     found = _QUANTITY.fullmatch(text)
     if found is None:
@@ -314,7 +303,7 @@ def _refusal(text: str, reason: str, unit: str) -> ValueError:
 
 
 def _unit_of(name: str) -> tuple[float, int, Dimension]:
-    """Return the value of a unit in SI units, a factor and a power of ten, and its dimension; `KeyError` if unknown."""
+    """Return factor, power of ten and dimension of a unit in SI units; `KeyError` if it is not known."""
     factor = 1.0
     ten = 0
     total = [0, 0, 0, 0]
@@ -338,12 +327,12 @@ def _one_unit(name: str) -> tuple[float, int, Dimension]:
 
 
 def printable(text: str) -> str:
-    """Return a text with the characters that a terminal obeys, such as escape, written as in Python's source."""
+    """Return a text with its control characters, such as escape, written as in Python's source."""
     return _CONTROL_CHARACTER.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
 
 
 def fit(text: str) -> str:
-    """Return a text with the lines that are too long wrapped, and continued under their own text."""
+    """Return a text with long lines wrapped, and continued below their own text."""
     lines = []
     for line in text.split("\n"):
         if len(line) <= WIDTH:

@@ -32,11 +32,9 @@ SEPARATORS = (",", ";", "\t", " ")
 _FIELD_SEPARATOR = re.compile(r"[\s,;]")
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 # Fields of a point that was not measured; also what C libraries of Windows write for it.
-_NON_MEASURED_WORDS = {
-    "no data",
-    *["nan", "bad", "na", "n/a", "null", "none", "nodata", "invalid", "missing", "-", "inf", "infinity"],
-}
-_NON_MEASURED_MARK = re.compile(r"\*+|-{2,}|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)", re.IGNORECASE)
+_NON_MEASURED = re.compile(
+    r"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)", re.IGNORECASE
+)
 # Lines of one comma, between digits.
 _SINGLE_COMMA_LINES = re.compile(r"(?:[-+]?[0-9]+,[0-9]+(?:\n|\Z))+")
 # Fewer numbers are not looked at: they may rise in equal steps by chance.
@@ -110,7 +108,7 @@ def read_header(lines: Sequence[str]) -> Stated:
 
 def is_non_measured(word: str) -> bool:
     """Tell whether a field stands for a point that was not measured."""
-    return not word or word.lower() in _NON_MEASURED_WORDS or _NON_MEASURED_MARK.fullmatch(word) is not None
+    return not word or _NON_MEASURED.fullmatch(word) is not None
 
 
 def holds_heights(content: str) -> bool | None:
