@@ -16,11 +16,11 @@ from roughcontact.errors.door import guarded
 
 # Free parameters of the two fitted curves.
 _FITTED_PARAMETERS = 3
-# Fraction of the step beyond the finest grid by which data may miss the curve: the step is then known to about 10 %.
+# Maximum misfit of the data, over the step beyond the finest grid, which is then known to about 10 %.
 _MAX_MISFIT = 0.1
-# Plausible orders of an error in the cell size: a counted area has 1, a corrected one 2.
+# Plausible orders of the error in the cell size: 1 for a counted area, 2 for a corrected one.
 _PLAUSIBLE_ORDERS = (0.25, 4.0)
-# Orders that may be given, and counts of cells, so that no power of them leaves float64.
+# Orders and numbers of cells that may be given: their powers stay within float64.
 _ADMISSIBLE_ORDERS = (1e-3, 10.0)
 _ADMISSIBLE_COUNTS = (1e-12, 1e12)
 
@@ -105,7 +105,7 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
     cells, values
         Number of cells x along a side, and the value, on each grid.
     order
-        Order q of the error in the cell size; by default that observed on the three finest grids.
+        Order q of the error in the cell size; by default the one observed on the three finest grids.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
     value = float(y[-1] + (y[-1] - y[-2]) / (growth - 1.0))
     if order is None and not _PLAUSIBLE_ORDERS[0] <= q <= _PLAUSIBLE_ORDERS[1]:
         warnings += (ContactWarning(f"the observed order q = {q:.3g} is not plausible", "order", q),)
-    # The finest grid that was not used shows how well one order describes the data.
+    # The finest unused grid shows how well one order describes the data.
     used = 2 if order is not None else 3
     misfit = 0.0
     if x.size > used:
@@ -146,9 +146,8 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
         misfit = abs(error - (float(y[-1]) - value) * (x[-1] / x[-used - 1]) ** q)
         if misfit > _MAX_MISFIT * abs(error):
             off = misfit / abs(error)
-            warnings += (
-                ContactWarning(f"the error of the next coarser grid is off by {100 * off:.0f} %", "misfit", off),
-            )
+            text = f"the error of the next coarser grid is off by {100 * off:.0f} %"
+            warnings += (ContactWarning(text, "misfit", off),)
     return Extrapolation("Richardson", value, {"q": float(q)}, misfit, warnings + _check_monotone(y))
 
 

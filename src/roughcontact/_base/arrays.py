@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -27,6 +28,12 @@ def read_only(values: RealArray) -> RealArray:
     array = np.asarray(values).view()
     array.flags.writeable = False
     return array
+
+
+def as_shape(value: Sequence[int]) -> tuple[int, int]:
+    """Return two numbers of cells as a pair of int."""
+    nx, ny = value
+    return int(nx), int(ny)
 
 
 def sum_of_products(one: RealArray, other: RealArray) -> float:

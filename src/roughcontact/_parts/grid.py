@@ -15,7 +15,7 @@ from roughcontact._base.checks import integer, pair
 from roughcontact._base.units import si
 from roughcontact.errors import InputError
 
-# Most cells of a grid: a solve keeps up to 18 arrays in float64, 36 GiB at this size (docs/studies/memory.py).
+# Maximum cells of a grid: a solve keeps up to 18 arrays in float64, 36 GiB at this size (docs/studies/memory.py).
 _MAX_CELLS = 2**28
 
 
@@ -131,7 +131,7 @@ def extend(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArr
 
 
 def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
-    """Return a mask with all cells up to `width` cells from a marked one marked, along rows, columns and diagonals."""
+    """Return a mask grown by `width` cells along rows, columns and diagonals."""
     nx, ny = mask.shape
     extended = extend(mask, width, boundary)
     along_x = extended[:nx].copy()

@@ -12,7 +12,7 @@ from roughcontact._base.units import si
 from roughcontact.errors import InputError
 
 _LOAD_KINDS = {"pressure": ("The mean pressure", "Pa"), "force": ("The force", "N"), "approach": ("The approach", "m")}
-# What is said of several loads where the pressure has a limit.
+# Note on several loads where the pressure has a limit.
 FIRST_LOADING = "Each load is a first loading, of surfaces not flattened yet (see running in)."
 _LOAD_ARGUMENTS = "pressure= (Pa), force= (N) and approach= (m)"
 

@@ -13,7 +13,7 @@ from roughcontact._base.checks import number, pair
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Ratio of two radii beyond which the ellipse of contact is too slender to be found.
+# Maximum ratio of two radii: the ellipse of contact is too slender beyond.
 _MAX_RADIUS_RATIO = 1e24
 
 
@@ -118,7 +118,7 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     ----------
     Johnson, Contact Mechanics (1985), eq. 4.24 to 4.26, https://doi.org/10.1017/CBO9781139171731
     """
-    # Imported here: theory beside a solution needs this package, and no optimizer.
+    # Imported here, because most uses of this package need no optimizer.
     from scipy import optimize
 
     force = _positive(force, "N")

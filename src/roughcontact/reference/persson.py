@@ -22,8 +22,8 @@ _GAMMA = 0.45
 # 1e-4 of the rms height.
 _WAVE_BANDS = 256
 _PRESSURE_NODES = 512
-# Pressures, over the smallest and largest rms pressure of full contact, beyond which the energy is proportional to the
-# pressure, and constant.
+# Pressure, over the smallest rms pressure of full contact, below which the energy is proportional to it, and over the
+# largest, above which the energy is constant.
 _LIGHT_PRESSURE_RATIO = 1e-3
 _FULL_PRESSURE_RATIO = 8.0
 
@@ -138,7 +138,7 @@ def evaluate_persson(waves: Waves, modulus: float, pressures: Array) -> PerssonC
 
 
 def _list_bands(waves: Waves) -> tuple[Array, Array]:
-    """Return of each band of wave numbers the elastic energy and, up to its end, the variance of the pressure."""
+    """Return for each band of wave numbers its elastic energy, and the variance of the pressure up to its end."""
     square = waves.square
     power = waves.count * waves.power
     q = np.sqrt(square)

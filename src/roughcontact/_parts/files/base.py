@@ -13,12 +13,13 @@ import numpy as np
 from roughcontact._base.archive import SEAL
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.checks import choice
+from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
 
 _PICTURE_ADVICE = "export the heights themselves, as text or TIFF in 32-bit floating point"
 _DOCUMENT_ADVICE = "export the heights themselves, as text"
-# The first bytes of files, what they are, and what to do.
+# The first bytes of files without heights, their kind, and advice.
 _FOREIGN_KINDS = {
     b"\x89PNG": ("a PNG picture", _PICTURE_ADVICE),
     b"\xff\xd8\xff": ("a JPEG picture", _PICTURE_ADVICE),
@@ -29,7 +30,7 @@ _FOREIGN_KINDS = {
     b"<?xml": ("an XML document", _DOCUMENT_ADVICE),
     b"<vtkfile": ("image data of VTK", _DOCUMENT_ADVICE),
 }
-# What the files of an ending begin with; others have no beginning of their own.
+# The first bytes of files by their ending; other formats have none of their own.
 _BEGINNINGS = {
     ".al3d": (b"aliconaimaging\0",),
     ".gwy": (b"gwyp",),
@@ -38,7 +39,7 @@ _BEGINNINGS = {
     ".sur": (b"digital surf", b"dscompressed"),
     ".x3p": (b"pk\3\4",),
 }
-# Bytes of a file that are looked at: an XML document names its kind in its second line, and no format begins with so
+# Bytes of a file that are inspected: an XML document names its kind in its second line, and no format begins with so
 # many zeros.
 _INSPECTED_BYTES = 4096
 
@@ -58,11 +59,11 @@ class RawMap:
     metric
         Whether the heights are known to be in metres.
     hint
-        What the file says of its size, in words, where it does not state it; part of the sentence that asks for it.
+        Hints in the file at its size, in words, where it does not state it; for the message that asks for the size.
     needs_unit
         Whether the heights are in an unknown unit, which must be given, as in images.
     needs_rows
-        Whether the file does not say whether its rows are those of x or those of y; they were taken for those of x.
+        Whether the file does not say if it has a row for each x or for each y; a row for each x is assumed.
     """
 
     heights: Array = attrs.field(repr=outlined)
@@ -75,12 +76,17 @@ class RawMap:
 
 
 def check_rows(value: str) -> str:
-    """Return which axis the rows of a file are those of, ``"x"``, ``"y"`` or ``"auto"``, or raise `InputError`."""
+    """Return the axis along which a file has its rows, ``"x"``, ``"y"`` or ``"auto"``, or raise `InputError`."""
     return choice(value, "The axis of the rows in a file", ("auto", "x", "y"))
 
 
+def require_memory_of_map(size: float) -> None:
+    """Refuse a map of so many bytes if there is too little memory for it."""
+    require_memory(size, "it", "cut it, or write it with fewer points")
+
+
 def put_x_first(heights: Array, rows: str) -> Array:
-    """Return heights as they stand in a file, with rows of x or of y, indexed [x, y]."""
+    """Return heights of a file with a row for each x or each y, indexed [x, y]."""
     return np.ascontiguousarray(heights.T) if rows == "y" else heights
 
 
@@ -117,7 +123,7 @@ readers = Registry(SurfaceReader, "surface reader", "roughcontact.readers")
 
 
 def find_foreign(file: Path) -> str:
-    """Return what a file is that holds no height map, and what to do; nothing if it is not known."""
+    """Return the kind of a file without a height map, with advice; empty if the kind is not known."""
     start = b""
     end = b""
     with contextlib.suppress(OSError), file.open("rb") as stream:

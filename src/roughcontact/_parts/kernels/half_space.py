@@ -17,7 +17,6 @@ from roughcontact._parts.kernels.base import InfluenceKernel
 # point, so that the error falls as (4 offset)^(-2 points): below 2e-16 (test_kernels: 1e-14 of mpmath).
 _NEAR_RANGE = 10
 _MIDDLE_RANGE = 110
-# Gauss points, see above
 _MIDDLE_GAUSS_POINTS = 5
 _FAR_GAUSS_POINTS = 3
 # Chebyshev nodes of the alias sum in the square of the phase along the longer side. The nearest
@@ -90,14 +89,9 @@ class Love(InfluenceKernel):
 
 
 def cell_potential(i: Array, j: Array, aspect: float) -> Array:
-    """Return the integral of 1/r over cells of sides (aspect, 1), aspect >= 1, shape (m, n).
+    """Return the integral of 1/r over cells of sides (aspect, 1), aspect >= 1, along x and y, shape (m, n).
 
-    Parameters
-    ----------
-    i, j
-        Offsets of the cells from the origin, ascending and not negative, shapes (m,) and (n,).
-    aspect
-        Longer side, along x; the shorter, along y, is one.
+    The offsets of the cells from the origin, shapes (m,) and (n,), are ascending and not negative.
     """
     if i[-1] * aspect <= _NEAR_RANGE and j[-1] <= _NEAR_RANGE:
         return _integrate_edges(i, j, aspect)
@@ -158,12 +152,7 @@ def alias_sum(theta_x: Array, theta_y: Array, aspect: float) -> Array:
               \operatorname{sinc}(\theta_y/2 + \pi n)}
               {\sqrt{((\theta_x + 2\pi m)/a)^2 + (\theta_y + 2\pi n)^2}}
 
-    Parameters
-    ----------
-    theta_x, theta_y
-        Phases q dx, q dy per cell, 0 .. pi, shapes (m,) and (n,). The entry at zero phases is not finite.
-    aspect
-        Longer side a of the cells, along x.
+    The phases q dx and q dy per cell, 0 .. pi, have shapes (m,) and (n,). The entry at zero phases is not finite.
     """
     half_x, half_y = (np.sinc(theta / (2 * np.pi)) for theta in (theta_x, theta_y))
     with np.errstate(divide="ignore"):
@@ -202,7 +191,7 @@ def _aliases_along_x(theta_x: Array, theta_y: Array, aspect: float) -> Array:
 
 @lru_cache(maxsize=16)
 def _other_aliases_at_nodes(aspect: float) -> Array:
-    """Sum the aliases along y with all those along x, at the nodes; many grids share an aspect ratio."""
+    """Sum all aliases but those along x alone, at the nodes; many grids share an aspect ratio."""
     theta = np.sqrt(_nodes())
     orders, weights = _alternating_weights()
     others = orders != 0

@@ -6,7 +6,14 @@ from roughcontact._parts.surfaces.filling import MAX_BANDWIDTH, TREATMENTS, comp
 from roughcontact._parts.surfaces.heightmap import HeightMap, Separated, list_facts, read_topography
 from roughcontact._parts.surfaces.matching import MatchedPair, PlacedMap, match
 from roughcontact._parts.surfaces.resampling import bilinear
-from roughcontact._parts.surfaces.statistics import border_jump, mean_in_bands, power_spectrum, repeats, rms_slope
+from roughcontact._parts.surfaces.statistics import (
+    HANN_DEPENDENCE,
+    border_jump,
+    mean_in_bands,
+    power_spectrum,
+    repeats,
+    rms_slope,
+)
 from roughcontact._parts.surfaces.synthetic import (
     FlatSurface,
     ParaboloidSurface,
@@ -16,6 +23,7 @@ from roughcontact._parts.surfaces.synthetic import (
 )
 
 __all__ = [
+    "HANN_DEPENDENCE",
     "MAX_BANDWIDTH",
     "TREATMENTS",
     "Continuation",

@@ -1,4 +1,4 @@
-"""Height maps whose short waves are random, with the spectrum of the longer ones."""
+"""Height maps extended by random short waves that continue the spectrum of the measured ones."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from roughcontact._parts.surfaces.matching import PlacedMap
 from roughcontact._parts.surfaces.resampling import fourier, resample
 from roughcontact._parts.surfaces.statistics import FORM_DEGREE, PowerLaw, fit_power_law, polynomial
 
-# Cells of a shortest wave, with which the area is right within 2 % (docs/understand/area.md).
+# Cells per shortest wave for an area within 2 % (docs/understand/area.md).
 _CELLS_PER_WAVE = 4.0
-# Cells beyond any memory.
+# Number of cells beyond any memory.
 _MAX_CELLS = 2**50
 
 
@@ -43,18 +43,18 @@ def cells_for(size: Pair, shortest: float) -> tuple[int, int]:
 
 @attrs.frozen(eq=False)
 class Continuation:
-    """What is drawn beyond the waves that the maps of a surface resolve.
+    """Random waves shorter than those that the maps of a surface resolve.
 
     Attributes
     ----------
     shortest, finest
-        The shortest wave that is drawn, m, and the shortest of the whole ensemble, m.
+        Shortest random wave, m, and the shortest one of the ensemble, m.
     resolved
-        The shortest wave that is kept as measured, m; None: four cells of each map.
+        Shortest wave that is kept as measured, m; None: four cells of each map.
     seed
-        Two numbers: the seed, and that of the realization.
+        The seed, and the number of the realization.
     deviation
-        Of the spectra from the power laws, in standard errors.
+        Deviation of the spectra from the power laws, in standard errors.
     """
 
     shortest: float
@@ -103,14 +103,14 @@ class Continuation:
         q = np.hypot(qx, qy)
         power = np.where((q * resolved > 2.0 * np.pi) & (q * self.shortest <= 2.0 * np.pi), 1.0, 0.0)
         spectrum *= np.sqrt(power * law.evaluate(qx, qy, self.deviation))
-        # The origin is the centre of the domain on every grid; the FFT's is the first cell.
+        # The origin is the centre of the domain; the FFT has it in the first cell.
         spectrum *= np.exp(1j * qx * grid.x[0, 0])
         spectrum *= np.exp(1j * qy * grid.y[0, 0])
         return np.asarray(scipy.fft.irfft2(spectrum, s=grid.shape, norm="forward"))
 
 
 def _filter(source: HeightMap, shape: tuple[int, int], resolved: float) -> Array:
-    """Return the waves of a map that are at least `resolved` m long, and its form, on `shape` cells, m."""
+    """Return a map on `shape` cells, m, without its waves shorter than `resolved` m."""
     if source.periodic:
         modes = scipy.fft.fft2(source.values)
         qx, qy = (scipy.fft.fftfreq(n, step) for n, step in zip(source.grid.shape, source.grid.spacing, strict=True))

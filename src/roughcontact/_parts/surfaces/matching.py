@@ -18,11 +18,11 @@ from roughcontact._parts.surfaces.resampling import interpolate
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Fraction of a map by which a domain may reach beyond it, and by which a domain found by iteration is made smaller.
+# Fraction of a map by which a domain may reach beyond it, and a domain found by iteration is reduced.
 _COVER_TOLERANCE = 1e-6
-# A cell is added only if more than this fraction of it lies inside the domain.
+# Minimum fraction of an additional cell that lies inside the domain.
 _MIN_CELL_FRACTION = 1e-3
-# Sine or cosine of a rotation below which the axes of both maps are parallel: rounding.
+# Sine or cosine of a rotation between parallel axes: rounding.
 _PARALLEL_TOLERANCE = 1e-12
 _is_map = instance_of(HeightMap, "Each side of a pair", "a HeightMap")
 
@@ -50,8 +50,8 @@ class PlacedMap(Surface):
     rotation
         Angle by which the map is rotated about its centre, counter-clockwise, rad.
     mirrored
-        Whether the map is turned over first, x to -x, as maps of two bodies must be that were both measured from
-        outside and now face each other.
+        Whether the map is turned over first, x to -x: needed for one of two maps that were both measured from outside
+        and now face each other.
     interpolation
         Interpolation between the points: ``"bilinear"``, ``"cubic"`` (splines), or ``"fourier"`` (exact for
         band-limited periodic maps that are not rotated).
@@ -88,7 +88,7 @@ class PlacedMap(Surface):
 
     @property
     def parts(self) -> tuple[Surface, ...]:
-        """None: the map does not keep its place."""
+        """Empty: the map is moved."""
         return ()
 
     @property
@@ -190,10 +190,10 @@ def match(
     Parameters
     ----------
     body, counterbody
-        The maps, each with its own cells and size. A periodic map covers the plane; of two periodic maps the first
+        The maps, each with its own cells and size. A periodic map covers the plane; the first of two periodic maps
         gives the domain.
     offset, rotation, mirrored
-        How the second map is placed relative to the first; see `PlacedMap`.
+        Placement of the second map relative to the first; see `PlacedMap`.
     interpolation
         Interpolation of both maps: ``"bilinear"``, ``"cubic"`` or ``"fourier"``.
     shape
@@ -239,7 +239,7 @@ def _finer_cells(body: HeightMap, placed: PlacedMap, size: Pair) -> tuple[int, i
     dx, dy = placed.source.grid.spacing
     cos = abs(math.cos(placed.rotation))
     sin = abs(math.sin(placed.rotation))
-    # The pitch of the rotated map along an axis, by the cells that a line along it crosses.
+    # Pitch of the rotated map along an axis, from the cells that a line along it crosses.
     rotated = 1.0 / math.hypot(cos / dx, sin / dy), 1.0 / math.hypot(sin / dx, cos / dy)
     pitches = (min(one, other) for one, other in zip(body.grid.spacing, rotated, strict=True))
     nx, ny = (max(2, math.ceil(side / pitch - _MIN_CELL_FRACTION)) for side, pitch in zip(size, pitches, strict=True))
@@ -290,7 +290,7 @@ def _largest_rectangle(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
 
     def best(skew: float) -> Array:
         """Return centre and half side of the largest rectangle of aspect ratio exp(2 skew), in units."""
-        # A rectangle lies in a half plane when its centre does by its own extent along the normal.
+        # A rectangle lies in a half plane if its centre does, by the extent of the rectangle along the normal.
         extent = np.abs(normals) @ [math.exp(skew), math.exp(-skew)]
         found = linprog([0.0, 0.0, -1.0], A_ub=np.column_stack([normals, extent]), b_ub=reach / unit, bounds=bounds)
         if found.x is None or found.x[2] <= 0.0:

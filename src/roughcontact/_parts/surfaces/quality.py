@@ -14,46 +14,46 @@ from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.filling import smooth_over
 from roughcontact._parts.surfaces.statistics import mean_in_bands, power_spectrum
 
-# Sides of the part in the middle that is examined, and of the smallest map that is, cells: for each statistic enough.
+# Side of the middle part that is examined, and minimum side of a map, cells: enough for each statistic.
 _EXAMINED_CELLS = 256
 _MIN_CELLS = 32
 # Edges of bands of a third of an octave, from waves of 16 cells to those of two, rad a cell.
 _BAND_EDGES = math.pi * 2.0 ** (np.arange(-9, 1) / 3.0)
-# Self-affine surfaces have slopes of -2 to -4, from means over cells to -5; a blur by s cells adds -2 (s q)^2. Long
-# waves are few, so that their slopes scatter.
+# Slope of the spectrum below which a map is blurred: self-affine surfaces have -2 to -4, means over cells down to -5; a
+# blur by s cells adds -2 (s q)^2. Second, the same for the few long waves, whose slopes scatter.
 _BLUR_SLOPE = -5.5
 _LONG_WAVE_BLUR_SLOPE = -6.5
-# A spectrum that drops by this factor within a third of an octave was computed, with a shortest wave.
+# Drop of the spectrum within a third of an octave below which heights were computed, with a shortest wave.
 _COMPUTED_DROP = 1e-5
-# Point samples of a surface of Hurst exponent 0.3 have -1.8 over the upper octave, white noise 0.
+# Slope above which there is noise: point samples of Hurst exponent 0.3 have -1.8 over the upper octave, white noise 0.
 _NOISE_SLOPE = -1.0
-# Noise raises the slope by more than this over that of the longer waves; aliasing at most by about 1.
+# Rise of the slope by noise, over longer waves; aliasing raises it at most by about 1.
 _NOISE_RISE = 1.3
 # Third differences and Laplacians below this fraction of their rms are zero: rounding.
 _ZERO_FRACTION = 1e-6
-# Fewer different third differences, evenly spaced within this fraction, mean steps of more than a twentieth of their
-# rms; shapes with flats have nine at most.
+# Maximum number of different third differences of stepped heights, and how evenly they are spaced, over the spacing:
+# the steps are then more than a twentieth of their rms. Shapes with flats have nine at most.
 _MAX_LEVELS = 200
 _STEP_TOLERANCE = 0.1
 _MIN_LEVELS = 9
-# Third differences that agree within this fraction of their rms are equal, and the fraction of different ones above
-# which heights are not rounded.
+# Difference of equal third differences, over their rms, and fraction of different ones above which heights are not
+# rounded.
 _LEVEL_TOLERANCE = 1e-5
 _DISTINCT_FRACTION = 0.3
-# Fraction of non-measured points above which a map is not judged.
+# Fraction of non-measured points above which a map is not examined, and above which it is not examined for noise: the
+# surface through the holes has some.
 _MAX_HOLE_FRACTION = 0.5
-# ... and above which it is not judged for noise: the surface through the holes has some.
 _MAX_NOISE_HOLE_FRACTION = 0.05
 _NOISE_WARNING = ContactWarning(
     "the shortest waves of the map are mostly noise, which makes the area too small: filter it", "noise"
 )
-# Fraction of points that are the mean of their neighbours above which they are filled in.
+# Minimum fraction of points that are the mean of their neighbours in a map with filled points.
 _FILLED_FRACTION = 0.02
-# Amplitude of a periodic part of the differences in interpolated maps, over their mean and over the median amplitude.
+# Minimum amplitude of the periodic part of differences in interpolated maps, over their mean and the median amplitude.
 _PERIODIC_AMPLITUDE = 0.1
 _PEAK_OVER_MEDIAN = 12.0
-# Waves that a map is made of, and cells for each, below which its differences are periodic without interpolation: sums
-# of 1 to 40 waves have up to 37, rough maps interpolated four times at least 57 on 160 x 160 cells, 20 on 64 x 64.
+# Minimum waves of a rough map, and cells for each: the differences of fewer waves are periodic without interpolation.
+# Sums of 1 to 40 waves have up to 37, rough maps interpolated four times at least 57 on 160 x 160 cells, 20 on 64 x 64.
 _MIN_WAVES = 40
 _CELLS_PER_WAVE = 300
 
@@ -61,18 +61,9 @@ _CELLS_PER_WAVE = 300
 def list_map_warnings(
     heights: Array, grid: Grid, non_measured: Mask | None = None, *, was_filled: bool = False
 ) -> tuple[str, ...]:
-    """Return in which respects heights are not those of a measured surface, in sentences.
+    """Return signs of interpolation, steps, filled points, blur or noise in heights, shape (nx, ny), m, in sentences.
 
-    Parameters
-    ----------
-    heights
-        Heights, shape (nx, ny), m.
-    grid
-        Their cells.
-    non_measured
-        Points that are marked as non-measured, shape (nx, ny): they are not judged.
-    was_filled
-        Whether non-measured points are known to have been filled.
+    Non-measured points, shape (nx, ny), are not examined; `was_filled`: whether points are known to be filled.
     """
     part = _take_middle(heights, non_measured)
     if min(part.shape) < _MIN_CELLS or float(np.ptp(part)) == 0.0:
@@ -113,7 +104,7 @@ def _middle(values: Any) -> Any:
 
 
 def _take_middle(heights: Array, non_measured: Mask | None) -> Array:
-    """Return the part that is examined, smooth over non-measured points; nothing of it if these are the most."""
+    """Return the part that is examined, smooth over non-measured points; empty if they are more than half."""
     part = _middle(heights)
     holes = None if non_measured is None else _middle(non_measured)
     if holes is not None and holes.any():
@@ -129,7 +120,7 @@ def find_period(heights: Array, non_measured: Mask | None = None) -> float:
 
 
 def _find_period(part: Array) -> float:
-    """Return the period of the differences in the part that is examined, cells; zero without one.
+    """Return the period of the differences in the examined part, cells; zero if there is none.
 
     Variances of derivatives of interpolated samples are periodic in the position between the original points:
     Gallagher, Proc. 2nd Canadian Conf. on Computer and Robot Vision (2005) 65, https://doi.org/10.1109/CRV.2005.33
@@ -143,7 +134,7 @@ def _find_period(part: Array) -> float:
             if rms.mean() <= _ZERO_FRACTION**2:
                 continue
             tone = np.abs(scipy.fft.rfft(rms / rms.mean() - 1.0)) / rms.size
-            # Originals of more than eight cells, and the constant part, are too few waves.
+            # Without the mean, and periods of more than eight cells, of which there are too few waves.
             tone[: rms.size // 8] = 0.0
             peak = int(np.argmax(tone))
             if tone[peak] > _PERIODIC_AMPLITUDE and tone[peak] > _PEAK_OVER_MEDIAN * float(
@@ -155,14 +146,14 @@ def _find_period(part: Array) -> float:
 
 
 def _count_waves(part: Array) -> float:
-    """Return how many waves carry the curvature of heights, by the participation ratio of its spectrum."""
+    """Return the number of waves in the curvature of heights, by the participation ratio of its spectrum."""
     powers = (power_spectrum(np.diff(part, 2, axis=axis), steepness=2)[2] for axis in (0, 1))
     # A wave has two modes.
     return min(float(power.sum() ** 2 / (2.0 * (power**2).sum())) for power in powers)
 
 
 def _levels(part: Array) -> Array:
-    """Return the different third differences, which tilt and form do not change, over their rms, ascending."""
+    """Return the distinct third differences over their rms, ascending; tilt and form do not change them."""
     third = np.diff(part, 3, axis=0)
     rms = float(np.sqrt(np.mean(third**2)))
     if rms <= _ZERO_FRACTION**2:
@@ -172,7 +163,7 @@ def _levels(part: Array) -> Array:
 
 
 def _find_filled(part: Array) -> Mask:
-    """Return which points are the mean of their neighbours, as harmonic ones are; not on the border."""
+    """Return the mask of the points that are the mean of their neighbours, as filled ones are."""
     filled = np.zeros(part.shape, dtype=bool)
     laplacian = part[1:-1, 2:] + part[1:-1, :-2] + part[2:, 1:-1] + part[:-2, 1:-1] - 4.0 * part[1:-1, 1:-1]
     rms = float(np.sqrt(np.mean(laplacian**2)))

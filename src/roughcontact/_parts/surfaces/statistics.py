@@ -14,34 +14,33 @@ from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 
-# Heights repeat if their rms step across the border is at most this multiple of that between neighbouring cells.
+# Maximum rms step of periodic heights across the border, over the step between neighbouring cells.
 _MAX_BORDER_JUMP = 3.0
 # Relative change of misfit, parameters and gradient at which the fit of a sphere stops, a few times the rounding of
 # float64 (2.2e-16): the fit has four parameters, so that full accuracy costs nothing.
 _SPHERE_FIT_TOLERANCE = 1e-15
-# A curvature that bends the map by less than this fraction of its height and length is rounding: the map is flat.
+# Curvature of a flat map, times its length, over its height and length: rounding.
 _CURVATURE_ROUNDING = 1e-13
 _TOO_FEW_POINTS = "Too few points were measured, or they are too nearly in line, for"
-# Degree of the polynomial that is subtracted before the window: tilt and form are not roughness.
+# Degree of the polynomial that is the form of a map.
 FORM_DEGREE = 2
-# Ratio of the longest to the shortest wave through which a power law is fitted, the bands in it, and the sectors of
-# direction over half a turn: two octaves of waves, a thousand of them on 128 x 128 cells.
+# Ratio of the longest to the shortest wave in the fit of a power law (two octaves, a thousand waves on 128 x 128
+# cells), its bands, and its sectors of direction over half a turn.
 _FIT_RANGE = 4.0
 _FIT_BANDS = 6
 _DIRECTION_SECTORS = 16
-# Waves a side below which window and form change the power, and the smallest ratio of the longest to the shortest wave.
+# Minimum waves per side, so that window and form do not change the power, and minimum range of the fit.
 _MIN_WAVES_PER_SIDE = 6.0
 _MIN_FIT_RANGE = 2.0
-# Standard deviation of the exponent from the unknown transfer function of a measurement: point samples lower it by 0.1
-# to 0.2, means over cells raise it by 0.05 to 0.15 (self-affine surfaces, Hurst exponents 0.3, 0.8; 128 x 128 cells).
+# Standard deviation of the exponent by the unknown transfer function of a measurement: point samples lower it by 0.1 to
+# 0.2, means over cells raise it by 0.05 to 0.15 (self-affine surfaces, Hurst exponents 0.3, 0.8; 128 x 128 cells).
 _SAMPLING_STD = 0.15
-# Modes in a Hann window w for each independent one: the mean of w^4 over the squared mean of w^2, 35/18, along each
-# axis, and -q is as q.
-_MODES_PER_INDEPENDENT_MODE = 2.0 * (35.0 / 18.0) ** 2
+# Modes per independent mode in a Hann window w: the mean of w^4 over the squared mean of w^2, 35/18, along each axis.
+HANN_DEPENDENCE = (35.0 / 18.0) ** 2
 
 
 def rms_slope(heights: Array, grid: Grid) -> float:
-    """Return the root mean square of the gradient of heights, shape (nx, ny), m, between neighbouring cells."""
+    """Return the root mean square of the gradient of heights, shape (nx, ny), m, from differences of neighbours."""
     steps = [np.diff(heights, axis=axis) / grid.spacing[axis] for axis in (0, 1) if grid.shape[axis] > 1]
     maximum = max(float(np.abs(step).max()) for step in steps)
     if not 0.0 < maximum < math.inf:
@@ -57,7 +56,7 @@ def repeats(heights: Array, axis: int | None = None) -> bool:
 
 
 def border_jump(heights: Array, axis: int) -> float:
-    """Return the rms step of heights, shape (nx, ny), across the border along an axis, over that between neighbours."""
+    """Return the rms step of heights, shape (nx, ny), across the border along an axis, over the step between cells."""
     if heights.shape[axis] <= 2:
         return 0.0
     inside = float(np.sqrt(np.mean(np.diff(heights, axis=axis) ** 2)))
@@ -74,7 +73,7 @@ def polynomial(values: Array, degree: int, non_measured: Mask | None, shape: tup
     x, y = (np.linspace(-1.0, 1.0, n) for n in values.shape)
     px, py = (np.polynomial.legendre.legvander(t, degree) for t in (x, y))
     terms = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-    # The terms are products, so that all sums of the normal equations factor over the axes.
+    # Products of terms factor over the axes, and so do the sums of the normal equations.
     n = degree + 1
     qx, qy = ((p[:, :, np.newaxis] * p[:, np.newaxis, :]).reshape(len(p), n * n) for p in (px, py))
     if non_measured is None:
@@ -111,8 +110,8 @@ def sphere(values: Array, x: Array, y: Array, non_measured: Mask | None) -> tupl
     and becomes a plane, without a singularity, as the curvature goes to zero; c, the two slopes and the
     curvature are fitted to the heights, starting from the least-squares paraboloid.
 
-    Heights have shape (nx, ny), positions shape (nx, 1) and (1, ny), m. Non-measured points do not count; `InputError`
-    if the others do not determine a sphere, or the best one does not cover the map.
+    Heights have shape (nx, ny), positions (nx, 1) and (1, ny), m. Non-measured points do not count; `InputError` if the
+    others do not determine a sphere, or the best sphere does not cover the map.
     """
     from scipy.optimize import least_squares
 
@@ -153,7 +152,7 @@ def sphere(values: Array, x: Array, y: Array, non_measured: Mask | None) -> tupl
 
 
 def _cap(parameters: RealArray, x: Array, y: Array, square: Array) -> tuple[Array, bool]:
-    """Return the heights of the sphere, those of its equator beyond it, and whether all points are inside."""
+    """Return the heights of the sphere, beyond its equator those of the equator, and whether all points are inside."""
     c, slope_x, slope_y, curvature = parameters
     normal_z = 1.0 / np.sqrt(1.0 + slope_x**2 + slope_y**2)
     lift = 0.5 * curvature * square - normal_z * (slope_x * x + slope_y * y)
@@ -167,8 +166,8 @@ def power_spectrum(heights: Array, steepness: int = 4) -> tuple[Array, Array, Ar
     r"""Return wave numbers qx, qy, shapes (nx, 1) and (1, ny), rad a cell, and the power there, shape (nx, ny), m2.
 
     The heights, shape (nx, ny), m, less their quadratic form are windowed by a power of the cosine: the 4th, whose
-    leakage falls as :math:`q^{-10}`, faster than any power that matters, or the 2nd (Hann), :math:`q^{-6}`, which
-    keeps more independent waves. The power is that of each Fourier mode of a map without window.
+    leakage falls as :math:`q^{-10}`, faster than any spectrum of interest, or the 2nd (Hann), :math:`q^{-6}`, which
+    keeps more independent waves. The power is scaled to a map without window.
 
     References
     ----------
@@ -198,7 +197,7 @@ class PowerLaw:
     Attributes
     ----------
     power
-        Of each of the sectors of direction over half a turn, m2.
+        Power in each sector of direction over half a turn, m2.
     pivot
         Wave number, rad/m, at which power and exponent are uncorrelated.
     exponent
@@ -225,12 +224,8 @@ class PowerLaw:
 def fit_power_law(heights: Array, grid: Grid, shortest: float) -> PowerLaw:
     """Return the power law of the spectrum of heights, shape (nx, ny), m, down to waves of `shortest` m.
 
-    The standard errors count the independent modes, the misfit of the bands, and how a map may have been sampled.
-
-    Raises
-    ------
-    InputError
-        If the map is too small, or its spectrum does not fall with the wave number.
+    The standard errors account for the independent modes, the misfit of the bands, and the sampling of the map.
+    `InputError` if the map is too small, or its spectrum does not fall with the wave number.
     """
     qx, qy, power = power_spectrum(heights, 2)
     qx = qx / grid.spacing[0]
@@ -250,8 +245,8 @@ def fit_power_law(heights: Array, grid: Grid, shortest: float) -> PowerLaw:
     )
     if not mean.min() > 0.0:
         raise InputError(f"The height map has no waves of {si(shortest, 'm')}, whose spectrum could be extrapolated.")
-    # Of independent exponentially distributed powers the mean square is twice the square of the mean.
-    weight = 2.0 * np.histogram(q, edges)[0] * mean**2 / squares / _MODES_PER_INDEPENDENT_MODE
+    # The mean square of exponentially distributed powers is twice the square of their mean; the modes -q repeat q.
+    weight = 2.0 * np.histogram(q, edges)[0] * mean**2 / squares / (2.0 * HANN_DEPENDENCE)
     pivot = float(np.average(centre, weights=weight))
     spread = float(np.sum(weight * (centre - pivot) ** 2))
     # The mean logarithm of the mean of n exponentially distributed powers is too small by 1/(2 n).

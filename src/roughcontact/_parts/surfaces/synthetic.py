@@ -18,9 +18,9 @@ from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface
 from roughcontact.errors import InputError
 
-# Wavelengths that miss a limit by no more than this fraction count as inside: rounding.
+# Relative distance of a wavelength outside its limits that counts as rounding.
 _WAVELENGTH_TOLERANCE = 1e-9
-# Peak memory of the heights in numbers of float64 for each wave, and for each cell; measured.
+# Peak memory of the heights in float64 numbers per wave, and per cell; measured.
 _NUMBERS_PER_WAVE = 9.1
 _NUMBERS_PER_CELL = 5.1
 
@@ -50,7 +50,7 @@ def _phase(value: float | Sequence[float]) -> Pair:
 
 
 def _require_memory(grid: Grid, what: str, arrays: int) -> None:
-    """Refuse a grid on which the heights, with what they are computed from, do not fit into memory."""
+    """Refuse a grid on which so many arrays do not fit into memory."""
     nx, ny = grid.shape
     require_memory(8.0 * arrays * grid.cells, f"{what} on {nx} x {ny} cells", "choose fewer cells")
 
@@ -299,7 +299,7 @@ class SelfAffineSurface(Surface):
             for k, side in ((kx[:, None], grid.size[0]), (ky[None, :], grid.size[1]))
         )
         modes = self._modes(qx, qy, inner)
-        # The origin is the centre of the domain; the FFT's is the first cell.
+        # The origin is the centre of the domain; the FFT has it in the first cell.
         modes = modes * np.exp(1j * (qx * grid.x[0, 0] + qy * grid.y[0, 0]))
         spectrum = np.zeros(grid.shape, dtype=np.complex128)
         np.add.at(spectrum, np.ix_(kx % grid.shape[0], ky % grid.shape[1]), modes)
@@ -311,12 +311,12 @@ class SelfAffineSurface(Surface):
         return True
 
     def count_waves(self, grid: Grid) -> int:
-        """Return how many waves the heights on a grid are made of, those that only the rms value counts included."""
+        """Return the number of waves on a grid, including waves that only count in the rms value."""
         kx, ky = self._boxes(grid)[1]
         return (2 * kx + 1) * (2 * ky + 1)
 
     def _boxes(self, grid: Grid) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """Return the largest wave numbers, in waves a side, of the waves that the rms value counts, and of all."""
+        """Return the largest numbers of waves per side, for the waves in the rms value and for all."""
         inner, shown = (
             tuple(int(side / wave * (1 + _WAVELENGTH_TOLERANCE)) for side in grid.size)
             for wave in (self.rms_cutoff, self.shortest)
@@ -348,14 +348,14 @@ class SelfAffineSurface(Surface):
         return np.asarray(np.where(shown, modes * (rms / np.sqrt(np.sum(magnitude**2))), 0.0))
 
     def _noise(self, inner: tuple[int, ...], outer: tuple[int, ...]) -> Array:
-        """Return two normal numbers for each wave, shape (2, 2 outer + 1): whatever `outer`, the same for a wave."""
+        """Return two normal numbers for each wave, shape (2, 2 outer + 1); they do not depend on `outer`."""
         noise = np.random.default_rng(self.seed).standard_normal((2, *(2 * m + 1 for m in inner)))
         if inner == outer:
             return noise
         mx, my = inner
         nx, ny = outer
         wider = np.empty((2, 2 * nx + 1, 2 * ny + 1))
-        # A stream for each row, and in it the long waves first.
+        # Each row has its own random stream, with the long waves first.
         order = np.argsort(np.abs(np.arange(-ny, ny + 1)), kind="stable")
         for row in range(2 * nx + 1):
             key = np.random.SeedSequence(self.seed, spawn_key=(2 * abs(row - nx) + (row < nx),))

@@ -1,4 +1,4 @@
-"""The plan of a solve: what will run, for how long, and what is omitted and why."""
+"""The plan of a solve: its parts, time and memory, and the omitted steps with their reasons."""
 
 from __future__ import annotations
 
@@ -27,29 +27,28 @@ from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Transforms there and back of the grid's cells that a solve lasts as long as; measured on self-affine, wavy and
-# spherical surfaces of 128 x 128 to 512 x 512 cells, of which most need less.
+# Time of a solve in transforms there and back on the grid; measured on self-affine, wavy and spherical surfaces of
+# 128 x 128 to 512 x 512 cells, most of which need less.
 _TRANSFORMS_PER_SOLVE = {Boundary.FREE: 64.0, Boundary.PERIODIC: 40.0, Boundary.WRAPPED: 40.0}
-# Seconds that a solve takes on the smallest grid, measured on the same.
+# Seconds of a solve on the smallest grid, measured on the same surfaces.
 _MIN_SOLVE_SECONDS = 0.1
-# Cells along a side of the transform that is timed, and how often it is.
+# Cells along a side of the transform that is timed, and its repetitions.
 _TIMED_SIDE = 256
 _TIMED_REPEATS = 5
-# Peak memory of a solve in float64 arrays of the grid's size, at fractions of the cells in contact below the
-# pressure limit, without and with a free boundary; measured by docs/studies/memory.py. Vectors hold
-# only the cells in contact; on a free boundary kernel and spectra are larger.
+# Fractions of the cells in contact below the pressure limit, without and with a free boundary, and the peak memory of a
+# solve there, in float64 arrays of the grid (docs/studies/memory.py). Vectors hold only the cells in contact; on a free
+# boundary kernel and spectra are larger.
 _CONTACT_FRACTIONS = {False: (0.0, 0.1, 0.28, 0.36, 1.0), True: (0.0, 0.1, 0.4, 1.0)}
-# ... arrays at each fraction.
 _ARRAYS_AT_FRACTIONS = {False: (8.0, 9.2, 10.3, 15.5, 16.6), True: (11.5, 12.7, 17.6, 17.8)}
-# ... and at least, where vectors hold all cells: other solvers, and the direct sum; measured by tests/test_memory.py.
+# Minimum arrays if vectors hold all cells, as for other solvers and the direct sum; measured by tests/test_memory.py.
 _UNRESTRICTED_ARRAYS = 14.0
-# Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), to leave room for
+# Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), which leaves room for
 # coarser and finer grids.
 _MAX_CELL_ASPECT = 1e8
-# The sides of the largest grid that is proposed are multiples of this, so that they can be halved to coarser grids.
+# Divisor of the sides of the largest proposed grid, so that they can be halved to coarser grids.
 _SIDE_MULTIPLE = 32
-# Lengths in m and moduli in Pa up to this, and their inverses, keep the products in forces, areas and curvatures
-# within the 1e308 of float64.
+# Maximum length, m, and modulus, Pa, and inverse of the minimum, so that forces, areas and curvatures stay within the
+# 1e308 of float64.
 _MAX_MAGNITUDE = 1e40
 _OMITTED_IMAGES = {
     Boundary.FREE: "images of the domain: the boundary is free",
@@ -77,7 +76,7 @@ def _time_of_transform() -> float:
 
 @attrs.frozen(eq=False, kw_only=True)
 class SolvePlan:
-    """What will run, and what is omitted and why; `str` of it is the text of ``explain()``.
+    """The parts of a solve, and the omitted steps with their reasons; its `str` is the text of ``explain()``.
 
     Attributes
     ----------
@@ -94,15 +93,15 @@ class SolvePlan:
     pressure_limit
         Maximum pressure, shape () or (nx, ny), Pa; `inf` where there is none.
     omitted
-        What does not run, with the reason.
+        Omitted steps, with the reasons.
     non_measured
         Points that were not measured, shape (nx, ny); None if there are none.
     histories
-        How the heights of each body were prepared, in words.
+        Preparation of the heights of each body, in words.
     threads
-        The number of threads that is given, or ``"auto"``.
+        The given number of threads, or ``"auto"``.
     memory_limit
-        The memory that a solve may take, bytes; None for what the machine has.
+        The memory that a solve may take, bytes; None: the memory of the machine.
     """
 
     grid: Grid
@@ -207,9 +206,9 @@ def memory_of_solve(grid: Grid, boundary: Boundary, contact_fraction: float) -> 
 
 @guarded
 def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = None) -> None:
-    """Refuse a grid on which a solve does not fit into memory, even at light contact; before there are heights.
+    """Refuse a grid on which a solve does not fit into memory, even at light contact; heights are not needed.
 
-    `limit` is the memory that it may take, bytes; None for what the machine has.
+    `limit` is the memory that it may take, bytes; None: the memory of the machine.
     """
     shape = " x ".join(map(str, grid.shape))
     needed = memory_of_solve(grid, boundary, 0.0)
@@ -223,7 +222,7 @@ def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = 
 
 
 def _round_down(side: float) -> int:
-    """Return a number of cells that can be halved a few times, at most `side` of them and at least one."""
+    """Return a number of cells from one to `side` that can be halved a few times."""
     return int(side) // _SIDE_MULTIPLE * _SIDE_MULTIPLE or max(1, int(side))
 
 
@@ -240,13 +239,7 @@ def make_plan(
     threads: int | str = "auto",
     memory_limit: int | None = None,
 ) -> SolvePlan:
-    """Return the plan of a problem, after a check that its parts fit together.
-
-    Raises
-    ------
-    InputError
-        If they do not.
-    """
+    """Return the plan of a problem; `InputError` unless its parts fit together."""
     convolver.require(kernel, boundary)
     short, long = sorted(grid.spacing)
     if not long <= _MAX_CELL_ASPECT * short:
@@ -258,11 +251,9 @@ def make_plan(
         raise InputError("Both surfaces are flat, so the pressure is uniform: give at least one of them heights.")
     modulus = contact_modulus(body.material, counterbody.material)
     _require_range(modulus, "Pa", "contact modulus")
-    for value, name in (
-        (peak_to_valley, "peak-to-valley height"),
-        *((side, "side of the cells") for side in grid.spacing),
-    ):
-        _require_range(value, "m", name)
+    _require_range(peak_to_valley, "m", "peak-to-valley height")
+    for side in grid.spacing:
+        _require_range(side, "m", "side of the cells")
     limit = combined_pressure_limit(body.material, counterbody.material)
     if limit.shape not in ((), grid.shape):
         raise InputError(f"The pressure limit is an array of shape {limit.shape}, but the grid has {grid.shape} cells.")
@@ -297,7 +288,7 @@ def _require_range(value: float, unit: str, name: str) -> None:
 
 
 def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool) -> list[str]:
-    """Return what this problem does not need, with the reason."""
+    """Return the steps that this problem does not need, with the reasons."""
     texts = [_OMITTED_IMAGES[boundary]]
     if not capped:
         texts.append("pressure limit: neither material has one")

@@ -1,4 +1,4 @@
-"""One solve: the solver's outcome, and its certificate, recomputed from the pressure alone."""
+"""One solve: the outcome of the solver, and its certificate, recomputed from the pressure alone."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ from roughcontact.errors import InputError, NotConverged
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
 
-# Wave numbers at which the effective modulus is kept: about 24 a decade on a grid of 1000 cells a side.
+# Wave numbers at which the effective modulus is sampled: about 24 per decade on a grid of 1000 cells a side.
 _SAMPLED_WAVE_NUMBERS = 96
-# Difference of residuals, and of other figures over their largest value, that another machine or version of numpy
-# and scipy may make: transforms differ by some 1e-15, Love's kernel by up to 5e-11 between its forms.
+# Difference between machines, and versions of numpy and scipy, of residuals, and of other numbers over their maximum:
+# transforms differ by some 1e-15, Love's kernel by up to 5e-11 between its forms.
 _MACHINE_DIFFERENCE = 1e-10
 # Rounding of a gap over its largest term, with a margin of four over that of `ContactConditions`.
 _GAP_ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
-# Depth of non-measured points that touch, over the sum of the last depth and the approach, and the exponent that it
-# gets in the last round: after eight rounds they are 4^36 = 5e21 times deeper.
+# New depth of non-measured points that touch, over the sum of the last depth and the approach, to the power of the
+# round; and maximum rounds: after eight they are 4^36 = 5e21 times deeper.
 _DEPTH_FACTOR = 4.0
 _MAX_DEEPENINGS = 8
 
@@ -51,8 +51,8 @@ def certify(
 ) -> ContactSolution:
     """Return the solution in SI units, with residuals recomputed in float64 from the pressure alone.
 
-    A status of success stays only if float64 resolves the gap, the residuals confirm it, the load is right to
-    rounding and the bounds hold bit for bit.
+    A success is confirmed only if float64 resolves the gap, the residuals are small, the load is right to rounding and
+    the bounds hold bit for bit.
 
     Parameters
     ----------
@@ -64,11 +64,6 @@ def certify(
         The pressure and status that the solver returned.
     seconds
         Wall time of the solve, s.
-
-    Raises
-    ------
-    InputError
-        If the solver did not return an outcome with a pressure of the grid's shape.
     """
     if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.initial_gap.shape:
         raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
@@ -117,7 +112,7 @@ def verify_solution(
     if solution.origin is None or not solution.grid.matches(plan.grid):
         raise InputError(f"It is not a solution at a load, on the grid of the problem, {plan.grid}.")
     if gap.non_measured is not None:
-        # The solve chooses how deep they lie.
+        # The solve may have deepened them.
         gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
     task = make_task(plan, solution.initial_gap, Load.of(**solution.origin.load))
     pressure = solution.pressure / pressure_unit(plan)
@@ -127,7 +122,7 @@ def verify_solution(
 
 
 def _by_transforms(convolution: PreparedConvolution) -> PreparedConvolution:
-    """Return a convolution, by transforms instead of the direct sum, which takes minutes on large grids."""
+    """Return a convolution with transforms instead of the direct sum, which takes minutes on large grids."""
     setup = convolution.setup
     if not isinstance(setup.convolver, Direct):
         return convolution
@@ -136,7 +131,7 @@ def _by_transforms(convolution: PreparedConvolution) -> PreparedConvolution:
 
 
 def _require_confirmed(stated: ContactSolution, again: ContactSolution, initial_gap: Array) -> None:
-    """Raise `InputError` unless a solution states the gap of its problem and, up to rounding, what was recomputed."""
+    """Raise `InputError` unless a solution has the gap of its problem and, up to rounding, the recomputed numbers."""
     residuals = stated.residuals
     found = again.residuals
     moduli = again.moduli or ()
@@ -217,7 +212,7 @@ def _solve(
     while True:
         task = attrs.evolve(make_task(plan, gap.values, load, start), on_step=on_step)
         outcome = plan.solver.solve(problem.convolution, task)
-        # A clock may be set back, as on a machine that was suspended.
+        # A clock may be set back, for instance on a suspended machine.
         seconds = max(0.0, time.perf_counter() - started)
         solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
         excess = gap.sum_non_measured(solution.pressure)
@@ -228,14 +223,14 @@ def _solve(
         deepened += 1
         gap = gap.with_depth(_DEPTH_FACTOR**deepened * (float(gap.values.max()) + abs(solution.approach)))
     if excess > 0.0:
-        # The load of the measured points alone: the certificate tells whether it lacks more than rounding.
+        # Only measured points carry load: the certificate shows whether more than rounding is missing.
         outcome = attrs.evolve(outcome, pressure=np.where(np.asarray(gap.non_measured), 0.0, outcome.pressure))
         solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
     return solution
 
 
 def require_success(solution: ContactSolution) -> ContactSolution:
-    """Return the solution, or raise `NotConverged` if it is not certified or not as accurate as was asked."""
+    """Return the solution, or raise `NotConverged` if it is not certified or not as accurate as requested."""
     if not solution.status.success:
         status = f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals})."
         raise NotConverged(" ".join((status, *solution.warnings)), solution)

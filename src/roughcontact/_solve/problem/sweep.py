@@ -19,23 +19,23 @@ from roughcontact._solve.solution import AreaEstimator, ContactSolution, note_lo
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Relative error of the area at which the search for its load ends; where the area jumps from cell to cell,
-# the search ends at its uncertainty.
+# Relative error of the area at which the search for its load ends; if the area jumps from cell to cell, the search ends
+# at its uncertainty.
 _AREA_TOLERANCE = 1e-3
-# The search halves its bracket in the worst case: 40 halvings narrow any bracket below the criterion for jumps.
+# Maximum tries: 40 halvings, the worst case, narrow any bracket below the criterion for jumps.
 _MAX_TRIES = 40
-# Relative width of the bracket at which the area is taken to jump.
+# Maximum relative width of a bracket in which the area jumps.
 _JUMP_BRACKET_WIDTH = 1e-6
-# Mean pressure, over that of a large area, below which the area cannot follow the load: single cells are in contact.
+# Minimum mean pressure, over the pressure of a large area: below, the area of single cells cannot follow the load.
 _MIN_PRESSURE_RATIO = 1e-20
-# Powers of the pressure (first) and of the overlap (last) that are extrapolated; maximum pressure, over the limit, of
-# a cell that is not saturated.
+# Power of the pressure that is extrapolated, maximum pressure of an elastic cell, over the limit, and power of the
+# overlap that is extrapolated.
 _PRESSURE_POWER = 1.75
 _MAX_UNSATURATED_PRESSURE = 0.97
 _OVERLAP_POWER = 2.0 / 3.0
-# Relative difference of two loads, or of their approaches, up to which they are one: rounding.
+# Relative difference of two equal loads, or of their approaches: rounding.
 _EQUAL_LOAD_TOLERANCE = 1e-9
-# Ratio of two loads below which a solve from coarse grids is as fast as one from the other solution.
+# Minimum ratio of two loads at which the solution of one is a faster start for the other than coarse grids.
 _MIN_LOAD_RATIO = 0.5
 _COLUMN_UNITS = {
     "mean_pressure": "Pa",
@@ -114,9 +114,9 @@ class Sweep:
     def secant_stiffness(self) -> Array:
         """Slopes of the chords (F[k+1] - F[k-1]) / (d[k+1] - d[k-1]) of force over approach, N/m.
 
-        The loads are numbered from the smallest up, whatever their order in the sweep, and equal ones count once. At
-        the smallest and at the largest load the load itself takes the place of the neighbour that it does not have; of
-        a single load it is nan. The stiffness at a load, with its uncertainty, is `ContactSolution.stiffness`.
+        The loads are ordered from the smallest up, and equal ones count once. At the smallest and the largest load, the
+        chord ends at the load itself; for a single load it is nan. `ContactSolution.stiffness` gives the stiffness at a
+        load, with its uncertainty.
         """
         order = np.argsort(self.force, kind="stable")
         force = self.force[order]
@@ -157,7 +157,7 @@ class Sweep:
         return make_table(self).to_pandas()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; it may replace a file."""
+        """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; an existing file is replaced."""
         make_table(self).to_csv(path)
 
     @overload
@@ -175,7 +175,7 @@ class Sweep:
         """Return the results and fields as an `xarray.Dataset` over the load, x and y, m (extra ``store``).
 
         ``pressure`` and ``gap`` have the dimensions (load, x, y), ``initial_gap`` has (x, y), and the columns of
-        `to_pandas` have (load,); the coordinate ``load`` is what was asked, in its unit. The fields are copies.
+        `to_pandas` have (load,); the coordinate ``load`` is the given load, in its unit. The fields are copies.
         """
         return to_dataset(self)
 
@@ -203,7 +203,7 @@ class Sweep:
 
 @guarded
 def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tuple[Load, ...]) -> Sweep:
-    """Return the solutions at all loads, solved from the largest down: each starts from those before."""
+    """Return the solutions at all loads, from the largest down: each starts from earlier ones."""
     solutions: dict[int, ContactSolution] = {}
     for index in order_of_solving(loads):
         load = loads[index]
@@ -214,7 +214,7 @@ def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tup
 def order_of_solving(loads: Sequence[Load]) -> list[int]:
     """Return the positions of the loads from the largest down.
 
-    Cells that will leave the contact are known, with their pressures; those that will join it are not.
+    Cells that will leave the contact are known, with their pressures; cells that will join it are not.
     """
     return sorted(range(len(loads)), key=lambda index: -loads[index].value)
 
@@ -268,18 +268,13 @@ def find_load_of_area(
 
 
 def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | None:
-    """Return a pressure to start from, shape (nx, ny), Pa; None where a solve without it is as fast.
+    """Return a pressure to start from, shape (nx, ny), Pa; None if a solve without it is as fast.
 
     Towards smaller loads the pressure of a cell falls nearly in proportion to the load inside a contact, and as a
-    square root to zero where the edge passes: a power between them is extrapolated over the logarithm of the load.
-    A saturated cell stays at the limit while its extrapolated gap is negative.
+    square root to zero at a passing edge: a power between them is extrapolated over the logarithm of the load. A
+    saturated cell stays at the limit while its extrapolated gap is negative.
 
-    Parameters
-    ----------
-    solutions
-        Those found before, the last at the nearest load; better at a larger than at a smaller one.
-    load
-        The next load.
+    The earlier solutions end with the nearest load, better a larger than a smaller one than the next load.
     """
     if not solutions:
         return None

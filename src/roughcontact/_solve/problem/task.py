@@ -1,4 +1,4 @@
-"""The dimensionless task that a solver is given: pressures in E* times the peak-to-valley height over the cell."""
+"""The dimensionless task of a solver: pressures in E* times the peak-to-valley height over the cell."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.solvers import Task
 from roughcontact.errors import InputError
 
-# Relative error of the load that counts as rounding.
+# Relative error of the load by rounding.
 LOAD_TOLERANCE = 1e-12
 # Range of dimensionless loads and approaches: beyond 1e15 the displacement hides the heights from float64, and
-# float32, in which solvers iterate, holds 1e-38 to 1e38. Limits above the third number are not reached.
+# float32, in which solvers iterate, holds 1e-38 to 1e38. Third, the maximum pressure limit that can be reached.
 _MIN_LOAD = 1e-30
 _MAX_LOAD = 1e15
 _MAX_PRESSURE_LIMIT = 1e30
@@ -27,29 +27,15 @@ def pressure_unit(plan: SolvePlan) -> float:
 
 
 def make_task(plan: SolvePlan, initial_gap: Array, load: Load, start: Array | None = None) -> Task:
-    """Return the task of carrying a load.
+    """Return the task for a load; `InputError` if the bodies cannot carry it.
 
-    Parameters
-    ----------
-    plan
-        The plan of the problem.
-    initial_gap
-        Gap before deformation, shape (nx, ny), m.
-    load
-        The load.
-    start
-        A contact pressure to start from, shape (nx, ny), Pa.
-
-    Raises
-    ------
-    InputError
-        If the bodies cannot carry the load.
+    The initial gap, m, and the contact pressure to start from, Pa, have shape (nx, ny).
     """
     load = limit_load(plan, initial_gap, load)
     unit = pressure_unit(plan)
     start = None if start is None else _limit_start(start, plan) / unit
     if start is not None and load.kind == "pressure" and not start.max() > _MIN_LOAD:
-        # What carries no load cannot be scaled to one.
+        # A pressure of zero cannot be scaled to a load.
         start = None
     gap = initial_gap / plan.peak_to_valley
     measured = None if plan.non_measured is None else ~plan.non_measured
@@ -58,7 +44,7 @@ def make_task(plan: SolvePlan, initial_gap: Array, load: Load, start: Array | No
         mean_pressure=load.value / unit if load.kind == "pressure" else None,
         approach=load.value / plan.peak_to_valley if load.kind == "approach" else None,
         pressure_limit=_dimensionless_limit(plan),
-        # The depth of non-measured points is arbitrary: it must not be what errors are compared with.
+        # The depth of non-measured points is arbitrary: errors must not be compared with it.
         rms_gap=None if measured is None else float(gap[measured].std()),
         start=start,
     )
@@ -93,7 +79,7 @@ def _dimensionless_limit(plan: SolvePlan) -> Array:
 
 
 def maximum_pressure(plan: SolvePlan) -> float:
-    """Return the maximum mean pressure that the bodies can carry, Pa: at the limit wherever heights were measured."""
+    """Return the maximum mean pressure that the bodies can carry, Pa: with all measured points at the limit."""
     measured = True if plan.non_measured is None else ~plan.non_measured
     return float(np.mean(np.where(measured, plan.pressure_limit, 0.0)))
 

@@ -1,4 +1,4 @@
-"""Solutions in files, npz and netCDF, and where a solution comes from."""
+"""Solutions in files, npz and netCDF."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ from roughcontact.errors.door import warn
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
 
-# As what xarray writes booleans, which netCDF has not; no other array is of this type. The attribute in which it notes
-# them stays unread: HDF5 may search a damaged file without end for a text of any length.
+# Type as which xarray writes booleans, which netCDF does not have; no other array is of this type. Its attribute for
+# them is not read: HDF5 may search a damaged file for an endless text.
 _STORED_BOOLEANS = np.int8
 T = TypeVar("T")
 _ARCHIVE_KIND = "solution"
@@ -69,7 +69,7 @@ _SCALARS = {
     "saturated_area": ("area at the pressure limit", "m2"),
     "saturated_area_uncertainty": ("standard deviation of the saturated area", "m2"),
 }
-# Bytes that the arrays of a problem may take beside a multiple of their own; masks of bytes are read as they are.
+# Bytes that the arrays of a problem may take, plus a multiple of their own.
 _COPY_ALLOWANCE = 2**26
 _MAX_COPIES = 16
 _REAL_FIELDS = ("modulus", "approach", "seconds", "edge_shift")
@@ -116,15 +116,15 @@ def read_netcdf(path: Path) -> tuple[dict[str, RealArray], dict[str, Any]]:
             item = file[name] if isinstance(link, h5py.HardLink) else None
             if not isinstance(item, h5py.Dataset):
                 raise ValueError(f"{name!r} is not an array in it")
-            # h5py takes the type of opaque bytes from the file, even that of Python's objects: they stay unread.
+            # h5py takes the type of opaque bytes, even Python objects, from the file: they are not read.
             if item.id.get_type().get_class() not in (h5py.h5t.INTEGER, h5py.h5t.FLOAT):
                 raise ValueError(f"its array {name!r} is not stored as plain numbers inside it")
             if item.is_scale:
-                # Places, and dimensions without any, which have a shape but no data.
+                # Coordinates, and dimensions without coordinates, which have no data.
                 continue
             stored = item.id.get_create_plist()
             is_inside = stored.get_layout() in (h5py.h5d.COMPACT, h5py.h5d.CONTIGUOUS)
-            # Each array is read once: many names of one would take more memory than the file has bytes.
+            # Many names of one array would take more memory than the file has bytes.
             left -= math.prod(item.shape) * item.dtype.itemsize
             if item.dtype.kind not in "biuf" or not is_inside or stored.get_external_count() or left < 0:
                 raise ValueError(f"its array {name!r} is not stored as plain numbers inside it")
@@ -149,7 +149,7 @@ def write(path: Path, solution: ContactSolution, *, flush: bool = True) -> None:
 
 
 def read(path: Path, key: str | None = None) -> dict[str, Any]:
-    """Return the arguments of a `ContactSolution`, of the one with a key if it is given; see `ContactSolution.load`."""
+    """Return the arguments of a `ContactSolution`, which must have the key if one is given; see its `load`."""
     arrays, header = read_netcdf(path) if path.suffix == ".nc" else read_archive(path)
     if header.get("kind") != _ARCHIVE_KIND:
         raise InputError(f"The file {path.name} does not hold a solution.")
@@ -161,7 +161,7 @@ def read(path: Path, key: str | None = None) -> dict[str, Any]:
 
 
 def read_figures(path: Path, key: str) -> dict[str, Any]:
-    """Return status, cost and scalars of the solution with a key; all of its file is compared with its checksum."""
+    """Return status, cost and scalars of the solution with a key; the file is compared with its checksum."""
     arrays, header = read_some(path, _SCALARS)
     with _usable(path, "its header is wrong"):
         require_key(header, key)
@@ -186,16 +186,16 @@ def verify(path: Path, solution: ContactSolution) -> None:
 
 @contextlib.contextmanager
 def _usable(path: Path, trouble: str) -> Iterator[None]:
-    """Turn whatever fails on the content of a file into a sentence."""
+    """Turn any error by the content of a file into an `InputError`."""
     try:
-        # Numbers of a file may overflow: what becomes infinite is refused.
+        # Numbers of a file may overflow: infinite ones are refused later.
         with np.errstate(all="ignore"):
             yield
     except MemoryError:
         raise
     except InputError as error:
         raise InputError(f"The file {path.name} cannot be used: {' '.join(str(error).split())}") from error
-    # Classes of plug-ins refuse their fields in as many ways as there are plug-ins.
+    # Each plug-in refuses wrong fields in its own way.
     except Exception as error:
         raise InputError(f"The file {path.name} cannot be used: {trouble} ({error!r:.200}).") from error
 
@@ -222,11 +222,7 @@ def _require_sound(fields: Mapping[str, Any], arrays: Mapping[str, RealArray]) -
 
 def to_xarray(solution: ContactSolution) -> Any:
     """Return the solution as an xarray dataset; see `ContactSolution.to_xarray`."""
-    arrays, _ = _disassemble(solution)
-    # Without the arrays of its problem, which only a file needs.
-    return _dataset(
-        solution, {name: np.asarray(values) for name, values in arrays.items() if not name.startswith(_PART_PREFIX)}
-    )
+    return _dataset(solution, {name: np.asarray(values) for name, values in _list_variables(solution).items()})
 
 
 def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
@@ -244,7 +240,7 @@ def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
 
 
 def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
-    """Return all arrays by name, and everything else as data that JSON can hold."""
+    """Return all arrays by name, and everything else as data for JSON."""
     parts: dict[str, RealArray] = {}
     origin = solution.origin
     limit = solution.pressure_limit
@@ -258,7 +254,7 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
         "status": solution.status.name,
         "pressure_limit": describe(limit if limit.ndim else float(limit), parts),
         "non_measured": describe(solution.non_measured, parts),
-        # Files name the errors of the iterations as they did before these were called so.
+        # The errors of the iterations have their former name in files.
         "history": describe(solution.errors, parts),
         **{name: describe(getattr(solution, name), parts) for name in described},
         **{name: describe(table, parts) for name, table in tables.items()},
@@ -266,12 +262,15 @@ def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], d
         "problem": None if origin is None else origin.describe(parts),
         "load": None if origin is None else describe(origin.load, parts),
     }
-    fields = {name: getattr(solution, name) for name in _FIELDS}
-    return {**fields, **scalars_of(solution), **{_PART_PREFIX + name: values for name, values in parts.items()}}, header
+    return {**_list_variables(solution), **{_PART_PREFIX + name: values for name, values in parts.items()}}, header
+
+
+def _list_variables(solution: ContactSolution) -> dict[str, npt.ArrayLike]:
+    return {**{name: getattr(solution, name) for name in _FIELDS}, **scalars_of(solution)}
 
 
 def scalars_of(solution: ContactSolution) -> dict[str, float]:
-    """Return the numbers that files state beside the fields, by name, in SI units."""
+    """Return the scalars of a file by name, in SI units."""
     figures = {
         "maximum_pressure": float(solution.pressure.max()),
         **_estimate(solution, "area"),
@@ -281,7 +280,7 @@ def scalars_of(solution: ContactSolution) -> dict[str, float]:
 
 
 def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:
-    """Return an area and its uncertainty, not a number where it fails: no solution is lost because of its area."""
+    """Return an area and its uncertainty; nan if it fails, so that the solution can still be saved."""
     try:
         area = getattr(solution, what)()
         value = float(area.value)
@@ -329,7 +328,7 @@ def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dic
 
 def _require_few(described: Described, parts: Mapping[str, RealArray]) -> None:
     """Raise `InputError` if a problem names its arrays so often that their copies take far more than the file."""
-    # Each copy may be of float64; a sum of two surfaces may name a map twice.
+    # A copy may be float64; a sum of two surfaces may name a map twice.
     taken = sum(8 * parts[name].size for name in arrays_in(described) if name in parts)
     if taken > _COPY_ALLOWANCE + _MAX_COPIES * sum(values.nbytes for values in parts.values()):
         raise InputError(f"The arrays that its problem names take {taken} bytes, more than it may hold.")

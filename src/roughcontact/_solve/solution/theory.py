@@ -17,12 +17,12 @@ from roughcontact.reference.roughness import Waves, find_lay, find_shape, transf
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
 
-# Theory over solved area on isotropic Gaussian surfaces below this fraction of contact, from 1 % on; Hurst exponents
-# 0.3 to 0.8, docs/studies/persson.py.
+# Range of theoretical over solved area on isotropic Gaussian surfaces of Hurst exponents 0.3 to 0.8, and the range of
+# contact fractions where it holds (docs/studies/persson.py).
 _AREA_RATIO_RANGE = (0.65, 0.9)
 _CONTACT_RANGE = (0.01, 0.4)
-# Surfaces that the theory describes: relative sampling error of the mean square height and slope, ratio of the rms
-# slopes along two directions, skewness, kurtosis, and the part of the mean square slope from waves below four cells.
+# Surfaces that the theory describes: maximum relative sampling error of the mean square height and slope, ratio of the
+# rms slopes along two directions, skewness, kurtosis, and fraction of the mean square slope in waves below four cells.
 _MAX_HEIGHT_ERROR = 0.35
 _MAX_SLOPE_ERROR = 0.15
 _MAX_LAY_RATIO = 1.5
@@ -31,7 +31,7 @@ _KURTOSIS_RANGE = (2.0, 4.5)
 _MAX_UNRESOLVED_FRACTION = 0.3
 # Relative standard deviation of the area of one patch at a given load, from random scenes.
 _PATCH_AREA_STD = 0.25
-# Cells of the largest grid whose spectrum is taken unasked: 0.6 s.
+# Maximum cells of a grid whose spectrum is computed by default: 0.6 s.
 _MAX_CELLS = 2**22
 
 
@@ -42,14 +42,14 @@ class TheoryBeside:
     Attributes
     ----------
     contact
-        What the theory gives at the mean pressure of the solution.
+        The contact of the theory at the mean pressure of the solution.
     area_ratio
         Its area over the solved one.
     gap_ratio
         Its mean gap over the solved one; nan in full contact.
     departure
-        By how much `area_ratio` is outside the range of 0.65 to 0.9, in standard deviations of sampling, of few patches
-        and of the solved area; zero inside, and where the range does not apply.
+        Distance of `area_ratio` from the range of 0.65 to 0.9, in standard deviations by sampling, few patches and the
+        solved area; zero inside, and if the range does not apply.
     """
 
     contact: PerssonContact
@@ -65,7 +65,7 @@ class TheoryBeside:
 
 
 def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
-    """Return the theory beside a solution, or None where it does not hold: see `ContactSolution.theory`."""
+    """Return the theory beside a solution, or None if it does not hold: see `ContactSolution.theory`."""
     applies = (
         solution.boundary is Boundary.PERIODIC
         and solution.status.success
@@ -95,8 +95,8 @@ def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
 
 
 def _find_waves(initial_gap: Array, grid: Grid) -> Waves | None:
-    """Return the waves of isotropic Gaussian roughness that the grid resolves; None of anything else."""
-    # Of the heights, which are the gap with the other sign, the skewness has the other sign.
+    """Return the waves of isotropic Gaussian roughness that the grid resolves; None for other surfaces."""
+    # The heights are the negative gap, so that their skewness has the other sign.
     skewness, kurtosis = find_shape(initial_gap)
     if abs(skewness) > _MAX_SKEWNESS or not _KURTOSIS_RANGE[0] <= kurtosis <= _KURTOSIS_RANGE[1]:
         return None

@@ -1,4 +1,4 @@
-"""Verification in float64 around the descent in float32, by openings near full contact."""
+"""Verification in float64 around the descent in float32; near full contact a descent of the gap."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import cached_property
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, RealArray
+from roughcontact._base.arrays import Array, RealArray, sum_of_products
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status, Violation
 from roughcontact._solve.solvers.base import Monitor, Task
@@ -17,20 +17,20 @@ from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, multiply_active
 from roughcontact._solve.solvers.projection import ApproachControl, Control, LoadControl, total
 
-# Stiffness that supports waves longer than the openings, over the mean one of a punch of their shape.
+# Support stiffness for waves longer than the openings, over the mean of a punch of their shape.
 _SUPPORT_STIFFNESS = 0.25
-# Error to which float32 tells a pressure, and the factor by which a pass in float32 may lower the error.
+# Error of a pressure in float32, and minimum factor of a pass in float32 on the error.
 _FLOAT32_ERROR = 1e-6
 _FLOAT32_GAIN = 2e-5
-# A pass that cannot reach the goal ends at this multiple of what float32 tells: the next one starts anew.
+# Error at which a pass ends that cannot reach its goal, over the error of float32.
 _EARLY_GOAL_FACTOR = 10.0
-# The estimate aims at this fraction of the tolerance, which the verification has to meet.
+# Goal of the estimated error, over the tolerance of the verification.
 _GOAL_FRACTION = 0.7
-# Below the first factor of its error a pass ends after three iterations that do not lower the error to a third.
+# A pass whose error has fallen by the first factor ends after three iterations that do not lower it to a third.
 _LATE_ERROR_FRACTION = 3e-3
 _SLOW_ERROR_RATIO = 1.0 / 3.0
 _MAX_SLOW_ITERATIONS = 3
-# Iterations of a pass, and verifications of a solve, that may go by without the error being halved.
+# Maximum iterations of a pass, and verifications of a solve, that do not halve the error.
 _MAX_IDLE_ITERATIONS = 30
 _MAX_IDLE_VERIFICATIONS = 5
 
@@ -46,7 +46,7 @@ class NearlyFull:
     closing
         Pressure of full contact, shape (nx, ny); negative where cells must open.
     gap
-        A gap that is not negative, shape (nx, ny).
+        The gap, not negative, shape (nx, ny).
     """
 
     inverse: InverseConvolution
@@ -71,7 +71,7 @@ class Openings:
     gap
         The gap, shape (nx, ny).
     error
-        Error of the pressure that was found last, over its maximum.
+        Error of the last pressure, over its maximum.
     """
 
     def __init__(self, start: NearlyFull, monitor: Monitor) -> None:
@@ -107,7 +107,7 @@ class Openings:
         )
 
     def solve(self, goal: float) -> Array:
-        """Return the pressure, with an error below the goal if it can be reached."""
+        """Return the pressure, with an error below the goal if possible."""
         previous = np.inf
         while True:
             self._products += 1
@@ -119,7 +119,7 @@ class Openings:
             self._descend(pressure, max(goal, _FLOAT32_GAIN * self.error))
 
     def _descend(self, pressure: Array, goal: float) -> RealArray:
-        """Lower the error of the gap to a goal, as far as float32 can; return the pressure."""
+        """Lower the error of the gap to a goal, as far as float32 allows; return the pressure."""
         peak = float(pressure.max())
         self._descent.start(self.gap.reshape(-1), pressure.astype(np.float32).ravel())
         while self._monitor.has_iterations_left and self._descent.iterate():
@@ -130,13 +130,13 @@ class Openings:
         return self._descent.stop().reshape(pressure.shape)
 
     def _measure(self, pressure: Array) -> float:
-        """Return the error of a pressure, over its maximum: negative, or on an open cell."""
+        """Return the error of a pressure, over its maximum: negative pressure, or pressure on open cells."""
         opened = float(self.gap.sum())
-        mean = float(np.einsum("ij,ij->", self.gap, np.abs(pressure))) / opened if opened > 0.0 else 0.0
+        mean = sum_of_products(self.gap, np.abs(pressure)) / opened if opened > 0.0 else 0.0
         return max(mean, -float(pressure.min())) / float(pressure.max())
 
     def _bound(self, pressure: Array) -> Array:
-        """Return the pressure, changed in place, without what pulls or acts on open cells."""
+        """Return the pressure, changed in place, zero where it is negative or the cell is open."""
         np.maximum(pressure, 0.0, out=pressure)
         pressure[self.gap > 0.0] = 0.0
         return pressure
@@ -192,7 +192,7 @@ class Refinement:
 
     @cached_property
     def _preconditioner(self) -> Preconditioner:
-        # A start that needs no descent, such as full contact, needs no preconditioner either.
+        # A start without descent, such as full contact, needs no preconditioner.
         inverse = self._convolution.inverse(np.float32)
         return Preconditioner(inverse, self._convolution, rigid=self._task.mean_pressure is None)
 
@@ -203,7 +203,7 @@ class Refinement:
 
     @property
     def met_limit(self) -> bool:
-        """Whether the pressure limit has shortened any step, or changed a start, so far."""
+        """Whether the pressure limit has shortened a step or changed a start so far."""
         return self._limited or (self._started and self._descent.met_limit)
 
     @property
@@ -263,7 +263,7 @@ class Refinement:
             displacement = self._convolution.apply(flat.reshape(shape))
             self._verifications += 1
             if self._monitor.errors:
-                # An estimate, which the verified error replaces.
+                # The verified error replaces the estimate.
                 self._monitor.errors.pop()
             violation, status = self._monitor.judge(flat.reshape(shape), displacement)
             if status is None:
@@ -285,13 +285,13 @@ class Refinement:
             del gap
 
     def _restore(self, pressure: Array) -> Array:
-        """Return a flat pressure, changed in place, of the load of the task."""
+        """Return a flat pressure, changed in place, with the load of the task."""
         pressure = self._control.restore(pressure, self._limit)
         self._limited = self._limited or (self._task.capped and bool((pressure >= self._limit).any()))
         return pressure
 
     def _leave_openings(self) -> None:
-        """Go on with the pressure where the openings have not settled."""
+        """Continue with the pressure instead of the openings."""
         if self._openings is not None:
             self._others += self._openings.products
             self._openings = None
@@ -304,7 +304,7 @@ class Refinement:
         return gap.ravel().astype(np.float32)
 
     def _descend(self, pressure: Array, gap: RealArray, violation: Violation, goal: float) -> RealArray:
-        """Iterate until the estimate of the error makes a verification worth its convolution; return the gap."""
+        """Iterate until the estimated error is worth a verification; return the gap."""
         self._started = True
         self._descent.start(pressure, gap)
         error = violation.error

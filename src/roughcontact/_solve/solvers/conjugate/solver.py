@@ -1,4 +1,4 @@
-"""The default solver, from the top."""
+"""The default solver: windows, starts, and a second method if the first stalls."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import (
 from roughcontact._solve.solvers.conjugate.refinement import Refinement
 from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 
-# Iterations for a given approach after which loads are searched instead, where that is possible: 40 and 160 change
-# the products of the 26 contacts by -6 and +14 %, all in the one that needs the search.
+# Maximum iterations for a given approach before a search over loads, if that is possible: 40 and 160 change the
+# products of the 26 contacts by -6 and +14 %, all in the one that needs the search.
 _MAX_APPROACH_ITERATIONS = 80
-# Approach over that of full contact above which they are: below, each digit of the approach needs one of the load.
+# Minimum approach for a search over loads, over full contact: below, each digit of the approach needs one of the load.
 _LOAD_SEARCH_APPROACH = 0.5
-# Loads to try at most.
+# Maximum loads to try.
 _MAX_LOAD_TRIES = 60
-# Loads that may fail, each followed by one nearer to the last that was solved.
+# Maximum loads that may fail; after each, one nearer to the last solved load is tried.
 _MAX_LOAD_FAILURES = 6
-# First guess of the power law between the load and the gap that are missing to full contact.
+# First exponent of the power law between the missing load and the remaining gap to full contact.
 _FIRST_POWER = 2.0
-# Minimum missing load, and gap, over those of full contact at zero load: log(0) is avoided.
+# Minimum missing load and remaining gap, over their values at zero load, to avoid log(0).
 _MIN_MISSING_FRACTION = 1e-9
 
 
@@ -59,10 +59,9 @@ class ProjectedConjugateGradient(Solver):
     """Projected conjugate gradients, preconditioned by the inverse kernel on the active cells.
 
     Load or approach control, with or without a pressure limit, on any boundary. The number of
-    iterations hardly grows with the grid. The descent runs in float32, every result is verified in
-    float64. If it stalls, `SpectralGradient` continues, or, for an approach near the full contact of
-    a periodic surface, a search over loads; the status says so. What a start does not lead to is solved
-    once more without it.
+    iterations hardly grows with the grid. The descent runs in float32, every result is verified in float64. If it
+    stalls, `SpectralGradient` continues, or, for an approach near the full contact of a periodic surface, a search over
+    loads; the status says so. If a start does not lead to the solution, the solve is repeated without it.
 
     Parameters
     ----------
@@ -95,14 +94,14 @@ class ProjectedConjugateGradient(Solver):
 
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the contact pressure; see `Solver.solve`."""
-        # What follows serves arrays of any kind: it makes new ones of the kind of those that it has.
+        # The code below serves any kind of array: new arrays are made like existing ones.
         outcome = self._solve(convolution, task.convert(convolution.from_numpy))
         return attrs.evolve(outcome, pressure=convolution.to_numpy(outcome.pressure))
 
     def _solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
-        """Solve; where the limit shortened steps but is reached nowhere in the end, solve again without it.
+        """Solve; if the limit shortened steps but no cell reaches it in the end, solve again without it.
 
-        So a limit that is not reached changes no bit of the result.
+        A limit that is not reached then changes no bit of the result.
         """
         found = self._solve_in_window(convolution, task)
         limited = found.outcome
@@ -133,7 +132,7 @@ class ProjectedConjugateGradient(Solver):
         return attrs.evolve(found, met_limit=met_limit or found.met_limit)
 
     def _solve_on_grid(self, convolution: PreparedConvolution, task: Task) -> GridSolution:
-        """Solve on all cells of the convolution; where a start does not lead to the solution, once more without it."""
+        """Solve on all cells of the convolution; again without a start that does not lead to the solution."""
         found = self._descend(convolution, task)
         if task.start is None or found.outcome.status.success:
             return found
@@ -142,7 +141,7 @@ class ProjectedConjugateGradient(Solver):
         return attrs.evolve(again, outcome=outcome, met_limit=found.met_limit or again.met_limit)
 
     def _descend(self, convolution: PreparedConvolution, task: Task) -> GridSolution:
-        """Solve on all cells of the convolution, by a second method where the first stalls."""
+        """Solve on all cells of the convolution, by a second method if the first stalls."""
         given = task.start
         start = nested_iteration(convolution, task) if given is None else start_from(convolution, task, given)
         searchable = _can_search_loads(convolution, task)
@@ -151,7 +150,7 @@ class ProjectedConjugateGradient(Solver):
         refinement = Refinement(convolution, task, monitor, start.nearly_full)
         pressure = start.pressure
         if start.levels and not start.closed:
-            # Far from the solution the gap need not be exact.
+            # Far from the solution an approximate gap is enough.
             pressure = refinement.approximate(pressure)[0]
         pressure, violation, status = refinement.run(pressure)
         outcome = monitor.outcome(pressure, status, round(start.products + refinement.products))
@@ -161,7 +160,7 @@ class ProjectedConjugateGradient(Solver):
         return GridSolution(outcome, violation.approach, start.met_limit or refinement.met_limit)
 
     def _rescue(self, convolution: PreparedConvolution, task: Task, stalled: Outcome) -> Outcome:
-        """Continue with a method that is slower but more robust."""
+        """Continue with a slower but more robust method."""
         if _can_search_loads(convolution, task):
             rescue = self._search_loads(convolution, task, stalled.pressure)
         else:
@@ -173,11 +172,10 @@ class ProjectedConjugateGradient(Solver):
     def _search_loads(self, convolution: PreparedConvolution, task: Task, pressure: Array) -> Outcome:
         """Solve for loads until one gives the approach of the task.
 
-        Near full contact the approach hardly depends on the load, so that the load is badly determined
-        by it; but each load gives its approach. The logarithms of the missing load and of the remaining
-        gap are nearly proportional: the secant through the last two, kept inside a bracket, finds the
-        approach in a few steps. Beyond full contact, where cells are saturated and overlap, the bracket is
-        halved instead.
+        Near full contact the approach hardly depends on the load and determines it badly, but each load determines its
+        approach. The logarithms of the missing load and of the remaining gap are nearly proportional: the secant
+        through the last two, within a bracket, finds the approach in a few steps. Beyond full contact, with saturated
+        cells that overlap, the bracket is halved instead.
         """
         assert task.approach is not None
         monitor = Monitor(task, self.tolerance, self.max_iterations)
@@ -214,7 +212,7 @@ class ProjectedConjugateGradient(Solver):
                 power = (excess - before[1]) / (missing - before[0])
             before = (missing, excess)
             trial = missing - excess / power
-            # Between full contact and the first saturated cell the approach is constant: only halving gets past.
+            # Between full contact and the first saturated cell the approach is constant: the bracket is halved.
             if beyond or not low < trial < high:
                 trial = 0.5 * (low + high) if math.isfinite(low) else high - 1.0
             missing = trial
@@ -228,7 +226,7 @@ class ProjectedConjugateGradient(Solver):
 
 
 def _append(before: Outcome, after: Outcome) -> Outcome:
-    """Return an outcome with the work of the one before it added to its own."""
+    """Return an outcome with the work of an earlier one added."""
     return attrs.evolve(
         after,
         iterations=before.iterations + after.iterations,
