@@ -97,7 +97,7 @@ class TestShort:
 
     def test_a_large_solution_is_not_estimated_for_one_line(self, monkeypatch):
         solution = make_problem().solve(pressure=1e8)
-        monkeypatch.setattr(summary, "_SMALL", 100)
+        monkeypatch.setattr(summary, "_MAX_REPR_CELLS", 100)
         monkeypatch.setattr(rc.ContactSolution, "area", lambda self: pytest.fail("the area was estimated"))
         assert repr(solution) == "<ContactSolution 32 x 32, free: converged, 100 MPa>"
 

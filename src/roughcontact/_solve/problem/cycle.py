@@ -25,7 +25,7 @@ _MAX_STEPS = 200
 _RISEN = 0.02
 # Rounds that halve the steps around the lowest force.
 _REFINEMENTS = 4
-# Relative standard deviation of the lowest force because of the cells beside what sticking to them does; measured on balls.
+# Relative standard deviation of the lowest force by the size of the cells, beside sticking to them; measured on balls.
 _CELL_ERROR = 1e-3
 # Energy of a step, over the work done in it, above which a loss is a jump and not the error of the trapezoidal rule.
 _JUMP = 0.5
