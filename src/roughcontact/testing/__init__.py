@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import Any
 
 from roughcontact._base.registry import Registry
-from roughcontact._work.reports.stability import stability_gallery
 from roughcontact.testing import convolvers, estimators, inputs, kernels, panels, responses, solvers  # noqa: F401 - claims
 from roughcontact.testing.claim import (
     Claim,
@@ -38,5 +37,4 @@ __all__ = [
     "judge",
     "kind_of",
     "require",
-    "stability_gallery",
 ]

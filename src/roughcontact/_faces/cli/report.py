@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
-from typing import Any
 
 import roughcontact as rc
 from roughcontact._base import checks
@@ -17,7 +15,7 @@ from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.solution import DEFAULT_AREA
 from roughcontact._work.reports.error import ErrorReport
-from roughcontact._work.reports.stability import Verdict, stability_gallery
+from roughcontact._work.reports.stability import Verdict
 
 
 class Report(Command):
@@ -99,13 +97,11 @@ class Stability(Command):
 examples:
   roughcontact stability map.npz --pressure 10MPa --young 210GPa
   roughcontact stability study.toml --problem ball --force 5N
-  roughcontact stability --gallery
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
         add_scenes(parser)
         parser.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
-        parser.add_argument("--gallery", action=_Gallery, help="run the built-in extreme problems instead")
 
     def run(self, options: argparse.Namespace) -> int:
         """Return 0, or 1 if a check of any contact fails."""
@@ -117,22 +113,5 @@ examples:
             print(f"{_heading(scene)}{report}")
             if estimator is not None:
                 print(fit(f"area: {report.solution.area(estimator)}"))
-            status = max(status, _status(report.verdict))
+            status = max(status, int(report.verdict is Verdict.FAIL))
         return status
-
-
-class _Gallery(argparse.Action):
-    """Run the built-in problems and exit: the arguments that describe a problem are not needed."""
-
-    def __init__(self, option_strings: Sequence[str], dest: str, **others: Any) -> None:
-        super().__init__(option_strings, dest, nargs=0, **others)
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        """Print the table and exit with its status."""
-        gallery = stability_gallery()
-        print(gallery)
-        parser.exit(_status(gallery.verdict))
-
-
-def _status(verdict: Verdict) -> int:
-    return 1 if verdict is Verdict.FAIL else 0
