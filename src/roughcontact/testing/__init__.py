@@ -1,4 +1,4 @@
-"""Conformance tests: what is claimed of every kernel, convolver, solver, material, estimator and other part.
+"""Conformance tests: claims about every kernel, convolver, solver, material, estimator and other part.
 
 For authors of plug-ins; the rest of the package does not need it. The hypothesis strategies are in
 `roughcontact.testing.strategies`, which alone needs hypothesis.
