@@ -40,8 +40,8 @@ examples:
             help="cells along x (an eighth, a quarter, half and all)",
         )
         compared.add_argument("--areas", nargs="+", metavar="NAME", help="area estimators (blend cell-count)")
-        compared.add_argument("--kernels", nargs="+", metavar="NAME", help="kernels (that of --kernel)")
-        compared.add_argument("--solvers", nargs="+", metavar="NAME", help="solvers (that of --solver)")
+        compared.add_argument("--kernels", nargs="+", metavar="NAME", help="kernels (as --kernel)")
+        compared.add_argument("--solvers", nargs="+", metavar="NAME", help="solvers (as --solver)")
         compared.add_argument("--tolerances", type=NUMBER, nargs="+", metavar="T", help="tolerances of the solvers")
         compared.add_argument(
             "--interpolation",
