@@ -94,11 +94,6 @@ OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
 }
 
 
-def add_output(parser: argparse.ArgumentParser, folder: str) -> None:
-    """Declare the output folder."""
-    parser.add_argument("-o", "--output", default=folder, metavar="FOLDER", help=f"output folder ({folder})")
-
-
 def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None:
     """Declare a contact problem of measured height maps, and its loads; or a study file, which needs neither."""
     loads = "--pressure P | --force F | --approach D" + ("" if study else " | --loads L ...")

@@ -9,7 +9,7 @@ from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
-from roughcontact._faces.cli.options import NUMBER, add_output, whole_number
+from roughcontact._faces.cli.options import NUMBER, whole_number
 from roughcontact._faces.cli.problem import Scene, add_scenes, read_scenes
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.panels.theme import require_matplotlib
@@ -50,7 +50,8 @@ examples:
             help="interpolation of the maps on other grids (bilinear)",
         )
         compared.add_argument("--repeats", type=whole_number, default=3, metavar="R", help="timed solves per case (3)")
-        add_output(parser, "contact-report")
+        folder = "contact-report"
+        parser.add_argument("-o", "--output", default=folder, metavar="FOLDER", help=f"output folder ({folder})")
 
     def run(self, options: argparse.Namespace) -> int:
         """Solve all cases, print the table and the advice, write CSV, Markdown and picture; return 0."""

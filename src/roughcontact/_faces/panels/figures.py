@@ -12,7 +12,7 @@ import attrs
 
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array
-from roughcontact._base.units import counted, si
+from roughcontact._base.units import counted, si, with_spread
 from roughcontact._faces.panels.base import Panel, panels
 from roughcontact._faces.panels.maps import proportion
 from roughcontact._faces.panels.theme import apply_theme, require_matplotlib, style, theme_of
@@ -80,13 +80,11 @@ def arrange(kind: str, subject: Any, count: int) -> Layout:
 
 def _arrange_maps(grid: Grid, count: int, engine: str) -> Layout:
     ratio = proportion(grid)
-    columns = (
-        count
-        if ratio < _MAX_ROW_RATIO
-        else (1 if ratio > _MIN_STACKED_RATIO and count > 1 else math.ceil(math.sqrt(count)))
-    )
-    if engine == "constrained":
-        columns = math.ceil(math.sqrt(count))
+    columns = math.ceil(math.sqrt(count))
+    if engine == "compressed" and ratio < _MAX_ROW_RATIO:
+        columns = count
+    if engine == "compressed" and ratio > _MIN_STACKED_RATIO:
+        columns = 1
     rows = math.ceil(count / columns)
     # Narrow maps are larger along their longer side.
     side = _MAP_INCHES * max(ratio, 1.0 / ratio) ** (0.35 if engine == "compressed" else 0.1)
@@ -117,24 +115,12 @@ def title_of_solution(solution: Any) -> str:
     area = solution.area()
     free = solution.boundary.value == "free"
     load = si(solution.force, "N", 3) if free else f"{si(solution.mean_pressure, 'Pa', 3)} mean pressure"
-    text = f"Contact area {percent(area.fraction, area.uncertainty / solution.grid.area)} of nominal at {load}"
-    text += f", {solution.boundary.value} boundary"
+    percent = with_spread(100.0 * area.fraction, 100.0 * area.uncertainty / solution.grid.area).replace("+-", "±")
+    text = f"Contact area {percent} % of nominal at {load}, {solution.boundary.value} boundary"
     count = len({*solution.warnings, *area.warnings})
     if not solution.status.success:
         text = f"NOT CONVERGED. {text}"
     return f"{text}\n{counted(count, 'warning')}" if count else text
-
-
-def percent(fraction: float, uncertainty: float) -> str:
-    """Return a fraction and its standard deviation in per cent, to the digits that it is known to."""
-    value = 100.0 * fraction
-    spread = 100.0 * uncertainty
-    if not 0.0 < spread < math.inf:
-        return f"{value:.4g} %"
-    digits = min(max(1 - math.floor(math.log10(spread)), 0), 12)
-    if value < 10.0**-3:
-        return f"({value:.3g} ± {spread:.2g}) %"
-    return f"({value:.{digits}f} ± {spread:.{digits}f}) %"
 
 
 def title_of_surface(sampled: Any) -> str:

@@ -228,9 +228,9 @@ class Study:
             described = {name: problem.parts for name, problem in self.problems.items()}
         return key_of([described, [load.arguments for load in self.loads], self.seeds])[:12]
 
-    def chains(self, folder: Path = Path()) -> Iterator[Chain]:
+    def chains(self) -> Iterator[Chain]:
         """Yield each problem with each seed, at all loads."""
-        for chain in self._points(folder, {}):
+        for chain in self._points(Path(), {}):
             if isinstance(chain, Unbuilt):
                 raise InputError(chain.message)
             yield chain
