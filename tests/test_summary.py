@@ -128,7 +128,7 @@ class TestShort:
 
     def test_a_notebook_shows_no_picture_of_a_large_solution_or_without_matplotlib(self, monkeypatch):
         solution = make_problem().solve(pressure=1e8)
-        monkeypatch.setattr("roughcontact._faces.html.report._SMALL", 100)
+        monkeypatch.setattr("roughcontact._faces.html.report._MAX_PICTURE_CELLS", 100)
         assert "<img" not in solution._repr_html_()
         monkeypatch.undo()
         monkeypatch.setattr("roughcontact._faces.html.report.can_draw", lambda: False)
