@@ -10,7 +10,7 @@ from typing import Any
 
 from roughcontact._base.registry import Registry
 from roughcontact._work.reports.stability import stability_gallery
-from roughcontact.testing import convolvers, estimators, inputs, kernels, panels, responses, solvers  # noqa: F401 - claims
+from roughcontact.testing import convolvers, estimators, inputs, interactions, kernels, panels, responses, solvers  # noqa: F401 - claims
 from roughcontact.testing.claim import (
     Claim,
     DoesNotApply,

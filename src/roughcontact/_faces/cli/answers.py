@@ -18,6 +18,8 @@ from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.problem import Sweep, make_table
 from roughcontact._solve.solution import require_netcdf, versions
 
+_RESIDUALS = ("complementarity", "penetration", "load", "tension")
+
 
 def to_json(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
     """Return one JSON object: the description of the only solution, or a list of them under ``solutions``.
@@ -41,11 +43,12 @@ def _describe(solution: rc.ContactSolution, estimator: str | None) -> dict[str, 
         "force": _value(solution.force, "N"),
         "mean_pressure": _value(solution.mean_pressure, "Pa"),
         "approach": _value(solution.approach, "m"),
+        **({} if solution.tension is None else {"attractive_area": _area(solution.attractive_area())}),
         "saturated_area": _area(solution.saturated_area()) if solution.capped else None,
         "contact_modulus": _value(solution.modulus, "Pa"),
         "warnings": list(solution.warnings),
         "accuracy": None if accuracy is None else {"met": accuracy.met, "message": str(accuracy)},
-        "residuals": {name: getattr(solution.residuals, name) for name in ("complementarity", "penetration", "load")},
+        "residuals": {name: getattr(solution.residuals, name) for name in _RESIDUALS},
         "grid": {"shape": list(solution.grid.shape), "size": _value(list(solution.grid.size), "m")},
         "boundary": str(solution.boundary),
         "cost": {name: getattr(solution, name) for name in ("iterations", "convolutions", "seconds")},

@@ -115,6 +115,12 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
         several = "several loads of one kind, each a first loading: 1N 2N 5N"
         load.add_argument("--loads", type=_load, nargs="+", metavar="L", help=several)
     _add_materials(parser, study)
+    parser.add_argument_group("adhesion").add_argument(
+        "--adhesion",
+        nargs="+",
+        metavar=("LAW", "FIELD=VALUE"),
+        help="law by which the surfaces attract each other: exponential work=50mJ/m2 range=2nm (none)",
+    )
     method = parser.add_argument_group("method")
     method.add_argument(
         "--boundary", choices=("free", "periodic", "wrapped"), default="free", help="what lies beyond the domain (free)"

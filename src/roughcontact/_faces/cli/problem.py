@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import inspect
 import re
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import attrs
 
 import roughcontact as rc
+from roughcontact._base.units import parse_quantity
 from roughcontact._faces.cli.options import OF_READERS, add_problem
 from roughcontact._parts.files import read_raw
 from roughcontact._parts.files.reading import options_of
@@ -21,7 +23,8 @@ from roughcontact._solve.problem import require_memory_of_solve
 def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
     """Return the loads that the options state."""
     several = getattr(options, "loads", None)
-    return several or (Load.of(pressure=options.pressure, force=options.force, approach=options.approach),)
+    make = Load.of if options.adhesion is None else Load.signed
+    return several or (make(pressure=options.pressure, force=options.force, approach=options.approach),)
 
 
 def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
@@ -37,7 +40,31 @@ def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
         kernel=options.kernel,
         solver=options.solver,
         threads=options.threads,
+        adhesion=None if options.adhesion is None else _make_interaction(*options.adhesion),
     )
+
+
+def _make_interaction(name: str, *texts: str) -> rc.Interaction:
+    """Return the law with a registered name, its fields from texts such as ``work=50mJ/m2``."""
+    kind: Any = rc.interactions[name]
+    known = {field.alias: field.metadata.get("unit", "") for field in attrs.fields(kind)} if attrs.has(kind) else {}
+    given: dict[str, Any] = {}
+    for text in texts:
+        field, equals, value = text.partition("=")
+        if not equals or field not in known:
+            raise rc.InputError.about(
+                f"A field of --adhesion {name}", text, f"FIELD=VALUE with one of {', '.join(known)}"
+            )
+        try:
+            given[field] = parse_quantity(value, known[field])
+        except ValueError as error:
+            raise rc.InputError(f"--adhesion {name} {field}: {error}.") from error
+    try:
+        inspect.signature(kind).bind(**given)
+    except TypeError as error:
+        raise rc.InputError(f"--adhesion {name} needs FIELD=VALUE for each of its fields ({error}).") from error
+    law: rc.Interaction = kind(**given)
+    return law
 
 
 def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.Grid | None]:

@@ -51,6 +51,7 @@ examples:
         )
         output = parser.add_argument_group("output")
         output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
+        output.add_argument("--pull-off", action="store_true", help="find the force of pull-off too, with --adhesion")
         shape = output.add_mutually_exclusive_group()
         shape.add_argument("--json", action="store_true", help="print one JSON object, in SI units")
         shape.add_argument("--csv", action="store_true", help="print a header and a row for each load, in SI units")
@@ -92,6 +93,8 @@ examples:
         if not options.quiet:
             write = to_json if options.json else to_csv if options.csv else to_text
             print(write(solutions, options.area))
+            if options.pull_off:
+                print(f"pull-off       {problem.pull_off()}", file=sys.stderr if piped else None)
         done = write_outputs(files, subject, solutions)
         if done and not piped and not options.quiet:
             print(done)
@@ -129,6 +132,10 @@ def _solve(
         if not options.quiet:
             print(f"{ladder}\n", file=sys.stderr if options.json or options.csv else None)
         return ladder.solutions[-1], ladder.solutions[-1:]
+
+    if problem.adhesion is not None:
+        sweep = problem.sweep(**{loads[0].kind: [load.value for load in loads]})
+        return sweep, sweep.solutions
 
     def solve(load: Load, start: Array | None) -> rc.ContactSolution:
         steps = describe_steps(change, f"solving at {load}")

@@ -18,7 +18,7 @@ from roughcontact._faces.panels.base import Panel
 from roughcontact._faces.panels.curves import add_key, draw_band, scale_axes
 from roughcontact._faces.panels.figures import loads_of
 from roughcontact._faces.panels.theme import apply_theme, require_matplotlib, style, theme_of
-from roughcontact._solve.problem import Sweep
+from roughcontact._solve.problem import AdhesionCycle, Sweep
 from roughcontact._solve.solution import Estimate
 from roughcontact._work.reports.error import ErrorReport
 from roughcontact._work.reports.error.result import ReportRow, find_varying_parts, group_by_setup
@@ -98,6 +98,31 @@ class LoadApproachPanel(Panel):
         scale_axes(axes, x=f"approach since first touch, {unit}", y=label)
         line = draw_band(axes, x, y, np.zeros(y.size))
         axes.fill_betweenx(y, x - 2.0 * spread, x + 2.0 * spread, color=line.get_color(), alpha=0.25, linewidth=0.0)
+
+
+def draw_cycle(cycle: AdhesionCycle, axes: Any, dark: bool = False) -> Any:
+    """Draw the force of loading and of unloading over the approach; see `AdhesionCycle.plot`."""
+    require_matplotlib()
+    from matplotlib import pyplot
+    from matplotlib.axes import Axes
+
+    if axes is None:
+        with style(dark):
+            axes = pyplot.subplots(layout="constrained")[1]
+    if not isinstance(axes, Axes):
+        raise InputError.about("The axes", axes, "an Axes of matplotlib, or None")
+    branches = {"loading": cycle.loading, "unloading": cycle.unloading}
+    force_factor, force_unit = prefixed(max(float(np.abs(one.force).max()) for one in branches.values()), "N")
+    length_factor, length_unit = prefixed(float(np.abs(cycle.loading.approach).max()), "m")
+    theme = theme_of(axes)
+    with style(theme.is_dark):
+        for name, sweep in branches.items():
+            spread = np.zeros(len(sweep))
+            draw_band(axes, length_factor * sweep.approach, force_factor * sweep.force, spread, label=name)
+        axes.axhline(0.0, color=theme.ink, linewidth=0.5)
+        scale_axes(axes, x=f"approach since first touch, {length_unit}", y=f"force, {force_unit}", logarithmic="")
+        add_key(axes)
+    return axes
 
 
 def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes: Any) -> Any:

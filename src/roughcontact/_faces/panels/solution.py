@@ -158,6 +158,21 @@ class GapPanel(Panel):
 
 @final
 @attrs.frozen
+class TensionPanel(Panel):
+    """The attraction of the surfaces outside the contact, which is white."""
+
+    def draw(self, subject: Any, axes: Any) -> None:
+        """Draw a solution; see `Panel.draw`."""
+        if subject.tension is None:
+            raise InputError("The surfaces do not attract each other: there is no tension to draw.")
+        factor, unit = prefixed(float(subject.tension.max()), "Pa")
+        outside = np.where(subject.contact, np.nan, factor * subject.tension)
+        axes.set_facecolor("white")
+        draw_map(axes, outside, subject.grid, "tension", unit, colors="magma_r", limits=None, logarithmic=False)
+
+
+@final
+@attrs.frozen
 class PatchesPanel(Panel):
     """The contact patches, coloured by the area of each."""
 

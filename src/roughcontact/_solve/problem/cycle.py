@@ -17,11 +17,9 @@ from roughcontact._base.units import Estimate, si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.sweep import Sweep
-from roughcontact._solve.solution import ContactSolution, describe_range, trapping_error
+from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, trapping_error
 from roughcontact.errors import InputError
 
-# Cells of the cohesive length below which pull-off is wrong by more than a tenth, and paths are refused.
-_REFUSED_CELLS = 0.55
 # Steps of the approach on the way to pull-off, and by how much of the lowest force the force must have risen behind it.
 _MAX_STEPS = 200
 _RISEN = 0.02
@@ -132,7 +130,7 @@ def require_resolved(plan: SolvePlan) -> None:
     if plan.interaction is None:
         raise InputError("Without adhesion= nothing is pulled apart: give the problem a law, such as Exponential.")
     cells = plan.interaction.cohesive_cells(plan.grid.spacing, plan.modulus)
-    if cells < _REFUSED_CELLS:
+    if cells < TRAPPED_CELLS:
         raise InputError(f"A path cannot be followed: {describe_range(plan.interaction, plan.grid, plan.modulus)}.")
 
 

@@ -268,6 +268,8 @@ def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | No
     if not solutions:
         return None
     last = solutions[-1]
+    if last.tension is not None:
+        return None
     name = {"pressure": "mean_pressure"}.get(load.kind, load.kind)
     values = [float(getattr(solution, name)) for solution in solutions[-2:]]
     if not _FARTHEST <= load.value / values[-1] <= 1.0 / _FARTHEST:

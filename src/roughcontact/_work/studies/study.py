@@ -216,7 +216,9 @@ class Study:
     @property
     def loads(self) -> tuple[Load, ...]:
         """The loads, of one kind."""
-        return Load.sequence(pressure=self.pressure, force=self.force, approach=self.approach)
+        attracting = any(problem.adhesion is not None for _, problem in self._known_problems)
+        sequence = Load.signed_sequence if attracting else Load.sequence
+        return sequence(pressure=self.pressure, force=self.force, approach=self.approach)
 
     @property
     def key(self) -> str:
