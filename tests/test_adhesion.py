@@ -54,7 +54,7 @@ class TestReference:
         assert ball.transition == pytest.approx(transition)
         assert ball.pull_off / UNIT == pytest.approx(-pull_off, abs=5e-5)
 
-    @pytest.mark.parametrize(("transition", "limit"), [(1e-3, DMT(RADIUS, MODULUS, WORK)), (300.0, JKR_BALL)])
+    @pytest.mark.parametrize(("transition", "limit"), [(1e-5, DMT(RADIUS, MODULUS, WORK)), (300.0, JKR_BALL)])
     def test_maugis_between_its_limits(self, transition, limit):
         ball, _ = make_maugis(transition, 0.2)
         radius = JKR_BALL.radius_at_zero_load
@@ -115,13 +115,13 @@ class TestBall:
     @pytest.mark.parametrize(
         ("transition", "smoothing", "side", "cells"),
         [
-            (0.1, 0.2, 320e-9, 64),
-            (0.25, 0.2, 220e-9, 56),
-            (0.5, 0.2, 170e-9, 60),
-            (1.0, 0.3, 130e-9, 64),
-            pytest.param(2.0, 0.5, 116e-9, 128, marks=pytest.mark.slow),
-            pytest.param(3.0, 1.0, 110e-9, 160, marks=pytest.mark.slow),
-            pytest.param(5.0, 1.0, 110e-9, 256, marks=pytest.mark.slow),
+            (0.1, 0.2, 535e-9, 64),
+            (0.25, 0.2, 450e-9, 56),
+            (0.5, 0.2, 380e-9, 60),
+            (1.0, 0.3, 340e-9, 80),
+            pytest.param(2.0, 0.5, 300e-9, 128, marks=pytest.mark.slow),
+            pytest.param(3.0, 1.0, 290e-9, 160, marks=pytest.mark.slow),
+            pytest.param(5.0, 1.0, 290e-9, 256, marks=pytest.mark.slow),
         ],
     )
     def test_pull_off_between_derjaguin_and_johnson(self, transition, smoothing, side, cells):
@@ -132,7 +132,7 @@ class TestBall:
 
     def test_radius_and_approach(self):
         exact, law = make_maugis(0.5, 0.2)
-        problem = make_ball(law, 150e-9, 64)
+        problem = make_ball(law, 380e-9, 64)
         for force in (0.0, 2.0 * UNIT, -UNIT):
             solution = problem.solve(force=force)
             radius = exact.contact_radius(force)
@@ -144,15 +144,15 @@ class TestBall:
 
     def test_force_over_the_approach(self):
         exact, law = make_maugis(0.5, 0.2)
-        radii = np.array([12e-9, 18e-9, 24e-9])
+        radii = np.array([35e-9, 55e-9, 75e-9])
         approaches = [exact.approach(radius) for radius in radii]
-        sweep = make_ball(law, 150e-9, 64).sweep(approach=approaches)
+        sweep = make_ball(law, 380e-9, 64).sweep(approach=approaches)
         expected = np.array([exact.force(radius) for radius in radii])
         np.testing.assert_allclose(sweep.force, expected, atol=0.006 * abs(exact.pull_off))
 
     def test_any_place_of_the_centre(self):
         _, law = make_maugis(0.5, 0.3)
-        found = [make_ball(law, 190e-9, 48, boundary="wrapped", center=place).solve(force=0.0) for place in PLACES]
+        found = [make_ball(law, 450e-9, 48, boundary="wrapped", center=place).solve(force=0.0) for place in PLACES]
         areas = np.array([solution.area().value for solution in found])
         approaches = np.array([solution.approach for solution in found])
         assert np.ptp(areas) < 0.02 * areas.mean()
@@ -160,8 +160,8 @@ class TestBall:
 
     def test_limit_of_johnson_by_two_ranges(self):
         found = []
-        for cells in (56, 112):
-            problem = make_ball(rc.ShortRange(WORK), 112e-9, cells)
+        for cells in (64, 128):
+            problem = make_ball(rc.ShortRange(WORK), 285e-9, cells)
             radius = math.sqrt(problem.solve(force=0.0).area().value / math.pi)
             power = problem.plan.interaction.range**1.5
             found.append((power, problem.pull_off().value / UNIT, radius / JKR_BALL.radius_at_zero_load))
@@ -173,18 +173,18 @@ class TestBall:
     @pytest.mark.parametrize("law", [rc.Exponential, rc.VanDerWaals])
     def test_limit_of_derjaguin(self, law):
         # The ball is so stiff that it keeps its form: the force is that of the undeformed gap.
-        stiff = rc.Elastic(young=0.75e12, poisson=0.5)
+        stiff = rc.Elastic(young=0.75e14, poisson=0.5)
         cells, side = 64, 500e-9
         problem = rc.ContactProblem(
             rc.Body(rc.ParaboloidSurface(RADIUS), stiff), grid=rc.Grid((cells, cells), side), adhesion=law(WORK, 2e-9)
         )
-        solution = problem.solve(approach=-1e-15)
-        gap = problem.initial_gap + 1e-15
+        solution = problem.solve(approach=-1e-12)
+        gap = problem.initial_gap + 1e-12
         undeformed = float(np.sum(problem.adhesion.tension(gap))) * problem.grid.cell_area
         assert solution.force == pytest.approx(-undeformed, rel=2e-3)
         if law is rc.Exponential:
             # On the whole half-space it is that of Derjaguin.
-            assert solution.force == pytest.approx(DMT(RADIUS, 1e12, WORK).pull_off, rel=5e-3)
+            assert solution.force == pytest.approx(DMT(RADIUS, 1e14, WORK).pull_off, rel=5e-3)
 
 
 PLACES = ((0.0, 0.0), (0.5, 0.5), (0.3, -0.2), (5.2, -3.1))
@@ -200,7 +200,7 @@ class TestWave:
         wave, problem = solve_wave(alpha, 256)
         assert problem.pull_off().value / problem.grid.area == pytest.approx(wave.pull_off, rel=0.02)
         area = problem.solve(pressure=0.0).area()
-        assert 0.5 * area.fraction == pytest.approx(wave.half_width(0.0) / wave.wavelength, rel=0.08)
+        assert 0.5 * area.value / problem.grid.area == pytest.approx(wave.half_width(0.0) / wave.wavelength, rel=0.08)
 
     def test_full_contact_without_a_load(self):
         fractions = [solve_wave(alpha, 256)[1].solve(pressure=0.0).contact.mean() for alpha in (0.5, 0.55, 0.60)]
@@ -213,7 +213,8 @@ class TestEnergy:
 
     @pytest.mark.parametrize("boundary", BOUNDARIES)
     def test_the_force_is_the_derivative_of_the_energy(self, boundary):
-        problem = make_rough(law=rc.Exponential(0.02, 8e-9), boundary=boundary)
+        solver = rc.solvers.create("gap-descent", tolerance=1e-9)
+        problem = make_rough(law=rc.Exponential(0.02, 8e-9), boundary=boundary, solver=solver)
         cycle = problem.cycle(approach=np.linspace(2e-9, 3e-9, 9))
         gained = np.diff(cycle.energies[0][[0, -1]])[0]
         force = cycle.loading.force
@@ -221,8 +222,8 @@ class TestEnergy:
         assert gained == pytest.approx(work, rel=1e-4)
         # Nothing jumps, so that the way back is the way there.
         assert cycle.jumps == ()
-        assert abs(cycle.dissipated.value) < 1e-6 * abs(work)
-        np.testing.assert_allclose(cycle.unloading.force[::-1], force, atol=3e-5 * np.abs(force).max())
+        assert abs(cycle.dissipated.value) < 1e-8 * abs(work)
+        np.testing.assert_allclose(cycle.unloading.force[::-1], force, atol=1e-8 * np.abs(force).max())
         assert len(cycle.loading) == len(cycle.unloading) == 9
 
     def test_without_work_it_is_the_contact_without_adhesion(self):
@@ -256,7 +257,7 @@ class TestLoads:
         forces = solution.contact_pressure.sum()
         assert forces > 0.0
         assert abs(solution.pressure.sum()) < 1e-10 * forces
-        np.testing.assert_array_equal(solution.pressure, solution.contact_pressure - solution.tension)
+        np.testing.assert_allclose(solution.pressure, solution.contact_pressure - solution.tension, rtol=1e-14)
         assert solution.attractive_area().value > 0.0
 
     def test_tensile_load(self):
@@ -306,8 +307,7 @@ class TestPaths:
     @pytest.fixture(scope="class")
     @staticmethod
     def cycle():
-        _, problem = solve_wave(0.3, 128)
-        return problem.cycle(approach=np.linspace(-0.2e-6, 0.6e-6, 25))
+        return make_ball(rc.ShortRange(WORK), 285e-9, 64).cycle(approach=np.linspace(-4e-9, 3e-9, 15))
 
     def test_jumps_cost_energy(self, cycle):
         losses = np.concatenate(cycle.losses)
@@ -334,7 +334,7 @@ class TestPaths:
 
     def test_pull_off_is_the_minimum_on_unloading(self):
         _, law = make_maugis(0.5, 0.3)
-        problem = make_ball(law, 150e-9, 40, boundary="wrapped")
+        problem = make_ball(law, 400e-9, 40, boundary="wrapped")
         estimate = problem.pull_off()
         exact, _ = make_maugis(0.5, 0.3)
         radius = exact.contact_radius(0.98 * exact.pull_off)
@@ -465,7 +465,7 @@ class TestShapes:
     @pytest.mark.parametrize("boundary", BOUNDARIES)
     @pytest.mark.parametrize(
         ("shape", "size"),
-        [((128, 16), (2e-6, 2.5e-7)), ((48, 16), (1e-6, 1e-6)), ((45, 39), (1e-6, 0.9e-6))],
+        [((128, 16), (2e-6, 2.5e-7)), ((60, 20), (1e-6, 1e-6)), ((45, 39), (1e-6, 0.9e-6))],
         ids=["8 to 1", "cells 1 to 3", "odd"],
     )
     def test_transposed(self, boundary, shape, size):
