@@ -229,7 +229,7 @@ def test_equal_balls_at_different_places_in_their_cells_share_the_load(cell):
     found = hertz_areas(solution)
     forces = solution.patches.forces
     assert forces.size == 2
-    shared = forces * found.sharing.factor
+    shared = forces * found.correction.factor
     assert shared.sum() == pytest.approx(forces.sum(), rel=1e-9)
     assert abs(forces[0] / forces[1] - 1.0) > 4.0 * abs(shared[0] / shared[1] - 1.0)
     np.testing.assert_allclose(shared, 0.5 * forces.sum(), rtol=5e-3)

@@ -326,7 +326,7 @@ def test_iteration_finds_the_flow_of_elimination():
 
 
 def test_large_flows_need_pyamg(monkeypatch):
-    monkeypatch.setattr(networks, "LARGEST_ELIMINATION", 10)
+    monkeypatch.setattr(networks, "MAX_ELIMINATION_CELLS", 10)
     monkeypatch.setitem(sys.modules, "pyamg", None)
     with pytest.raises(rc.MissingPackage, match=r"pip install 'roughcontact\[flow\]'"):
         with_gap(np.full((8, 8), 1e-6)).leakage(axis=0, **WATER)

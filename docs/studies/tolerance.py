@@ -1,4 +1,4 @@
-"""How far area and maximum pressure move with the solver's tolerance: the constants of `_solve/problem/accuracy.py`.
+"""How far area and maximum pressure move with the tolerance of the solver, for `_solve/problem/accuracy.py`.
 
 python docs/studies/tolerance.py
 """

@@ -20,8 +20,14 @@ from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.extrapolation import Extrapolation, exponential
 
-# Doublings of a grid beyond which the size of the finest one is not computed: far beyond any memory.
-_MOST_DOUBLINGS = 60
+# Largest number of doublings for which the size of the finest grid is computed: far beyond any memory.
+_MAX_DOUBLINGS = 60
+# Cells of the shortest wave that the grid of a map can hold, which is the longest cut-off.
+_NYQUIST_CELLS = 2.0
+# Largest number of realizations: with more, their mean and spread gain nothing.
+_MAX_REALIZATIONS = 1000
+# Standard deviations on both sides of the mean that the range of the area contains.
+_RANGE_STDS = 2.0
 
 
 def require_problem(problem: ContactProblem) -> ContactProblem:
@@ -126,10 +132,10 @@ def extrapolate(
     estimator: str | AreaEstimator = DEFAULT_AREA,
     interpolation: str | None = None,
 ) -> Ladder:
-    """Return the solutions on the problem's grid and on ones with twice, four times, ... as many cells a side.
+    """Return the solutions on the problem's grid and on grids with twice, four times, ... as many cells a side.
 
-    Counted areas are extrapolated as the paper did it. The estimated area is that of the finest grid; where only an
-    accuracy is wanted, ``solve(..., area_within=)`` finds the grid.
+    Counted areas are extrapolated as in the paper. The estimated area is the one on the finest grid; for a wanted
+    accuracy, take ``solve(..., area_within=)``, which finds the grid.
 
     Parameters
     ----------
@@ -164,7 +170,7 @@ def extrapolate(
     nx, ny = require_problem(problem).plan.grid.shape
     load = Load.of(pressure=pressure, force=force, approach=approach)
     # A finest grid that does not fit into memory is refused before the others are made.
-    finest = min(levels - 1, _MOST_DOUBLINGS)
+    finest = min(levels - 1, _MAX_DOUBLINGS)
     require_memory_of_solve(
         Grid((nx << finest, ny << finest), problem.plan.grid.size), problem.boundary, problem.memory_limit
     )
@@ -186,14 +192,6 @@ def solve_ladder(
     return Ladder(tuple(solutions), estimator)
 
 
-# Cells of the longest wave that may be drawn last: the shortest that the grid of a map can hold.
-_NYQUIST = 2.0
-# Realizations beyond which their mean and spread gain nothing.
-_MOST = 1000
-# Standard deviations of a range that should hold.
-_HOLDS = 2.0
-
-
 @attrs.frozen(eq=False)
 class BeyondResolution:
     """The contact area of a measured map with random short waves; `str` of it is a table.
@@ -207,7 +205,7 @@ class BeyondResolution:
     rms_slopes
         Mean rms slope of the gap, for each of the wavelengths.
     measured
-        The area of the maps as they were given.
+        The area with the maps as given, without random waves.
     cell
         Largest cell of the maps, m.
     """
@@ -225,15 +223,15 @@ class BeyondResolution:
 
     @property
     def stds(self) -> Array:
-        """Standard deviation of the area for each of the wavelengths, m2: realizations and uncertainty of each."""
+        """Standard deviation of the area for each wavelength, m2: of the realizations and by their uncertainties."""
         spread = [np.std([area.value for area in areas], ddof=1) for areas in self.areas]
         return np.hypot(spread, [np.sqrt(np.mean([area.uncertainty**2 for area in areas])) for areas in self.areas])
 
     @property
     def range(self) -> tuple[float, float]:
-        """The area if the surface ends at one of the wavelengths or between, m2: from, to, by two deviations."""
-        low = self.means - _HOLDS * self.stds
-        high = self.means + _HOLDS * self.stds
+        """The smallest and the largest area for waves down to any of the wavelengths, m2: two standard deviations."""
+        low = self.means - _RANGE_STDS * self.stds
+        high = self.means + _RANGE_STDS * self.stds
         return max(0.0, float(low.min())), float(high.max())
 
     def __repr__(self) -> str:
@@ -314,8 +312,8 @@ def beyond_resolution(
         raise InputError.about("The problem", problem, "a ContactProblem")
     load = Load.of(pressure=pressure, force=force)
     count = integer(realizations, "The number of realizations", at_least=2)
-    if count > _MOST:
-        raise InputError.about("The number of realizations", count, f"at most {_MOST}")
+    if count > _MAX_REALIZATIONS:
+        raise InputError.about("The number of realizations", count, f"at most {_MAX_REALIZATIONS}")
     sides = problem.body.surface, problem.counterbody.surface
     maps = [found for surface in sides for found in find_maps(surface)]
     if not maps:
@@ -323,7 +321,7 @@ def beyond_resolution(
     cell = max(max(found.grid.spacing) for found in maps)
     waves = _list_wavelengths(cutoffs, cell)
     if resolved is not None:
-        resolved = number(resolved, "The shortest resolved wavelength", "m", at_least=_NYQUIST * cell)
+        resolved = number(resolved, "The shortest resolved wavelength", "m", at_least=_NYQUIST_CELLS * cell)
     seed = integer(seed, "The seed", at_least=0)
     finest = Grid(cells_for(problem.plan.grid.size, waves[-1]), problem.plan.grid.size)
     require_memory_of_solve(finest, problem.boundary, problem.memory_limit)
@@ -345,14 +343,14 @@ def beyond_resolution(
 def _list_wavelengths(cutoffs: Sequence[float], cell: float) -> tuple[float, ...]:
     if not isinstance(cutoffs, (tuple, list, np.ndarray)) or np.ndim(cutoffs) != 1:
         raise InputError.about("The cut-offs", cutoffs, "a list of wavelengths in cells of the map, such as [1, 0.5]")
-    cells = {number(value, "A cut-off", "cells of the map", above=0.0, at_most=_NYQUIST) for value in cutoffs}
+    cells = {number(value, "A cut-off", "cells of the map", above=0.0, at_most=_NYQUIST_CELLS) for value in cutoffs}
     if not cells:
         raise InputError("The list of cut-offs is empty: give at least one.")
     return tuple(sorted((value * cell for value in cells), reverse=True))
 
 
 def _extend(problem: ContactProblem, continuation: Continuation) -> ContactProblem:
-    """Return the problem with other maps, on the grid of their shortest wave."""
+    """Return the problem with continued maps, on a grid that resolves their shortest wave."""
     if problem.plan.pressure_limit.ndim:
         raise InputError("The pressure limit is an array, which is not known between its cells.")
     size = problem.plan.grid.size

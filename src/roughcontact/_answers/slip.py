@@ -17,6 +17,17 @@ from roughcontact._solve.problem import predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
 
+# Fraction of the force of sliding up to which the errors of the two approaches cancel (measured on balls of 3 to 24
+# cells radius: the error is the error of the stiffness for small forces).
+_CANCELLATION_FORCE = 0.2
+# Distance of a straight edge, as at a free border that cuts the contact, inside the edge of its cells, cells.
+_BORDER_INSET_CELLS = 0.17
+# Relative standard deviation over Poisson's ratio near sliding, where the traction across the force takes a part of the
+# friction: set by comparison with tractions that obey friction in every cell (benchmarks/response_classes.py).
+_LATERAL_STD = 0.02
+# Relative standard deviation above which the energy is called unresolved.
+_MAX_ENERGY_STD = 0.5
+
 
 @attrs.frozen(eq=False)
 class FrettingLoop:
@@ -40,7 +51,7 @@ class FrettingLoop:
     def cycle(self) -> tuple[Array, Array]:
         """Force, N, and displacement, m, of a cycle from the maximum force and back, shape (2 points + 1,).
 
-        After a reversal the change is twice that of the first loading at half the change of force (Masing).
+        After a reversal the change is twice the displacement of the first loading at half the change of force (Masing).
         """
         force = self.force[-1] - 2.0 * self.force
         moved = self.displacement[-1] - 2.0 * self.displacement
@@ -58,18 +69,6 @@ class FrettingLoop:
         return "\n".join(lines)
 
 
-# Fraction of the force of sliding up to which the errors of the two approaches cancel (measured on balls of 3 to 24
-# cells radius: the error is that of the stiffness for small forces).
-_CANCELLED = 0.2
-# Distance by which a straight edge, as at a free border that cuts the contact, lies inside that of its cells, cells.
-_BORDER = 0.17
-# Relative standard deviation, over Poisson's ratio, near sliding, where the traction across the force takes a part of
-# the friction: set beside the tractions that obey friction in every cell (benchmarks/response_classes.py).
-_LATERAL = 0.02
-# Relative standard deviation above which the energy is called unresolved.
-_UNRESOLVED = 0.5
-
-
 def _force(value: float) -> float:
     return number(value, "The tangential force", "N", at_least=0.0)
 
@@ -80,7 +79,7 @@ def _friction(value: float) -> float:
 
 @attrs.frozen(eq=False)
 class PartialSlip:
-    """A contact under a constant normal force and a tangential force below that of sliding.
+    """A contact under a constant normal force and a tangential force that does not make it slide.
 
     Attributes
     ----------
@@ -89,7 +88,7 @@ class PartialSlip:
     axis
         Direction of the force: 0 along x, 1 along y.
     contact
-        The normal contact under the whole normal force P.
+        The normal contact under the normal force P.
     stick_contact
         The normal contact under P - Q / friction, whose contact is the stick zone.
     traction
@@ -99,8 +98,8 @@ class PartialSlip:
     stick_area, slip_area
         Area that sticks and area that slips, each with its uncertainty, m2.
     displacement
-        Tangential displacement of the bodies far from the contact, m: on a periodic boundary what the contact adds to
-        that of bodies joined over the whole plane.
+        Tangential displacement of the bodies far from the contact, m: on a periodic boundary the excess over bodies
+        that are joined over the whole plane.
     energy
         Energy dissipated in a cycle between Q and -Q, J.
     compliance_ratio
@@ -161,7 +160,7 @@ class PartialSlip:
         both = self.stick_area, self.slip_area
         areas = (f"{si(area.value, 'm2', 5)} +- {si(area.uncertainty, 'm2', 2)}" for area in both)
         rows = {
-            "tangential force": f"{si(self.tangential_force, 'N')}, {100 * sliding:.3g} % of that of sliding",
+            "tangential force": f"{si(self.tangential_force, 'N')}, {100 * sliding:.3g} % of the force of sliding",
             "direction": "xy"[self.axis],
             "displacement": self.displacement,
             **dict(zip(("area that sticks", "area that slips"), areas, strict=True)),
@@ -202,7 +201,7 @@ class CiavarellaJaeger(Response[PartialSlip]):
     Notes
     -----
     Exact for plane contacts of like materials, and for all contacts if Poisson's ratio is zero; else the direction of
-    slip differs from that of the traction by a few per cent, which the uncertainty contains.
+    slip differs from the direction of the traction by a few per cent, which the uncertainty contains.
 
     References
     ----------
@@ -221,7 +220,7 @@ class CiavarellaJaeger(Response[PartialSlip]):
         _require_elastic(solution)
         warnings = judge_coupling(materials, solution.modulus)
         lost = self.tangential_force / self.friction
-        # A normal force that only rounding leaves cannot be solved for.
+        # There is no contact to solve under a normal force that is zero but for rounding.
         if not lost < solution.force * (1.0 - 1e-12):
             raise InputError(
                 f"The bodies slide: the tangential force of {si(self.tangential_force, 'N')} is not below friction "
@@ -233,10 +232,10 @@ class CiavarellaJaeger(Response[PartialSlip]):
         compliance = find_tangential_compliance(solution, traction, stuck.contact, self.axis)
         ratio = compliance.ratio
         sliding = lost / solution.force
-        unsure = math.hypot(compliance.excess, _LATERAL * compliance.anisotropy * sliding**2)
+        unsure = math.hypot(compliance.excess, _LATERAL_STD * compliance.anisotropy * sliding**2)
         stick_area, slip_area = _compare_areas(solution, stuck)
         energy = _widen(_dissipate(solution, stuck, 4.0 * self.friction**2 * ratio), unsure)
-        if energy.uncertainty > _UNRESOLVED * energy.value and energy.uncertainty > 0.0:
+        if energy.uncertainty > _MAX_ENERGY_STD * energy.value and energy.uncertainty > 0.0:
             text = "the slip zone is too narrow for this grid to resolve the dissipated energy"
             warnings += (ContactWarning(text, "resolution"),)
         warnings += stick_area.warnings
@@ -276,7 +275,7 @@ def _require_elastic(solution: ContactSolution) -> None:
 
 
 def _solve_stick(near: list[ContactSolution], contact: ContactSolution, lost: float) -> ContactSolution:
-    """Return the normal contact under a force less than the whole one, N, from the solutions nearest to it."""
+    """Return the contact under a normal force that is less by `lost`, N, solved from the solutions nearest to it."""
     if lost == 0.0:
         return contact
     load = Load("pressure", max(contact.force - lost, 0.0) / contact.grid.area)
@@ -287,20 +286,20 @@ def _solve_stick(near: list[ContactSolution], contact: ContactSolution, lost: fl
 
 def _compare_areas(contact: ContactSolution, stuck: ContactSolution) -> tuple[Estimate, Estimate]:
     """Return the areas that stick and that slip."""
-    whole = contact.area()
-    stick = whole if stuck is contact else stuck.area()
-    warnings = tuple(dict.fromkeys((*whole.warnings, *stick.warnings)))
-    slip = 0.0 if stuck is contact else math.hypot(whole.uncertainty, stick.uncertainty)
+    total = contact.area()
+    stick = total if stuck is contact else stuck.area()
+    warnings = tuple(dict.fromkeys((*total.warnings, *stick.warnings)))
+    slip = 0.0 if stuck is contact else math.hypot(total.uncertainty, stick.uncertainty)
     return (
         Estimate(stick.value, stick.uncertainty, "m2", stick.warnings),
-        Estimate(max(whole.value - stick.value, 0.0), slip, "m2", warnings),
+        Estimate(max(total.value - stick.value, 0.0), slip, "m2", warnings),
     )
 
 
 def _displace(contact: ContactSolution, stuck: ContactSolution, factor: float) -> Estimate:
     """Return the tangential displacement: a factor times the difference of the approaches."""
     value = factor * max(contact.approach - stuck.approach, 0.0)
-    std = math.hypot(factor * _approach_std(contact, stuck), _BORDER * _cut_fraction(contact) * value)
+    std = math.hypot(factor * _approach_std(contact, stuck), _BORDER_INSET_CELLS * _cut_fraction(contact) * value)
     return Estimate(value, std, "m")
 
 
@@ -310,7 +309,7 @@ def _widen(estimate: Estimate, relative: float) -> Estimate:
 
 
 def _cut_fraction(contact: ContactSolution) -> float:
-    """Return half the number of sides of cells in contact at a free border, over the number of all cells."""
+    """Return half the number of contact cells along a free border, over the number of all cells."""
     if contact.boundary is not Boundary.FREE:
         return 0.0
     ends = contact.contact[[0, -1]], contact.contact[:, [0, -1]]
@@ -318,23 +317,25 @@ def _cut_fraction(contact: ContactSolution) -> float:
 
 
 def _approach_std(contact: ContactSolution, stuck: ContactSolution) -> float:
-    """Return the standard deviation of the difference of two approaches, m: close to each other they err alike."""
+    """Return the standard deviation of the difference of two approaches, m: their errors cancel if they are close."""
     if stuck is contact:
         return 0.0
-    alike = (sliding := 1.0 - stuck.force / contact.force) / math.hypot(sliding, _CANCELLED)
+    sliding = 1.0 - stuck.force / contact.force
+    different = sliding / math.hypot(sliding, _CANCELLATION_FORCE)
+    different *= max(contact.grid.spacing) / min(contact.grid.spacing)
+    shifts = (different * find_shift(one)[1] for one in (contact, stuck))
     solved = (one.residuals.error * one.residuals.scale for one in (contact, stuck))
-    alike *= max(contact.grid.spacing) / min(contact.grid.spacing)
-    std = math.hypot(*(alike * find_shift(one)[1] for one in (contact, stuck)), *solved)
-    # However few the cells, the difference lies between zero and some twice its value.
+    std = math.hypot(*shifts, *solved)
+    # Even on few cells the difference lies between zero and about twice its value.
     return min(std, abs(contact.approach - stuck.approach))
 
 
 def _dissipate(contact: ContactSolution, stuck: ContactSolution, factor: float) -> Estimate:
-    """Return the energy dissipated in a cycle, J: a factor times the bend of the approach over the force."""
+    """Return the energy dissipated in a cycle, J: a factor times the area between approach over force and its chord."""
     lost = contact.force - stuck.force
     between = 2.0 * (_complementary_energy(contact) - _complementary_energy(stuck))
-    bend = between - lost * (contact.approach + stuck.approach)
-    return Estimate(factor * max(bend, 0.0), factor * lost * _approach_std(contact, stuck), "J")
+    area = between - lost * (contact.approach + stuck.approach)
+    return Estimate(factor * max(area, 0.0), factor * lost * _approach_std(contact, stuck), "J")
 
 
 def _complementary_energy(solution: ContactSolution) -> float:

@@ -22,13 +22,22 @@ from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError, NotConverged
 
-# Cells of large loss that are looked at.
-_CANDIDATES = 50
+# Number of cells, by decreasing loss, that are tried as the centre of the critical throat.
+_MAX_THROAT_CANDIDATES = 50
+# Cells across a throat below which the grid does not resolve it.
+_MIN_THROAT_CELLS = 3.0
+# Fraction of the pressure drop in a throat from which its resolution matters.
+_MIN_LOSS_FRACTION = 0.1
+# Relative uncertainty above which flows may err by more than 10 %: 92 % of the errors are below the uncertainty, and
+# none is above 9.8 % in 141 contacts without this warning (benchmarks/response_classes.py, three times its cases).
+_MAX_RELATIVE_STD = 0.1
+# Gap below which a liquid does not flow as a continuum, m: some molecules of water.
+_MOLECULAR_GAP = 1e-9
 
 
 @attrs.frozen
 class Throat:
-    """The place where the flow through a gap loses most power over a length, in a square of its own width.
+    """The place where the flow through a gap loses most power for its width: a square as wide as the gap is there.
 
     Attributes
     ----------
@@ -39,9 +48,9 @@ class Throat:
     width
         Width between the contacts on both sides, m: the shortest of four directions through the cell.
     cells
-        The same in cells.
+        The width in cells.
     fraction
-        Part of the power that is lost, and so of the pressure drop of this path, in a square of that width.
+        Fraction of the power, and so of the pressure drop of this path, that is lost in the square.
     """
 
     place: Pair
@@ -61,7 +70,7 @@ class Throat:
 def find_throat(
     network: FlowNetwork, lost: Array, open_cells: Mask, grid: Grid, axis: int, *, periodic: bool
 ) -> Throat:
-    """Return the critical throat.
+    """Return the critical throat: the cell around which a square as wide as the gap loses most power for its width.
 
     Parameters
     ----------
@@ -80,7 +89,7 @@ def find_throat(
     left = field.copy()
     total = float(lost.sum())
     best = (-1.0, 0.0, (0, 0), 0.0, 0.0)
-    for _ in range(_CANDIDATES):
+    for _ in range(_MAX_THROAT_CANDIDATES):
         i, j = divmod(int(np.argmax(left)), network.shape[1])
         width, cells = _measure_width(open_cells, (i, j), along, across, periodic=periodic)
         square = _square_around((i, j), math.ceil(0.5 * cells), network.shape, periodic=periodic)
@@ -102,7 +111,7 @@ def find_throat(
 def _measure_width(
     open_cells: Mask, at: tuple[int, int], along: float, across: float, *, periodic: bool
 ) -> tuple[float, float]:
-    """Return the shortest of four lines through a cell from contact to contact: its length, and the same in cells."""
+    """Return the length of the shortest of four lines through a cell from contact to contact, m and cells."""
     diagonal = math.hypot(along, across)
     widths = []
     for step, length, cells in (
@@ -130,7 +139,7 @@ def _square_around(
 
 
 def _count_open(open_cells: Mask, start: tuple[int, int], step: tuple[int, int], *, periodic: bool) -> int:
-    """Return the number of open cells from a cell, without it, along a direction."""
+    """Return the number of open cells from a cell along a direction, without the cell itself."""
     nx, ny = open_cells.shape
     i, j = start
     count = 0
@@ -144,16 +153,6 @@ def _count_open(open_cells: Mask, start: tuple[int, int], step: tuple[int, int],
     return count
 
 
-# Cells across a throat below which it is not resolved, and the fraction of the drop from which it matters.
-_CELLS = 3.0
-_FRACTION = 0.1
-# Relative uncertainty above which flows may err by more than 10 %: 92 % of the errors are below the uncertainty, and
-# none is above 9.8 % in 141 contacts without this warning (benchmarks/response_classes.py, three times its cases).
-_UNCERTAIN = 0.1
-# Gap below which a liquid does not flow as a continuum, m: some molecules of water.
-_MOLECULES = 1e-9
-
-
 @attrs.frozen(eq=False, kw_only=True)
 class Leakage(Estimate):
     """The flow of a liquid through the gap, driven by a pressure drop between two opposite sides.
@@ -163,17 +162,17 @@ class Leakage(Estimate):
     value
         Volume flow, m3/s; exactly zero if no open path joins both sides.
     uncertainty
-        One standard deviation, m3/s, of what the cells do not resolve.
+        One standard deviation, m3/s, because the cells do not resolve the gap everywhere.
     unit
         ``"m3/s"``.
     connected
         Whether an open path joins both sides.
     flow_factor
-        The flow over that of a parallel gap of the same mean gap.
+        The flow over the flow through a parallel gap with the same mean gap.
     throat
         The critical throat; None if no path is open.
     inflow, outflow
-        Flow in at the one side and out at the other, m3/s: they differ by the error of the linear solve.
+        Flow in at one side and out at the other, m3/s: they differ by the error of the linear solve.
     grid, axis
         The cells, and the axis along which the liquid flows.
     viscosity, pressure_drop
@@ -200,7 +199,7 @@ class Leakage(Estimate):
 
     @cached_property
     def fluid_pressure(self) -> Array:
-        """Pressure of the liquid above that of the outlet, shape `grid.shape`, Pa; nan where nothing flows."""
+        """Pressure of the liquid above the pressure at the outlet, shape `grid.shape`, Pa; nan where nothing flows."""
         field = np.full(self.grid.shape, np.nan)
         if self._network is not None and self._pressure is not None:
             oriented = field if self.axis == 0 else field.T
@@ -257,11 +256,11 @@ class GapFlow(Response[Leakage]):
     Parameters
     ----------
     axis
-        0: from the side of smallest x to the opposite one; 1: along y.
+        0: from the side of smallest x to the opposite side; 1: along y.
     viscosity
         Dynamic viscosity, Pa s.
     pressure_drop
-        Pressure at the inlet minus that at the outlet, Pa.
+        Pressure at the inlet minus pressure at the outlet, Pa.
     """
 
     with_adhesion = "total pressure"
@@ -315,7 +314,7 @@ class GapFlow(Response[Leakage]):
         )
         throat = find_throat(network, lost, open_cells, grid, self.axis, periodic=periodic)
         warnings = (*_list_warnings(solution), *_judge_throat(throat, min(grid.shape)))
-        if not warnings and relative > _UNCERTAIN:
+        if not warnings and relative > _MAX_RELATIVE_STD:
             text = "The grid hardly determines the flow, whose uncertainty is above 10 %: refine the grid."
             warnings = (ContactWarning(text, "uncertainty", relative),)
         unit = flow_unit(self.viscosity, self.pressure_drop, network.widest)
@@ -361,10 +360,10 @@ def _list_warnings(solution: ContactSolution) -> tuple[str, ...]:
 def _judge_throat(throat: Throat, cells: int) -> tuple[str, ...]:
     """Return why the flow through a throat must not be trusted; cells is the shorter side of the domain."""
     warnings = []
-    if throat.cells < min(_CELLS, cells) and throat.fraction >= _FRACTION:
-        text = f"The critical throat is {throat.cells:.3g} cells across, below {_CELLS:g}: refine the grid."
+    if throat.cells < min(_MIN_THROAT_CELLS, cells) and throat.fraction >= _MIN_LOSS_FRACTION:
+        text = f"The critical throat is {throat.cells:.3g} cells across, below {_MIN_THROAT_CELLS:g}: refine the grid."
         warnings.append(ContactWarning(text, "resolution", throat.cells))
-    if throat.gap < _MOLECULES:
+    if throat.gap < _MOLECULAR_GAP:
         text = f"The gap in the critical throat is {si(throat.gap, 'm', 3)}, of molecular size."
         warnings.append(ContactWarning(text, "molecular gap", throat.gap))
     return tuple(warnings)

@@ -11,17 +11,35 @@ import numpy as np
 from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact.errors import MissingPackage
 
-# Gap over the widest one below which float64 does not tell it from zero.
-_ROUNDING = 1e-14
+# Gap over the widest gap below which float64 does not tell it from zero.
+_MIN_FILM_RATIO = 1e-14
 # Neighbours of a cell: liquid passes through sides, not through corners.
-_SIDES = np.array(((0, 1, 0), (1, 1, 1), (0, 1, 0)), dtype=bool)
+_SIDE_NEIGHBOURS = np.array(((0, 1, 0), (1, 1, 1), (0, 1, 0)), dtype=bool)
+# Cells up to which elimination is used, 2048 x 2048 with 30 % in contact: it then takes 2.7 GiB and a third of the time
+# of conjugate gradients, and needs no package and no stopping rule.
+MAX_ELIMINATION_CELLS = 3_000_000
+# Conjugate gradients end at this residual over the right side, once the flow changes by less over so many iterations
+# and inflow and outflow agree. The residual alone hides throats: at 1e-4 the flow is up to 58 % too large.
+_RESIDUAL_TOLERANCE = 1e-6
+_FLOW_TOLERANCE = 1e-4
+_STEADY_ITERATIONS = 5
+_MAX_ITERATIONS = 300
+# Weights of the three measures of the uncertainty (`estimate_uncertainty`), set on twelve rough surfaces at four loads
+# and four grids so that 95 % of the errors are within two standard deviations; other surfaces confirm them
+# (docs/studies/leakage.py). They contain a factor of 5/4, because tight contacts on oblong domains and cells had
+# errors of 2.5 standard deviations without it (benchmarks/response_classes.py).
+_THROAT_WEIGHT = 0.94
+_RULE_WEIGHT = 0.125
+_EDGE_WEIGHT = 0.25
+# Cells beyond a periodic border in which the nearest contact is searched.
+_MAX_PADDING_CELLS = 16
 
 
 @attrs.frozen(eq=False)
 class FlowNetwork:
     """The open cells that join both ends of the domain; liquid flows along axis 0 of its arrays.
 
-    Conductances are those of cubes of gaps over the widest gap: a face between square cells of that gap has 1.
+    Conductances are dimensionless: a face between square cells with the widest gap has 1.
 
     Attributes
     ----------
@@ -82,21 +100,24 @@ class FlowNetwork:
         return np.asarray(self.conductance * (pressure[self.first] - pressure[self.second]))
 
     def find_ends(self, pressure: Array) -> tuple[float, float]:
-        """Return the flow in and the flow out."""
-        into = float(np.sum(self.inlet_conductance * (1.0 - pressure[self.inlet])))
-        return into, float(np.sum(self.outlet_conductance * pressure[self.outlet]))
+        """Return the flow in at the inlet and the flow out at the outlet."""
+        into, out = self._find_end_flows(pressure)
+        return float(np.sum(into)), float(np.sum(out))
+
+    def _find_end_flows(self, pressure: Array) -> tuple[Array, Array]:
+        """Return the flow into each cell at the inlet, and out of each cell at the outlet."""
+        return self.inlet_conductance * (1.0 - pressure[self.inlet]), self.outlet_conductance * pressure[self.outlet]
 
     def residual(self, pressure: Array) -> Array:
-        """Return the liquid that each cell gains."""
+        """Return the flow into each cell less the flow out of it."""
         faces = self.find_flow(pressure)
-        into = self.inlet_conductance * (1.0 - pressure[self.inlet])
-        out = self.outlet_conductance * pressure[self.outlet]
+        into, out = self._find_end_flows(pressure)
         return self._gather((self.second, faces), (self.first, -faces), (self.inlet, into), (self.outlet, -out))
 
     def dissipation(self, pressure: Array) -> tuple[Array, Array]:
         """Return the power lost in each face and in each cell: they sum to the flow at unit pressure.
 
-        A face is half of either cell in series, so that the tighter one takes the larger part.
+        A face joins half of either cell in series, so that the tighter cell loses more.
         """
         faces = self.conductance * (pressure[self.first] - pressure[self.second]) ** 2
         cubes = self.film**3
@@ -108,14 +129,13 @@ class FlowNetwork:
         return faces, lost
 
     def find_flow_of_cells(self, pressure: Array) -> tuple[Array, Array]:
-        """Return the flow through each cell along and across: the mean of those through its two faces."""
+        """Return the flow through each cell along and across: the mean of the flows through its two faces."""
         half = 0.5 * self.find_flow(pressure)
         fields = np.zeros((2, *self.shape))
         one = slice(None, self.along)
         other = slice(self.along, None)
-        into = 0.5 * self.inlet_conductance * (1.0 - pressure[self.inlet])
-        out = 0.5 * self.outlet_conductance * pressure[self.outlet]
-        ends = (self.inlet, into), (self.outlet, out)
+        into, out = self._find_end_flows(pressure)
+        ends = (self.inlet, 0.5 * into), (self.outlet, 0.5 * out)
         for field, part, extra in ((fields[0], one, ends), (fields[1], other, ())):
             faces = (self.first[part], half[part]), (self.second[part], half[part])
             field.reshape(-1)[self.cells] = self._gather(*faces, *extra)
@@ -138,20 +158,20 @@ def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool)
     if widest <= 0.0:
         return None
     film = np.asarray(gap / widest)
-    kept = find_paths(open_cells & (film > _ROUNDING), periodic=periodic)
+    kept = find_paths(open_cells & (film > _MIN_FILM_RATIO), periodic=periodic)
     if not kept.any():
         return None
     cells = np.flatnonzero(kept)
     number = np.full(gap.shape, -1, dtype=np.int32)
     number[kept] = np.arange(cells.size, dtype=np.int32)
-    along = _pair(number[:-1], number[1:])
-    across = _pair(number[:, :-1], number[:, 1:])
+    along = _pair_cells(number[:-1], number[1:])
+    across = _pair_cells(number[:, :-1], number[:, 1:])
     if periodic and gap.shape[1] > 1:
-        around = _pair(number[:, -1], number[:, 0])
+        around = _pair_cells(number[:, -1], number[:, 0])
         across = np.concatenate((across, around), axis=1)
     film = film.reshape(-1)[cells]
     cubes = film**3
-    conductance = np.concatenate([_join(cubes, along) * aspect, _join(cubes, across) / aspect])
+    conductance = np.concatenate([_join_cubes(cubes, along) * aspect, _join_cubes(cubes, across) / aspect])
     first, second = np.concatenate((along, across), axis=1)
     inlet, outlet = (row[row >= 0] for row in (number[0], number[-1]))
     ends = (2.0 * aspect * cubes[end] for end in (inlet, outlet))
@@ -166,20 +186,20 @@ def find_paths(open_cells: Mask, *, periodic: bool, corners: bool = False) -> Ma
     open_cells
         Shape (along, across) the flow.
     periodic
-        Whether paths go on across the border beside the flow.
+        Whether the domain repeats beyond its borders beside the flow.
     corners
-        Whether a path may pass a corner, too.
+        Whether a path may also pass through corners of cells.
     """
     from scipy import ndimage, sparse
 
-    labels, count = ndimage.label(open_cells, structure=np.ones((3, 3), dtype=bool) if corners else _SIDES)
+    labels, count = ndimage.label(open_cells, structure=np.ones((3, 3), dtype=bool) if corners else _SIDE_NEIGHBOURS)
     piece: RealArray = np.arange(count + 1)
     if periodic and count:
         one = labels[:, -1]
         other = labels[:, 0]
         if corners:
             one = np.tile(one, 3)
-            other = np.concatenate([other, _shifted(other, 1), _shifted(other, -1)])
+            other = np.concatenate([other, _shift_row(other, 1), _shift_row(other, -1)])
         both = (one > 0) & (other > 0)
         links = sparse.coo_matrix((np.ones(both.sum()), (one[both], other[both])), shape=(count + 1, count + 1))
         piece = sparse.csgraph.connected_components(links, directed=False)[1]
@@ -189,40 +209,29 @@ def find_paths(open_cells: Mask, *, periodic: bool, corners: bool = False) -> Ma
     return np.asarray(joined[labels])
 
 
-def _shifted(values: RealArray, step: int) -> RealArray:
-    """Return values moved along by one, with zero where none comes in."""
+def _shift_row(values: RealArray, step: int) -> RealArray:
+    """Return values moved by one step along the row, with zero at the end that becomes free."""
     moved = np.roll(values, step)
     moved[0 if step == 1 else -1] = 0
     return moved
 
 
-def _pair(one: RealArray, other: RealArray) -> RealArray:
+def _pair_cells(one: RealArray, other: RealArray) -> RealArray:
     """Return the pairs of neighbours that are both in the network, shape (2, n)."""
     both = (one >= 0) & (other >= 0)
     return np.stack((one[both], other[both]))
 
 
-def _join(cubes: Array, pairs: RealArray) -> Array:
+def _join_cubes(cubes: Array, pairs: RealArray) -> Array:
     """Return the harmonic mean of both cells: the trapezoidal rule for the integral of 1/g^3 along the flow."""
     one = cubes[pairs[0]]
     other = cubes[pairs[1]]
     return np.asarray(2.0 * one * other / (one + other))
 
 
-# Cells up to which elimination is used, 2048 x 2048 with 30 % in contact: it then takes 2.7 GiB and a third of the time
-# of conjugate gradients, and needs no package and no stopping rule.
-LARGEST_ELIMINATION = 3_000_000
-# Conjugate gradients end at this residual over the right side, once the flow changes by less over so many iterations
-# and inflow and outflow agree. The residual alone hides throats: at 1e-4 the flow is up to 58 % too large.
-_RESIDUAL = 1e-6
-_CHANGE = 1e-4
-_MEMORY = 5
-_MAXIMUM_ITERATIONS = 300
-
-
 def solve_network(network: FlowNetwork) -> tuple[Array, bool]:
     """Return the pressure in each cell, 1 at the inlet and 0 at the outlet, and whether the flow has converged."""
-    if network.cells.size <= LARGEST_ELIMINATION:
+    if network.cells.size <= MAX_ELIMINATION_CELLS:
         return eliminate(network), True
     return iterate(network)
 
@@ -247,17 +256,17 @@ def iterate(network: FlowNetwork) -> tuple[Array, bool]:
     corrected = precondition @ residual
     direction = corrected
     product = float(residual @ corrected)
-    allowed = _RESIDUAL * float(np.linalg.norm(right))
+    allowed = _RESIDUAL_TOLERANCE * float(np.linalg.norm(right))
     flows = [np.inf]
-    for _ in range(_MAXIMUM_ITERATIONS):
+    for _ in range(_MAX_ITERATIONS):
         pushed = matrix @ direction
         step = product / float(direction @ pushed)
         pressure += step * direction
         residual -= step * pushed
         into, out = network.find_ends(pressure)
         flows.append(into)
-        steady = abs(into - flows[max(0, len(flows) - 1 - _MEMORY)]) <= _CHANGE * into
-        if steady and abs(into - out) <= _CHANGE * into and np.linalg.norm(residual) <= allowed:
+        steady = abs(into - flows[max(0, len(flows) - 1 - _STEADY_ITERATIONS)]) <= _FLOW_TOLERANCE * into
+        if steady and abs(into - out) <= _FLOW_TOLERANCE * into and np.linalg.norm(residual) <= allowed:
             return pressure, True
         corrected = precondition @ residual
         product, before = float(residual @ corrected), product
@@ -277,16 +286,6 @@ def _prepare_multigrid(matrix: Any) -> Any:
             f"The flow through {matrix.shape[0]} cells needs the package pyamg: pip install 'roughcontact[flow]'."
         ) from None
     return pyamg.smoothed_aggregation_solver(matrix, strength="evolution").aspreconditioner()
-
-
-# Weights of the three measures below, set on twelve rough surfaces at four loads and four grids so that 95 % of the
-# errors are within two standard deviations; others confirm them (docs/studies/leakage.py). All three are a fourth
-# larger since: tight contacts on oblong domains and cells had up to 2.5 (benchmarks/response_classes.py).
-_THROATS = 0.94
-_RULE = 0.125
-_EDGES = 0.25
-# Cells across a periodic border to which the contact is looked for.
-_BEYOND = 16
 
 
 def estimate_uncertainty(
@@ -325,7 +324,7 @@ def estimate_uncertainty(
     near = oblong / _find_distances(network, open_cells, aspect=aspect, periodic=periodic)
     squared, cubed = (float(np.sum(lost * near**power)) / flow for power in (2, 3))
     residual = 3.0 * gap_error * float(np.sum(lost / network.film)) / flow
-    return math.hypot(_THROATS * math.sqrt(rule * squared), _RULE * rule, _EDGES * cubed, residual)
+    return math.hypot(_THROAT_WEIGHT * math.sqrt(rule * squared), _RULE_WEIGHT * rule, _EDGE_WEIGHT * cubed, residual)
 
 
 def _compare_rules(network: FlowNetwork, faces: Array, flow: float) -> float:
@@ -345,7 +344,7 @@ def _find_distances(network: FlowNetwork, open_cells: Mask, *, aspect: float, pe
 
     if open_cells.all():
         return np.full(network.cells.size, math.inf)
-    beyond = min(_BEYOND, open_cells.shape[1]) if periodic else 0
+    beyond = min(_MAX_PADDING_CELLS, open_cells.shape[1]) if periodic else 0
     extended = np.pad(open_cells, ((0, 0), (beyond, beyond)), mode="wrap") if beyond else open_cells
     side = math.sqrt(aspect)
     distances = ndimage.distance_transform_edt(extended, sampling=(1.0 / side, side))

@@ -1,4 +1,4 @@
-"""Laws of an interface: what its contact does, over the load, in a form that other programs read."""
+"""Laws of an interface: properties of its contact over the load, in a form that other programs read."""
 
 from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, PowerFit
 from roughcontact._answers.laws.run import interface_law

@@ -18,11 +18,12 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, counted, outlined, si
 from roughcontact.errors import InputError
 
-# Misfit that is allowed whatever the uncertainties, over the value and over its change, and the fewest loads and their
-# smallest ratio: a straight line through any smooth curve fits in a shorter range, and a logarithm has a small change.
-_MISFIT = 0.01
-_LOADS = 4
-_RATIO = 10.0
+# Misfit that is allowed whatever the uncertainties, both over the value and over its change in the range.
+_ALLOWED_MISFIT = 0.01
+# Smallest number of loads of a power law, and smallest ratio of the last to the first: in a shorter range a power law
+# fits any smooth curve.
+_MIN_FITTED_LOADS = 4
+_MIN_LOAD_RANGE = 10.0
 
 
 @attrs.frozen
@@ -69,10 +70,10 @@ def fit_power(pressures: Array, values: Array, uncertainties: Array) -> PowerFit
     best: PowerFit | None = None
     widest = 0.0
     for first in range(pressures.size):
-        for last in range(pressures.size, first + _LOADS - 1, -1):
+        for last in range(pressures.size, first + _MIN_FITTED_LOADS - 1, -1):
             chosen = slice(first, last)
             ratio = float(pressures[last - 1] / pressures[first])
-            if ratio < _RATIO * (1.0 - 1e-9) or ratio <= widest or not usable[chosen].all():
+            if ratio < _MIN_LOAD_RANGE * (1.0 - 1e-9) or ratio <= widest or not usable[chosen].all():
                 continue
             found = _fit(pressures[chosen], values[chosen], uncertainties[chosen] / values[chosen])
             if found is not None:
@@ -86,14 +87,14 @@ def _fit(pressures: Array, values: Array, relative: Array) -> PowerFit | None:
     """Return the line through the logarithms of all these values; None if one of them is off."""
     x = np.log(pressures)
     y = np.log(values)
-    allowed = np.maximum(relative, _MISFIT)
+    allowed = np.maximum(relative, _ALLOWED_MISFIT)
     weights = 1.0 / allowed**2
     pivot, level = (float(np.average(each, weights=weights)) for each in (x, y))
     spread = float(np.sum(weights * (x - pivot) ** 2))
     exponent = float(np.sum(weights * (x - pivot) * (y - level))) / spread
     misfit = y - level - exponent * (x - pivot)
     change = min(1.0, abs(exponent) * float(x[-1] - x[0]))
-    if (np.abs(misfit) > np.maximum(relative, _MISFIT * change)).any():
+    if (np.abs(misfit) > np.maximum(relative, _ALLOWED_MISFIT * change)).any():
         return None
     variance = relative**2 + float(np.sum(misfit**2)) / (x.size - 2)
     std = math.sqrt(float(np.sum((weights * (x - pivot)) ** 2 * variance))) / spread
@@ -125,7 +126,7 @@ class LawColumn:
 
 @attrs.frozen(eq=False)
 class InterfaceLaw:
-    """What a nominally flat interface does, over the nominal mean pressure.
+    """The properties of a nominally flat interface over the nominal mean pressure.
 
     Attributes
     ----------
@@ -263,7 +264,7 @@ class InterfaceLaw:
         target = checks.path(path, "The table")
         if target.suffix != ".csv":
             raise InputError.about("The table of MOOSE", str(target), "a file that ends in .csv")
-        table, blocks = formats.write_function(self, target.name, name, conductance, min_gap, units)
+        table, blocks = formats.write_moose(self, target.name, name, conductance, min_gap, units)
         _write(target, table)
         _write(target.with_suffix(".i"), blocks)
 

@@ -1,4 +1,4 @@
-"""Normal stiffness, and what it lacks because cells follow the edge of the contact in steps."""
+"""Normal stiffness, and its correction because cells follow the edge of the contact in steps."""
 
 from __future__ import annotations
 
@@ -13,35 +13,43 @@ from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import Boundary
+from roughcontact._solve.problem import step_approach
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
 
-# Area by which cells act as a smaller punch, in cells, for a row of L sides: a L - b ln L - c. Solved for periodic
-# strips with edges of slopes 0 to 1/16 beside Westergaard's closed form, which it meets to 0.005 of a side.
-_ROW = 0.1736
-_KINK = 0.154
-_END = 0.0866
-# Power of the side of a cell across the row over that along it, in the second term.
-_ASPECT = 0.7
+# Area by which the punch of the cells acts as smaller, in cells, for a row of L sides: a L - b ln L - c. Solved for
+# periodic strips with edges of slopes 0 to 1/16: it agrees with Westergaard's closed form to 0.005 of a side.
+_ROW_LOSS = 0.1736
+_KINK_LOSS = 0.154
+_END_LOSS = 0.0866
+# Power of the side of a cell across the row over its side along the row, in the second term.
+_ASPECT_EXPONENT = 0.7
 # C^2 over h q^2 / (2 pi), q^2 averaged over the sides: of a wide contact, and the radius in cells that lowers it.
-_SINGULAR = 1.346
-_NARROW = 0.147
-# Inverse of the compliance of a film, over that of a cell, h/E*, at which half of that area is left; set on balls.
-_EVEN = 3.0
-# Resolution ratio at which half of the correction is left: beyond, the area between the cells is not known either.
-_UNRESOLVED = 0.8
-# Part of it from which nobody asks whether the edges are sharp.
-_TRUSTED = 0.9
-# Relative standard deviations of the stiffness: of a patch of radius a cells over a^(-3/2), for the positions of the
-# cells; of all together over the resolution ratio to the power 3/2.
-_CELLS = 0.03
-_COMMON = 0.02
-# ... and the fraction of the correction.
-_UNSURE = 0.25
-# Radius over the root of the resolution ratio, in cells, of a contact patch between the cells that no cell shows, of
-# the stiffness 2 E* times it: light contacts lack one or two. Set on the tuned split of
-# benchmarks/response_classes.py, three times its cases.
-_UNSEEN = 0.375
+_EDGE_FACTOR = 1.346
+_NARROW_RADIUS_CELLS = 0.147
+# Compliance of a cell, h/E*, over the compliance of a film that halves this area; set on balls.
+_FILM_FADING = 3.0
+# Resolution ratio that halves the correction: on coarser grids the area between the cells is not known either.
+_HALF_TRUST_RATIO = 0.8
+# Remaining fraction of the correction from which sharp edges make no difference.
+_MIN_FULL_TRUST = 0.9
+# Relative standard deviation of the stiffness of a patch by the positions of its cells, times its radius in cells to
+# the power 3/2.
+_POSITION_STD = 0.03
+# Relative standard deviation of the stiffness of all patches together, over the resolution ratio to the power 3/2.
+_COMMON_STD = 0.02
+# Standard deviation of the correction over the correction.
+_CORRECTION_STD = 0.25
+# Radius, in cells over the root of the resolution ratio, of a contact patch between the cells, whose stiffness 2 E*
+# times the radius light contacts lack once or twice. Set on the tuned split of benchmarks/response_classes.py, three
+# times its cases.
+_HIDDEN_RADIUS_FACTOR = 0.375
+# Relative residual of the answer to a unit displacement: the relative error of the stiffness is its square.
+_RESIDUAL_TOLERANCE = 1e-2
+# Change of the approach over the range of the displacement from which the stiffness with adhesion follows, and the
+# difference of its sides over it from which on a jump is near.
+_ADHESIVE_STEP = 2e-3
+_NEAR_JUMP = 0.2
 
 
 @attrs.frozen(eq=False)
@@ -55,7 +63,7 @@ class EdgeCorrection:
 def correct_edges(
     solution: ContactSolution, answer: Array, cells: Mask, area: Area, film: float = 0.0
 ) -> EdgeCorrection:
-    """Return what the stiffness of each patch lacks.
+    """Return the correction of the stiffness of each patch.
 
     Parameters
     ----------
@@ -66,61 +74,60 @@ def correct_edges(
     cells
         The cells on which it was solved, shape (nx, ny).
     area
-        The area of the contact, with that of each patch.
+        The area of the contact and of each patch.
     film
-        Compliance of a film on the cells, m/Pa, so that all of them together yield as one on the area of the contact.
+        Compliance of a film on the cells, m/Pa, scaled so that the cells together yield as the film on the real area.
     """
     count = solution.patches.count
     cell = solution.grid.cell_area
-    labels = solution.patches.labels.ravel()
-    cells_of = np.bincount(labels[np.flatnonzero(cells)], minlength=count + 1)[1:].astype(np.float64)
+    cells_of = solution.patches.sum(cells.astype(np.float64))
     lost, sides, squares, along = _measure_rows(solution, answer, cells)
-    # A film that yields more than a cell makes the pressure even at the edge: cells act as what they are.
-    faded = 1.0 - 1.0 / (1.0 + _EVEN * film * solution.modulus / math.sqrt(cell))
+    # A film that yields more than a cell makes the pressure even at the edge: the cells then act with their own area.
+    faded = 1.0 - 1.0 / (1.0 + _FILM_FADING * film * solution.modulus / math.sqrt(cell))
     lost *= 1.0 - faded
     acting = np.maximum(cells_of - lost, 0.3 * cells_of) * cell
     known = _find_areas(solution, cells_of, acting, area)
     width = np.where(sides > 0.0, 2.0 * acting / np.maximum(0.25 * np.pi * sides, 1e-300), np.inf) / math.sqrt(cell)
-    factor = _SINGULAR * (1.0 - _NARROW / np.maximum(width, 2.0 * _NARROW))
+    factor = _EDGE_FACTOR * (1.0 - _NARROW_RADIUS_CELLS / np.maximum(width, 2.0 * _NARROW_RADIUS_CELLS))
     slope = factor * squares * cell / (np.maximum(sides, 1e-300) * solution.modulus)
-    # Of a single spot the stiffness is proportional to the root of the area.
+    # The stiffness of a single spot is proportional to the root of its area.
     growth = np.where(acting > 0.0, known / np.maximum(acting, 1e-300), 1.0)
     ratio = curvature_resolution(solution)
     trust = _find_trust(solution, ratio)
     correction = 2.0 * trust * slope * acting * (np.sqrt(growth) - 1.0)
-    stiffness = _sum_patches(labels, answer, count) * cell
+    stiffness = solution.patches.sum(answer) * cell
     total = float(stiffness.sum())
     nominal = float(acting.sum())
-    unsure = _UNSURE * abs(float(correction.sum()))
+    unsure = _CORRECTION_STD * abs(float(correction.sum()))
     growing = float(np.sum(slope * acting))
     in_film = np.zeros(count)
     if film > 0.0:
-        in_film = film * _sum_patches(labels, answer**2, count) * cell
+        in_film = film * solution.patches.sum(answer**2) * cell
         at_edge = film * along / np.maximum(sides, 1e-300)
         counted = cells_of * cell
         grown = float(known.sum()) / float(counted.sum()) - 1.0
         of_film = trust * (at_edge * (known - counted) - in_film * grown)
         correction += of_film
         # Both parts mostly cancel, and how fast the first fades depends on the shape.
-        unsure += _UNSURE * abs(float(of_film.sum())) + faded * float(np.sum(slope * lost)) * cell
+        unsure += _CORRECTION_STD * abs(float(of_film.sum())) + faded * float(np.sum(slope * lost)) * cell
         growing += float(in_film.sum())
-    # What the film does not take the edges take.
+    # The part of the displacement that is not in the film is at the edges.
     open_part = max(1.0 - float(in_film.sum()) / total, 0.0) if total > 0.0 else 0.0
     by_area = growing / nominal * area.uncertainty if nominal > 0.0 else 0.0
     # The longer sides of the cells place the edge.
     oblong = max(solution.grid.spacing) / math.sqrt(cell)
     by_patch = stiffness * (oblong / np.maximum(width, 0.5)) ** 1.5
-    by_cells = open_part * _CELLS * math.sqrt(float(np.sum(by_patch**2)))
+    by_cells = open_part * _POSITION_STD * math.sqrt(float(np.sum(by_patch**2)))
     # Near full contact the stiffness grows much faster than the area.
-    common = open_part * _COMMON * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
-    unseen = open_part * 2.0 * solution.modulus * _UNSEEN * math.sqrt(min(ratio, 1.0) * cell)
+    common = open_part * _COMMON_STD * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
+    unseen = open_part * 2.0 * solution.modulus * _HIDDEN_RADIUS_FACTOR * math.sqrt(min(ratio, 1.0) * cell)
     return EdgeCorrection(correction, math.hypot(by_area, by_cells, unsure, common, unseen))
 
 
 def _find_trust(solution: ContactSolution, ratio: float) -> float:
-    """Return the part of the correction that the resolution leaves; sharp edges of punches need no resolution."""
-    trust = 1.0 / (1.0 + (ratio / _UNRESOLVED) ** 4)
-    if trust > _TRUSTED:
+    """Return the fraction of the correction that the resolution allows: all of it at sharp edges, as of punches."""
+    trust = 1.0 / (1.0 + (ratio / _HALF_TRUST_RATIO) ** 4)
+    if trust > _MIN_FULL_TRUST:
         return trust
     sides = count_sides(solution.contact, solution.boundary)
     sharp = count_sides(solution.contact, solution.boundary, find_sharp_edges(solution))
@@ -128,19 +135,15 @@ def _find_trust(solution: ContactSolution, ratio: float) -> float:
 
 
 def _find_areas(solution: ContactSolution, cells_of: Array, acting: Array, area: Area) -> Array:
-    """Return the areas inside the edges between the cells, m2, without saturated cells where those do not count."""
+    """Return the areas inside the edges between the cells, m2, less saturated cells unless `cells_of` counts them."""
     if area.patches is None:
         return acting
     saturated = (solution.patches.cells - cells_of) * solution.grid.cell_area
     return np.asarray(np.maximum(area.patches - saturated, 0.0))
 
 
-def _sum_patches(labels: IntArray, values: Array, count: int) -> Array:
-    return np.asarray(np.bincount(labels, weights=values.ravel(), minlength=count + 1)[1:], dtype=np.float64)
-
-
 def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tuple[Array, Array, Array, Array]:
-    """Return what each patch lacks, in cells; the length of its sides, m; sum and integral of q^2 over them."""
+    """Return the area loss of each patch, cells; the length of its sides, m; sum and integral of q^2 over them."""
     count = solution.patches.count
     labels = solution.patches.labels
     lost, sides, squares, along = (np.zeros(count + 1) for _ in range(4))
@@ -175,7 +178,7 @@ def _shift(mask: Mask, step: int, boundary: Boundary) -> Mask:
 
 
 def _find_rows(i: IntArray, j: IntArray, period: int | None) -> tuple[IntArray, IntArray]:
-    """Return where rows of adjacent sides at (i, j) begin, and their lengths; those that cross the border are one."""
+    """Return where rows of adjacent sides at (i, j) begin, and their lengths; rows across the border are joined."""
     starts = np.flatnonzero(np.concatenate(([True], (np.diff(i) != 0) | (np.diff(j) != 1))))
     lengths = np.diff(np.append(starts, i.size))
     if period is None:
@@ -190,13 +193,9 @@ def _find_rows(i: IntArray, j: IntArray, period: int | None) -> tuple[IntArray, 
 
 
 def _find_loss(lengths: IntArray, longest: int, aspect: float) -> Array:
-    """Return the area that rows lack, in cells; one across the whole domain has no ends."""
-    ends = _KINK * aspect**_ASPECT * np.log(lengths) + _END
-    return np.asarray(_ROW * lengths - np.where(lengths < longest, ends, 0.0))
-
-
-# Relative residual of the answer to a unit displacement: the stiffness errs by its square.
-_TOLERANCE = 1e-2
+    """Return the area loss of rows, in cells; a row across the whole domain has no ends."""
+    ends = _KINK_LOSS * aspect**_ASPECT_EXPONENT * np.log(lengths) + _END_LOSS
+    return np.asarray(_ROW_LOSS * lengths - np.where(lengths < longest, ends, 0.0))
 
 
 @responses.register("stiffness")
@@ -216,10 +215,34 @@ class Stiffness(Response[Estimate]):
     Barber, Proc. R. Soc. A 459 (2003) 53-66, https://doi.org/10.1098/rspa.2002.1038
     """
 
+    with_adhesion = "total pressure"
+
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
+        if solution.tension is not None:
+            return _compare_neighbours(solution)
         normal = find_normal_answer(solution, "stiffness")
         return Estimate(normal.value, normal.uncertainty, "N/m", normal.warnings)
+
+
+def _compare_neighbours(solution: ContactSolution) -> Estimate:
+    """Return the stiffness of surfaces that attract each other, N/m, from states at slightly other approaches.
+
+    Their contact and the tension beside it change together, which the linear answer of a fixed contact does not know.
+    """
+    moved = float(solution.displacement.max() - solution.displacement.min())
+    step = _ADHESIVE_STEP * moved
+    above = step_approach(solution, step)
+    below = step_approach(solution, -step)
+    forward = (above.force - solution.force) / step
+    backward = (solution.force - below.force) / step
+    value = 0.5 * (forward + backward)
+    uncertainty = 0.5 * abs(forward - backward)
+    warnings: tuple[str, ...] = ()
+    if uncertainty > _NEAR_JUMP * abs(value):
+        text = "the force changes by other amounts on both sides: the contact is near a jump, or sticks to the cells"
+        warnings = (ContactWarning(text, "near a jump", uncertainty / max(abs(value), 1e-300)),)
+    return Estimate(value, uncertainty, "N/m", warnings)
 
 
 @attrs.frozen(eq=False)
@@ -231,7 +254,7 @@ class NormalAnswer:
     field
         Change of the pressure, shape (nx, ny), Pa/m; zero where the stiffness is infinite.
     value, uncertainty
-        Its sum over the corrected area, N/m, and the standard deviation of that.
+        The stiffness, its integral over the corrected area, and its standard deviation, N/m.
     warnings
         Why it must not be trusted, in sentences.
     """
@@ -243,7 +266,7 @@ class NormalAnswer:
 
 
 def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
-    """Return the answer to a unit approach of the cells below the pressure limit, for what is asked, in words."""
+    """Return the answer of the cells below the pressure limit to a unit approach; messages name the number `what`."""
     require_mean_gap(solution, what)
     area = solution.area()
     warnings = list_warnings(solution, area.warnings)
@@ -253,19 +276,19 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
         return NormalAnswer(0.0 * unit, math.inf, 0.0, (*warnings, describe_full_contact(what)))
     if not tangent.cells.any():
         return NormalAnswer(0.0 * unit, 0.0, 0.0, warnings)
-    answer = tangent.solve(unit, _TOLERANCE)
+    answer = tangent.solve(unit, _RESIDUAL_TOLERANCE)
     correction = correct_edges(solution, answer.values, tangent.cells, area)
-    value = sum_of(answer.values, answer.residual) * solution.grid.cell_area + float(correction.patches.sum())
+    value = sum_answer(answer.values, answer.residual) * solution.grid.cell_area + float(correction.patches.sum())
     return NormalAnswer(answer.values, value, correction.uncertainty, warnings)
 
 
-def sum_of(values: Array, residual: Array) -> float:
+def sum_answer(values: Array, residual: Array) -> float:
     """Return the sum of the answer to a unit displacement, exact to the square of the residual."""
     return float(np.add.reduce(values * (1.0 + residual), axis=None))
 
 
 def require_mean_gap(solution: ContactSolution, what: str) -> None:
-    """Refuse a wrapped boundary, where the displacement by uniform pressure is arbitrary."""
+    """Raise `InputError` on a wrapped boundary, where the displacement by uniform pressure is arbitrary."""
     if solution.boundary is Boundary.WRAPPED:
         raise InputError(
             f"On a wrapped boundary uniform pressure moves the surfaces by an arbitrary amount, so that the {what} "
@@ -274,13 +297,13 @@ def require_mean_gap(solution: ContactSolution, what: str) -> None:
 
 
 def describe_full_contact(what: str) -> ContactWarning:
-    """Return why what is asked, in words, is infinite in full contact on a periodic boundary."""
+    """Return the warning that a number, named by `what`, is infinite in full contact on a periodic boundary."""
     text = f"the surfaces touch everywhere, so that the interface yields nothing and its {what} is infinite"
     return ContactWarning(text, "full contact")
 
 
 def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the warnings of the area, and that of a contact which a free border cuts."""
+    """Return the warnings of the area, and a warning if a free border cuts the contact."""
     contact = solution.contact
     edges = (contact[0], contact[-1], contact[:, 0], contact[:, -1])
     if solution.boundary is not Boundary.FREE or not any(edge.any() for edge in edges):

@@ -21,7 +21,16 @@ from roughcontact._solve.solution import ContactSolution, Estimate, Response, re
 from roughcontact.errors import InputError
 
 # Dundurs' second constant below which normal and tangential displacement count as uncoupled.
-_UNCOUPLED = 0.01
+_MAX_UNCOUPLED_BETA = 0.01
+# Excess of the compliance under a traction in proportion to a normal pressure, over the product of Poisson's ratio and
+# the standard deviation of the displacement where that should be uniform: 0.25 to 0.5 on rough surfaces and waves, by
+# comparison with the traction that minimizes the energy (benchmarks/response_classes.py).
+_EXCESS_FACTOR = 0.4
+# Standard deviation of the stiffness over that excess. Set on the rough contacts of benchmarks/response_classes.py,
+# three times its cases, so that 93 % of the differences are within two standard deviations.
+_EXCESS_STD_FACTOR = 1.75
+# Relative excess from which a warning names it.
+_MIN_WARNED_EXCESS = 0.005
 
 
 def compare_compliances(materials: Sequence[Material], modulus: float, cosine: float = 0.5) -> float:
@@ -54,7 +63,7 @@ def dundurs_beta(materials: Sequence[Material], modulus: float) -> float:
 
 
 def judge_coupling(materials: Sequence[Material], modulus: float) -> tuple[str, ...]:
-    """Return a warning if one of the bodies is rigid and the other is not incompressible; else nothing.
+    """Return a warning if one of the bodies is rigid and the other is not incompressible; otherwise nothing.
 
     Raises
     ------
@@ -62,7 +71,7 @@ def judge_coupling(materials: Sequence[Material], modulus: float) -> tuple[str, 
         If both bodies deform, and normal and tangential displacement are coupled.
     """
     beta = dundurs_beta(materials, modulus)
-    if abs(beta) <= _UNCOUPLED:
+    if abs(beta) <= _MAX_UNCOUPLED_BETA:
         return ()
     if min(material.compliance for material in materials) > 0.0:
         raise InputError(
@@ -91,12 +100,6 @@ def _constants(material: Material) -> tuple[float, float]:
     return number(poisson, "Poisson's ratio", above=-1.0, at_most=0.5), compliance
 
 
-# By how much a traction in proportion to a normal pressure makes the compliance too large, over the product of
-# Poisson's ratio and the standard deviation of the displacement that it causes where that should be uniform: 0.25 to
-# 0.5 on rough surfaces and waves beside the traction that minimizes the energy (benchmarks/response_classes.py).
-_EXCESS = 0.4
-
-
 @attrs.frozen
 class TangentialCompliance:
     """The tangential over the normal compliance.
@@ -106,9 +109,10 @@ class TangentialCompliance:
     ratio
         Along the axis of the force.
     excess
-        About how much too large it is, relative: only ellipses have tractions in proportion to normal pressures.
+        Estimated relative excess: only ellipses have tractions in proportion to normal pressures.
     anisotropy
-        By how much waves along the force are stiffer than those across it, relative: Poisson's ratio of like materials.
+        Relative excess of the stiffness of waves along the force over waves across it: Poisson's ratio if materials
+        are alike.
     """
 
     ratio: float
@@ -127,7 +131,7 @@ def tangential_axis(value: int) -> int:
 def find_tangential_compliance(
     solution: ContactSolution, traction: Array, stick: Mask, axis: int
 ) -> TangentialCompliance:
-    """Return the compliance along an axis under a traction of the shape of a normal pressure.
+    """Return the compliance along an axis under a traction in proportion to a normal pressure.
 
     Parameters
     ----------
@@ -143,7 +147,7 @@ def find_tangential_compliance(
     plan = problem_of(solution).plan
     bound, free = (compare_compliances(plan.materials, plan.modulus, cosine) for cosine in (1.0, 0.0))
     anisotropy = 1.0 - bound / free
-    # A force that rounding hides leaves no traction.
+    # The traction of a very small force is zero by rounding.
     traction = traction if traction.any() else solution.pressure
     displacements = _find_displacements(solution, traction / float(np.abs(traction).max()))
     energies = np.einsum("ij,kij->k", traction, displacements)
@@ -152,7 +156,7 @@ def find_tangential_compliance(
     displacement = displacements.sum(axis=0) - anisotropy * displacements[axis]
     deviation = _find_deviation(displacement, np.where(stick, traction, 0.0))
     ratio = free * (1.0 - anisotropy * cosine)
-    return TangentialCompliance(ratio, _EXCESS * anisotropy * deviation, anisotropy)
+    return TangentialCompliance(ratio, _EXCESS_FACTOR * anisotropy * deviation, anisotropy)
 
 
 def _find_deviation(displacement: Array, traction: Array) -> float:
@@ -187,7 +191,7 @@ def _find_displacements(solution: ContactSolution, pressure: Array) -> Array:
 
 @attrs.frozen
 class _WavesAlong(InfluenceKernel):
-    r"""The displacement by pressure, each wave of it times :math:`\cos^2` of its angle to an axis.
+    r"""The displacement by pressure, with each wave multiplied by :math:`\cos^2` of its angle to an axis.
 
     Along x the response to a point force is :math:`y^2/r^3` in place of :math:`1/r`: its integral over a cell is the
     sum of :math:`\pm X \operatorname{asinh}(Y/|X|)` over the corners (X, Y).
@@ -204,13 +208,6 @@ class _WavesAlong(InfluenceKernel):
         return np.asarray(np.diff(np.diff(corners, axis=0), axis=1) * (compliance / np.pi))
 
 
-# Standard deviation of what the traction makes the stiffness too small by, over its expected value. Set on the rough
-# contacts of benchmarks/response_classes.py, three times its cases, so that 93 % of the differences are within two.
-_UNSURE = 1.75
-# Part of the stiffness from which a warning says so.
-_TOLD = 0.005
-
-
 @responses.register("tangential-stiffness")
 @attrs.frozen
 class TangentialStiffness(Response[Estimate]):
@@ -222,10 +219,10 @@ class TangentialStiffness(Response[Estimate]):
        \qquad c_i = \frac{1 - \nu_i^2}{E_i}
 
     where :math:`\theta` is the angle of a wave of q to the axis and the mean is weighted by the elastic energy of the
-    waves. Round and isotropic contacts have 1/2, which gives Mindlin's :math:`2(1-\nu)/(2-\nu)` for bodies alike.
+    waves. Round and isotropic contacts have 1/2, which gives Mindlin's :math:`2(1-\nu)/(2-\nu)` for like materials.
     Coupling of normal and tangential displacements is neglected, and bodies that differ are refused. For other contacts
-    than ellipses the value is a lower bound unless Poisson's ratio is zero: of any traction the true one stores the
-    smallest energy. The uncertainty contains what it lacks, and a warning names it from half a per cent on.
+    than ellipses the value is a lower bound unless Poisson's ratio is zero, because the true traction stores the
+    smallest energy. The uncertainty contains the deficit, and a warning names it from half a per cent on.
 
     Parameters
     ----------
@@ -245,8 +242,8 @@ class TangentialStiffness(Response[Estimate]):
         """Return the stiffness; see `Response.respond`."""
         if solution.moduli is not None:
             raise InputError(
-                "The tangential stiffness follows from that of two half-spaces, but this kernel is that of a layer: "
-                "choose kernel='love'."
+                "The tangential stiffness follows from the normal one of two half-spaces, but this kernel is of a "
+                "layer: choose kernel='love'."
             )
         if solution.saturated.any():
             raise InputError(
@@ -262,11 +259,11 @@ class TangentialStiffness(Response[Estimate]):
         compliance = find_tangential_compliance(solution, normal.field, normal.field > 0.0, self.axis)
         ratio = 1.0 / compliance.ratio
         too_small = compliance.excess
-        if too_small > _TOLD:
+        if too_small > _MIN_WARNED_EXCESS:
             text = (
                 f"the traction is taken to be in proportion to the normal answer, which makes the tangential stiffness "
                 f"too small by about {100 * too_small:.1g} %"
             )
             warnings += (ContactWarning(text, "proportional traction", too_small),)
-        std = ratio * math.hypot(normal.uncertainty, _UNSURE * too_small * normal.value)
+        std = ratio * math.hypot(normal.uncertainty, _EXCESS_STD_FACTOR * too_small * normal.value)
         return Estimate(ratio * normal.value, std, "N/m", warnings)

@@ -14,17 +14,18 @@ from roughcontact._base.arrays import Array, Pair, RealArray, Waves, read_only
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 
-# Waves shorter than twice a step have died by exp(-pi z / step): a step of a quarter of the depth loses 5e-5.
-_STEPS_IN_DEPTH = 4.0
-# Fewest points along an axis.
-_FEWEST = 16
+# Cells of a block in the depth: the waves that blocks of side s do not resolve have decayed to exp(-pi z / s) at the
+# depth z, which is 5e-5 for a quarter of the depth.
+_MIN_STEPS_IN_DEPTH = 4.0
+# Smallest number of points along an axis.
+_MIN_POINTS = 16
 
 
 class StressPlanes(abc.ABC):
-    """The stress below a pressure, a depth at a time, in units of the pressure and of a cell's side along x.
+    """The stress below a pressure, one depth at a time, in units of the pressure and of a cell's side along x.
 
-    Deep below the surface the short waves have died, and the stress is found in each n-th cell along an axis, n a power
-    of two that divides the cells of the axis: the points lie at the centres of such blocks of cells.
+    Deep below the surface the short waves have decayed, and the stress is found at the centres of blocks of cells. A
+    block has a power of two of cells along each axis, which divides the cells of the axis.
     """
 
     @abc.abstractmethod
@@ -39,13 +40,13 @@ def find_steps(shape: tuple[int, int], sides: Pair, z: float) -> tuple[int, int]
 
 def _find_step(count: int, cells: float) -> int:
     step = 1
-    while count % (2 * step) == 0 and count >= 2 * step * _FEWEST and 2.0 * step * _STEPS_IN_DEPTH <= cells:
+    while count % (2 * step) == 0 and count >= 2 * step * _MIN_POINTS and 2.0 * step * _MIN_STEPS_IN_DEPTH <= cells:
         step *= 2
     return step
 
 
 def coarsen(waves: Waves, length: int, step: int, axis: int) -> Waves:
-    """Return the waves along an axis that points at the centres of blocks resolve.
+    """Return the waves along an axis that points at the centres of blocks of cells resolve.
 
     Parameters
     ----------
@@ -95,7 +96,7 @@ class StressField:
     depth
         Depth below the surface, m.
     grid
-        The points, centres of its cells: those of the solution near the surface, fewer where the stress varies slowly.
+        The points, centres of its cells: the cells of the solution near the surface, fewer where the stress is smooth.
     values
         The components xx, yy, zz, yz, xz, xy over `scale`, float32, shape (6, nx, ny); z points into the body.
     scale

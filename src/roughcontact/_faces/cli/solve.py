@@ -102,7 +102,9 @@ examples:
 
 
 def _refuse_for_several(options: argparse.Namespace) -> None:
-    """Refuse what is for one grid or for one load."""
+    """Refuse what is for one grid, for one load or for surfaces that attract each other."""
+    if options.pull_off and options.adhesion is None:
+        raise rc.InputError("--pull-off is for surfaces that attract each other: give --adhesion too.")
     several = "--refine" if options.refine is not None else "--loads" if options.loads is not None else ""
     for name in ("area_within", "peak_within"):
         if several and getattr(options, name) is not None:

@@ -110,8 +110,8 @@ class PressurePanel(Panel):
         theme = theme_of(axes)
         factor, unit = pressure_scale(subject)
         axes.set_facecolor(theme.open)
-        shown = np.where(subject.contact, factor * subject.pressure, np.nan)
-        highest = factor * float(subject.pressure.max())
+        shown = np.where(subject.contact, factor * subject.contact_pressure, np.nan)
+        highest = factor * float(subject.contact_pressure.max())
         draw_map(axes, shown, subject.grid, "pressure", unit, limits=(0.0, highest))
         named = []
         if subject.saturated.any():
@@ -226,8 +226,8 @@ class PressureHistogramPanel(Panel):
         theme = theme_of(axes)
         factor, unit = pressure_scale(subject)
         saturated = subject.saturated & subject.contact
-        values = factor * subject.pressure[subject.contact & ~saturated]
-        highest = factor * float(subject.pressure.max()) or 1.0
+        values = factor * subject.contact_pressure[subject.contact & ~saturated]
+        highest = factor * float(subject.contact_pressure.max()) or 1.0
         bins = min(max(round(2.0 * values.size ** (1.0 / 3.0)), _FEWEST), _MOST)
         edges = np.linspace(0.0, highest, bins + 1)
         counts, _ = np.histogram(values, edges)

@@ -2,7 +2,7 @@
 
 from roughcontact._solve.problem.accuracy import resample_problem
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
-from roughcontact._solve.problem.cycle import AdhesionCycle
+from roughcontact._solve.problem.cycle import AdhesionCycle, step_approach
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.run import computing
@@ -28,4 +28,5 @@ __all__ = [
     "require_memory_of_solve",
     "resample_problem",
     "run_sweep",
+    "step_approach",
 ]

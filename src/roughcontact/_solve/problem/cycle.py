@@ -25,8 +25,12 @@ _MAX_STEPS = 200
 _RISEN = 0.02
 # Rounds that halve the steps around the lowest force.
 _REFINEMENTS = 4
-# Energy of a step, over the work done in it, above which a loss is a jump and not the error of the trapezoidal rule.
-_JUMP = 0.5
+# Relative standard deviation of the lowest force because of the cells beside what sticking to them does; measured on balls.
+_CELL_ERROR = 1e-3
+# Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the sum of
+# both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
+_JUMP_OF_WORK = 0.1
+_JUMP_OF_LOWEST = 0.05
 
 
 class Solve(Protocol):
@@ -91,11 +95,13 @@ class AdhesionCycle:
 
     @property
     def jumps(self) -> tuple[tuple[float, float], ...]:
-        """Approaches, m, between which the contact jumps: most of the work of such a step is lost."""
+        """Approaches, m, between which the contact jumps: much of the work of such a step is lost."""
         found = []
+        lowest = abs(min(float(sweep.force.min()) for sweep in (self.loading, self.unloading)))
         for sweep, lost in zip((self.loading, self.unloading), self.losses, strict=True):
-            work = np.abs(0.5 * (sweep.force[1:] + sweep.force[:-1]) * np.diff(sweep.approach))
-            allowed = _JUMP * work + _second_differences(sweep)
+            steps = np.abs(np.diff(sweep.approach))
+            work = np.abs(0.5 * (sweep.force[1:] + sweep.force[:-1])) * steps
+            allowed = _JUMP_OF_WORK * work + _JUMP_OF_LOWEST * lowest * steps
             found += [(float(sweep.approach[k]), float(sweep.approach[k + 1])) for k in np.flatnonzero(lost > allowed)]
         return tuple(found)
 
@@ -149,6 +155,16 @@ def _follow(solve: Solve, before: Sequence[ContactSolution], load: Load) -> Cont
     last = before[-1]
     gap = np.where(last.contact, 0.0, np.maximum(last.gap, 0.0))
     return solve(load, last.pressure, start_gap=gap)
+
+
+def step_approach(solution: ContactSolution, change: float) -> ContactSolution:
+    """Return the state whose approach, m, differs by a change, continued from a solution with adhesion."""
+    if solution.origin is None or solution.origin.source is None:
+        raise InputError("The solution has no problem that could be solved again: solve it anew.")
+    found: ContactSolution = _follow(
+        solution.origin.source._solve, [solution], Load("approach", solution.approach + change)
+    )
+    return found
 
 
 def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:
@@ -206,7 +222,7 @@ def _find_minimum(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
     force = sweep.force
     k = int(force.argmin())
     cells = _cells_of(sweep[0])
-    trapped = trapping_error(cells) * abs(float(force[k]))
+    trapped = math.hypot(trapping_error(cells), _CELL_ERROR) * abs(float(force[k]))
     if not 0 < k < len(force) - 1:
         text = "the lowest force is at the end of the path: continue it"
         return Estimate(float(force[k]), float(np.ptp(force)), "N", (*warnings, text))

@@ -20,19 +20,18 @@ T = TypeVar("T")
 _SUPPORT = 0.5
 _LONGEST = 0.02
 # Fraction of the cells that may open or close before the support is computed again.
-_CHANGED = 0.02
+_CHANGED = 0.05
 # Minimum weight of a cell of a held mean, over the mean of the weights.
 _SMALLEST_WEIGHT = 1e-3
 # Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient.
-_FIRST = 0.8
-_LONGEST_STEP = 1.5
+_FIRST = 1.0
+_LONGEST_STEP = 4.0
 _CAREFUL = 0.3
+# Part of a clipped step above which it is taken in full, so that the cells that it closes do close.
+_FULL = 0.7
 # Slope at the end of a line search over that at its start, and trials at most.
 _FLAT = 0.05
 _TRIALS = 12
-# Gaps of cells that a shortened step should have closed, over the error, below which they close: else they would
-# approach zero for ever.
-_SNAP = 0.05
 # Rounds of Newton's method for the shift that keeps the mean of a step, and the sum over that of magnitudes that is
 # rounding in float32.
 _ROUNDS = 30
@@ -179,18 +178,23 @@ class AdhesiveDescent:
         self._image = self._precondition()
         return max(self._map(lambda tile: _magnitude(self._image[tile.rows])))
 
-    def advance(self, error: float) -> bool:
-        """Make one step from the last measurement, which gave an error; return whether the energy fell."""
-        conjugate = self._conjugate()
-        slope, clipped = self._clip()
-        if slope >= 0.0 and conjugate:
-            # Clipping has turned the direction uphill.
-            self._length = _CAREFUL
-            self._image = self._precondition()
-            slope, clipped = self._clip()
+    def advance(self) -> bool:
+        """Make one step from the last measurement; return whether the energy fell."""
+        self._conjugate()
+        slope, clipped = self._clip(self._weights)
         if not slope < 0.0:
-            return False
-        return self._move(slope, clipped, error)
+            slope, clipped = self._fall_back()
+        return slope < 0.0 and self._move(slope, clipped)
+
+    def _fall_back(self) -> tuple[float, bool]:
+        """Clip the preconditioned residual or, where that is uphill too, the residual alone, which never is."""
+        self._length = _CAREFUL
+        self._image = self._precondition()
+        slope, clipped = self._clip(self._weights)
+        if slope < 0.0:
+            return slope, clipped
+        self._image = self._residual / self.dtype(self.problem.stiffness.shortest)
+        return self._clip(None if self._weights is None else np.ones_like(self._weights))
 
     def _map(self, work: Callable[[_Tile], T]) -> list[T]:
         return map_tiles(work, self._tiles)
@@ -272,16 +276,16 @@ class AdhesiveDescent:
             image -= self.dtype(float(image.sum(dtype=np.float64)) / float(weights.sum(dtype=np.float64))) * weights
         return image
 
-    def _conjugate(self) -> bool:
-        """Add the part of the last step that makes the direction conjugate to it; return whether there is any."""
+    def _conjugate(self) -> None:
+        """Add the part of the last step that makes the direction conjugate to it."""
         step = self._step
         change = self._change
         if step is None or change is None or not self._curvature > 0.0:
-            return False
+            return
         image = self._image
         factor = -math.fsum(self._map(lambda tile: _dot(image[tile.rows], change[tile.rows]))) / self._curvature
         if not factor > 0.0:
-            return False
+            return
 
         def add(tile: _Tile) -> None:
             part = step[tile.rows]
@@ -290,15 +294,16 @@ class AdhesiveDescent:
             image[tile.rows] += part
 
         self._map(add)
-        return True
 
-    def _clip(self) -> tuple[float, bool]:
-        """Scale the direction to a step within the bounds, in place; return the slope along it, and if it is clipped."""
+    def _clip(self, weights: RealArray | None) -> tuple[float, bool]:
+        """Scale the direction to a step within the bounds, in place; return the slope along it, and if it is clipped.
+
+        With weights the step keeps the mean gap: it is shifted in proportion to them.
+        """
         image = self._image
         length = self.dtype(self._length)
         self._map(lambda tile: _multiply(image[tile.rows], length))
-        if self._weights is not None:
-            self._keep_mean(image, self._weights * self._mask)
+        shifted = weights is not None and self._keep_mean(image, weights * self._mask)
 
         def clip(tile: _Tile) -> tuple[float, bool]:
             inside = self._inside(image, tile)
@@ -306,7 +311,7 @@ class AdhesiveDescent:
             return _dot(image[tile.rows], self._residual[tile.rows]), clipped
 
         found = self._map(clip)
-        return -math.fsum(slope for slope, _ in found), any(clipped for _, clipped in found)
+        return -math.fsum(slope for slope, _ in found), shifted or any(clipped for _, clipped in found)
 
     def _bound(self, step: RealArray, tile: _Tile) -> bool:
         """Clip a step of a tile at a gap of zero, in place; return whether it was longer than that."""
@@ -323,22 +328,26 @@ class AdhesiveDescent:
         step[:] = bounded
         return clipped
 
-    def _keep_mean(self, step: RealArray, weights: RealArray) -> None:
-        """Shift a step, in place, so that it does not change the mean gap when it is clipped: Newton's method."""
+    def _keep_mean(self, step: RealArray, weights: RealArray) -> bool:
+        """Shift and clip a step, in place, so that it keeps the mean gap; return whether it is clipped.
+
+        Newton's method finds the shift.
+        """
         shift = 0.0
         size = float(np.abs(step).sum(dtype=np.float64))
         for _ in range(_ROUNDS):
             trial = step - self.dtype(shift) * weights
             before = trial.copy()
-            self._map(lambda tile: self._bound(trial[tile.inner], tile))
+            clipped = any(self._map(lambda tile: self._bound(trial[tile.inner], tile)))
             excess = float(trial.sum(dtype=np.float64))
             moved = float(weights[trial == before].sum(dtype=np.float64))
             if abs(excess) <= _MISSED * size or not moved > 0.0:
                 break
             shift += excess / moved
         step[:] = trial
+        return clipped
 
-    def _move(self, slope: float, clipped: bool, error: float) -> bool:
+    def _move(self, slope: float, clipped: bool) -> bool:
         """Take the part of the step after which the energy does not fall further."""
         step = self._image
         change = self._inverse.multiply(step, self._symbol, self._inverse.padded)
@@ -346,22 +355,22 @@ class AdhesiveDescent:
         curvature = math.fsum(self._map(lambda tile: _dot(step[tile.rows], change[tile.rows])))
         if not math.isfinite(curvature):
             return False
-        # A step beyond the direction's own length would leave the bounds where it is clipped.
-        part, end = self._search(step, slope, curvature, 1.0 if clipped or not self._has_room(step) else _LONGEST_STEP)
-        self._length = min(_LONGEST_STEP, self._length * math.sqrt(min(max(part, 0.25), 4.0)))
+        # A longer step would leave the bounds where it is clipped.
+        longest = 1.0 if clipped or not self._has_room(step) else _LONGEST_STEP
+        part, end = self._search(step, slope, curvature, longest)
+        # The slope falls further beyond a step that ends early: where it would vanish follows from the change so far.
+        wanted = part * slope / (slope - end) if end > slope else 4.0
+        self._length = min(_LONGEST_STEP, self._length * math.sqrt(min(max(wanted, 0.25), 4.0)))
+        if clipped and _FULL < part < 1.0:
+            part = 1.0
+            end = self._slope_at(part, step, slope, curvature)
         fraction = self.dtype(part)
-        near = self.dtype(_SNAP * error) if clipped and part < 1.0 else self.dtype(0.0)
 
         def update(tile: _Tile) -> None:
-            inside = self._inside(self.gap, tile)
-            ends = inside + self._inside(step, tile) == 0.0 if near else None
             step[tile.rows] *= fraction
             change[tile.rows] *= fraction
             self.gap[tile.rows] += step[tile.rows]
             self.pressure[tile.rows] += change[tile.rows]
-            if ends is not None:
-                ends &= np.abs(inside) <= near
-                inside[ends] = 0.0
             self._inside(change, tile)[:] += self._trial[tile.inner] - self.tension[tile.inner]
 
         self._map(update)
@@ -388,18 +397,13 @@ class AdhesiveDescent:
 
         The tension there is left in the trial field.
         """
-
-        def evaluate(part: float) -> float:
-            added = self._map(lambda tile: self._add_slope(tile, step, part))
-            return slope + part * curvature + math.fsum(added)
-
         low = 0.0
         slope_low = slope
         high = math.inf
         slope_high = math.nan
         part = min(1.0, -slope / curvature) if curvature > 0.0 else 1.0
         for _ in range(_TRIALS):
-            here = evaluate(part)
+            here = self._slope_at(part, step, slope, curvature)
             if abs(here) <= -_FLAT * slope or (here < 0.0 and part >= longest):
                 break
             if here < 0.0:
@@ -415,6 +419,11 @@ class AdhesiveDescent:
             else:
                 part = longest
         return part, here
+
+    def _slope_at(self, part: float, step: RealArray, slope: float, curvature: float) -> float:
+        """Return the slope of the energy after a part of the step; the tension there is left in the trial field."""
+        added = math.fsum(self._map(lambda tile: self._add_slope(tile, step, part)))
+        return slope + part * curvature + added
 
     def _add_slope(self, tile: _Tile, step: RealArray, part: float) -> float:
         """Return what the change of the tension adds to the slope, and store the tension after a part of the step."""

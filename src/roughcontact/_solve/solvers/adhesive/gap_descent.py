@@ -9,16 +9,12 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
+from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status
+from roughcontact._solve.solution.attraction import AdhesiveConditions, AdhesiveViolation
 from roughcontact._solve.solvers.adhesive.descent import AdhesiveDescent
-from roughcontact._solve.solvers.adhesive.nested_start import (
-    GapGuess,
-    gap_scale,
-    hold_mean,
-    nested_start,
-    start_from_task,
-)
+from roughcontact._solve.solvers.adhesive.nested_start import gap_scale, hold_mean, nested_start, start_from_task
 from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
     Outcome,
@@ -28,13 +24,13 @@ from roughcontact._solve.solvers.base import (
     iteration_limit,
     positive_tolerance,
 )
+from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
 
 # Fraction of the tolerance at which a descent ends, so that its verification in float64 meets it.
 _MARGIN = 0.7
 # Error, over the scale, that a descent in float32 may reach.
 _SINGLE = 2e-6
-# Verifications that may pass without the error being halved, and iterations of a descent.
-_STALLED = 4
+# Iterations of a descent that may pass without the error being halved.
 _IDLE = 400
 # Iterations in a row without a contact, pulled apart by the load, after which the surfaces count as separated.
 _APART = 6
@@ -70,84 +66,101 @@ class GapDescent(Solver):
 
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the pressure and the tension; see `Solver.solve`."""
-        given = task.start is not None or task.start_gap is not None
-        guess = start_from_task(convolution, task) if given else nested_start(convolution, task)
-        return _Run(guess, task, self.tolerance, self.max_iterations).solve()
+        if task.interaction is None:
+            return ProjectedConjugateGradient(self.tolerance).solve(convolution, task)
+        return _Run(self, convolution, task, task.interaction).solve()
 
 
 class _Run:
     """One solve on the finest grid."""
 
-    def __init__(self, guess: GapGuess, task: Task, tolerance: float, max_iterations: int) -> None:
+    def __init__(
+        self, parts: GapDescent, convolution: PreparedConvolution, task: Task, interaction: BoundInteraction
+    ) -> None:
+        given = task.start is not None or task.start_gap is not None
+        guess = start_from_task(convolution, task) if given else nested_start(convolution, task)
         self._guess = guess
         self._problem = guess.problem
+        self._convolution = convolution
         self._task = task
-        self._tolerance = tolerance
-        self._left = max_iterations
+        self._interaction = interaction
+        self._tolerance = parts.tolerance
+        self._left = parts.max_iterations
+        self._conditions = AdhesiveConditions(
+            initial_gap=task.initial_gap,
+            interaction=interaction,
+            pressure_limit=task.pressure_limit,
+            approach=task.approach,
+            rms=task.rms_gap,
+        )
         self._errors: list[float] = []
-        self._products = 0
+        self._products = 0.0
         self._verifications = 0
         self._apart = 0
 
     def solve(self) -> Outcome:
+        """Descend and verify until the conditions hold, or no descent lowers their violation further."""
         gap = self._guess.gap
-        dtype: type = np.float32
+        descent = self._begin(gap, np.float32)
+        goal = _MARGIN * self._tolerance
         best = math.inf
-        idle = 0
-        descent = self._begin(gap, dtype)
-        pressure = None
         while True:
-            scale = gap_scale(self._task, gap, self._problem)
-            status = self._descend(descent, scale)
-            gap = hold_mean(self._problem, self._task, descent.gap.astype(np.float64))
+            if goal < _SINGLE and descent.dtype is np.float32:
+                descent = self._continue_in_double(descent, gap)
+            status = self._descend(descent, gap, goal)
             if status is not None:
-                break
-            pressure = self._pressure_of(gap)
-            descent.set_state(gap, pressure)
-            error = descent.measure() / scale
-            self._record(error)
-            if error <= self._tolerance:
-                status = Status.CONVERGED
-                break
-            idle = 0 if error < 0.5 * best else idle + 1
-            best = min(best, error)
-            if idle > _STALLED:
-                if dtype is np.float64:
-                    status = Status.STALLED
-                    break
-            if idle and dtype is np.float32:
-                self._products += descent.products
-                dtype = np.float64
-                descent = self._begin(gap, dtype)
-                idle = 0
-        self._products += descent.products
-        return self._outcome(gap, descent, status)
+                return self._outcome(gap, descent, status)
+            gap = hold_mean(self._problem, self._task, descent.gap.astype(np.float64))
+            outcome = self._outcome(gap, descent, Status.CONVERGED)
+            violation = self._verify(outcome)
+            if violation.error <= max(self._tolerance, violation.floor):
+                return attrs.evolve(outcome, status=Status.CONVERGED.within(violation.floor, self._tolerance))
+            if not math.isfinite(violation.error):
+                return attrs.evolve(outcome, status=Status.NOT_FINITE)
+            if violation.error > 0.5 * best and descent.dtype is np.float64:
+                return attrs.evolve(outcome, status=Status.STALLED)
+            goal = 0.0 if violation.error > 0.5 * best else goal * min(0.5, _MARGIN * self._tolerance / violation.error)
+            best = min(best, violation.error)
+            descent.set_state(gap, self._pressure_of(gap))
 
     def _begin(self, gap: Array, dtype: type) -> AdhesiveDescent:
         descent = AdhesiveDescent(self._problem, dtype)
         descent.start(gap)
         return descent
 
+    def _continue_in_double(self, descent: AdhesiveDescent, gap: Array) -> AdhesiveDescent:
+        """Return a descent in float64 from the gap of one in float32."""
+        self._products += descent.products
+        return self._begin(gap, np.float64)
+
     def _pressure_of(self, gap: Array) -> Array:
+        """Return the pressure of a gap in float64."""
         self._verifications += 1
         problem = self._problem
+        inverse = problem.stiffness.inverse
         displacement = gap - problem.closing
-        pressure = problem.stiffness.inverse.multiply(
-            displacement, problem.stiffness.inverse.stiffness, problem.stiffness.extended
-        )
+        pressure = inverse.multiply(displacement, inverse.stiffness, inverse.padded)
         pressure += problem.base + problem.mean_stiffness * float(displacement.mean())
         return pressure
+
+    def _verify(self, outcome: Outcome) -> AdhesiveViolation:
+        """Return the violation of the conditions by an outcome, from its pressure and tension alone."""
+        self._verifications += 1
+        convolution = self._convolution
+        displacement = convolution.to_numpy(convolution.apply(convolution.from_numpy(outcome.pressure)))
+        assert outcome.tension is not None
+        violation = self._conditions.measure(outcome.pressure, outcome.tension, displacement)
+        self._record(violation.error)
+        return violation
 
     def _record(self, error: float) -> None:
         self._errors.append(error)
         if self._task.on_step is not None:
             self._task.on_step(Step(self._task.initial_gap.shape, len(self._errors) - 1, error))
 
-    def _descend(self, descent: AdhesiveDescent, scale: float) -> Status | None:
-        """Iterate until the error is below the tolerance, or cannot be lowered: None, or how the solve ended."""
-        goal = _MARGIN * self._tolerance
-        if descent.dtype is np.float32:
-            goal = max(goal, _SINGLE)
+    def _descend(self, descent: AdhesiveDescent, gap: Array, goal: float) -> Status | None:
+        """Iterate until the error is below a goal, or cannot be lowered: None, or how the solve ended."""
+        scale = gap_scale(self._task, gap, self._problem)
         best = math.inf
         idle = 0
         while True:
@@ -162,51 +175,46 @@ class _Run:
             self._left -= 1
             idle = 0 if error < 0.5 * best else idle + 1
             best = min(best, error)
-            if idle > _IDLE or not descent.advance(error * scale):
+            if idle > _IDLE or not descent.advance():
                 return None
             self._apart = self._apart + 1 if descent.is_apart() else 0
             if self._apart >= _APART and self._task.mean_pressure is not None:
                 return Status.SEPARATED
 
     def _outcome(self, gap: Array, descent: AdhesiveDescent, status: Status) -> Outcome:
+        """Return the outcome of a gap and the pressure of the descent: open cells are left to the tension."""
         inside = self._problem.stiffness.inner(gap)
-        task = self._task
-        shape = task.initial_gap.shape
-        interaction = task.interaction
-        opened = np.maximum(inside, 0.0)
-        tension = np.zeros(shape) if interaction is None else interaction.tension(opened)
+        tension = self._interaction.tension(np.maximum(inside, 0.0))
+        pressure = self._problem.stiffness.inner(descent.pressure).astype(np.float64)
+        pressure -= descent.multiplier
+        pressure = self._bound(pressure, tension, inside)
         if status is Status.SEPARATED:
-            pressure = np.zeros(shape)
-            tension = np.zeros(shape)
-        else:
-            full = self._pressure_of(gap)
-            pressure = self._problem.stiffness.inner(full) - descent.multiplier
-            pressure = self._bound(pressure, tension, inside)
-        products = self._guess.products + self._products + self._verifications
-        level = GridLevel(shape, len(self._errors), self._verifications, 0, self._products)
+            pressure = np.zeros_like(pressure)
+            tension = np.zeros_like(tension)
+        work = self._products + descent.products
+        level = GridLevel(inside.shape, len(self._errors), self._verifications, 0, round(work))
         return Outcome(
             pressure=pressure,
             tension=tension,
             status=status,
             iterations=max(len(self._errors) - 1, 0),
-            convolutions=round(products),
+            convolutions=round(self._guess.products + work + self._verifications),
             errors=tuple(self._errors),
             levels=(*self._guess.levels, level),
         )
 
     def _bound(self, pressure: Array, tension: Array, gap: Array) -> Array:
-        """Return the pressure that leaves open cells to the tension, within the limit, and of the load if it is given."""
-        task = self._task
-        limit = np.broadcast_to(task.pressure_limit, pressure.shape)
+        """Return the pressure of the load: minus the tension on open cells, at most the limit on the others."""
+        limit = np.broadcast_to(self._task.pressure_limit, pressure.shape)
         closed = gap <= 0.0
         contact = np.where(closed, np.maximum(pressure + tension, 0.0), 0.0)
         saturated = closed & ((gap < 0.0) | (contact >= limit + tension))
         bounded = np.where(saturated, limit, contact - tension)
-        if task.mean_pressure is None:
+        if self._task.mean_pressure is None:
             return bounded
         elastic = closed & ~saturated
         carried = float(contact[elastic].sum())
-        needed = task.mean_pressure * pressure.size - float(np.where(saturated, limit, -tension).sum())
+        needed = self._task.mean_pressure * pressure.size - float(np.where(saturated, limit, -tension).sum())
         if carried > 0.0 and needed > 0.0:
             bounded[elastic] = np.minimum(contact[elastic] * (needed / carried) - tension[elastic], limit[elastic])
         return bounded

@@ -20,9 +20,9 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import _interpolate,
 _ROUGHLY = 1e-2
 # Error and iterations at which the solve on a coarse grid ends.
 _TOLERANCE = 1e-2
-_ITERATIONS = 12
+_ITERATIONS = 8
 # Cells of the cohesive length that a coarse grid should have: a range that is shorter is stretched.
-_RESOLVED = 1.5
+_RESOLVED = 1.0
 
 
 @attrs.frozen(eq=False)
@@ -155,7 +155,7 @@ def _solve_coarse(guess: GapGuess, task: Task) -> GapGuess:
     count = 0
     while True:
         error = descent.measure()
-        if error <= _TOLERANCE * scale or count >= _ITERATIONS or not descent.advance(error):
+        if error <= _TOLERANCE * scale or count >= _ITERATIONS or not descent.advance():
             break
         count += 1
     gap = hold_mean(problem, task, descent.gap.astype(np.float64))
