@@ -1,13 +1,19 @@
 """Closed forms and theories of contact mechanics to compare with; SI units, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
 
+from roughcontact.reference.adhesion import DMT, JKR, JohnsonWave, MaugisDugdale, PastewkaRobbins
 from roughcontact.reference.closed_forms import FlatPunch, Hertz, WavyContact, Westergaard, hertz_elliptic, hertz_sphere
 from roughcontact.reference.persson import PerssonContact, persson
 from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
 
 __all__ = [
+    "DMT",
+    "JKR",
     "BearingCurve",
     "FlatPunch",
     "Hertz",
+    "JohnsonWave",
+    "MaugisDugdale",
+    "PastewkaRobbins",
     "PerssonContact",
     "Roughness",
     "WavyContact",

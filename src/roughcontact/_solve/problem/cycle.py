@@ -27,8 +27,10 @@ _RISEN = 0.02
 _REFINEMENTS = 4
 # Relative standard deviation of the lowest force by the size of the cells, beside sticking to them; measured on balls.
 _CELL_ERROR = 1e-3
-# Energy of a step, over the work done in it, above which a loss is a jump and not the error of the trapezoidal rule.
-_JUMP = 0.5
+# Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the sum of
+# both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
+_JUMP_OF_WORK = 0.1
+_JUMP_OF_LOWEST = 0.05
 
 
 class Solve(Protocol):
@@ -93,11 +95,13 @@ class AdhesionCycle:
 
     @property
     def jumps(self) -> tuple[tuple[float, float], ...]:
-        """Approaches, m, between which the contact jumps: most of the work of such a step is lost."""
+        """Approaches, m, between which the contact jumps: much of the work of such a step is lost."""
         found = []
+        lowest = abs(min(float(sweep.force.min()) for sweep in (self.loading, self.unloading)))
         for sweep, lost in zip((self.loading, self.unloading), self.losses, strict=True):
-            work = np.abs(0.5 * (sweep.force[1:] + sweep.force[:-1]) * np.diff(sweep.approach))
-            allowed = _JUMP * work + _second_differences(sweep)
+            steps = np.abs(np.diff(sweep.approach))
+            work = np.abs(0.5 * (sweep.force[1:] + sweep.force[:-1])) * steps
+            allowed = _JUMP_OF_WORK * work + _JUMP_OF_LOWEST * lowest * steps
             found += [(float(sweep.approach[k]), float(sweep.approach[k + 1])) for k in np.flatnonzero(lost > allowed)]
         return tuple(found)
 
