@@ -27,8 +27,8 @@ _RISEN = 0.02
 _REFINEMENTS = 4
 # Relative standard deviation of the lowest force by the size of the cells, beside sticking to them; measured on balls.
 _CELL_ERROR = 1e-3
-# Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the sum of
-# both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
+# Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the
+# sum of both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
 _JUMP_OF_WORK = 0.1
 _JUMP_OF_LOWEST = 0.05
 
