@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import math
 import mmap
@@ -14,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Pair, frozen_array
+from roughcontact._base.units import EXAMPLES, parse_quantity
 from roughcontact.errors import InputError, NoSuchItem
 from roughcontact.errors.door import outside
 
@@ -39,7 +41,7 @@ def number(
     Parameters
     ----------
     value
-        The value given by the user.
+        The value given by the user: a number in SI units, or a text with a unit such as ``"210GPa"``.
     what, unit
         The name of the quantity and its SI unit, for the sentence.
     above, at_least, at_most
@@ -57,6 +59,9 @@ def number(
     ]
     limits = " and ".join(filter(None, bounds))
     allowed = "a finite number" + (f", {limits}" if limits else "") + (f" ({unit})" if unit else "")
+    if isinstance(value, str) and unit and unit in EXAMPLES:
+        with contextlib.suppress(ValueError):
+            value = parse_quantity(value, unit)
     kind = getattr(getattr(value, "dtype", None), "kind", "f")
     if kind not in "fiu" or isinstance(value, (bool, complex)) or not hasattr(value, "__float__"):
         raise InputError.about(what, value, allowed)
