@@ -47,10 +47,14 @@ def make_surface(random: np.random.Generator, grid: rc.Grid) -> np.ndarray:
         longest = max(grid.size) * random.uniform(0.5, 1.0)
         shortest = min(max(grid.spacing) * random.uniform(2.5, 8.0), 0.3 * longest)
         hurst = random.uniform(0.2, 1.0)
-        surface = rc.SelfAffineSurface(hurst=hurst, rms_height=1.0, shortest=shortest, longest=longest, seed=int(random.integers(2**31)))
+        surface = rc.SelfAffineSurface(
+            hurst=hurst, rms_height=1.0, shortest=shortest, longest=longest, seed=int(random.integers(2**31))
+        )
         heights = surface.heights(grid)
     heights = np.broadcast_to(heights, grid.shape)
-    slope = math.sqrt(sum(float(np.mean(np.diff(heights, axis=axis) ** 2)) / grid.spacing[axis] ** 2 for axis in (0, 1)))
+    slope = math.sqrt(
+        sum(float(np.mean(np.diff(heights, axis=axis) ** 2)) / grid.spacing[axis] ** 2 for axis in (0, 1))
+    )
     heights = heights * (10.0 ** random.uniform(-2.0, 0.5) / slope)
     return np.asarray(heights.max() - heights)
 
@@ -81,7 +85,9 @@ def make_problem(seed: int) -> tuple[PreparedConvolution, Task, dict[str, Any]]:
     spacing = (1.0, float(random.choice([1.0, 1.0, 1.0, 0.5, 2.0, 3.0, 1.0 / 3.0])))
     grid = rc.Grid(shape, (shape[0] * spacing[0], shape[1] * spacing[1]))
     boundary = rc.Boundary(str(random.choice(["periodic", "periodic", "free", "wrapped"])))
-    kernel: InfluenceKernel = FourierHalfSpace() if boundary is rc.Boundary.PERIODIC and random.random() < 0.3 else Love()
+    kernel: InfluenceKernel = (
+        FourierHalfSpace() if boundary is rc.Boundary.PERIODIC and random.random() < 0.3 else Love()
+    )
     convolver = DCFFT() if boundary is rc.Boundary.FREE else CircularFFT()
     convolution = convolver.prepare(BoundKernel(kernel), grid, boundary)
     gap = make_surface(random, grid)
@@ -96,7 +102,12 @@ def make_problem(seed: int) -> tuple[PreparedConvolution, Task, dict[str, Any]]:
     else:
         given["approach"] = float(gap.mean()) * float(random.choice([-0.05, 0.1, 0.3, 0.6, 0.9, 0.99]))
     task = Task(initial_gap=gap, interaction=BoundInteraction(law), pressure_limit=limit, **given)
-    about = {"law": type(law).__name__, "boundary": str(boundary), "control": next(iter(given)), "capped": math.isfinite(limit)}
+    about = {
+        "law": type(law).__name__,
+        "boundary": str(boundary),
+        "control": next(iter(given)),
+        "capped": math.isfinite(limit),
+    }
     return convolution, task, {**about, "cells": cells, "seed": seed}
 
 

@@ -85,15 +85,15 @@ def start_from_task(convolution: PreparedConvolution, task: Task) -> GapGuess:
     gap = _gap_of_pressure(problem, task, pressure)
     if task.start_gap is not None:
         inside = problem.stiffness.inner(gap)
-        shift = 0.0 if problem.stiffness.extended == problem.stiffness.shape else float((task.start_gap - inside).mean())
+        shift = (
+            0.0 if problem.stiffness.extended == problem.stiffness.shape else float((task.start_gap - inside).mean())
+        )
         gap += shift
         inside[:] = task.start_gap
     return GapGuess(problem, hold_mean(problem, task, gap), 1.0)
 
 
-def start_from_contact(
-    convolution: PreparedConvolution, task: Task, stiffness: SurfaceStiffness
-) -> GapGuess:
+def start_from_contact(convolution: PreparedConvolution, task: Task, stiffness: SurfaceStiffness) -> GapGuess:
     """Return the gap of the contact without adhesion, or of the first touch where the load does not press."""
     problem = make_gap_problem(stiffness, task)
     load = task.mean_pressure if task.approach is None else task.approach - float(task.initial_gap.min())
@@ -108,9 +108,7 @@ def start_from_contact(
     return GapGuess(problem, hold_mean(problem, task, gap), products + 1.0)
 
 
-def nested_start(
-    convolution: PreparedConvolution, task: Task, extended: tuple[int, int] | None = None
-) -> GapGuess:
+def nested_start(convolution: PreparedConvolution, task: Task, extended: tuple[int, int] | None = None) -> GapGuess:
     """Return the gap of the next coarser grid, itself found so, interpolated to the grid of the task."""
     stiffness = surface_stiffness(convolution, extended)
     extended = stiffness.extended

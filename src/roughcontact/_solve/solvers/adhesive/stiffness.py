@@ -94,9 +94,7 @@ class SurfaceStiffness:
         return field
 
 
-def surface_stiffness(
-    convolution: PreparedConvolution, extended: tuple[int, int] | None = None
-) -> SurfaceStiffness:
+def surface_stiffness(convolution: PreparedConvolution, extended: tuple[int, int] | None = None) -> SurfaceStiffness:
     """Return the stiffness that inverts a convolution.
 
     Parameters
@@ -131,7 +129,9 @@ def surface_stiffness(
     stiffness = np.zeros_like(response)
     np.divide(1.0, response, out=stiffness, where=response > 0.0)
     stiffness[0, 0] = 0.0
-    return SurfaceStiffness(InverseConvolution(stiffness, extended, exact=True), shape, 0.0 if setup.boundary is Boundary.PERIODIC else mean)
+    return SurfaceStiffness(
+        InverseConvolution(stiffness, extended, exact=True), shape, 0.0 if setup.boundary is Boundary.PERIODIC else mean
+    )
 
 
 def extended_shape(shape: tuple[int, int]) -> tuple[int, int]:
