@@ -10,7 +10,7 @@ import pytest
 from scipy import integrate
 
 import roughcontact as rc
-from roughcontact._base.units.quantities import parse_quantity
+from roughcontact._base.units import parse_quantity
 from roughcontact._parts.interactions import (
     BoundInteraction,
     Dugdale,
