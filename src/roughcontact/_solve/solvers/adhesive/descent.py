@@ -27,10 +27,13 @@ _SMALLEST_WEIGHT = 1e-3
 _FIRST = 1.0
 _LONGEST_STEP = 4.0
 _CAREFUL = 0.3
+# Maximum part of a step that is not clipped, and the part where the slope is taken to vanish that does not rise.
+_LONGEST_PART = 1.5
+_FARTHEST = 4.0
 # Part of a clipped step above which it is taken in full, so that the cells that it closes do close.
 _FULL = 0.7
 # Slope at the end of a line search over that at its start, and trials at most.
-_FLAT = 0.05
+_FLAT = 0.1
 _TRIALS = 12
 # Rounds of Newton's method for the shift that keeps the mean of a step, and the sum over that of magnitudes that is
 # rounding in float32.
@@ -356,14 +359,9 @@ class AdhesiveDescent:
         if not math.isfinite(curvature):
             return False
         # A longer step would leave the bounds where it is clipped.
-        longest = 1.0 if clipped or not self._has_room(step) else _LONGEST_STEP
-        part, end = self._search(step, slope, curvature, longest)
-        # The slope falls further beyond a step that ends early: where it would vanish follows from the change so far.
-        wanted = part * slope / (slope - end) if end > slope else 4.0
+        longest = 1.0 if clipped or not self._has_room(step) else _LONGEST_PART
+        part, end, wanted = self._search(step, slope, curvature, longest, clipped=clipped)
         self._length = min(_LONGEST_STEP, self._length * math.sqrt(min(max(wanted, 0.25), 4.0)))
-        if clipped and _FULL < part < 1.0:
-            part = 1.0
-            end = self._slope_at(part, step, slope, curvature)
         fraction = self.dtype(part)
 
         def update(tile: _Tile) -> None:
@@ -386,39 +384,47 @@ class AdhesiveDescent:
             return False
 
         def has_room(tile: _Tile) -> bool:
-            reached = self._inside(step, tile) * self.dtype(_LONGEST_STEP)
+            reached = self._inside(step, tile) * self.dtype(_LONGEST_PART)
             reached += self._inside(self.gap, tile)
             return not reached.size or bool(reached.min() >= 0.0)
 
         return all(self._map(has_room))
 
-    def _search(self, step: RealArray, slope: float, curvature: float, longest: float) -> tuple[float, float]:
-        """Return the part of the step at which the slope of the energy vanishes, and the slope there.
+    def _search(
+        self, step: RealArray, slope: float, curvature: float, longest: float, *, clipped: bool
+    ) -> tuple[float, float, float]:
+        """Return the part of the step to take, the slope of the energy there, and the part at which it vanishes.
 
-        The tension there is left in the trial field.
+        The tension after the part is left in the trial field. The first trial is the step itself: its length is that at
+        which the slopes along the last ones vanished.
         """
         low = 0.0
         slope_low = slope
         high = math.inf
         slope_high = math.nan
-        part = min(1.0, -slope / curvature) if curvature > 0.0 else 1.0
+        part = 1.0
         for _ in range(_TRIALS):
-            here = self._slope_at(part, step, slope, curvature)
-            if abs(here) <= -_FLAT * slope or (here < 0.0 and part >= longest):
-                break
-            if here < 0.0:
+            end = self._slope_at(part, step, slope, curvature)
+            if end < 0.0:
                 low = part
-                slope_low = here
+                slope_low = end
             else:
                 high = part
-                slope_high = here
+                slope_high = end
             if math.isfinite(high):
-                trial = low - slope_low * (high - low) / (slope_high - slope_low)
-                margin = 0.1 * (high - low)
-                part = min(max(trial, low + margin), high - margin)
+                wanted = low - slope_low * (high - low) / (slope_high - slope_low)
             else:
-                part = longest
-        return part, here
+                wanted = part * slope / (slope - end) if end > slope else _FARTHEST
+            # Cells that a full step closes do close, so that it is taken if the energy falls along most of it.
+            full = clipped and part == 1.0 and wanted > _FULL
+            if full or abs(end) <= -_FLAT * slope or (end < 0.0 and part >= longest):
+                break
+            if math.isfinite(high):
+                margin = 0.1 * (high - low)
+                part = min(max(wanted, low + margin), high - margin)
+            else:
+                part = min(wanted, longest)
+        return part, end, wanted
 
     def _slope_at(self, part: float, step: RealArray, slope: float, curvature: float) -> float:
         """Return the slope of the energy after a part of the step; the tension there is left in the trial field."""
@@ -432,7 +438,8 @@ class AdhesiveDescent:
         inside = self._inside(step, tile)
         gap = inside * self.dtype(part)
         gap += self._inside(self.gap, tile)
-        np.maximum(gap, 0.0, out=gap)
+        if self.problem.capped:
+            np.maximum(gap, 0.0, out=gap)
         trial = self._trial[tile.inner]
         trial[:] = tile.interaction.tension(gap)
         np.subtract(trial, self.tension[tile.inner], out=gap)
