@@ -17,7 +17,9 @@ from roughcontact._base.units import Estimate, si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.sweep import Sweep
+from roughcontact._solve.problem.task import make_task
 from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, trapping_error
+from roughcontact._solve.solvers import stability_margin
 from roughcontact.errors import InputError
 
 # Steps of the approach on the way to pull-off, and by how much of the lowest force the force must have risen behind it.
@@ -27,8 +29,8 @@ _RISEN = 0.02
 _REFINEMENTS = 4
 # Relative standard deviation of the lowest force by the size of the cells, beside sticking to them; measured on balls.
 _CELL_ERROR = 1e-3
-# The same where few cells touch or attract each other strongly, times their number: the maximum error of balls at random
-# places, of 4 to 16 cells in the contact radius, but for one in forty.
+# The same where few cells touch or attract each other strongly, times their number: the maximum error of balls at
+# random places, of 4 to 16 cells in the contact radius, but for one in forty.
 _COARSE_ERROR = 0.3
 # Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the
 # sum of both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
@@ -168,6 +170,18 @@ def step_approach(solution: ContactSolution, change: float) -> ContactSolution:
         solution.origin.source._solve, [solution], Load("approach", solution.approach + change)
     )
     return found
+
+
+def find_stability(solution: ContactSolution) -> float:
+    """Return how far a state with adhesion is from a jump: 1 far away, 0 at one, negative where it is unstable."""
+    if solution.tension is None:
+        raise InputError("Without adhesion each state is stable: there is no jump.")
+    if solution.origin is None or solution.origin.source is None:
+        raise InputError("The solution has no problem that could be solved again: solve it anew.")
+    problem = solution.origin.source
+    task = make_task(problem.plan, solution.initial_gap, Load.signed(**solution.origin.load))
+    gap = np.where(solution.contact, 0.0, np.maximum(solution.gap, 0.0)) / problem.plan.peak_to_valley
+    return stability_margin(problem.convolution, task, gap)
 
 
 def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -90,7 +91,7 @@ class _Tile:
     @property
     def height(self) -> int:
         """Number of rows in the domain."""
-        return self.inner.stop - self.inner.start
+        return int(self.inner.stop - self.inner.start)
 
 
 class AdhesiveDescent:
@@ -132,28 +133,28 @@ class AdhesiveDescent:
         self.multiplier = 0.0
 
     def _split(self) -> list[_Tile]:
-        nx, ny = self._shape
+        nx = self._shape[0]
         interaction = self.problem.interaction
         limit = self.problem.limit
         rows = tiles_of(np.empty(self.problem.stiffness.extended, dtype=np.float32))
         tiles = []
         for one in rows:
             inner = slice(min(one.start, nx), min(one.stop, nx))
-            law = None if interaction is None else interaction.convert(lambda values, inner=inner: values[inner])
+            law = None if interaction is None else interaction.convert(operator.itemgetter(inner))
             tiles.append(_Tile(one, inner, law, limit if limit.size == 1 else limit[inner].astype(self.dtype)))
         return tiles
 
     def start(self, gap: Array) -> None:
         """Continue from a gap of the extended grid, in float64; its pressure is computed."""
-        self.gap = gap.astype(self.dtype)
-        displacement = (gap - self.problem.closing).astype(self.dtype)
+        self.gap: RealArray = gap.astype(self.dtype)
+        displacement: RealArray = (gap - self.problem.closing).astype(self.dtype)
         self.pressure = self._inverse.multiply(displacement, self._symbol, self._inverse.padded)
         self.pressure += self.dtype(self.problem.base)
         self.products += 1
         self._mask = np.ones(self.gap.shape, dtype=bool)
         self._residual = np.empty_like(self.gap)
-        self.tension = np.zeros(self._shape, dtype=self.dtype)
-        self._trial = np.zeros(self._shape, dtype=self.dtype)
+        self.tension: RealArray = np.zeros(self._shape, dtype=self.dtype)
+        self._trial: RealArray = np.zeros(self._shape, dtype=self.dtype)
         self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
 
     def set_state(self, gap: Array, pressure: Array) -> None:
@@ -243,7 +244,7 @@ class AdhesiveDescent:
     def _renew(self) -> None:
         """Compute the preconditioner, and the weights of a held mean, for the cells that are open now."""
         self._renewed = self._mask.copy()
-        cells = self._mask.astype(self.dtype)
+        cells: RealArray = self._mask.astype(self.dtype)
         stiff = self._inverse.multiply(cells, self._symbol, self._inverse.padded)
         self.products += 1
         count = max(int(np.count_nonzero(self._mask)), 1)
@@ -331,6 +332,10 @@ class AdhesiveDescent:
         step[:] = bounded
         return clipped
 
+    def _bound_all(self, trial: RealArray) -> bool:
+        """Clip a step within the bounds, in place; return whether it is clipped anywhere."""
+        return any(self._map(lambda tile: self._bound(trial[tile.inner], tile)))
+
     def _keep_mean(self, step: RealArray, weights: RealArray) -> bool:
         """Shift and clip a step, in place, so that it keeps the mean gap; return whether it is clipped.
 
@@ -341,7 +346,7 @@ class AdhesiveDescent:
         for _ in range(_ROUNDS):
             trial = step - self.dtype(shift) * weights
             before = trial.copy()
-            clipped = any(self._map(lambda tile: self._bound(trial[tile.inner], tile)))
+            clipped = self._bound_all(trial)
             excess = float(trial.sum(dtype=np.float64))
             moved = float(weights[trial == before].sum(dtype=np.float64))
             if abs(excess) <= _MISSED * size or not moved > 0.0:

@@ -57,6 +57,13 @@ class GapDescent(Solver):
 
     Examples
     --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.ParaboloidSurface(radius=1e-6), rc.Elastic(young=10e6, poisson=0.5))
+    >>> law = rc.Exponential(work="50mJ/m2", range="60nm")
+    >>> solver = rc.GapDescent(tolerance=1e-6)
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((48, 48), 2e-6), adhesion=law, solver=solver)
+    >>> problem.solve(force=0.0).residuals.error < 1e-6
+    True
     """
 
     adhesive: ClassVar[bool] = True

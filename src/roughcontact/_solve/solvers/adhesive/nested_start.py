@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, RealArray
+from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel
 from roughcontact._solve.solvers.adhesive.descent import AdhesiveDescent, GapProblem
@@ -129,7 +130,7 @@ def nested_start(convolution: PreparedConvolution, task: Task, extended: tuple[i
     return GapGuess(problem, hold_mean(problem, task, gap), guess.products / (fx * fy), guess.levels)
 
 
-def _coarsen_interaction(task: Task, fx: int, fy: int):
+def _coarsen_interaction(task: Task, fx: int, fy: int) -> BoundInteraction | None:
     """Return the interaction on a coarser grid: its arrays averaged, its range stretched to what the grid resolves."""
     interaction = task.interaction
     if interaction is None:
@@ -137,7 +138,7 @@ def _coarsen_interaction(task: Task, fx: int, fy: int):
 
     def average(values: Array) -> Array:
         nx, ny = values.shape
-        return values.reshape(nx // fx, fx, ny // fy, fy).mean(axis=(1, 3))
+        return np.asarray(values.reshape(nx // fx, fx, ny // fy, fy).mean(axis=(1, 3)))
 
     return interaction.convert(average)
 
