@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from typing import Any
 
 import attrs
 import numpy as np
@@ -22,32 +22,35 @@ _LOWEST_EXPONENT = {np.dtype(np.float32): -60.0, np.dtype(np.float64): -600.0}
 _RESOLVED = 2.0
 
 
-def _field(what: str, unit: str) -> Callable[[object], float | Array]:
-    """Return a converter to a number above zero, of a number or a text with a unit, or to an array (nx, ny) of them."""
-
-    def convert(value: object) -> float | Array:
-        if isinstance(value, str):
-            try:
-                value = parse_quantity(value, unit)
-            except ValueError as error:
-                raise InputError(f"{what}: {error}.") from error
-        if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:  # type: ignore[arg-type]
-            return number(value, what, unit, above=0.0)
+def _positive(value: Any, what: str, unit: str) -> float | Array:
+    """Return a number above zero, of a number or a text with a unit, or an array (nx, ny) of them."""
+    if isinstance(value, str):
         try:
-            array = np.array(value)
-        except ValueError:
-            array = np.empty(0)
-        is_real = array.ndim == 2 and array.size > 0 and array.dtype.kind in "fiu" and not np.ma.is_masked(value)
-        if not (is_real and array.min() >= SMALLEST and array.max() <= LARGEST):
-            raise InputError.about(what, value, f"a number or an array (nx, ny), finite and above 0 ({unit})")
-        return frozen_array(array)
+            value = parse_quantity(value, unit)
+        except ValueError as error:
+            raise InputError(f"{what}: {error}.") from error
+    if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:
+        return number(value, what, unit, above=0.0)
+    try:
+        array = np.array(value)
+    except ValueError:
+        array = np.empty(0)
+    is_real = array.ndim == 2 and array.size > 0 and array.dtype.kind in "fiu" and not np.ma.is_masked(value)
+    if not (is_real and array.min() >= SMALLEST and array.max() <= LARGEST):
+        raise InputError.about(what, value, f"a number or an array (nx, ny), finite and above 0 ({unit})")
+    return frozen_array(array)
 
-    return convert
+
+def _work(value: Any) -> float | Array:
+    return _positive(value, "The work of adhesion", "J/m2")
 
 
-_work = _field("The work of adhesion", "J/m2")
-_range = _field("The range of the interaction", "m")
-_strength = _field("The strength of the interaction", "Pa")
+def _range(value: Any) -> float | Array:
+    return _positive(value, "The range of the interaction", "m")
+
+
+def _strength(value: Any) -> float | Array:
+    return _positive(value, "The strength of the interaction", "Pa")
 
 
 def _smoothing(value: float) -> float:

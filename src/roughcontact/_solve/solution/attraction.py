@@ -1,8 +1,8 @@
 """The conditions of an adhesive contact, measured on a pressure and a tension.
 
-With the displacement u by the pressure p, the initial gap h, the gap g = u + h - approach and the tension t, the contact
-pressure is c = p + t. The exact solution satisfies g = 0 where c > 0 and p is below its limit, g >= 0 and t = s(g), the
-law of the interaction, where c = 0, and g <= 0 where p is at its limit.
+With the displacement u by the pressure p, the initial gap h, the gap g = u + h - approach and the tension t, the
+contact pressure is c = p + t. The exact solution satisfies g = 0 where c > 0 and p is below its limit, g >= 0 and
+t = s(g), the law of the interaction, where c = 0, and g <= 0 where p is at its limit.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.checks import Array, Mask
 from roughcontact._parts.interactions import BoundInteraction
 
 # Rounding of the gap over its largest term, as in `conditions`.
@@ -115,7 +115,7 @@ class AdhesiveConditions:
             floor=_ROUNDING * largest / scale,
         )
 
-    def _find_approach(self, elastic: Array, saturated: Array, displacement: Array) -> float:
+    def _find_approach(self, elastic: Array, saturated: Mask, displacement: Array) -> float:
         if self.approach is not None:
             return self.approach
         load = float(elastic.sum())

@@ -9,12 +9,13 @@ import attrs
 import numpy as np
 
 from roughcontact._base.checks import Array
-from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._parts.interactions import BoundInteraction
+from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status
 from roughcontact._solve.solution.attraction import AdhesiveConditions, AdhesiveViolation
 from roughcontact._solve.solvers.adhesive.descent import AdhesiveDescent
-from roughcontact._solve.solvers.adhesive.nested_start import gap_scale, hold_mean, nested_start, start_from_task
+from roughcontact._solve.solvers.adhesive.gap_problem import gap_scale, hold_mean
+from roughcontact._solve.solvers.adhesive.nested_start import nested_start, start_from_task
 from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
     Outcome,
@@ -55,8 +56,30 @@ class GapDescent(Solver):
     max_iterations
         Iterations on the finest grid after which the solve is given up.
 
+    References
+    ----------
+    Rey, Anciaux, Molinari, Comput. Mech. 60 (2017) 69-81, https://doi.org/10.1007/s00466-017-1392-5
+
     Examples
     --------
+    A ball and its attraction, lengths in cells and pressures in E*, without any load:
+
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> from roughcontact._parts.interactions import BoundInteraction, Exponential
+    >>> from roughcontact._parts.kernels import BoundKernel
+    >>> from roughcontact._solve.solvers import Task
+    >>> from roughcontact._solve.solvers.adhesive import GapDescent
+    >>> grid = rc.Grid((32, 32), 32.0)
+    >>> convolution = rc.DCFFT().prepare(BoundKernel(rc.Love()), grid, rc.Boundary.FREE)
+    >>> law = BoundInteraction(Exponential(work=0.01, range=0.3))
+    >>> ball = Task(initial_gap=(grid.x**2 + grid.y**2) / 200.0, mean_pressure=0.0, interaction=law)
+    >>> outcome = GapDescent().solve(convolution, ball)
+    >>> contact = outcome.pressure + outcome.tension > 0.0
+    >>> print(outcome.status)
+    converged: the conditions of contact hold within the tolerance
+    >>> print(np.count_nonzero(contact), "cells in contact")
+    300 cells in contact
     """
 
     omitted: ClassVar[tuple[str, ...]] = (
