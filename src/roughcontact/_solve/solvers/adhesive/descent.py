@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable
-from typing import TypeVar
+from functools import partial
+from typing import Any, TypeAlias, TypeVar
 
 import attrs
 import numpy as np
@@ -13,9 +13,11 @@ import numpy as np
 from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.interactions import BoundInteraction
-from roughcontact._solve.solvers.adhesive.stiffness import SurfaceStiffness
+from roughcontact._solve.solvers.adhesive.gap_problem import GapProblem
 
 T = TypeVar("T")
+Precision: TypeAlias = type[np.float32] | type[np.float64]
+
 # Support against waves longer than the openings, over the mean stiffness of a punch of the open cells, and its
 # minimum over the stiffness of the longest wave.
 SUPPORT = 0.5
@@ -40,43 +42,6 @@ _TRIALS = 12
 # rounding in float32.
 _ROUNDS = 30
 _MISSED = 1e-6
-
-
-@attrs.frozen(eq=False, kw_only=True)
-class GapProblem:
-    """What a descent minimises, on the extended grid of a stiffness.
-
-    Attributes
-    ----------
-    stiffness
-        The stiffness of the surface.
-    interaction
-        The attraction; None without adhesion.
-    closing
-        Gap less displacement, shape (mx, my): the initial gap in the domain, zero outside.
-    base
-        Uniform pressure to which that of the gap is added: the mean pressure on the extended grid, or that of a given
-        approach.
-    mean_stiffness
-        Stiffness of the mean displacement: zero unless an approach is given on a boundary that is not periodic.
-    holds_mean
-        Whether the mean gap is held: an approach is given on a periodic boundary.
-    limit
-        Pressure limit, of one entry or shape (nx, ny).
-    """
-
-    stiffness: SurfaceStiffness
-    interaction: BoundInteraction | None
-    closing: Array
-    base: float
-    mean_stiffness: float
-    holds_mean: bool
-    limit: Array
-
-    @property
-    def capped(self) -> bool:
-        """Whether the pressure of any cell is limited."""
-        return bool(np.isfinite(self.limit).any())
 
 
 @attrs.frozen(eq=False)
@@ -111,7 +76,7 @@ class AdhesiveDescent:
         The precision of the iterations.
     """
 
-    def __init__(self, problem: GapProblem, dtype: type) -> None:
+    def __init__(self, problem: GapProblem, dtype: Precision) -> None:
         self.problem = problem
         self.dtype = dtype
         stiffness = problem.stiffness
@@ -140,7 +105,7 @@ class AdhesiveDescent:
         tiles = []
         for one in rows:
             inner = slice(min(one.start, nx), min(one.stop, nx))
-            law = None if interaction is None else interaction.convert(operator.itemgetter(inner))
+            law = None if interaction is None else interaction.convert(partial(_rows_of, inner))
             tiles.append(_Tile(one, inner, law, limit if limit.size == 1 else limit[inner].astype(self.dtype)))
         return tiles
 
@@ -152,7 +117,7 @@ class AdhesiveDescent:
         self.pressure += self.dtype(self.problem.base)
         self.products += 1
         self._mask = np.ones(self.gap.shape, dtype=bool)
-        self._residual = np.empty_like(self.gap)
+        self._residual: RealArray = np.empty_like(self.gap)
         self.tension: RealArray = np.zeros(self._shape, dtype=self.dtype)
         self._trial: RealArray = np.zeros(self._shape, dtype=self.dtype)
         self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
@@ -165,11 +130,11 @@ class AdhesiveDescent:
 
     def is_apart(self) -> bool:
         """Return whether no cell touches and the load pulls more than the tension holds."""
-        if self.problem.mean_stiffness or self.problem.holds_mean:
+        load = self.problem.base * self.gap.size
+        if self.problem.mean_stiffness or self.problem.holds_mean or load >= 0.0:
             return False
         if any(self._map(lambda tile: bool((self._inside(self.gap, tile) <= 0.0).any()))):
             return False
-        load = self.problem.base * self.gap.size
         return load + float(self.tension.sum(dtype=np.float64)) < 0.0
 
     def measure(self) -> float:
@@ -332,9 +297,8 @@ class AdhesiveDescent:
         step[:] = bounded
         return clipped
 
-    def _bound_all(self, trial: RealArray) -> bool:
-        """Clip a step within the bounds, in place; return whether it is clipped anywhere."""
-        return any(self._map(lambda tile: self._bound(trial[tile.inner], tile)))
+    def _bound_rows(self, step: RealArray, tile: _Tile) -> bool:
+        return self._bound(step[tile.inner], tile)
 
     def _keep_mean(self, step: RealArray, weights: RealArray) -> bool:
         """Shift and clip a step, in place, so that it keeps the mean gap; return whether it is clipped.
@@ -344,9 +308,9 @@ class AdhesiveDescent:
         shift = 0.0
         size = float(np.abs(step).sum(dtype=np.float64))
         for _ in range(_ROUNDS):
-            trial = step - self.dtype(shift) * weights
-            before = trial.copy()
-            clipped = self._bound_all(trial)
+            before = step - self.dtype(shift) * weights
+            trial = before.copy()
+            clipped = any(self._map(partial(self._bound_rows, trial)))
             excess = float(trial.sum(dtype=np.float64))
             moved = float(weights[trial == before].sum(dtype=np.float64))
             if abs(excess) <= _MISSED * size or not moved > 0.0:
@@ -451,6 +415,10 @@ class AdhesiveDescent:
         return _dot(gap, inside)
 
 
+def _rows_of(rows: slice, values: Array) -> Array:
+    return values[rows]
+
+
 def _dot(one: RealArray, other: RealArray) -> float:
     return float(np.einsum("ij,ij->", one, other))
 
@@ -459,5 +427,5 @@ def _magnitude(values: RealArray) -> float:
     return float(max(values.max(), -values.min()))
 
 
-def _multiply(values: RealArray, factor: RealArray) -> None:
+def _multiply(values: RealArray, factor: RealArray | np.floating[Any]) -> None:
     np.multiply(values, factor, out=values)

@@ -124,7 +124,7 @@ class _Rounds:
             self._task.on_step(Step(self._task.initial_gap.shape, len(self._errors) - 1, error))
 
     def _first_gap(self) -> tuple[Array, Array]:
-        """Return the gap and contact pressure to start from: of the task, or of a contact without adhesion."""
+        """Return the gap to start from and its contact pressure: of the task, or of a contact without adhesion."""
         task = self._task
         start = task.start
         if start is not None or task.start_gap is not None:
