@@ -105,7 +105,7 @@ def test_the_cells_that_an_accuracy_may_take_are_bounded(monkeypatch, shape, siz
     body = rc.Body(rc.HeightMap(heights, size, periodic=True), rc.Elastic(2e11, 0.3))
     problem = rc.ContactProblem(body, boundary="periodic")
     for unasked in (2**12, 2**14):
-        monkeypatch.setattr("roughcontact._solve.problem.accuracy._UNASKED", unasked)
+        monkeypatch.setattr("roughcontact._solve.problem.accuracy._MAX_UNASKED_CELLS", unasked)
         allowed = max(unasked, 64 * problem.plan.grid.cells)
         with pytest.raises(
             rc.NotConverged, match=f"more than the {allowed} to which this grid of {shape[0]} x"

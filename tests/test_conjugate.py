@@ -183,7 +183,7 @@ def test_near_full_contact_the_openings_give_the_same_pressure(kernel, fraction,
     solution = problem.solve(pressure=fraction * SLOPE * YOUNG)
     assert solution.status is rc.Status.CONVERGED
     assert solution.levels[-1].single == 0
-    monkeypatch.setattr("roughcontact._solve.solvers.conjugate.nested_iteration._NEARLY_FULL", 1.0)
+    monkeypatch.setattr("roughcontact._solve.solvers.conjugate.nested_iteration._NEARLY_FULL_FRACTION", 1.0)
     direct = problem.solve(pressure=fraction * SLOPE * YOUNG)
     assert direct.levels[-1].single > 0
     np.testing.assert_allclose(solution.pressure, direct.pressure, atol=1e-6 * direct.pressure.max())
@@ -347,7 +347,7 @@ def test_after_a_stall_another_method_continues(monkeypatch):
 @pytest.mark.parametrize("left", [1e-3, 2e-6, 1e-7])
 def test_an_approach_next_to_full_contact_is_found_through_loads(left, levels, monkeypatch):
     """The load hardly changes the approach there; terraces and noise are the worst."""
-    monkeypatch.setattr("roughcontact._solve.solvers.conjugate.solver._PATIENT", 5)
+    monkeypatch.setattr("roughcontact._solve.solvers.conjugate.solver._MAX_APPROACH_ITERATIONS", 5)
     heights = np.round(levels * np.random.default_rng(levels).standard_normal((50, 12)))
     surface = rc.HeightMap(heights, size=(50.0, 10.0), periodic=True)
     problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary="periodic", solver=STRICT)

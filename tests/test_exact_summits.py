@@ -13,7 +13,7 @@ from exact_contacts import MODULUS, distances, with_fields
 from roughcontact._answers.areas.hertz import _average_cells, _find_low_cells, _pair_cells, hertz_areas
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._answers.areas.summits import (
-    _near_border,
+    _find_near_border,
     find_area_factor,
     find_axes_ratio,
     find_centroids,
@@ -159,7 +159,7 @@ def test_an_ellipse_that_a_free_border_cuts_is_not_known(axis):
             centre[axis] = sign * (side - room)
             solution, _, _ = ellipsoid(grid, (1.0, 1.0), 0.0, centre, force, "free")
             found = find_summits(solution, Spline.through_gap(solution))
-            assert _near_border(solution, found).tolist() == [near]
+            assert _find_near_border(solution, found).tolist() == [near]
             assert found.known.tolist() == [not near]
 
 

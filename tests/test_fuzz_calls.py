@@ -220,8 +220,8 @@ BAD |= {
     "bytearray": lambda: bytearray(b"5"),
 }  # fmt: skip
 
-# Results, which users do not make; enumerations; what takes minutes and has no arguments.
-SKIPPED = {"Area", "ContactSolution", "Boundary", "Status", "reference.Hertz", "stability_gallery"}
+# Results, which users do not make; enumerations; what has no arguments.
+SKIPPED = {"Area", "ContactSolution", "Boundary", "Status", "reference.Hertz"}
 # Results again; a figure for each call would be too many.
 SKIPPED |= {"reference.PerssonContact", "reference.Roughness", "InterfaceLaw.plot"}
 SKIPPED |= {

@@ -462,7 +462,7 @@ def test_the_direct_sum_takes_no_more_than_the_plan_says(boundary):
 def test_the_direct_sum_of_a_long_strip_is_made_in_parts(monkeypatch):
     strip = contact(SPHERE, grid=rc.Grid((3, 40), (3e-3, 4e-2)), convolver="direct")
     whole = strip.convolution.apply(strip.initial_gap)
-    monkeypatch.setattr("roughcontact._solve.convolvers.direct._LARGEST_MATRIX", 300)
+    monkeypatch.setattr("roughcontact._solve.convolvers.direct._MAX_MATRIX_NUMBERS", 300)
     np.testing.assert_allclose(strip.convolution.apply(strip.initial_gap), whole, rtol=1e-13)
 
 

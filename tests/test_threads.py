@@ -35,7 +35,7 @@ COUNTS = (1, 2, 3, 5)
 def many(monkeypatch):
     """A machine of five processors, on which the smallest arrays are shared by threads."""
     monkeypatch.setattr(machine, "available_threads", lambda: 5)
-    monkeypatch.setattr(machine, "_CELLS", 1)
+    monkeypatch.setattr(machine, "_CELLS_PER_THREAD", 1)
 
 
 def write(root, **files):
@@ -191,13 +191,13 @@ class TestBits:
     def test_of_a_convolution_are_the_same(self, convolver, boundary, dtype, grid, seed):
         pressure = np.random.default_rng(seed).random(grid.shape).astype(dtype)
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(machine, "_CELLS", 1)
-            patch.setattr("roughcontact._solve.convolvers.base._ROWS", 100)
+            patch.setattr(machine, "_CELLS_PER_THREAD", 1)
+            patch.setattr("roughcontact._solve.convolvers.base._ROW_BLOCK_VALUES", 100)
             convolution = convolver.prepare(KERNEL, grid, rc.Boundary(boundary))
             inverse, fields = approximate_inverse(convolution.setup, dtype), []
             for count in COUNTS:
                 for large in (2**60, 0):
-                    patch.setattr("roughcontact._solve.convolvers.base._LARGE", large)
+                    patch.setattr("roughcontact._solve.convolvers.base._MIN_COLUMNWISE_WAVES", large)
                     with use_threads(count):
                         fields.append((convolution.apply(pressure), inverse.apply(pressure)))
         assert all(field.dtype == dtype and field.shape == grid.shape for pair in fields for field in pair)
@@ -281,7 +281,7 @@ pressure = [1e4]
 @pytest.mark.parametrize("pooled", [False, True])
 def test_workers_of_a_study_take_one_thread(tmp_path, many, monkeypatch, pooled):
     counts, make = [], run_module.make_task
-    monkeypatch.setattr(run_module, "make_task", lambda *given: counts.append(machine._COUNT.get()) or make(*given))
+    monkeypatch.setattr(run_module, "make_task", lambda *given: counts.append(machine._THREADS.get()) or make(*given))
     study = rc.Study(problems=rough_problem(32), pressure=[5e6])
     # Threads of this process are workers that no process tells from others.
     with ThreadPoolExecutor(2) as executor:

@@ -267,7 +267,7 @@ def test_a_digest_without_a_source_knows_all_that_a_class_does(monkeypatch):
         module = types.ModuleType("a_notebook")
         monkeypatch.setitem(sys.modules, "a_notebook", module)
         exec(NOTEBOOK.format(**plain | changes), vars(module))
-        return tuple(programs([module.Foam], "roughcontact"))
+        return tuple(programs([module.Foam]))
 
     changed = {digest(**{name: 4.0}) for name in plain}
     assert len(changed) == len(plain)

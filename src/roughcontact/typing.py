@@ -14,7 +14,7 @@ commands     `Table`; the functions `replacing`, `si`, `binary`, `write_column`,
              `list_quantities`, `gather_warnings`, `exceeds_metals`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
-             `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`,
+             `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
              `MatchedPair`, `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`,
              `TheoryBeside`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`, `ContactWarning`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
@@ -66,7 +66,7 @@ from roughcontact._solve.solvers import (
 )
 from roughcontact._work.processes import Cycle, RunIn
 from roughcontact._work.reports.error import ErrorReport, KnownAnswer, ReportRow, Timing
-from roughcontact._work.reports.stability import Check, Gallery, GalleryRow, StabilityReport, Verdict
+from roughcontact._work.reports.stability import Check, StabilityReport, Verdict
 from roughcontact._work.studies import Record, StudyResult
 from roughcontact.responses import (
     Conductance,
@@ -100,8 +100,6 @@ __all__ = [
     "Cycle",
     "ErrorReport",
     "FrettingLoop",
-    "Gallery",
-    "GalleryRow",
     "GridLevel",
     "IntArray",
     "InterfaceLaw",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -29,8 +30,19 @@ def read_only(values: RealArray) -> RealArray:
     return array
 
 
+def as_shape(value: Sequence[int]) -> tuple[int, int]:
+    """Return two numbers of cells as a pair of int."""
+    nx, ny = value
+    return int(nx), int(ny)
+
+
+def sum_of_products(one: RealArray, other: RealArray) -> float:
+    """Return the sum of the products of two fields over all cells, without the threads of a BLAS."""
+    return float(np.einsum("ij,ij->", one, other))
+
+
 def restore_state(self: Any, state: Any) -> None:
-    """Restore an object that was pickled or copied, its arrays read-only as before; it serves as ``__setstate__``."""
+    """Restore a pickled or copied object with read-only arrays; a class uses it as its ``__setstate__``."""
     own, slots = state if isinstance(state, tuple) else (state, None)
     for name, value in {**(own or {}), **(slots or {})}.items():
         object.__setattr__(self, name, read_only(value) if isinstance(value, np.ndarray) else value)

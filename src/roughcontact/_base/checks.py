@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import math
 import mmap
@@ -14,15 +15,16 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Pair, frozen_array
+from roughcontact._base.units import EXAMPLES, parse_quantity
 from roughcontact.errors import InputError, NoSuchItem
 from roughcontact.errors.door import outside
 
 T = TypeVar("T")
 # Magnitudes of quantities in SI units; products of a few of them stay within float64.
-SMALLEST = 1e-60
-LARGEST = 1e60
+MIN_MAGNITUDE = 1e-60
+MAX_MAGNITUDE = 1e60
 # Characters of a path: PATH_MAX of Linux, the largest of the systems.
-_LONGEST_PATH = 4096
+_MAX_PATH_CHARACTERS = 4096
 
 
 def number(
@@ -39,7 +41,7 @@ def number(
     Parameters
     ----------
     value
-        What the user gave.
+        The value given by the user: a number in SI units, or a text with a unit such as ``"210GPa"``.
     what, unit
         The name of the quantity and its SI unit, for the sentence.
     above, at_least, at_most
@@ -57,12 +59,15 @@ def number(
     ]
     limits = " and ".join(filter(None, bounds))
     allowed = "a finite number" + (f", {limits}" if limits else "") + (f" ({unit})" if unit else "")
+    if isinstance(value, str) and unit and unit in EXAMPLES:
+        with contextlib.suppress(ValueError):
+            value = parse_quantity(value, unit)
     kind = getattr(getattr(value, "dtype", None), "kind", "f")
     if kind not in "fiu" or isinstance(value, (bool, complex)) or not hasattr(value, "__float__"):
         raise InputError.about(what, value, allowed)
     try:
         result = math.nan if np.ma.is_masked(value) or np.ndim(value) else float(value)  # type: ignore[arg-type]
-    # A class of the caller's may fail in any way.
+    # A class of the user may raise anything.
     except Exception:
         raise InputError.about(what, value, allowed) from None
     inside = (
@@ -73,8 +78,9 @@ def number(
     )
     if not inside:
         raise InputError.about(what, value, allowed)
-    if abs(result) > LARGEST or (above == 0.0 and result < SMALLEST):
-        raise InputError.about(what, result, f"between {SMALLEST:g} and {LARGEST:g} in magnitude", "Check its unit.")
+    if abs(result) > MAX_MAGNITUDE or (above == 0.0 and result < MIN_MAGNITUDE):
+        allowed = f"between {MIN_MAGNITUDE:g} and {MAX_MAGNITUDE:g} in magnitude"
+        raise InputError.about(what, result, allowed, "Check its unit.")
     return result
 
 
@@ -136,7 +142,7 @@ def choice(value: object, what: str, allowed: Sequence[str]) -> str:
 
 
 def instance_of(base: type, what: str, allowed: str) -> Callable[[Any, Any, Any], None]:
-    """Return an attrs validator that asks for an instance of `base`, in words."""
+    """Return an attrs validator that requires an instance of `base`; `what` and `allowed` are for the message."""
 
     def check(_: Any, __: Any, value: Any) -> None:
         if not isinstance(value, base):
@@ -146,17 +152,19 @@ def instance_of(base: type, what: str, allowed: str) -> Callable[[Any, Any, Any]
 
 
 def path(value: object, what: str) -> Path:
-    """Return `value`, a text or a path, as a path that the system can take, or raise `InputError`."""
+    """Return a text or a path as a `Path` of admissible length, or raise `InputError`."""
     if not isinstance(value, (str, os.PathLike)):
         raise InputError.about(what, value, "a str or a path")
     name = os.fspath(value)
-    if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_PATH or "\0" in name:
-        raise InputError.about(what, name, f"a path of 1 to {_LONGEST_PATH} characters, without the character NUL")
+    if not isinstance(name, str) or not 0 < len(name) <= _MAX_PATH_CHARACTERS or "\0" in name:
+        raise InputError.about(
+            what, name, f"a path of 1 to {_MAX_PATH_CHARACTERS} characters, without the character NUL"
+        )
     return Path(name)
 
 
 def callback(value: object, what: str, *given: str) -> Callable[..., Any] | None:
-    """Return a user's function of the arguments `given`, or None, in a form whose errors reach the user as they are."""
+    """Return a user's function of the arguments `given`, wrapped so that its errors stay as they are, or None."""
     if value is None:
         return None
     allowed = f"a function of {len(given)} argument{'s'[: len(given) > 1]}, {', '.join(given)}"
@@ -184,7 +192,7 @@ def numbers(values: object, what: str, allowed: str) -> Array:
 
 
 def _is_mapped(values: object) -> bool:
-    """Return whether values are those of a file that is mapped for reading only, as by ``mmap_mode="r"`` of numpy."""
+    """Return whether values belong to a file that is mapped read-only, as by ``mmap_mode="r"`` of numpy."""
     mapped = False
     while isinstance(values, np.ndarray) and not values.flags.writeable:
         mapped = mapped or isinstance(values, np.memmap)
@@ -193,18 +201,15 @@ def _is_mapped(values: object) -> bool:
 
 
 def measured_heights(values: npt.ArrayLike) -> Array:
-    """Return `heights_array` of heights that are NaN, or masked, where they were not measured, but not everywhere."""
+    """Return `heights_array` of heights that may be NaN or masked, but not everywhere."""
     return heights_array(values, nan=True)
 
 
 def heights_array(values: npt.ArrayLike, *, nan: bool = False) -> Array:
-    """Return a private, read-only copy of a height map after checking it; of a map of a file on disk no copy is made.
+    """Return a read-only copy of a height map after checking it; a map of a file on disk is not copied.
 
-    Raises
-    ------
-    InputError
-        If the array is not two-dimensional, holds fewer than two cells, no numbers, or values
-        that are not finite (missing points of a measurement, usually).
+    `InputError` if the array is not two-dimensional, holds fewer than two cells, no numbers, or values that are not
+    finite (missing points of a measurement, usually).
     """
     what = "The height map"
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
@@ -232,6 +237,6 @@ def heights_array(values: npt.ArrayLike, *, nan: bool = False) -> Array:
             f"{what} must be finite everywhere, but {missing} of {array.size} points are NaN or infinite. "
             "Fill them first, for instance with read_surface(path, non_measured='fill')."
         )
-    if max(high, -low) > LARGEST:
-        raise InputError(f"{what} must hold heights of at most {LARGEST:g} m: check the unit.")
+    if max(high, -low) > MAX_MAGNITUDE:
+        raise InputError(f"{what} must hold heights of at most {MAX_MAGNITUDE:g} m: check the unit.")
     return frozen_array(array)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import contextvars
-import functools
 import itertools
 import math
 import os
@@ -24,16 +23,36 @@ from roughcontact._base.units import binary
 from roughcontact.errors import InputError, NotEnoughMemory
 from roughcontact.errors.door import guarded
 
+S = TypeVar("S")
+T = TypeVar("T")
+# Bytes up to which the available memory is not looked up: that costs up to a millisecond.
+_UNCHECKED_BYTES = 2**24
+# Address space that threads and libraries reserve without taking memory.
+_RESERVED_BYTES = 2**31
+# A number of bytes in words, and the bytes of each unit.
+_BYTES_IN_WORDS = re.compile(r"\s*([0-9]{1,18}(?:\.[0-9]{0,18})?)\s*(bytes|B|[kMGT]B|[KMGT]iB)\s*")
+_BYTES_PER_UNIT = {"B": 1, "bytes": 1, **{f"{name}B": 1000**power for power, name in enumerate("kMGT", 1)}}
+_BYTES_PER_UNIT |= {f"{name}iB": 1024**power for power, name in enumerate("KMGT", 1)}
+# The files of a group's limit and use, and the entries of its memory.stat that the kernel gives back, by version.
+_CGROUP_FILES = {
+    2: ("memory.max", "memory.current", ("inactive_file", "active_file")),
+    1: ("memory.limit_in_bytes", "memory.usage_in_bytes", ("total_inactive_file", "total_active_file")),
+}
+# Cells that make a further thread worth its hand-over: with two threads a solve on 512 x 512 cells takes 1.2 times
+# the wall time of one, on 1024 x 1024 no more and on 2048 x 2048 less (docs/studies/scale.py).
+_CELLS_PER_THREAD = 2**19
+# Side of the square grid from which on two threads are used.
+_TWO_THREADS_SIDE = math.isqrt(2 * _CELLS_PER_THREAD)
+# Values of an array that a pass treats at a time: a few such tiles fit into the cache.
+_VALUES_PER_TILE = 2**16
+_THREADS = contextvars.ContextVar("threads of the solve that runs", default=1)
+_IS_SHARED = contextvars.ContextVar("whether others of a pool work beside this one", default=False)
+
 
 def control_groups(controller: str, root: Path) -> Iterator[tuple[Path, int]]:
-    """Yield the folder and the version of each group whose limits hold for this process, from below.
+    """Yield the folder and version of each control group that limits this process, from the innermost outwards.
 
-    Parameters
-    ----------
-    controller
-        What is limited: ``"memory"`` or ``"cpu"``.
-    root
-        The root of the file system, another one for tests.
+    The controller is ``"memory"`` or ``"cpu"``; `root` is the root of the file system, another one for tests.
     """
     lines: list[str] = []
     with contextlib.suppress(OSError, ValueError):
@@ -44,35 +63,20 @@ def control_groups(controller: str, root: Path) -> Iterator[tuple[Path, int]]:
             if name in controllers.split(","):
                 top = root / "sys/fs/cgroup" / name
                 group = top / place.lstrip("/")
-                # Every group above sets a limit too. In a container the lowest that is visible is its own.
+                # Outer groups limit as well. In a container its own group may be the only visible one.
                 while group.is_relative_to(top):
                     yield group, version
                     group = group.parent
 
 
-# Bytes that are taken without asking: asking costs up to a millisecond, and importing a library takes as much.
-_UNASKED = 2**24
-# Address space that threads and libraries reserve without taking memory.
-_UNTOUCHED = 2**31
-# A number of bytes in words, and the bytes of each unit.
-_SIZE = re.compile(r"\s*([0-9]{1,18}(?:\.[0-9]{0,18})?)\s*(bytes|B|[kMGT]B|[KMGT]iB)\s*")
-_UNITS = {"B": 1, "bytes": 1, **{f"{name}B": 1000**power for power, name in enumerate("kMGT", 1)}}
-_UNITS |= {f"{name}iB": 1024**power for power, name in enumerate("KMGT", 1)}
-# The files of a group's limit and use, and the entries of its memory.stat that the kernel gives back, by version.
-_FILES = {
-    2: ("memory.max", "memory.current", ("inactive_file", "active_file")),
-    1: ("memory.limit_in_bytes", "memory.usage_in_bytes", ("total_inactive_file", "total_active_file")),
-}
-
-
 def limit_of_memory(value: float | str | None) -> int | None:
-    """Return a limit in bytes, given as a number or a text such as ``"8 GiB"``, or None, or raise `InputError`."""
+    """Return a limit in bytes from a number, a text such as ``"8 GiB"`` or None; `InputError` otherwise."""
     what = "The limit of the memory"
     if isinstance(value, str):
-        found = _SIZE.fullmatch(value)
+        found = _BYTES_IN_WORDS.fullmatch(value)
         if found is None:
             raise InputError.about(what, value, "a number of bytes, or a text such as '8 GiB' or '500 MB'")
-        value = float(found[1]) * _UNITS[found[2]]
+        value = float(found[1]) * _BYTES_PER_UNIT[found[2]]
     return None if value is None else int(number(value, what, "bytes", at_least=1.0))
 
 
@@ -89,18 +93,13 @@ def require_memory(needed: float, what: str, advice: str | Callable[[int], str],
         What to do, or a function that returns it given the available memory, bytes.
     limit
         Limit set by the user, bytes; None: no limit.
-
-    Raises
-    ------
-    NotEnoughMemory
-        If there is less.
     """
-    available = limit if limit is not None or needed <= _UNASKED else available_memory()
+    available = limit if limit is not None or needed <= _UNCHECKED_BYTES else available_memory()
     if available is not None and needed > available:
         process = f"this process may take only {binary(available)} more"
         there = process if limit is None else f"memory_limit= allows only {binary(limit)}"
-        told = advice if isinstance(advice, str) else advice(available)
-        error = NotEnoughMemory(f"{what} needs {binary(needed)} of memory, but {there}: {told}.")
+        hint = advice if isinstance(advice, str) else advice(available)
+        error = NotEnoughMemory(f"{what} needs {binary(needed)} of memory, but {there}: {hint}.")
         error.available = there
         raise error
 
@@ -109,18 +108,18 @@ def require_memory(needed: float, what: str, advice: str | Callable[[int], str],
 def available_memory(root: Path = Path("/")) -> int | None:
     """Return how much more memory this process may take, bytes; None where that is not known.
 
-    It is the minimum of what the machine has free or can free, what the control groups (cgroup 1 and 2) of a container
-    or of a job leave, and what the limits of the process (``ulimit -v`` and ``-d``) leave. `root` is for tests.
+    It is the minimum of the machine's available memory and of what remains within the limits of the control groups
+    (cgroup 1 and 2) of a container or job and of the process (``ulimit -v`` and ``-d``). `root` is for tests.
     """
-    found = [*_of_machine(root), *_of_groups(root), *_of_process(root)]
+    found = [*_left_on_machine(root), *_left_in_groups(root), *_left_in_process(root)]
     return max(0, min(found)) if found else None
 
 
 @guarded
 def limit_address_space(root: Path = Path("/")) -> None:
-    """Let this process take no more memory than there is now, where the system can: it fails before the machine does.
+    """Limit this process to the memory that is available now, where the system can: beyond it, MemoryError is raised.
 
-    What asks for more then meets a MemoryError. It may be called again, when there is more or less.
+    It may be called again when more or less is available.
     """
     with contextlib.suppress(ImportError, OSError, ValueError):
         import resource
@@ -130,12 +129,12 @@ def limit_address_space(root: Path = Path("/")) -> None:
         available = available_memory(root)
         used = int((root / "proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
         if available is not None:
-            limits = (used + available + _UNTOUCHED, soft, hard)
+            limits = (used + available + _RESERVED_BYTES, soft, hard)
             limit = min(limit for limit in limits if limit != resource.RLIM_INFINITY)
             resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
 
 
-@functools.cache
+@cache
 def _own_limits() -> tuple[int, int]:
     """Return the limits of the address space with which this process was started."""
     import resource
@@ -143,28 +142,25 @@ def _own_limits() -> tuple[int, int]:
     return resource.getrlimit(resource.RLIMIT_AS)
 
 
-def _of_machine(root: Path) -> Iterator[int]:
+def _left_on_machine(root: Path) -> Iterator[int]:
     with contextlib.suppress(OSError, ValueError, KeyError):
         entries = _read_table(root / "proc/meminfo")
         yield 1024 * (entries["MemAvailable"] + entries.get("SwapFree", 0))
 
 
-def _of_groups(root: Path) -> Iterator[int]:
+def _left_in_groups(root: Path) -> Iterator[int]:
     for group, version in control_groups("memory", root):
-        yield from _of_group(group, *_FILES[version])
-
-
-def _of_group(group: Path, limit: str, usage: str, cached: tuple[str, ...]) -> Iterator[int]:
-    # Without a limit the file says "max", or is missing as in the topmost group.
-    with contextlib.suppress(OSError, ValueError):
-        free = int((group / limit).read_text()) - int((group / usage).read_text())
+        limit, usage, cached = _CGROUP_FILES[version]
+        # Without a limit the file says "max", or is missing as in the topmost group.
         with contextlib.suppress(OSError, ValueError):
-            entries = _read_table(group / "memory.stat")
-            free += sum(entries.get(name, 0) for name in cached)
-        yield free
+            free = int((group / limit).read_text()) - int((group / usage).read_text())
+            with contextlib.suppress(OSError, ValueError):
+                entries = _read_table(group / "memory.stat")
+                free += sum(entries.get(name, 0) for name in cached)
+            yield free
 
 
-def _of_process(root: Path) -> Iterator[int]:
+def _left_in_process(root: Path) -> Iterator[int]:
     with contextlib.suppress(ImportError, OSError, ValueError):
         import resource
 
@@ -176,23 +172,9 @@ def _of_process(root: Path) -> Iterator[int]:
 
 
 def _read_table(path: Path) -> dict[str, int]:
-    """Return the first number of each line by the line's first word."""
+    """Return the number in each line by the line's first word."""
     lines = (line.split() for line in path.read_text().splitlines())
     return {words[0].rstrip(":"): int(words[1]) for words in lines if len(words) > 1}
-
-
-S = TypeVar("S")
-T = TypeVar("T")
-# Cells that make a further thread worth its hand-over: with two threads a solve on 512 x 512 cells takes 1.2 times
-# the wall time of one, on 1024 x 1024 no more and on 2048 x 2048 less (docs/studies/scale.py).
-_CELLS = 2**19
-# Side of the square grid from which on two threads are used.
-_TWO = math.isqrt(2 * _CELLS)
-# Values of an array that a pass treats at a time: a few such tiles fit into the cache.
-_TILE = 2**16
-
-_COUNT = contextvars.ContextVar("threads of the solve that runs", default=1)
-_SHARED = contextvars.ContextVar("whether others of a pool work beside this one", default=False)
 
 
 def thread_count(value: object) -> int | str:
@@ -206,29 +188,21 @@ def thread_count(value: object) -> int | str:
 
 
 def choose_threads(given: int | str, cells: int) -> tuple[int, str]:
-    """Return how many threads a solve takes, and why.
-
-    Parameters
-    ----------
-    given
-        What the problem says; a text is ``"auto"``.
-    cells
-        Cells of its grid.
-    """
-    useful = max(1, cells // _CELLS)
+    """Return the number of threads of a solve on so many cells, and why; a text that is given is ``"auto"``."""
+    useful = max(1, cells // _CELLS_PER_THREAD)
     asked = None if isinstance(given, str) else given
     if asked is None and useful == 1:
-        return 1, f"two pay from {_TWO} x {_TWO} cells"
-    if asked is None and (_SHARED.get() or _is_pooled()):
+        return 1, f"two pay from {_TWO_THREADS_SIDE} x {_TWO_THREADS_SIDE} cells"
+    if asked is None and (_IS_SHARED.get() or _is_pooled()):
         return 1, "others of a pool work beside this process"
     if asked is None and _has_limited_address_space():
         return 1, "each takes a part of the address space, which is limited (ulimit -v)"
     available = available_threads()
     if asked is not None:
         return (asked, "as given") if asked <= available else (available, f"not {asked}: this process may use no more")
-    return (
-        (useful, f"one for each {_CELLS} cells") if useful < available else (available, "this process may use no more")
-    )
+    if useful < available:
+        return useful, f"one for each {_CELLS_PER_THREAD} cells"
+    return available, "this process may use no more"
 
 
 @guarded
@@ -256,13 +230,13 @@ def _read_quota(group: Path, version: int) -> float | None:
 
 
 def _is_pooled() -> bool:
-    """Return whether this process was started by another one of Python's, as one of a pool is."""
+    """Return whether Python's multiprocessing started this process, as for a pool."""
     process = sys.modules.get("multiprocessing.process")
     return process is not None and process.parent_process() is not None
 
 
 def _has_limited_address_space() -> bool:
-    """Return whether what this process may address is limited: the heap of each thread reserves 64 MiB of that."""
+    """Return whether the address space is limited, of which the heap of each thread reserves 64 MiB."""
     with contextlib.suppress(ImportError):
         import resource
 
@@ -271,48 +245,47 @@ def _has_limited_address_space() -> bool:
 
 
 @contextlib.contextmanager
-def use_threads(count: int) -> Iterator[None]:
+def _set(variable: contextvars.ContextVar[T], value: T) -> Iterator[None]:
+    token = variable.set(value)
+    try:
+        yield
+    finally:
+        variable.reset(token)
+
+
+def use_threads(count: int) -> contextlib.AbstractContextManager[None]:
     """Limit the threads used inside the context."""
-    token = _COUNT.set(count)
-    try:
-        yield
-    finally:
-        _COUNT.reset(token)
+    return _set(_THREADS, count)
 
 
-@contextlib.contextmanager
-def share_machine() -> Iterator[None]:
-    """Let each problem inside that does not say how many threads it takes use one: others work beside it."""
-    token = _SHARED.set(True)
-    try:
-        yield
-    finally:
-        _SHARED.reset(token)
+def share_machine() -> contextlib.AbstractContextManager[None]:
+    """Solve with one thread inside the context unless a problem asks for more: other processes use the machine too."""
+    return _set(_IS_SHARED, True)
 
 
 def threads_for(cells: int) -> int:
-    """Return how many threads work on an array of so many cells gains from, of those that the solve has."""
-    return min(_COUNT.get(), max(1, cells // _CELLS))
+    """Return how many of the threads of the solve an array of so many cells can use."""
+    return min(_THREADS.get(), max(1, cells // _CELLS_PER_THREAD))
 
 
 def split(length: int, step: int) -> list[slice]:
-    """Return the tiles of an axis: ranges of `step` entries, the last one shorter, whatever the number of threads."""
+    """Return the slices of an axis into parts of `step` entries; the last may be shorter."""
     return [slice(start, min(start + step, length)) for start in range(0, length, step)]
 
 
 def tiles_of(values: npt.NDArray[Any]) -> list[slice]:
-    """Return the tiles of a pass over an array, along its first axis; an array of another kind than numpy's is one."""
+    """Return the tiles of an array along its first axis; one tile if it is not numpy's."""
     length = values.shape[0]
     width = max(1, math.prod(values.shape[1:]))
-    return split(length, max(1, _TILE // width) if isinstance(values, np.ndarray) else max(1, length))
+    return split(length, max(1, _VALUES_PER_TILE // width) if isinstance(values, np.ndarray) else max(1, length))
 
 
 def map_tiles(work: Callable[[S], T], tiles: Sequence[S]) -> list[T]:
-    """Return what `work` returns for each tile, in their order; the threads of the solve share the tiles.
+    """Return the result of `work` for each tile, in their order; the threads of the solve share the tiles.
 
-    The work on one tile must not depend on that on another. Results have the same bits whatever the number of threads.
+    Tiles must be independent of each other. The results have the same bits for any number of threads.
     """
-    count = min(_COUNT.get(), len(tiles))
+    count = min(_THREADS.get(), len(tiles))
     if count == 1:
         return [work(tile) for tile in tiles]
     results: dict[int, T] = {}
@@ -323,16 +296,16 @@ def map_tiles(work: Callable[[S], T], tiles: Sequence[S]) -> list[T]:
             results[place] = work(tiles[place])
 
     others = []
-    # Where no thread can be started, this one does all the work.
+    # If no thread can be started, this one does all the work.
     with contextlib.suppress(RuntimeError):
         for _ in range(count - 1):
-            # A copy of the context, in which numpy keeps how it treats floating-point errors.
+            # numpy keeps its treatment of floating-point errors in the context.
             others.append(_pool().submit(contextvars.copy_context().run, take))
     try:
         take()
     finally:
         for other in others:
-            # One that has not begun has nothing left to do.
+            # A worker that has not begun has nothing left to do.
             if not other.cancel():
                 other.result()
     return [results[place] for place in range(len(tiles))]
@@ -343,6 +316,6 @@ def _pool() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix="roughcontact")
 
 
-# The threads of a pool stay behind when a process is forked.
+# A forked process does not inherit the threads of the pool.
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_pool.cache_clear)

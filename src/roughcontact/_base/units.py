@@ -18,16 +18,89 @@ from roughcontact.errors.door import guarded
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
 # Areas and volumes, whose prefix is raised to the power behind it; and units with another power or an inverse.
 _AREA_OR_VOLUME = re.compile(r"m([23])\b")
-_POWER = re.compile(r"[^\W\d]+\d|1/")
+_UNIT_WITH_POWER = re.compile(r"[^\W\d]+\d|1/")
 
 # Decimals beyond which a number is written with an exponent.
-_DECIMALS = 9
-_RAISED = {1: "", 2: "²", 3: "³"}
+_MAX_DECIMALS = 9
+_SUPERSCRIPTS = {1: "", 2: "²", 3: "³"}
+# A number, and the prefix of its unit.
+_NUMBER_WITH_PREFIX = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
+# An example of each kind of quantity, by its SI unit; the empty one is that of plain numbers.
+EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3", "J/m2": "50mJ/m2"}
+_USUAL_UNITS = {
+    "Pa": "Pa, MPa or GPa",
+    "m": "mm, um or nm",
+    "N": "N or mN",
+    "rad": "deg or rad",
+    "J/m2": "mJ/m2 or J/m2",
+}
+# Characters of a wrong text that are shown.
+_MAX_QUOTED_CHARACTERS = 80
+# A number with a decimal point, its exponent of at most three digits (float64 ends at 1e308), and a unit such as N or
+# N/mm^2, of names of at most 30 letters.
+_UNIT_NAME = r"[^\W\d_²³]{1,30}(?:(?:\^|\*\*)?[1-4]|[²³])?"
+_QUANTITY = re.compile(
+    r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?)\s*"
+    rf"({_UNIT_NAME}(?:[*/]{_UNIT_NAME}){{0,5}}|[%°]|)\s*"
+)
+_UNIT_FACTOR = re.compile(r"([*/]?)([^\W\d_²³]+|[%°])(?:\^|\*\*)?([1-4²³]?)")
+# What a power in the name of a unit means.
+_POWERS = {"": 1, "²": 2, "³": 3}
+# Powers of ten of the prefixes of SI; two letters look like mu.
+_POWERS_OF_PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "c": -2, "d": -1}
+_POWERS_OF_PREFIXES |= {"": 0, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12}
+Dimension: TypeAlias = tuple[int, int, int, int]
+# Powers of metre, kilogram, second and radian.
+_LENGTH = (1, 0, 0, 0)
+_MASS = (0, 1, 0, 0)
+_TIME = (0, 0, 1, 0)
+_ANGLE = (0, 0, 0, 1)
+# The same of forces, of pressures and of numbers.
+_FORCE = (1, 1, -2, 0)
+_ENERGY = (2, 1, -2, 0)
+_PRESSURE = (-1, 1, -2, 0)
+_NO_DIMENSION = (0, 0, 0, 0)
+# Units that take a prefix: their power of ten in SI units.
+_METRIC_UNITS: dict[str, tuple[int, Dimension]] = {
+    "m": (0, _LENGTH),
+    "g": (-3, _MASS),
+    "s": (0, _TIME),
+    "N": (0, _FORCE),
+    "J": (0, _ENERGY),
+    "Pa": (0, _PRESSURE),
+    "bar": (5, _PRESSURE),
+    "rad": (0, _ANGLE),
+}
+# Units that take none: their value in SI units (NIST SP 811, appendix B).
+_POUND = 4.4482216152605
+_INCH = 0.0254
+_OTHER_UNITS: dict[str, tuple[float, Dimension]] = {
+    "Å": (1e-10, _LENGTH),
+    "in": (_INCH, _LENGTH),
+    "inch": (_INCH, _LENGTH),
+    "kgf": (9.80665, _FORCE),
+    "lbf": (_POUND, _FORCE),
+    "psi": (_POUND / _INCH**2, _PRESSURE),
+    "ksi": (1e3 * _POUND / _INCH**2, _PRESSURE),
+    "atm": (101325.0, _PRESSURE),
+    "deg": (math.pi / 180.0, _ANGLE),
+    "°": (math.pi / 180.0, _ANGLE),
+    "%": (1e-2, _NO_DIMENSION),
+}
+# Width of what is printed, characters: that of a terminal as it opens, and of a page of mail or of a log.
+WIDTH = 80
+# Control characters, those that turn the direction of writing among them.
+_CONTROL_CHARACTER = re.compile(r"[\x00-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+# What stands before the text of a line: blanks, and a label with two blanks or more behind it.
+_LINE_LABEL = re.compile(r"\s*(?:\S(?:\S| (?! ))*\s{2,})?")
+# A blank behind a number, before a unit, and behind the sign of an uncertainty; and the blank that is not broken.
+_UNBREAKABLE_BLANK = re.compile(r"(?<=\d) (?=%|[fpnµmkMGT]?(?:m[23]?|Pa|N|s)\b|\+- )|(?<=\+-) ")
+_NO_BREAK = "\N{NO-BREAK SPACE}"
 
 
 @guarded
 def si(value: float, unit: str, digits: int = 4) -> str:
-    """Return `value` in words such as ``12.5 µm`` or ``360 µm2``, with so many significant digits."""
+    """Return a value with its unit, such as ``12.5 µm`` or ``360 µm2``, with `digits` significant digits."""
     if value == 0.0 or not math.isfinite(value):
         return f"{value:g} {unit}"
     raised = _AREA_OR_VOLUME.match(unit)
@@ -42,16 +115,16 @@ def si(value: float, unit: str, digits: int = 4) -> str:
 
 
 def has_power(unit: str) -> bool:
-    """Tell whether a unit begins with a power or an inverse, such as ``m3/s``, so that a prefix would be misread."""
-    return _POWER.match(unit) is not None
+    """Return whether a unit begins with a power or an inverse, such as ``m3/s``: a prefix would be misread."""
+    return _UNIT_WITH_POWER.match(unit) is not None
 
 
 def with_spread(value: float, uncertainty: float) -> str:
-    """Return a number and its uncertainty, of two digits, in words such as ``(1.142 +- 0.012)``."""
+    """Return a number and its uncertainty, of two digits, such as ``(1.142 +- 0.012)``."""
     if not (uncertainty > 0.0 and math.isfinite(value) and math.isfinite(uncertainty)):
         return f"{value:.5g}"
     decimals = 1 - math.floor(math.log10(uncertainty))
-    if abs(decimals) > _DECIMALS:
+    if abs(decimals) > _MAX_DECIMALS:
         return f"({value:.5g} +- {uncertainty:.2g})"
     texts = (f"{round(number, decimals):.{max(0, decimals)}f}" for number in (value, uncertainty))
     return f"({' +- '.join(texts)})"
@@ -67,32 +140,27 @@ class PlainText(str):
 
 
 def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
-    """Return the unit with the prefix that suits numbers up to `largest`, and what they are multiplied by for it.
+    """Return the factor and the prefixed unit in which numbers up to `largest`, in ``unit**power``, are written.
 
-    Parameters
-    ----------
-    largest
-        Largest magnitude among the numbers, in the SI unit raised to the power.
-    unit, power
-        SI unit and the power that it is raised to, such as ``"m"`` and 2 for areas.
+    An area has the unit ``"m"`` and the power 2.
     """
     thousands = 0
     if 0.0 < largest < math.inf:
         # An area of 0.5 µm² is not 500000 nm².
         thousands = 3 * math.floor((math.log10(largest) + 2 * (power - 1)) / (3 * power) + 1e-9)
     exponent = min(max(thousands, min(_PREFIXES)), max(_PREFIXES))
-    return 10.0 ** (-exponent * power), f"{_PREFIXES[exponent]}{unit}{_RAISED[power]}"
+    return 10.0 ** (-exponent * power), f"{_PREFIXES[exponent]}{unit}{_SUPERSCRIPTS[power]}"
 
 
 @guarded
 def binary(size: float) -> str:
-    """Return a number of bytes in words such as ``1.5 GiB``."""
+    """Return a number of bytes as text, such as ``1.5 GiB``."""
     power = min(max(0, int(size).bit_length() - 1) // 10, 4)
     return f"{size / 2 ** (10 * power):.4g} {('bytes', 'KiB', 'MiB', 'GiB', 'TiB')[power]}"
 
 
 def counted(count: int, what: str) -> str:
-    """Return a number of things in words such as ``1 load`` and ``2 loads``."""
+    """Return a number of things as text: ``1 load``, ``2 loads``."""
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
@@ -101,10 +169,6 @@ def outlined(value: Any) -> str:
     if isinstance(value, np.ndarray):
         return f"<{' x '.join(map(str, value.shape))} {value.dtype}>" if value.ndim else repr(value.item())
     return repr(value)
-
-
-# A number, and the prefix of its unit.
-_NUMBER_WITH_PREFIX = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
 
 
 class ContactWarning(str):
@@ -143,13 +207,13 @@ class ContactWarning(str):
 
 
 def warn_about(name: str, warning: str) -> ContactWarning:
-    """Return a warning of an estimate as one that names it: the contact area, the maximum pressure."""
+    """Return the warning of an estimate with the name of the quantity, such as the contact area."""
     value: float = getattr(warning, "value", math.nan)
     return ContactWarning(f"The {name} is uncertain: {warning}", f"{name}: {kind_of(warning)}", value)
 
 
 def kind_of(warning: str) -> str:
-    """Return the rule of a warning; of a mere text, from a file or a plug-in, what it says without its numbers."""
+    """Return the rule of a warning; of a plain text, from a file or a plug-in, the text without its numbers."""
     return getattr(warning, "rule", "") or _NUMBER_WITH_PREFIX.sub("#", warning)
 
 
@@ -191,15 +255,13 @@ class Estimate:
             return f"{self.value:.6g} +- {self.uncertainty:.2g}{self._reasons}"
         if math.isinf(self.value):
             return f"{si(self.value, self.unit)}{self._reasons}"
-        relative = (
-            f"{100 * self.uncertainty / abs(self.value):.2g} %" if self.value else si(self.uncertainty, self.unit)
-        )
-        return f"{si(self.value, self.unit, 5)} +- {relative}{self._reasons}"
+        spread = f"{100 * self.uncertainty / abs(self.value):.2g} %" if self.value else si(self.uncertainty, self.unit)
+        return f"{si(self.value, self.unit, 5)} +- {spread}{self._reasons}"
 
 
 @guarded
 def write_column(column: Sequence[Estimate]) -> list[str]:
-    """Return values of one quantity as people write them, all in the unit that suits the middle of their range."""
+    """Return the texts of values of one quantity, all in the unit that suits the middle of their range."""
     numbers, unit = scale_column(column)
     return [f"{number} {unit}".strip() for number in numbers]
 
@@ -222,78 +284,17 @@ def _write(one: Estimate, factor: float) -> str:
     return with_spread(one.value * factor, one.uncertainty * factor).strip("()").replace("+-", "±")
 
 
-# An example of each kind of quantity, by its SI unit; the empty one is that of plain numbers.
-EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3", "J/m2": "50mJ/m2"}
-_USUAL = {"Pa": "Pa, MPa or GPa", "m": "mm, um or nm", "N": "N or mN", "rad": "deg or rad", "J/m2": "mJ/m2 or J/m2"}
-# Characters of a wrong text that are shown.
-_SHOWN = 80
-# A number with a decimal point, its exponent of at most three digits (float64 ends at 1e308), and a unit such as N or
-# N/mm^2, of names of at most 30 letters.
-_NAME = r"[^\W\d_²³]{1,30}(?:(?:\^|\*\*)?[1-4]|[²³])?"
-_QUANTITY = re.compile(
-    r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?)\s*" rf"({_NAME}(?:[*/]{_NAME}){{0,5}}|[%°]|)\s*"
-)
-_FACTOR = re.compile(r"([*/]?)([^\W\d_²³]+|[%°])(?:\^|\*\*)?([1-4²³]?)")
-# What a power in the name of a unit means.
-_POWERS = {"": 1, "²": 2, "³": 3}
-# Powers of ten of the prefixes of SI; two letters look like mu.
-_POWERS_OF_PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "c": -2, "d": -1}
-_POWERS_OF_PREFIXES |= {"": 0, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12}
-Dimension: TypeAlias = tuple[int, int, int, int]
-# Powers of metre, kilogram, second and radian.
-_LENGTH = (1, 0, 0, 0)
-_MASS = (0, 1, 0, 0)
-_TIME = (0, 0, 1, 0)
-_ANGLE = (0, 0, 0, 1)
-# The same of forces, of pressures, of energies and of numbers.
-_FORCE = (1, 1, -2, 0)
-_ENERGY = (2, 1, -2, 0)
-_PRESSURE = (-1, 1, -2, 0)
-_NONE = (0, 0, 0, 0)
-# Units that take a prefix: their power of ten in SI units.
-_METRIC: dict[str, tuple[int, Dimension]] = {
-    "m": (0, _LENGTH),
-    "g": (-3, _MASS),
-    "s": (0, _TIME),
-    "N": (0, _FORCE),
-    "J": (0, _ENERGY),
-    "Pa": (0, _PRESSURE),
-    "bar": (5, _PRESSURE),
-    "rad": (0, _ANGLE),
-}
-# Units that take none: their value in SI units (NIST SP 811, appendix B).
-_POUND = 4.4482216152605
-_INCH = 0.0254
-_OTHERS: dict[str, tuple[float, Dimension]] = {
-    "Å": (1e-10, _LENGTH),
-    "in": (_INCH, _LENGTH),
-    "inch": (_INCH, _LENGTH),
-    "kgf": (9.80665, _FORCE),
-    "lbf": (_POUND, _FORCE),
-    "psi": (_POUND / _INCH**2, _PRESSURE),
-    "ksi": (1e3 * _POUND / _INCH**2, _PRESSURE),
-    "atm": (101325.0, _PRESSURE),
-    "deg": (math.pi / 180.0, _ANGLE),
-    "°": (math.pi / 180.0, _ANGLE),
-    "%": (1e-2, _NONE),
-}
-
-
 def parse_quantity(text: str, unit: str) -> float:
-    """Return text such as ``100MPa``, one number and one unit, as a number in an SI unit of `EXAMPLES`.
+    """Return a text such as ``100MPa``, one number and one unit, as a number in an SI unit of `EXAMPLES`.
 
-    A number without a unit is accepted only where the quantity has no dimension: 210 may be Pa or GPa.
-
-    Raises
-    ------
-    ValueError
-        If it is something else, or of another dimension; the text says why, without a full stop.
+    A number without a unit is accepted only where the quantity has no dimension: 210 may be Pa or GPa. `ValueError` if
+    it is something else, or of another dimension; its text says why, without a full stop.
     """
     found = _QUANTITY.fullmatch(text)
     if found is None:
         raise _refusal(text, f"is not one number with a decimal point{' and one unit' if unit else ''}", unit)
     if unit and not found[2]:
-        raise _refusal(text, f"has no unit ({_USUAL[unit]}?)", unit)
+        raise _refusal(text, f"has no unit ({_USUAL_UNITS[unit]}?)", unit)
     value = math.nan
     with contextlib.suppress(KeyError, ArithmeticError):
         factor, ten, dimension = _unit_of(found[2])
@@ -306,15 +307,15 @@ def parse_quantity(text: str, unit: str) -> float:
 
 
 def _refusal(text: str, reason: str, unit: str) -> ValueError:
-    return ValueError(f"{text[:_SHOWN]!r} {reason}; write it like {EXAMPLES[unit]}")
+    return ValueError(f"{text[:_MAX_QUOTED_CHARACTERS]!r} {reason}; write it like {EXAMPLES[unit]}")
 
 
 def _unit_of(name: str) -> tuple[float, int, Dimension]:
-    """Return the value of a unit in SI units, a factor and a power of ten, and its dimension; `KeyError` if unknown."""
+    """Return factor, power of ten and dimension of a unit in SI units; `KeyError` if it is not known."""
     factor = 1.0
     ten = 0
     total = [0, 0, 0, 0]
-    for sign, one, power in _FACTOR.findall(name):
+    for sign, one, power in _UNIT_FACTOR.findall(name):
         exponent = (-1 if sign == "/" else 1) * (_POWERS.get(power) or int(power))
         value, prefix, dimension = _one_unit(one)
         factor = factor * value**exponent
@@ -324,42 +325,30 @@ def _unit_of(name: str) -> tuple[float, int, Dimension]:
 
 
 def _one_unit(name: str) -> tuple[float, int, Dimension]:
-    if name in _OTHERS:
-        value, dimension = _OTHERS[name]
+    if name in _OTHER_UNITS:
+        value, dimension = _OTHER_UNITS[name]
         return value, 0, dimension
-    for unit, (ten, dimension) in _METRIC.items():
+    for unit, (ten, dimension) in _METRIC_UNITS.items():
         if name.endswith(unit) and name.removesuffix(unit) in _POWERS_OF_PREFIXES:
             return 1.0, _POWERS_OF_PREFIXES[name.removesuffix(unit)] + ten, dimension
     raise KeyError(name)
 
 
-# Width of what is printed, characters: that of a terminal as it opens, and of a page of mail or of a log.
-WIDTH = 80
-# Control characters, those that turn the direction of writing among them.
-_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
-# What stands before the text of a line: blanks, and a label with two blanks or more behind it.
-_LABEL = re.compile(r"\s*(?:\S(?:\S| (?! ))*\s{2,})?")
-
-# A blank behind a number, before a unit, and behind the sign of an uncertainty; and the blank that is not broken.
-_TOGETHER = re.compile(r"(?<=\d) (?=%|[fpnµmkMGT]?(?:m[23]?|Pa|N|s)\b|\+- )|(?<=\+-) ")
-_NO_BREAK = "\N{NO-BREAK SPACE}"
-
-
 def printable(text: str) -> str:
-    """Return a text with the characters that a terminal obeys, such as escape, written as in Python's source."""
-    return _CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+    """Return a text with its control characters, such as escape, written as in Python's source."""
+    return _CONTROL_CHARACTER.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
 
 
 def fit(text: str) -> str:
-    """Return a text with the lines that are too long wrapped, and continued under their own text."""
+    """Return a text with long lines wrapped, and continued below their own text."""
     lines = []
     for line in text.split("\n"):
         if len(line) <= WIDTH:
             lines.append(line)
             continue
-        label = _LABEL.match(line)
+        label = _LINE_LABEL.match(line)
         indent = " " * min(label.end() if label else 0, WIDTH // 2)
         # Neither a path nor the name of an option is broken, nor a number from its unit or its uncertainty.
-        kept = _TOGETHER.sub(_NO_BREAK, line)
+        kept = _UNBREAKABLE_BLANK.sub(_NO_BREAK, line)
         lines += textwrap.wrap(kept, WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
     return "\n".join(lines).replace(_NO_BREAK, " ")

@@ -15,12 +15,12 @@ from roughcontact._base.checks import integer, number, pair
 from roughcontact._base.units import si
 from roughcontact.errors import InputError
 
-# Most cells of a grid: a solve keeps up to 18 arrays in float64, 36 GiB at this size (docs/studies/memory.py).
+# Maximum cells of a grid: a solve keeps up to 18 arrays in float64, 36 GiB at this size (docs/studies/memory.py).
 _MAX_CELLS = 2**28
-_KINDS = {"pressure": ("The mean pressure", "Pa"), "force": ("The force", "N"), "approach": ("The approach", "m")}
-# What is said of several loads where the pressure has a limit.
+_LOAD_KINDS = {"pressure": ("The mean pressure", "Pa"), "force": ("The force", "N"), "approach": ("The approach", "m")}
+# Note on several loads where the pressure has a limit.
 FIRST_LOADING = "Each load is a first loading, of surfaces not flattened yet (see running in)."
-_CHOICE = "pressure= (Pa), force= (N) and approach= (m)"
+_LOAD_ARGUMENTS = "pressure= (Pa), force= (N) and approach= (m)"
 
 
 class Boundary(StrEnum):
@@ -135,7 +135,7 @@ def extend(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArr
 
 
 def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
-    """Return a mask with all cells up to `width` cells from a marked one marked, along rows, columns and diagonals."""
+    """Return a mask grown by `width` cells along rows, columns and diagonals."""
     nx, ny = mask.shape
     extended = extend(mask, width, boundary)
     along_x = extended[:nx].copy()
@@ -181,8 +181,8 @@ class Load:
 
     @classmethod
     def _of_one(cls, given: dict[str, object], above: float | None) -> Load:
-        kind, value = _the_one(given, f"Give exactly one of {_CHOICE}")
-        name, unit = _KINDS[kind]
+        kind, value = _the_one(given, f"Give exactly one of {_LOAD_ARGUMENTS}")
+        name, unit = _LOAD_KINDS[kind]
         return cls(kind, number(value, name, unit, above=above))
 
     @classmethod
@@ -203,14 +203,14 @@ class Load:
 
     @classmethod
     def _of_list(cls, given: dict[str, object], above: float | None) -> tuple[Load, ...]:
-        kind, values = _the_one(given, f"Give exactly one list of loads: {_CHOICE}")
+        kind, values = _the_one(given, f"Give exactly one list of loads: {_LOAD_ARGUMENTS}")
         try:
             items = None if isinstance(values, (str, bytes)) or not isinstance(values, Iterable) else tuple(values)
         except Exception:
             items = None
         if items is None:
             raise InputError.about("The loads", values, f"a list, {kind}=[...]", "For one load call solve().")
-        unit = _KINDS[kind][1]
+        unit = _LOAD_KINDS[kind][1]
         loads = tuple(cls(kind, number(value, f"A load of {kind}=[...]", unit, above=above)) for value in items)
         if not loads:
             raise InputError(f"The list of loads, {kind}=, is empty: give at least one load.")
@@ -222,7 +222,7 @@ class Load:
         return {self.kind: self.value}
 
     def __str__(self) -> str:
-        return f"{self.kind} {si(self.value, _KINDS[self.kind][1])}"
+        return f"{self.kind} {si(self.value, _LOAD_KINDS[self.kind][1])}"
 
 
 def _the_one(given: dict[str, object], request: str) -> tuple[str, object]:

@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, frozen_array, restore_state
-from roughcontact._base.checks import LARGEST, SMALLEST, number
+from roughcontact._base.checks import MAX_MAGNITUDE, MIN_MAGNITUDE, number
 from roughcontact._base.registry import Registry
 from roughcontact.errors import InputError
 
@@ -46,12 +46,8 @@ materials = Registry(Material, "material", "roughcontact.materials")
 def contact_modulus(one: Material, other: Material) -> float:
     """Return the contact modulus E*, Pa.
 
-    1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2: the plane-strain moduli, not Young's moduli.
-
-    Raises
-    ------
-    InputError
-        If both bodies are rigid, or a compliance is not a finite number of at least zero.
+    1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2: the plane-strain moduli, not Young's moduli. `InputError` if both bodies are
+    rigid, or a compliance is not a finite number of at least zero.
     """
     compliance = sum(
         number(material.compliance, "The compliance of a material", "1/Pa", at_least=0.0) for material in (one, other)
@@ -65,12 +61,9 @@ def contact_modulus(one: Material, other: Material) -> float:
 
 
 def combined_pressure_limit(one: Material, other: Material) -> Array:
-    """Return the maximum contact pressure, shape () or (nx, ny), Pa: that of the softer body.
+    """Return the pressure limit of the softer body at each cell, shape () or (nx, ny), Pa.
 
-    Raises
-    ------
-    InputError
-        If a pressure limit is not positive, or those of the bodies differ in shape.
+    `InputError` if a pressure limit is not positive, or the limits of the bodies differ in shape.
     """
     limits = [np.asarray(material.pressure_limit) for material in (one, other)]
     for limit in limits:
@@ -100,7 +93,7 @@ def _hardness(value: float | Array) -> float | Array:
     except ValueError:
         array = np.empty(0)
     is_real = array.ndim == 2 and array.size > 0 and array.dtype.kind in "fiu" and not np.ma.is_masked(value)
-    if not (is_real and array.min() >= SMALLEST and array.max() <= LARGEST):
+    if not (is_real and array.min() >= MIN_MAGNITUDE and array.max() <= MAX_MAGNITUDE):
         raise InputError.about("The hardness", value, "a number or an array (nx, ny), finite and above 0 (Pa)")
     return frozen_array(array)
 
@@ -142,8 +135,8 @@ class Elastic(Material):
 class ElasticPerfectlyPlastic(Material):
     """Elastic until the contact pressure reaches the hardness, which it never exceeds.
 
-    The displacement is that of the elastic half-space under the limited pressure; where the limit is reached, the
-    surfaces may overlap by the plastic flattening.
+    The limited pressure displaces an elastic half-space; in saturated cells the surfaces may overlap by the plastic
+    flattening.
 
     Parameters
     ----------
@@ -207,7 +200,7 @@ class Rigid(Material):
 
 
 # Young's modulus, Pa, Poisson's ratio, and Vickers hardness, Pa, as typical in textbooks, rounded. Polymers have no
-# hardness here: they creep, and theirs depends on time.
+# hardness here: they creep, so that it depends on time.
 TYPICAL: Mapping[str, Material] = MappingProxyType({
     "bearing steel": ElasticPerfectlyPlastic(210e9, 0.3, 7e9),
     "structural steel": ElasticPerfectlyPlastic(210e9, 0.3, 1.5e9),
@@ -227,12 +220,9 @@ TYPICAL: Mapping[str, Material] = MappingProxyType({
 
 
 def resolve_material(choice: object) -> Material:
-    """Return a material: an instance as it is, of a registered name a new one, of a typical one its values.
+    """Return a material that is given as an instance, by a registered name, or by the name of a typical one.
 
-    Raises
-    ------
-    InputError
-        If there is no material of that name, or it is not a material.
+    `InputError` if there is no material of that name, or the choice is something else.
     """
     if isinstance(choice, str) and choice not in materials:
         if choice not in TYPICAL:

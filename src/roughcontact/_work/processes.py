@@ -9,8 +9,9 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.checks import callback, instance_of, integer, number
+from roughcontact._base.checks import callback, integer, number
 from roughcontact._base.registry import Registry
+from roughcontact._base.tables import Table
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.surfaces import HeightMap, repeats
@@ -18,6 +19,11 @@ from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import Area, ContactSolution
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
+
+# Most positions of the counterbody whose last pressure is kept as a start: each takes the memory of a field.
+_MAX_KEPT_PRESSURES = 16
+# Loss of height, over the approach, up to which it is rounding and printed as zero.
+_MIN_PRINTED_LOSS_RATIO = 1e-12
 
 
 class FlatteningModel(abc.ABC):
@@ -52,7 +58,7 @@ flattening_models = Registry(FlatteningModel, "flattening model", "roughcontact.
 class Overlap(FlatteningModel):
     """The overlap of the saturated cells remains as flattening; its volume is lost into the bulk.
 
-    Conserved are the pressure and the position of the bodies under load: loaded again in the same place, the surfaces
+    Pressure and position of the bodies under load are conserved: loaded again in the same place, the surfaces
     carry the same pressure elastically, so that one cycle is shakedown. (The approach counts from first touch, which
     is later by the height that the highest summit lost.) The volume is not conserved. The same rule is used, for
     instance, by Weber et al., Nat. Commun. 9 (2018) 888, https://doi.org/10.1038/s41467-018-02981-y
@@ -77,7 +83,7 @@ class Overlap(FlatteningModel):
 class UniformRise(FlatteningModel):
     """The volume of the overlap comes back as a uniform rise of all cells that are not in contact.
 
-    Conserved is the volume, and so the mean height. Loaded again in the same place, the raised surface carries part of
+    The volume, and so the mean height, is conserved. Loaded again in the same place, the raised surface carries part of
     the load. In full contact all cells rise. The rise was observed on confined specimens by Pullen and Williamson,
     Proc. R. Soc. Lond. A 327 (1972) 159, https://doi.org/10.1098/rspa.1972.0038
 
@@ -98,7 +104,7 @@ class UniformRise(FlatteningModel):
         Raises
         ------
         InputError
-            If the volume exceeds that of the gap.
+            If the volume exceeds the volume of the gap.
         """
         loss = Overlap().height_loss(solution)
         open_cells = ~solution.contact
@@ -113,14 +119,6 @@ class UniformRise(FlatteningModel):
             )
         loss[open_cells] -= displaced / count
         return loss
-
-
-# Positions of the counterbody whose last pressure is kept as a start: each takes a field of memory.
-_KEPT = 16
-# Loss of height, over the approach, that is printed as none: rounding.
-_ROUNDING = 1e-12
-
-_is_problem = instance_of(ContactProblem, "What is run in", "a ContactProblem")
 
 
 @attrs.frozen(kw_only=True)
@@ -184,18 +182,16 @@ class RunIn:
     def __str__(self) -> str:
         nominal = self.problem.plan.grid.area
         end = "shakedown" if self.shakedown else "no shakedown yet"
-        lines = [f"{end} after {len(self.cycles)} cycles, {self.volume * 1e18:.4g} um3 flattened"]
-        lines.append(
-            f"{'cycle':>5} {'shift':>12} {'volume, um3':>12} {'deepest':>10} {'area, %':>8} {'saturated, %':>12}"
-        )
-        for number_, cycle in enumerate(self.cycles, start=1):
-            lost = cycle.deepest > _ROUNDING * cycle.approach
+        rows = []
+        for place, cycle in enumerate(self.cycles, start=1):
+            lost = cycle.deepest > _MIN_PRINTED_LOSS_RATIO * cycle.approach
             volume, deepest = (cycle.volume, cycle.deepest) if lost else (0.0, 0.0)
-            lines.append(
-                f"{number_:>5} {cycle.shift!s:>12} {volume * 1e18:>12.4g} {si(deepest, 'm', 3):>10} "
-                f"{100 * cycle.area.value / nominal:>8.4g} {100 * cycle.saturated.value / nominal:>12.3g}"
-            )
-        return "\n".join(lines)
+            loss = (f"{volume * 1e18:.4g}", si(deepest, "m", 3))
+            areas = (f"{100 * cycle.area.value / nominal:.4g}", f"{100 * cycle.saturated.value / nominal:.3g}")
+            rows.append((str(place), str(cycle.shift), *loss, *areas))
+        table = Table.from_rows(("cycle", "shift", "volume, um3", "deepest", "area, %", "saturated, %"), rows)
+        summary = f"{end} after {len(self.cycles)} cycles, {self.volume * 1e18:.4g} um3 flattened"
+        return f"{summary}\n{table.to_text()}"
 
 
 @guarded
@@ -253,7 +249,8 @@ def run_in(
     >>> print(f"{1e18 * worn.volume:.0f} µm3 flattened, shakedown: {worn.shakedown}")
     78 µm3 flattened, shakedown: True
     """
-    _is_problem(None, None, problem)
+    if not isinstance(problem, ContactProblem):
+        raise InputError.about("The problem", problem, "a ContactProblem")
     chosen = flattening_models.resolve(model)
     moves = _check_shifts(shifts, problem)
     rounds = integer(rounds, "The number of rounds", at_least=1)
@@ -267,7 +264,7 @@ def run_in(
         for shift in moves:
             start = pressures.get(shift)
             solution = state.shifted_problem(shift).solve(pressure=pressure, force=force, start=start)
-            if len(pressures) < _KEPT or shift in pressures:
+            if len(pressures) < _MAX_KEPT_PRESSURES or shift in pressures:
                 pressures[shift] = solution.pressure
             cycles.append(state.flatten(solution, _height_loss(chosen, solution), shift))
             volumes = [cycle.volume for cycle in cycles]

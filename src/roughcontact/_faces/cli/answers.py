@@ -19,6 +19,7 @@ from roughcontact._solve.problem import Sweep, make_table
 from roughcontact._solve.solution import require_netcdf, versions
 
 _RESIDUALS = ("complementarity", "penetration", "load", "tension")
+PICTURES = frozenset({".png", ".svg", ".pdf"})
 
 
 def to_json(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
@@ -69,14 +70,7 @@ def _estimate(found: rc.Estimate) -> dict[str, Any]:
 
 
 def _area(area: rc.Area) -> dict[str, Any]:
-    return {
-        "value": float(area.value),
-        "uncertainty": float(area.uncertainty),
-        "unit": "m2",
-        "fraction": float(area.fraction),
-        "estimator": area.estimator,
-        "warnings": list(area.warnings),
-    }
+    return {**_estimate(area), "fraction": float(area.fraction), "estimator": area.estimator}
 
 
 def _finite(value: Any) -> Any:
@@ -111,7 +105,7 @@ def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None
 
 
 def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
-    """Return the answer for people: that of one load, or a table over several, of at most 80 columns."""
+    """Return the answer for people, of at most 80 columns: of one load, or as a table over several."""
     lines = [str(solutions[0])]
     if len(solutions) > 1:
         texts: dict[str, list[str]] = {}
@@ -129,11 +123,8 @@ def _warnings(solution: rc.ContactSolution) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*solution.warnings, *solution.area().warnings)))
 
 
-PICTURES = frozenset({".png", ".svg", ".pdf"})
-
-
 def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path], count: int = 1) -> list[Path]:
-    """Return the files to be written; a name without an ending is that of a folder, which is made.
+    """Return the files to be written; a name without an ending is the name of a folder, which is made.
 
     `count` solutions get their numbers when they are written.
 
@@ -175,7 +166,7 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path],
 
 
 def plan_picture(text: str, others: Sequence[str] = ()) -> Path:
-    """Return the file of a picture; `InputError` for another ending, of which `others` would be possible."""
+    """Return the file of a picture; `InputError`, which also names the endings `others`, for another ending."""
     path = checks.path(text, "The output")
     if path.suffix not in PICTURES:
         raise rc.InputError.about("The output", text, f"a file that ends in {', '.join((*others, *sorted(PICTURES)))}")
@@ -184,7 +175,7 @@ def plan_picture(text: str, others: Sequence[str] = ()) -> Path:
 
 
 def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.ContactSolution]) -> str:
-    """Write a solution, or those of a sweep with their numbers, a picture and a report; say what was written."""
+    """Return what was written, in words, after writing solutions (several with their numbers), picture and report."""
     written = []
     for path in files:
         if path.suffix in PICTURES or path.suffix == ".html":

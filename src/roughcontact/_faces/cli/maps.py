@@ -28,11 +28,17 @@ from roughcontact._parts.surfaces import list_facts
 from roughcontact._solve.solution import find_scene
 from roughcontact.reference import roughness
 
-# Fraction of the variance of the heights that is form, above which the spectrum is that of the form.
-_FORM = 0.5
-# Degree of the polynomial that is taken for form: tilt, curvature and twist; and the fewest cells along an axis for it.
-_DEGREE = 2
-_FEWEST = 8
+# Fraction of the variance of the heights that is form, from which on the spectrum shows the form.
+_MIN_FORM_FRACTION = 0.5
+# Degree of the polynomial that is taken for form (tilt, curvature, twist), and the fewest cells along an axis for it.
+_FORM_DEGREE = 2
+_MIN_FORM_CELLS = 8
+# Types of fields, as they are annotated, that an option can give: the converter, and how many values.
+_FIELD_CONVERTERS: dict[str, tuple[Callable[[str], Any], str | None]] = {
+    "float": (NUMBER, None),
+    "int": (whole_number, None),
+    "Pair": (NUMBER, "+"),
+}
 
 
 def describe_map(surface: rc.HeightMap) -> str:
@@ -45,7 +51,7 @@ def describe_map(surface: rc.HeightMap) -> str:
 
 
 def list_warnings(surface: rc.HeightMap) -> list[str]:
-    """Return what is doubtful about a height map, in lines of at most 80 columns: its units, its form, its quality."""
+    """Return the warnings about units, form and quality of a height map, in lines of at most 80 columns."""
     gap = surface.values.max() - surface.values
     units = find_scene(gap, surface.grid, rc.Boundary.FREE, ())[0].warning
     texts = (units, _judge_form(surface), *surface.warnings)
@@ -54,10 +60,10 @@ def list_warnings(surface: rc.HeightMap) -> list[str]:
 
 def _judge_form(surface: rc.HeightMap) -> str:
     heights = _measured(surface)
-    if surface.periodic or min(surface.grid.shape) < _FEWEST or heights.max() == heights.min():
+    if surface.periodic or min(surface.grid.shape) < _MIN_FORM_CELLS or heights.max() == heights.min():
         return ""
-    form = 1.0 - float(_measured(surface.detrend(_DEGREE)).var() / heights.var())
-    if form < _FORM:
+    form = 1.0 - float(_measured(surface.detrend(_FORM_DEGREE)).var() / heights.var())
+    if form < _MIN_FORM_FRACTION:
         return ""
     return (
         f"{100.0 * form:.3g} % of the variance of the heights is tilt and curvature: "
@@ -84,7 +90,7 @@ examples:
         parser.add_argument("--json", action="store_true", help="print a solution as one JSON object, in SI units")
 
     def run(self, options: argparse.Namespace) -> int:
-        """Print what the file holds, and return 0."""
+        """Print the map or the solution of the file, and return 0."""
         subject = _read(options)
         if isinstance(subject, rc.ContactSolution):
             print((to_json if options.json else to_text)([subject]))
@@ -112,7 +118,7 @@ examples:
         parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture to write: .png, .svg, .pdf")
 
     def run(self, options: argparse.Namespace) -> int:
-        """Draw what the file holds, and return 0."""
+        """Draw the map or the solution of the file, and return 0."""
         path = plan_picture(options.output)
         subject = _read(options)
         save_figure(subject.plot(panel=options.panel, dark=options.dark), path)
@@ -134,17 +140,9 @@ def _holds_solution(path: Path) -> bool:
     try:
         with zipfile.ZipFile(path) as archive:
             return "displacement.npy" in archive.namelist()
-    # What is not an archive is read as a height map, whose reader says what is wrong.
+    # Other files are read as height maps, whose readers say what is wrong.
     except (OSError, zipfile.BadZipFile):
         return False
-
-
-# Types of fields, as they are annotated, that an option can give: the converter, and how many values.
-_TYPES: dict[str, tuple[Callable[[str], Any], str | None]] = {
-    "float": (NUMBER, None),
-    "int": (whole_number, None),
-    "Pair": (NUMBER, "+"),
-}
 
 
 class MakeSurface(Command):
@@ -194,7 +192,7 @@ examples:
     def run(self, options: argparse.Namespace) -> int:
         """Write the map, print its roughness, and return 0."""
         files = [_plan(text) for text in options.output]
-        grid = rc.Grid(options.shape, options.size[0] if len(options.size) == 1 else options.size)
+        grid = rc.Grid(options.shape, _single(options.size))
         given = {
             name.removeprefix("field_"): value
             for name, value in vars(options).items()
@@ -247,7 +245,7 @@ def _options_of(cls: type[Any]) -> Iterator[tuple[Any, Callable[[str], Any], str
     """Yield each field that an option can give, with the converter of its text and the number of values."""
     for field in _fields(cls):
         annotation = field.type if isinstance(field.type, str) else getattr(field.type, "__name__", "")
-        kind = _TYPES.get(annotation.removesuffix(" | None"))
+        kind = _FIELD_CONVERTERS.get(annotation.removesuffix(" | None"))
         if field.init and kind is not None:
             convert, count = kind
             yield field, quantity(field.metadata["unit"]) if "unit" in field.metadata else convert, count

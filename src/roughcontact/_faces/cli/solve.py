@@ -47,7 +47,7 @@ examples:
             nargs="?",
             const=3,
             metavar="N",
-            help="solve on N grids, each twice as fine as the last (3); the answer is that of the finest",
+            help="solve on N grids, each twice as fine as the last (3); the finest gives the answer",
         )
         output = parser.add_argument_group("output")
         output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
@@ -70,7 +70,7 @@ examples:
         output.add_argument("--report", metavar="FILE", help="report to write, one page of HTML")
 
     def run(self, options: argparse.Namespace) -> int:
-        """Return 0, or 3 if a solution has warnings, or raise `NotConverged` after writing what was reached."""
+        """Return 0, or 3 if a solution has warnings, or raise `NotConverged` after writing the last iterate."""
         if options.area is not None:
             rc.areas.resolve(options.area)
         piped = options.json or options.csv
@@ -102,7 +102,7 @@ examples:
 
 
 def _refuse_for_several(options: argparse.Namespace) -> None:
-    """Refuse what is for one grid, for one load or for surfaces that attract each other."""
+    """Refuse options that are for one grid, for one load or for surfaces that attract each other."""
     if options.pull_off and options.adhesion is None:
         raise rc.InputError("--pull-off is for surfaces that attract each other: give --adhesion too.")
     several = "--refine" if options.refine is not None else "--loads" if options.loads is not None else ""
@@ -121,7 +121,7 @@ def _refuse_for_several(options: argparse.Namespace) -> None:
 def _solve(
     options: argparse.Namespace, problem: rc.ContactProblem, loads: tuple[Load, ...], change: Callable[[str], None]
 ) -> tuple[Any, tuple[rc.ContactSolution, ...]]:
-    """Return what there is to be drawn, and the solutions at all loads."""
+    """Return the solution or sweep to be drawn, and the solutions at all loads."""
     if options.refine is None and options.loads is None:
         asked = {name: getattr(options, name) for name in ("area_within", "peak_within", "tolerance")}
         solution = problem.solve(**loads[0].arguments, **asked, throw=False, on_step=describe_steps(change))

@@ -1,4 +1,4 @@
-"""``roughcontact check``, ``completion`` and ``examples``: parts tried, the tab key, and example maps."""
+"""``roughcontact check``, ``completion`` and ``examples``: claims about parts, the tab key, and example maps."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ examples:
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
-        parser.add_argument("shell", choices=("bash", "zsh", "tcsh"), help="the shell that is to read it")
+        parser.add_argument("shell", choices=("bash", "zsh", "tcsh"), help="the shell that will read it")
 
     def run(self, options: argparse.Namespace) -> int:
         """Print the script, and return 0."""
@@ -110,7 +110,7 @@ def _all_commands() -> argparse.ArgumentParser:
         try:
             command = commands.create(name)
             command.declare(known.add_parser(name, help=(type(command).__doc__ or "").partition("\n")[0]))
-        # A broken command of somebody else is not completed.
+        # A broken command of a plug-in is not completed.
         except Exception:
             continue
     return parser

@@ -1,4 +1,4 @@
-"""What was solved, and with what, in words and as a script that solves it again."""
+"""Problem, method and versions of a solution, in words and as a script that solves it again."""
 
 from __future__ import annotations
 
@@ -28,6 +28,15 @@ _FROM_FILE = """\
 # The file that solution.save("solution.npz") writes, or 'Fields (.npz)' on the page, holds the heights and all else.
 saved = rc.ContactSolution.load("solution.npz")
 problem = rc.ContactProblem(**saved.origin.problem)"""
+# Where the name of a file stands in the history of a map.
+_FILE_IN_HISTORY = re.compile(r"read from (.+?)(?:, \d+ non-measured.*|: \d+ x .*|)", re.DOTALL)
+_WORD_BORDER = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
+_LAWS = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
+_MEANINGS = {
+    "complementarity": "mean of the gap where there is pressure, weighted by it",
+    "penetration": "deepest overlap of the bodies outside the saturated cells",
+    "load": "relative error of the load",
+}
 
 
 def hash_pressure(solution: ContactSolution) -> str:
@@ -54,7 +63,7 @@ def write_script(solution: ContactSolution, problem: ContactProblem, load: Mappi
 
 
 def describe_part(part: object) -> str:
-    """Return a part of a problem as it stands in a script, or what it says of itself."""
+    """Return a part of a problem as an expression of a script, or else its repr."""
     try:
         return _Writer().write(part)
     except _NotInAScript:
@@ -120,7 +129,7 @@ class _Writer:
 
 
 def _write_number(value: float) -> str:
-    """Return a text of a number that is exactly it, its exponent, if it needs one, a multiple of three."""
+    """Return a text from which Python reads exactly the number; exponents are multiples of three."""
     if not np.isfinite(value):
         return f'float("{float(value)}")'
     plain = repr(float(value))
@@ -133,18 +142,12 @@ def _write_number(value: float) -> str:
 
 
 def _is_default(field: Any, value: object) -> bool:
-    """Return whether a field has its default; never of arrays, which do not compare."""
+    """Return whether a field has its default; False for arrays, which do not compare."""
     return type(field.default) is type(value) and not isinstance(value, np.ndarray) and bool(field.default == value)
 
 
-# Where the name of a file stands in the history of a map.
-_FILE = re.compile(r"read from (.+?)(?:, \d+ non-measured.*|: \d+ x .*|)", re.DOTALL)
-_WORD = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
-_LAWS = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
-
-
 def describe_scene(solution: ContactSolution, problem: ContactProblem | None, loads: Sequence[Load]) -> str:
-    """Return what was solved in a line of text: bodies, grid, boundary, loads."""
+    """Return bodies, grid, boundary and loads in a line of text."""
     bodies = [] if problem is None else [problem.body, problem.counterbody]
     named = [str(load) for load in loads]
     if len(named) > 1:
@@ -154,7 +157,7 @@ def describe_scene(solution: ContactSolution, problem: ContactProblem | None, lo
 
 
 def describe_material(material: Material) -> str:
-    """Return a material as HTML: the quantities of those whose fields say their units, others as in a script."""
+    """Return a material as HTML: its quantities, if all its fields state units, or else an expression of a script."""
     kind: type = type(material)
     fields = attrs.fields(kind) if attrs.has(kind) else ()
     if not all("unit" in field.metadata for field in fields):
@@ -181,19 +184,13 @@ def _name_surface(surface: Surface) -> str:
     """Return the name of the file that a surface was read from, or its kind."""
     if isinstance(surface, SurfaceSum):
         return " + ".join(map(_name_surface, surface.parts))
-    read = _FILE.fullmatch(surface.history[0]) if isinstance(surface, HeightMap) and surface.history else None
+    history = surface.history if isinstance(surface, HeightMap) else ()
+    read = _FILE_IN_HISTORY.fullmatch(history[0]) if history else None
     return read[1] if read else _in_words(surface)
 
 
 def _in_words(part: object) -> str:
-    return _WORD.sub(" ", type(part).__name__).lower()
-
-
-_MEANINGS = {
-    "complementarity": "mean of the gap where there is pressure, weighted by it",
-    "penetration": "deepest overlap of the bodies outside the saturated cells",
-    "load": "relative error of the load",
-}
+    return _WORD_BORDER.sub(" ", type(part).__name__).lower()
 
 
 def find_problem(solution: ContactSolution) -> tuple[ContactProblem | None, str]:
@@ -205,7 +202,7 @@ def find_problem(solution: ContactSolution) -> tuple[ContactProblem | None, str]
 
 
 def list_inputs(solution: ContactSolution, problem: ContactProblem | None) -> dict[str, str]:
-    """Return what was solved, as HTML by name."""
+    """Return bodies, method, grid, load and digests, as HTML by name."""
     rows = {}
     if problem is not None:
         for name, body in (("Body", problem.body), ("Counterbody", problem.counterbody)):
@@ -250,7 +247,7 @@ def list_versions(solution: ContactSolution) -> dict[str, str]:
 
 
 def _describe_surface(surface: Surface) -> str:
-    """Return a surface, where its heights come from, and the digests of those that are not computed."""
+    """Return a surface, the origin of its heights, and the digests of measured ones."""
     maps = find_maps(surface)
     text = _code(describe_part(surface))
     if surface.provenance and maps:

@@ -20,13 +20,15 @@ from roughcontact._solve.problem import Sweep
 from roughcontact._solve.solution import ContactSolution, gather_warnings, list_quantities, name_load
 from roughcontact.plotting import panels
 
-# Panels that ship, in the order of the page; those of plug-ins come last.
-_FIRST = {
+# Panels that ship, in the order of the page; the panels of plug-ins come last.
+_PANEL_ORDER = {
     "solution": ("heights", "pressure", "gap", "patches", "profile", "pressure-histogram", "patch-sizes"),
     "sweep": ("area-load", "load-approach", "stiffness-load"),
 }
 # Dots to an inch: sharp on paper where three pictures stand side by side.
 _DPI = 130
+# The quantity that a load gives.
+_GIVEN = {"pressure": "mean pressure", "force": "force", "approach": "approach"}
 
 
 @attrs.frozen
@@ -38,7 +40,7 @@ class Picture:
     name
         The name that the panel is registered under.
     caption
-        What it shows, in a sentence.
+        A sentence on what it shows.
     address
         The picture as a data: address; empty if it cannot be drawn.
     refusal
@@ -57,9 +59,9 @@ def can_draw() -> bool:
 
 
 def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture]:
-    """Yield each registered panel of a kind of subject; what refuses, or fails, says why."""
+    """Yield each registered panel of a kind of subject; a panel that refuses or fails says why."""
     names = (name for name in panels if _draws(name, kind))
-    first = _FIRST[kind]
+    first = _PANEL_ORDER[kind]
     for name in sorted(names, key=lambda name: (first.index(name) if name in first else len(first), name)):
         caption = (inspect.getdoc(panels[name]) or name).partition("\n\n")[0].replace("\n", " ")
         try:
@@ -85,24 +87,20 @@ def _draws(name: str, kind: str) -> bool:
         return False
 
 
-# The quantity that a load gives.
-_GIVEN = {"pressure": "mean pressure", "force": "force", "approach": "approach"}
-
-
 def note(text: str) -> str:
-    """Return a remark in small letters; nothing of an empty text."""
+    """Return a remark in small letters; empty for an empty text."""
     return element("p", escape(text), class_="note") if text else ""
 
 
 def loads_of(solutions: Iterable[ContactSolution]) -> list[Load]:
-    """Return the loads that were asked for, from the smallest up; those that solutions do not say are missing."""
+    """Return the given loads of the solutions that state them, from the smallest up."""
     origins = [solution.origin for solution in solutions]
     found = [Load(kind, value) for origin in origins if origin is not None for kind, value in origin.load.items()]
     return sorted(found, key=lambda load: load.value)
 
 
 def make_verdict(solutions: Sequence[ContactSolution]) -> str:
-    """Return how the solves ended, those that failed first."""
+    """Return how the solves ended, failed ones first."""
     failed = [solution for solution in solutions if not solution.status.success]
     texts = []
     for status in dict.fromkeys(solution.status for solution in failed or solutions):
@@ -110,7 +108,7 @@ def make_verdict(solutions: Sequence[ContactSolution]) -> str:
         at = [name_load(solution) for solution in failed if solution.status == status]
         where = f" at {', '.join(at)}" if at and len(solutions) > 1 else ""
         texts.append(f"{element('strong', escape(verdict.capitalize() + where) + ':')} {escape(reason)}.")
-    advice = " Do not use these numbers: they are those of the last iteration." if failed else ""
+    advice = " Do not use these numbers: they are from the last iteration." if failed else ""
     return element("p", " ".join(texts) + advice, class_="verdict failed" if failed else "verdict", role="status")
 
 
@@ -134,7 +132,7 @@ def make_rows(sweep: Sweep) -> str:
 
 
 def _choose_columns(solution: ContactSolution, given: set[str]) -> dict[str, Estimate]:
-    """Return the quantities beside the load, the fraction of the area in percent."""
+    """Return the quantities other than the given loads, the fraction of the area in percent."""
     found = list_quantities(solution)[0]
     fraction = found.pop("contact area fraction")
     found = {"% of nominal": Estimate(100.0 * fraction.value, 100.0 * fraction.uncertainty, ""), **found}
@@ -148,7 +146,7 @@ def make_curves(sweep: Sweep) -> str:
 
 
 def make_figures(title: str, pictures: Iterable[Picture], answer: str) -> str:
-    """Return pictures side by side; `answer` is what they show in words, for those who do not see them."""
+    """Return pictures side by side; `answer` says in words what they show, for readers who do not see them."""
     shown = "\n".join(_make_figure(picture, answer) for picture in pictures)
     return section(title, element("div", shown, class_="figures"), class_="pictures")
 

@@ -52,7 +52,7 @@ from roughcontact._solve.solution import (
     versions,
 )
 
-# These are those of CITATION.cff (tests/test_html.py compares them); the year is that of the licence.
+# As in CITATION.cff (tests/test_html.py compares them); the year as in the licence.
 TITLE = "roughcontact"
 AUTHORS = "The roughcontact developers"
 YEAR = 2026
@@ -62,9 +62,15 @@ JOURNAL = "Tribology - Materials, Surfaces & Interfaces"
 PAPER_YEAR = 2020
 PAPER_DOI = "10.1080/17515831.2020.1720382"
 # Where in a book a formula stands.
-_PLACE = re.compile(r", (?:sections?|sec\.|eqs?\.) .*")
-_HEAD = "References\n----------\n"
+_PLACE_IN_BOOK = re.compile(r", (?:sections?|sec\.|eqs?\.) .*")
+_REFERENCES_HEADING = "References\n----------\n"
 _DOI = re.compile(r"https://doi\.org/(10\.[^\s;,]+[^\s;,.)])")
+# Nothing is fetched and nothing runs, whatever a text of the page holds.
+_SECURITY_POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
+_NO_FIGURES = "Figures need matplotlib: pip install 'roughcontact[plot]', then write the report again."
+_NOTE = note("Uncertainties are one standard deviation: the true value should lie within two of them.")
+# Cells up to which a notebook shows a picture unasked.
+_MAX_PICTURE_CELLS = 2**20
 
 
 @attrs.frozen
@@ -84,7 +90,7 @@ class Reference:
 
 
 def list_references(version: str, parts: Iterable[object]) -> list[Reference]:
-    """Return what to cite: the program, its paper, and what the docstrings of parts name with a DOI."""
+    """Return the references to cite: the program, its paper, and the DOIs in the docstrings of parts."""
     found = [
         Reference(f"{AUTHORS} ({YEAR}). {TITLE} {version} [software].", ADDRESS),
         Reference(f"{PAPER}. {JOURNAL} ({PAPER_YEAR}).", f"https://doi.org/{PAPER_DOI}"),
@@ -102,23 +108,15 @@ def write_bibtex(version: str) -> str:
 
 
 def _references_in(docstring: str) -> list[Reference]:
-    """Return the references of a docstring: what stands before each DOI in its section of references."""
-    _, _, section = docstring.partition(_HEAD)
+    """Return the references of a docstring: the text before each DOI in its section of references."""
+    _, _, section = docstring.partition(_REFERENCES_HEADING)
     found = []
     start = 0
     for doi in _DOI.finditer(section := section.partition("\n\n")[0]):
-        text = _PLACE.sub("", " ".join(section[start : doi.start()].split()).strip(" ,;-"))
+        text = _PLACE_IN_BOOK.sub("", " ".join(section[start : doi.start()].split()).strip(" ,;-"))
         found.append(Reference(f"{text}.", f"https://doi.org/{doi[1]}"))
         start = doi.end() + 1
     return found
-
-
-# Nothing is fetched and nothing runs, whatever a text of the page holds.
-_POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
-_NO_FIGURES = "Figures need matplotlib: pip install 'roughcontact[plot]', then write the report again."
-_NOTE = note("Uncertainties are one standard deviation: the true value should lie within two of them.")
-# Cells up to which a notebook shows a picture unasked.
-_SMALL = 2**20
 
 
 @final
@@ -128,7 +126,7 @@ class HtmlWriter(SolutionWriter):
 
     @property
     def suffixes(self) -> frozenset[str]:
-        """Html."""
+        """The ending of an HTML file."""
         return frozenset({".html"})
 
     def write(self, solution: ContactSolution, path: Path) -> None:
@@ -173,7 +171,7 @@ class HtmlWriter(SolutionWriter):
         )
 
     def table(self, solution: ContactSolution) -> str:
-        """Return answer, verdict and warnings for a notebook, and a picture where it takes a moment only."""
+        """Return answer, verdict and warnings for a notebook, and a picture unless the grid is large."""
         rows = {name: quantity(text) for name, text in list_answers(solution).items()}
         status = {"status": escape(solution.status)}
         rows = rows | status if solution.status.success else status | rows
@@ -183,7 +181,7 @@ class HtmlWriter(SolutionWriter):
         # Notebooks set numbers on the right, which suits no words.
         left = {"style": "text-align: left; vertical-align: top"}
         shown = table(rows, f"{solution.grid}, boundary {solution.boundary}", left)
-        if can_draw() and solution.grid.cells <= _SMALL and solution.contact.any():
+        if can_draw() and solution.grid.cells <= _MAX_PICTURE_CELLS and solution.contact.any():
             picture = draw_panel("solution", solution, "pressure")
             shown += tag("img", src=picture, alt="The contact pressure", style="max-width: 24rem")
         return shown
@@ -192,7 +190,7 @@ class HtmlWriter(SolutionWriter):
 def _make_page(title: str, parts: Iterable[str]) -> str:
     head = (
         '<meta charset="utf-8">\n'
-        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{_SECURITY_POLICY}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{quantity(f'Contact report: {title}')}</title>\n<style>{CSS}</style>"
     )

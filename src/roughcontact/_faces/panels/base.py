@@ -9,12 +9,12 @@ from roughcontact._base.registry import Registry
 
 
 class Panel(abc.ABC):
-    """One picture, drawn into axes of matplotlib. Subclass it, say what it draws, and define `draw`.
+    """One picture, drawn into axes of matplotlib. Subclass it, state the subject, and define `draw`.
 
     Attributes
     ----------
     subject
-        What it draws: ``"solution"``, ``"surface"`` (then `draw` gets a `SampledSurface`) or ``"sweep"``.
+        The kind of subject: ``"solution"``, ``"surface"`` (then `draw` gets a `SampledSurface`) or ``"sweep"``.
 
     Examples
     --------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, final
@@ -11,12 +10,11 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.laws import LawColumn, PowerFit
-from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import prefixed
 from roughcontact._faces.panels.base import Panel
 from roughcontact._faces.panels.curves import add_key, draw_band, scale_axes
-from roughcontact._faces.panels.figures import loads_of
+from roughcontact._faces.panels.figures import loads_of, write_picture
 from roughcontact._faces.panels.theme import apply_theme, require_matplotlib, style, theme_of
 from roughcontact._solve.problem import AdhesionCycle, Sweep
 from roughcontact._solve.solution import Estimate
@@ -24,15 +22,32 @@ from roughcontact._work.reports.error import ErrorReport
 from roughcontact._work.reports.error.result import ReportRow, find_varying_parts, group_by_setup
 from roughcontact.errors import InputError
 
-# Smallest load over the largest, of those that a unit is chosen for.
-_NARROW = 1e-4
+# Minimum load over the maximum one, of the loads for which a unit is chosen.
+_MIN_LOAD_RATIO = 1e-4
+Box = tuple[float, float, float, float]  # left, lower, right and upper end, points
+_MARKERS = "oDs^vP*X<>hp"
+_DASHES = ("-", "--", "-.", ":")
+_TITLES = {"area": "real contact area", "p_max": "maximum pressure", "approach": "approach"}
+# An error is drawn no lower than the error bound of the reference, below which it tells nothing, or than 1e-7 %.
+_MIN_DRAWN_ERROR = 1e-9
+# Axes whose ends have a smaller ratio get ticks between the powers of ten.
+_MAX_FINE_TICK_RATIO = 300.0
+# Those whose ends have a smaller ratio get ticks at equal distances.
+_MAX_EVEN_TICK_RATIO = 5.0
+# Numbers with a smaller ratio are one and the same.
+_MIN_AXIS_RATIO = 1.001
+# Size of the numbers beside the points, points, and where they may stand: from the point, in points.
+_NUMBER_POINTS = 7
+_NUMBER_OFFSETS = ((5, 4), (5, -10), (-20, 4), (-20, -10))
 
 
 def _scale_loads(sweep: Sweep) -> tuple[Array, str]:
     """Return the loads in the unit that suits them and a label."""
     loads, name, unit = loads_of(sweep)
     # The unit suits the middle of the range.
-    factor, prefixed_unit = prefixed(float(np.sqrt(loads.max() * max(loads.min(), _NARROW * loads.max()))), unit)
+    factor, prefixed_unit = prefixed(
+        float(np.sqrt(loads.max() * max(loads.min(), _MIN_LOAD_RATIO * loads.max()))), unit
+    )
     return factor * loads, f"{name}, {prefixed_unit}"
 
 
@@ -59,7 +74,6 @@ class AreaLoadPanel(Panel):
     subject = "sweep"
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a sweep; see `Panel.draw`."""
         found = [solution.area() for solution in subject.solutions]
         nominal = subject.solutions[0].grid.area
         _draw(axes, subject, [(one.fraction, one.uncertainty / nominal) for one in found], "%", "contact area")
@@ -73,7 +87,6 @@ class StiffnessLoadPanel(Panel):
     subject = "sweep"
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a sweep; see `Panel.draw`."""
         found = [solution.stiffness() for solution in subject.solutions]
         _draw(axes, subject, [(one.value, one.uncertainty) for one in found], "N/m", "stiffness")
 
@@ -86,7 +99,6 @@ class LoadApproachPanel(Panel):
     subject = "sweep"
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a sweep; see `Panel.draw`."""
         found: list[Estimate] = [solution.response("approach") for solution in subject.solutions]
         loads, label = _scale_loads(subject)
         approach, deviation = (np.array([getattr(one, name) for one in found]) for name in ("value", "uncertainty"))
@@ -160,30 +172,12 @@ def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes:
 
 
 def _unit_of(column: LawColumn) -> tuple[float, str]:
-    """Return the unit in which a column is drawn, and what its values are multiplied by for it."""
+    """Return the factor of the values of a column as drawn, and their unit."""
     if column.unit == "m":
         return prefixed(float(np.nanmax(column.values)), "m")
     if column.name == "area":
         return 1.0, "fraction of nominal"
     return 1.0, column.unit.replace("m2", "m²").replace("m3", "m³")
-
-
-Box = tuple[float, float, float, float]  # left, lower, right and upper end, points
-
-_MARKERS = "oDs^vP*X<>hp"
-_DASHES = ("-", "--", "-.", ":")
-_TITLES = {"area": "real contact area", "p_max": "maximum pressure", "approach": "approach"}
-# An error is drawn no lower than the error bound of the reference, below which it tells nothing, or than 1e-7 %.
-_TINY = 1e-9
-# Axes whose ends have a smaller ratio get ticks between the powers of ten.
-_WIDE = 300.0
-# Those whose ends have a smaller ratio get ticks at equal distances.
-_SHORT = 5.0
-# Numbers with a smaller ratio are one and the same.
-_ALIKE = 1.001
-# Size of the numbers beside the points, points, and where they may stand: from the point, in points.
-_NUMBERS = 7
-_BESIDE = ((5, 4), (5, -10), (-20, 4), (-20, -10))
 
 
 def draw_report(report: ErrorReport, path: Path) -> None:
@@ -192,19 +186,14 @@ def draw_report(report: ErrorReport, path: Path) -> None:
     from matplotlib.figure import Figure
 
     names = report.reference.quantities
-    ending = path.suffix.lstrip(".")
-    # In memory: when a disk is full, some formats fail in other ways than by an error of the system.
-    content = io.BytesIO()
     with apply_theme():
         figure = Figure(figsize=(5.6 * len(names), 5.6), layout="constrained")
         known = figure.canvas.get_supported_filetypes()
-        if ending not in known:
+        if path.suffix.removeprefix(".") not in known:
             raise InputError.about("The ending of a picture", path.suffix, f"one of {', '.join(sorted(known))}")
         for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
             draw_errors(axes, report, name)
-        figure.savefig(content, dpi=150, format=ending)
-    with replacing(path) as partial:
-        partial.write_bytes(content.getvalue())
+        write_picture(figure, path, dpi=150)
 
 
 def draw_errors(axes: Any, report: ErrorReport, quantity: str) -> None:
@@ -245,13 +234,18 @@ def _write_numbers(axes: Any, points: Sequence[tuple[float, float, int]]) -> Non
     places = axes.transData.transform([point[:2] for point in points]) / pixel
     taken = [(x - 3, y - 3, x + 3, y + 3) for x, y in places]
     for (x, y), (across, up, cells) in zip(places, points, strict=True):
-        width = 0.65 * _NUMBERS * len(str(cells))
-        for right, above in _BESIDE:
-            box = (x + right, y + above, x + right + width, y + above + _NUMBERS)
+        width = 0.65 * _NUMBER_POINTS * len(str(cells))
+        for right, above in _NUMBER_OFFSETS:
+            box = (x + right, y + above, x + right + width, y + above + _NUMBER_POINTS)
             if not any(_overlap(box, other) for other in taken):
                 taken.append(box)
                 axes.annotate(
-                    str(cells), (across, up), (right, above), textcoords="offset points", fontsize=_NUMBERS, color="0.3"
+                    str(cells),
+                    (across, up),
+                    (right, above),
+                    textcoords="offset points",
+                    fontsize=_NUMBER_POINTS,
+                    color="0.3",
                 )
                 break
 
@@ -264,15 +258,15 @@ def _set_axes(axes: Any) -> None:
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
     low, high = axes.dataLim.intervaly
-    if not high > _ALIKE * low:
+    if not high > _MIN_AXIS_RATIO * low:
         # A single number, also one with its rounding, spans no axis.
         axes.set_ylim(0.5 * low, 2.0 * high)
     axes.set(xscale="log", yscale="log", xlabel="CPU time, s (beside the points: cells along x)", ylabel="error, %")
     axes.grid(True)
     axes.margins(x=0.12)
     for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
-        logarithmic = LogLocator(subs=(1.0, 2.0, 5.0) if high < _WIDE * low else (1.0,), numticks=12)
-        axis.set_major_locator(logarithmic if high > _SHORT * low else MaxNLocator(5))
+        logarithmic = LogLocator(subs=(1.0, 2.0, 5.0) if high < _MAX_FINE_TICK_RATIO * low else (1.0,), numticks=12)
+        axis.set_major_locator(logarithmic if high > _MAX_EVEN_TICK_RATIO * low else MaxNLocator(5))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
     axes.legend(
@@ -305,4 +299,4 @@ def _draw_line(
 
 
 def _height(row: ReportRow, quantity: str, bound: float) -> float:
-    return 100 * max(row.error(quantity), bound, _TINY)
+    return 100 * max(row.error(quantity), bound, _MIN_DRAWN_ERROR)

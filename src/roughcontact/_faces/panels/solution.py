@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any, final
 
 import attrs
@@ -14,28 +15,44 @@ from roughcontact._base.checks import choice, flag, number
 from roughcontact._base.units import prefixed, si, with_spread
 from roughcontact._faces.panels.base import Panel
 from roughcontact._faces.panels.curves import add_key, say, scale_axes
-from roughcontact._faces.panels.maps import draw_edges, draw_map, draw_mask, length_scale, name_colors
+from roughcontact._faces.panels.maps import (
+    draw_edges,
+    draw_map,
+    draw_mask,
+    length_scale,
+    mark_non_measured,
+    name_colors,
+)
 from roughcontact._faces.panels.theme import theme_of
 from roughcontact._solve.solution import ContactSolution
 from roughcontact.errors import InputError
 
-# What heights may be drawn.
+# Heights that may be drawn.
 _HEIGHTS = ("combined", "body", "counterbody")
 # Gaps below this fraction of the largest have the same colour, on a logarithmic scale.
-_SMALLEST_GAP = 1e-4
+_MIN_GAP_FRACTION = 1e-4
 # Smallest range of a logarithmic scale of the areas of patches.
-_RANGE = 2.0
+_MIN_AREA_RATIO = 2.0
+# Bins of a histogram for n numbers: about the cubic root of n, within these bounds.
+_MIN_BINS = 8
+_MAX_BINS = 60
+# Fraction of the maximum pressure up to which the law of the edge is drawn.
+_EDGE_LAW_FRACTION = 0.7
+# Cells below which the area of a patch is hardly known.
+_SMALL_PATCH_CELLS = 4
+# Margin above and below both surfaces, over their range.
+_PROFILE_MARGIN = 0.08
 
 
 def height_scale(solution: ContactSolution) -> tuple[float, str]:
-    """Return what heights and gaps are multiplied by, and their unit: one for all panels of a figure."""
+    """Return the factor of heights and gaps, and their unit: one for all panels of a figure."""
     gap = solution.initial_gap
     known = gap if solution.non_measured is None else gap[~solution.non_measured]
     return prefixed(float(known.max()), "m")
 
 
 def pressure_scale(solution: ContactSolution) -> tuple[float, str]:
-    """Return what pressures are multiplied by, and their unit."""
+    """Return the factor of pressures, and their unit."""
     return prefixed(float(solution.pressure.max()), "Pa")
 
 
@@ -44,21 +61,8 @@ def hide_non_measured(solution: ContactSolution, values: Array) -> Array:
     return values if solution.non_measured is None else np.where(solution.non_measured, np.nan, values)
 
 
-def _mark_unknown(axes: Any, solution: ContactSolution) -> list[tuple[str, str]]:
-    """Draw the non-measured points, and return their entry in the legend."""
-    if solution.non_measured is None:
-        return []
-    color = theme_of(axes).unknown
-    draw_mask(axes, solution.non_measured, color)
-    return [(color, "non-measured")]
-
-
-def _edge(value: object) -> bool:
-    return flag(value, "edge=")
-
-
-def _logarithmic(value: object) -> bool:
-    return flag(value, "logarithmic=")
+def _true_or_false(what: str) -> Any:
+    return attrs.field(default=True, converter=partial(flag, what=what))
 
 
 def _known_heights(value: object) -> str:
@@ -79,7 +83,6 @@ class HeightsPanel(Panel):
     of: str = attrs.field(default="combined", converter=_known_heights)
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a solution; see `Panel.draw`."""
         heights = -subject.initial_gap
         if self.of != "combined":
             if subject.origin is None:
@@ -89,7 +92,7 @@ class HeightsPanel(Panel):
         factor, unit = height_scale(subject)
         label = "height" if self.of != "combined" else "combined height"
         draw_map(axes, factor * (heights - np.nanmean(heights)), subject.grid, label, unit, colors="cividis")
-        name_colors(axes, _mark_unknown(axes, subject))
+        name_colors(axes, mark_non_measured(axes, subject.non_measured))
 
 
 @final
@@ -103,10 +106,9 @@ class PressurePanel(Panel):
         Whether the edge is drawn.
     """
 
-    edge: bool = attrs.field(default=True, converter=_edge)
+    edge: bool = _true_or_false("edge=")
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a solution; see `Panel.draw`."""
         theme = theme_of(axes)
         factor, unit = pressure_scale(subject)
         axes.set_facecolor(theme.open)
@@ -117,7 +119,7 @@ class PressurePanel(Panel):
         if subject.saturated.any():
             draw_mask(axes, subject.saturated, theme.limit)
             named.append((theme.limit, "saturated"))
-        named += _mark_unknown(axes, subject)
+        named += mark_non_measured(axes, subject.non_measured)
         name_colors(axes, named)
         if self.edge:
             draw_edges(axes, subject, theme.edge)
@@ -134,10 +136,9 @@ class GapPanel(Panel):
         Whether the colours follow the logarithm of the gap.
     """
 
-    logarithmic: bool = attrs.field(default=True, converter=_logarithmic)
+    logarithmic: bool = _true_or_false("logarithmic=")
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a solution; see `Panel.draw`."""
         factor, unit = height_scale(subject)
         gap = factor * hide_non_measured(subject, subject.gap)
         opened = np.where(subject.contact, np.nan, gap)
@@ -145,7 +146,7 @@ class GapPanel(Panel):
         limits = None
         if np.isfinite(opened).any():
             high = float(np.nanpercentile(opened, 99.9))
-            smallest = max(high, np.finfo(float).tiny) * _SMALLEST_GAP
+            smallest = max(high, np.finfo(float).tiny) * _MIN_GAP_FRACTION
             # Rounding may leave a gap of zero beside the contact.
             opened = np.maximum(opened, smallest)
             low = max(float(np.nanpercentile(opened, 0.5)), smallest) if self.logarithmic else 0.0
@@ -153,7 +154,7 @@ class GapPanel(Panel):
         draw_map(
             axes, opened, subject.grid, "gap", unit, colors="viridis_r", limits=limits, logarithmic=self.logarithmic
         )
-        name_colors(axes, _mark_unknown(axes, subject))
+        name_colors(axes, mark_non_measured(axes, subject.non_measured))
 
 
 @final
@@ -177,37 +178,27 @@ class PatchesPanel(Panel):
     """The contact patches, coloured by the area of each."""
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a solution; see `Panel.draw`."""
         areas = areas_of_patches(subject)
         factor, unit = prefixed(float(areas.max(initial=0.0)), "m", 2)
         by_label = np.concatenate(([np.nan], factor * areas))
         low, high = (float(end) for end in (np.nanmin(by_label), np.nanmax(by_label))) if areas.size else (0.5, 1.0)
         middle = np.sqrt(low * high)
-        limits = (min(low, middle / _RANGE), max(high, middle * _RANGE))
+        limits = (min(low, middle / _MIN_AREA_RATIO), max(high, middle * _MIN_AREA_RATIO))
         axes.set_facecolor(theme_of(axes).open)
         draw_map(
             axes, by_label[subject.patches.labels], subject.grid, "patch area", unit, limits=limits, logarithmic=True
         )
-        named = _mark_unknown(axes, subject)
+        named = mark_non_measured(axes, subject.non_measured)
         name_colors(axes, named)
         if not named:
             say(axes, f"{areas.size} patch{'' if areas.size == 1 else 'es'}")
 
 
 def areas_of_patches(solution: ContactSolution) -> Array:
-    """Return the area of each patch, shape (count,), m2: estimated, or counted where it is not."""
+    """Return the area of each patch, shape (count,), m2: estimated, or else counted."""
     estimated = solution.area().patches
     counted = solution.patches.areas
     return counted if estimated is None else np.where(estimated > 0.0, estimated, counted)
-
-
-# Bins of a histogram for n numbers: about the cubic root of n, within these bounds.
-_FEWEST = 8
-_MOST = 60
-# Fraction of the maximum pressure up to which the law of the edge is drawn.
-_DRAWN = 0.7
-# Cells below which the area of a patch is hardly known.
-_SMALL = 4
 
 
 @final
@@ -222,13 +213,12 @@ class PressureHistogramPanel(Panel):
     """
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a solution; see `Panel.draw`."""
         theme = theme_of(axes)
         factor, unit = pressure_scale(subject)
         saturated = subject.saturated & subject.contact
         values = factor * subject.contact_pressure[subject.contact & ~saturated]
         highest = factor * float(subject.contact_pressure.max()) or 1.0
-        bins = min(max(round(2.0 * values.size ** (1.0 / 3.0)), _FEWEST), _MOST)
+        bins = min(max(round(2.0 * values.size ** (1.0 / 3.0)), _MIN_BINS), _MAX_BINS)
         edges = np.linspace(0.0, highest, bins + 1)
         counts, _ = np.histogram(values, edges)
         density = counts / subject.grid.cells / np.diff(edges)
@@ -239,7 +229,7 @@ class PressureHistogramPanel(Panel):
         top = 1.08 * float(density.max(initial=0.0)) or 1.0
         slope = edge_law(subject) / factor**2
         if slope > 0.0:
-            end = min(_DRAWN * highest, top / slope)
+            end = min(_EDGE_LAW_FRACTION * highest, top / slope)
             axes.plot(
                 (0.0, end), (0.0, slope * end), "--", color=theme.lines[1], linewidth=2.0, label="law of the edge, ∝ p"
             )
@@ -259,7 +249,6 @@ class PatchSizesPanel(Panel):
     """The number of contact patches that are larger than an area; shaded where a patch has less than four cells."""
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a solution; see `Panel.draw`."""
         theme = theme_of(axes)
         areas = np.sort(areas_of_patches(subject))
         cell = subject.grid.cell_area
@@ -267,7 +256,13 @@ class PatchSizesPanel(Panel):
         scale_axes(axes, x=f"patch area, {unit}", y="number of patches at least as large", logarithmic="xy")
         smallest = factor * min(float(areas.min(initial=cell)), cell)
         largest = factor * max(float(areas.max(initial=0.0)), 10.0 * cell)
-        axes.axvspan(0.5 * smallest, factor * _SMALL * cell, color=theme.open, linewidth=0.0, label="below four cells")
+        axes.axvspan(
+            0.5 * smallest,
+            factor * _SMALL_PATCH_CELLS * cell,
+            color=theme.open,
+            linewidth=0.0,
+            label="below four cells",
+        )
         if areas.size:
             numbers = np.arange(areas.size, 0, -1)
             x = factor * np.concatenate((areas, areas[-1:]))
@@ -277,10 +272,6 @@ class PatchSizesPanel(Panel):
             xlim=(0.5 * smallest, 2.0 * largest), ylim=(0.7, 10.0 ** math.ceil(math.log10(max(areas.size, 2)) + 0.1))
         )
         add_key(axes)
-
-
-# Margin above and below both surfaces, over their range.
-_MARGIN = 0.08
 
 
 def _axis(value: object) -> int:
@@ -313,7 +304,6 @@ class ProfilePanel(Panel):
     position: float | None = attrs.field(default=None, converter=attrs.converters.optional(_position))
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a solution; see `Panel.draw`."""
         row, place = self._find_row(subject)
         theme = theme_of(axes)
         along, unit = length_scale(subject.grid)
@@ -325,7 +315,7 @@ class ProfilePanel(Panel):
         upper = upper - level
         known = np.concatenate((lower, upper))[np.isfinite(np.concatenate((lower, upper)))]
         low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
-        margin = _MARGIN * (high - low) or 1.0
+        margin = _PROFILE_MARGIN * (high - low) or 1.0
         half = 0.5 * subject.grid.size[self.axis] * along
         ends = np.concatenate(([-half], x, [half]))
         below = np.pad(lower, 1, mode="edge")
@@ -352,7 +342,7 @@ class ProfilePanel(Panel):
         places = (solution.grid.x[:, 0], solution.grid.y[0, :])[other]
         highest = solution.pressure == solution.pressure.max()
         if self.position is None:
-            # Of several equal maxima, as of saturated cells, that with the longest contact.
+            # Of several equal maxima, as of saturated cells, the one with the longest contact.
             row = int(np.argmax(np.where(highest.any(axis=self.axis), solution.contact.sum(axis=self.axis), -1)))
         else:
             half = 0.5 * solution.grid.size[other]

@@ -13,18 +13,24 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.units import prefixed, si
 from roughcontact._faces.panels.base import Panel
 from roughcontact._faces.panels.curves import add_key, scale_axes
-from roughcontact._faces.panels.maps import draw_map, draw_mask, name_colors
+from roughcontact._faces.panels.maps import draw_map, mark_non_measured, name_colors
 from roughcontact._faces.panels.theme import theme_of
 from roughcontact._parts.surfaces import SampledSurface, fill, mean_in_bands, power_spectrum
 from roughcontact.errors import InputError
 from roughcontact.reference.roughness import bearing_area
 
 # Bands of wave numbers a decade.
-_BANDS = 8
+_BANDS_PER_DECADE = 8
 # Half the angle of the sectors around x and y.
-_SECTOR = math.pi / 8.0
-# Power over the largest below which it is rounding, or what a window lets through.
-_POWER_FLOOR = 1e-12
+_HALF_SECTOR_ANGLE = math.pi / 8.0
+# Power over the maximum power below which it is rounding, or leaks through a window.
+_MIN_POWER_RATIO = 1e-12
+# Value of the autocorrelation at its length, ISO 25178-2.
+_LENGTH_CORRELATION = 0.2
+# Number of levels of a bearing curve.
+_BEARING_LEVELS = 201
+# Rounding of distances, cells.
+_DISTANCE_ROUNDING_CELLS = 1e-9
 
 
 @final
@@ -45,7 +51,6 @@ class SpectrumPanel(Panel):
     subject = "surface"
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a surface; see `Panel.draw`."""
         theme = theme_of(axes)
         qx, qy, density = spectral_density(subject)
         q = np.hypot(qx, qy)
@@ -54,13 +59,13 @@ class SpectrumPanel(Panel):
         angle = np.arctan2(np.abs(qy), np.abs(qx))
         # The unit suits the middle of the range.
         factor, unit = prefixed(2.0 * math.pi / math.sqrt(float(q.max()) * float(q[q > 0.0].min())), "m")
-        sectors = (angle <= _SECTOR, angle >= 0.5 * math.pi - _SECTOR, np.ones(q.shape, dtype=bool))
-        styles = (
-            ("along x", theme.lines[0], "-"),
-            ("along y", theme.lines[1], "-"),
-            ("all directions", theme.lines[2], "--"),
+        sectors = (
+            angle <= _HALF_SECTOR_ANGLE,
+            angle >= 0.5 * math.pi - _HALF_SECTOR_ANGLE,
+            np.ones(q.shape, dtype=bool),
         )
-        for inside, (name, color, line) in zip(sectors, styles, strict=True):
+        names = ("along x", "along y", "all directions")
+        for inside, name, color, line in zip(sectors, names, theme.lines[:3], ("-", "-", "--"), strict=True):
             centre, mean = average_in_bands(q[inside], density[inside])
             if centre.size:
                 axes.plot(
@@ -100,20 +105,12 @@ def average_in_bands(q: Array, density: Array) -> tuple[Array, Array]:
         return np.empty(0), np.empty(0)
     low = float(q.min())
     high = float(q.max()) * (1.0 + 1e-9)
-    count = max(round(_BANDS * math.log10(high / low)), 1)
+    count = max(round(_BANDS_PER_DECADE * math.log10(high / low)), 1)
     edges = np.geomspace(low * (1.0 - 1e-9), high, count + 1)
     mean = mean_in_bands(q, density, edges)
     centre = mean_in_bands(q, np.log(q), edges)
-    drawn = np.isfinite(mean) & (mean > _POWER_FLOOR * density.max(initial=0.0))
+    drawn = np.isfinite(mean) & (mean > _MIN_POWER_RATIO * density.max(initial=0.0))
     return np.exp(centre[drawn]), mean[drawn]
-
-
-# Value of the autocorrelation at its length, ISO 25178-2.
-_DECAY = 0.2
-# Number of levels of a bearing curve.
-_LEVELS = 201
-# Rounding of distances, cells.
-_DISTANCE_ROUNDING = 1e-9
 
 
 def _scale(sampled: SampledSurface) -> tuple[float, str]:
@@ -128,15 +125,10 @@ class MapPanel(Panel):
     subject = "surface"
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a surface; see `Panel.draw`."""
         factor, unit = _scale(subject)
         heights = factor * (subject.heights - np.nanmean(subject.heights))
         draw_map(axes, heights, subject.grid, "height", unit, colors="cividis")
-        missing = np.isnan(heights)
-        if missing.any():
-            color = theme_of(axes).unknown
-            draw_mask(axes, missing, color)
-            name_colors(axes, [(color, "non-measured")])
+        name_colors(axes, mark_non_measured(axes, np.isnan(heights)))
 
 
 @final
@@ -147,12 +139,11 @@ class BearingCurvePanel(Panel):
     subject = "surface"
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a surface; see `Panel.draw`."""
         theme = theme_of(axes)
         factor, unit = _scale(subject)
         known = subject.heights[np.isfinite(subject.heights)]
         heights = known - known.mean()
-        levels = np.linspace(heights.min(), heights.max(), _LEVELS)
+        levels = np.linspace(heights.min(), heights.max(), _BEARING_LEVELS)
         if known.size == subject.heights.size and np.ptp(heights) > 0.0:
             curve = bearing_area(subject.heights, levels)
             fractions = curve.fractions
@@ -186,7 +177,6 @@ class AutocorrelationPanel(Panel):
     subject = "surface"
 
     def draw(self, subject: Any, axes: Any) -> None:
-        """Draw a surface; see `Panel.draw`."""
         theme = theme_of(axes)
         dx, dy = subject.grid.spacing
         if not np.nanmax(subject.heights) > np.nanmin(subject.heights):
@@ -199,12 +189,12 @@ class AutocorrelationPanel(Panel):
             axes.plot(factor * distance, values, color=color, label=name)
         distance, mean = average_radially(correlation, subject.grid.spacing)
         axes.plot(factor * distance, mean, color=theme.lines[2], linestyle="--", label="all directions")
-        below = np.flatnonzero(mean <= _DECAY)
+        below = np.flatnonzero(mean <= _LENGTH_CORRELATION)
         if below.size and below[0] > 0:
             ends = [below[0], below[0] - 1]
-            length = float(np.interp(_DECAY, mean[ends], distance[ends]))
-            label = f"{_DECAY} at {si(length, 'm', 3)}"
-            axes.plot(factor * length, _DECAY, "o", color=theme.limit, label=label)
+            length = float(np.interp(_LENGTH_CORRELATION, mean[ends], distance[ends]))
+            label = f"{_LENGTH_CORRELATION} at {si(length, 'm', 3)}"
+            axes.plot(factor * length, _LENGTH_CORRELATION, "o", color=theme.limit, label=label)
         scale_axes(axes, x=f"distance, {unit}", y="autocorrelation")
         axes.axhline(0.0, color=theme.ink, linewidth=0.5)
         axes.set_xlim(0.0, factor * max(float(distance[-1]), dx))
@@ -238,9 +228,9 @@ def average_radially(values: Array, spacing: tuple[float, float]) -> tuple[Array
     y = np.arange(ny) * spacing[1]
     step = max(spacing)
     # Distances of a whole number of cells and a half lie in the outer ring, however they are rounded.
-    ring = np.floor(np.hypot(x[:, np.newaxis], y) / step + (0.5 + _DISTANCE_ROUNDING)).astype(np.intp)
-    last = int(max(min(x[-1], y[-1]), step) / step + _DISTANCE_ROUNDING)
-    # The values are those of a quarter: on the axes each stands for two points, inside for four.
+    ring = np.floor(np.hypot(x[:, np.newaxis], y) / step + (0.5 + _DISTANCE_ROUNDING_CELLS)).astype(np.intp)
+    last = int(max(min(x[-1], y[-1]), step) / step + _DISTANCE_ROUNDING_CELLS)
+    # The values cover a quarter of the plane: on the axes each stands for two points, inside for four.
     weight = np.where(np.arange(nx) > 0, 2.0, 1.0)[:, np.newaxis] * np.where(np.arange(ny) > 0, 2.0, 1.0)
     inside = ring <= last
     total, count, radius = (

@@ -13,8 +13,35 @@ import numpy as np
 from roughcontact._base.archive import SEAL
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.checks import choice
+from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
+
+_PICTURE_ADVICE = "export the heights themselves, as text or TIFF in 32-bit floating point"
+_DOCUMENT_ADVICE = "export the heights themselves, as text"
+# The first bytes of files without heights, their kind, and advice.
+_FOREIGN_KINDS = {
+    b"\x89PNG": ("a PNG picture", _PICTURE_ADVICE),
+    b"\xff\xd8\xff": ("a JPEG picture", _PICTURE_ADVICE),
+    b"GIF8": ("a GIF picture", _PICTURE_ADVICE),
+    b"%PDF": ("a PDF document", _DOCUMENT_ADVICE),
+    b"<!doctype html": ("a page of HTML", _DOCUMENT_ADVICE),
+    b"<html": ("a page of HTML", _DOCUMENT_ADVICE),
+    b"<?xml": ("an XML document", _DOCUMENT_ADVICE),
+    b"<vtkfile": ("image data of VTK", _DOCUMENT_ADVICE),
+}
+# The first bytes of files by their ending; other formats have none of their own.
+_BEGINNINGS = {
+    ".al3d": (b"aliconaimaging\0",),
+    ".gwy": (b"gwyp",),
+    ".opdx": (b"vca data",),
+    ".plux": (b"pk\3\4",),
+    ".sur": (b"digital surf", b"dscompressed"),
+    ".x3p": (b"pk\3\4",),
+}
+# Bytes of a file that are inspected: an XML document names its kind in its second line, and no format begins with so
+# many zeros.
+_INSPECTED_BYTES = 4096
 
 
 @attrs.frozen(eq=False)
@@ -32,11 +59,11 @@ class RawMap:
     metric
         Whether the heights are known to be in metres.
     hint
-        What the file says of its size, in words, where it does not state it; part of the sentence that asks for it.
+        Hints in the file at its size, in words, where it does not state it; for the message that asks for the size.
     needs_unit
         Whether the heights are in an unknown unit, which must be given, as in images.
     needs_rows
-        Whether the file does not say whether its rows are those of x or those of y; they were taken for those of x.
+        Whether the file does not say if it has a row for each x or for each y; a row for each x is assumed.
     """
 
     heights: Array = attrs.field(repr=outlined)
@@ -49,12 +76,17 @@ class RawMap:
 
 
 def check_rows(value: str) -> str:
-    """Return which axis the rows of a file are those of, ``"x"``, ``"y"`` or ``"auto"``, or raise `InputError`."""
+    """Return the axis along which a file has its rows, ``"x"``, ``"y"`` or ``"auto"``, or raise `InputError`."""
     return choice(value, "The axis of the rows in a file", ("auto", "x", "y"))
 
 
+def require_memory_of_map(size: float) -> None:
+    """Refuse a map of so many bytes if there is too little memory for it."""
+    require_memory(size, "it", "cut it, or write it with fewer points")
+
+
 def put_x_first(heights: Array, rows: str) -> Array:
-    """Return heights as they stand in a file, with rows of x or of y, indexed [x, y]."""
+    """Return heights of a file with a row for each x or each y, indexed [x, y]."""
     return np.ascontiguousarray(heights.T) if rows == "y" else heights
 
 
@@ -90,39 +122,12 @@ class SurfaceReader(abc.ABC):
 readers = Registry(SurfaceReader, "surface reader", "roughcontact.readers")
 
 
-_PICTURE = "export the heights themselves, as text or TIFF in 32-bit floating point"
-_PAGE = "export the heights themselves, as text"
-# The first bytes of files, what they are, and what to do.
-_KINDS = {
-    b"\x89PNG": ("a PNG picture", _PICTURE),
-    b"\xff\xd8\xff": ("a JPEG picture", _PICTURE),
-    b"GIF8": ("a GIF picture", _PICTURE),
-    b"%PDF": ("a PDF document", _PAGE),
-    b"<!doctype html": ("a page of HTML", _PAGE),
-    b"<html": ("a page of HTML", _PAGE),
-    b"<?xml": ("an XML document", _PAGE),
-    b"<vtkfile": ("image data of VTK", _PAGE),
-}
-# What the files of an ending begin with; others have no beginning of their own.
-_BEGINNINGS = {
-    ".al3d": (b"aliconaimaging\0",),
-    ".gwy": (b"gwyp",),
-    ".opdx": (b"vca data",),
-    ".plux": (b"pk\3\4",),
-    ".sur": (b"digital surf", b"dscompressed"),
-    ".x3p": (b"pk\3\4",),
-}
-# Bytes of a file that are looked at: an XML document names its kind in its second line, and no format begins with so
-# many zeros.
-_LOOKED_AT = 4096
-
-
 def find_foreign(file: Path) -> str:
-    """Return what a file is that holds no height map, and what to do; nothing if it is not known."""
+    """Return the kind of a file without a height map, with advice; empty if the kind is not known."""
     start = b""
     end = b""
     with contextlib.suppress(OSError), file.open("rb") as stream:
-        start = stream.read(_LOOKED_AT).lstrip(b"\xef\xbb\xbf \t\r\n").lower()
+        start = stream.read(_INSPECTED_BYTES).lstrip(b"\xef\xbb\xbf \t\r\n").lower()
         stream.seek(max(0, stream.seek(0, os.SEEK_END) - 2 * len(SEAL)))
         end = stream.read(2 * len(SEAL))
     if SEAL[:20] in end:
@@ -135,7 +140,7 @@ def find_foreign(file: Path) -> str:
     # The files of some instruments, and numpy's, are archives too.
     if start.startswith(b"pk\x03\x04") and file.suffix.lower() == ".zip":
         return "it is a ZIP archive: unpack it first"
-    for mark, (kind, advice) in _KINDS.items():
+    for mark, (kind, advice) in _FOREIGN_KINDS.items():
         if start.startswith(mark.lower()):
             return f"it is {kind}, not a height map: {advice}"
     if start and not start.strip(b"\0"):

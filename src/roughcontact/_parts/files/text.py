@@ -18,18 +18,60 @@ from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.files.base import RawMap
 from roughcontact.errors import InputError
 
-# "# Width: 10.0 µm", "# Height: 5.0 µm", "# Value units: nm".
-_SIDE = re.compile(r"#?\s*(Width|Height):\s*([0-9]{1,30}(?:[.,][0-9]{1,30})?(?:e[-+]?[0-9]{1,3})?)\s*(\S{1,8})\s*")
-_VALUES = re.compile(r"#?\s*Value units:\s*(\S{1,20})\s*")
-# Metres in units of length; the two letters for micro, and the byte that it is in Latin-1, read as UTF-8.
-_METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "Å": 1e-10}
-_METRES |= {"micron": 1e-6, "microns": 1e-6, "inch": 0.0254}
+# Lines of a header: "# Width: 10.0 µm", "# Height: 5.0 µm", "# Value units: nm".
+_SIDE_LINE = re.compile(r"#?\s*(Width|Height):\s*([0-9]{1,30}(?:[.,][0-9]{1,30})?(?:e[-+]?[0-9]{1,3})?)\s*(\S{1,8})\s*")
+_UNIT_LINE = re.compile(r"#?\s*Value units:\s*(\S{1,20})\s*")
+# Metres in units of length; the two letters for micro, and its byte in Latin-1, read as UTF-8.
+_METRES_PER_UNIT = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "Å": 1e-10}
+_METRES_PER_UNIT |= {"micron": 1e-6, "microns": 1e-6, "inch": 0.0254}
 _MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u"})
+# Separators by the names of those that are awkward to type.
+WORDS = {"tab": "\t", "blank": " "}
+SEPARATORS = (",", ";", "\t", " ")
+# Possible separators of fields, and a number or its part before a decimal comma, before the layout is known.
+_FIELD_SEPARATOR = re.compile(r"[\s,;]")
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+# Fields of a non-measured point, also as the C library of Windows writes them (1.#QNAN).
+_NON_MEASURED = re.compile(
+    r"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)", re.IGNORECASE
+)
+# Lines with a single comma, between digits.
+_SINGLE_COMMA_LINES = re.compile(r"(?:[-+]?[0-9]+,[0-9]+(?:\n|\Z))+")
+# Minimum numbers of a margin: fewer may rise in equal steps by chance.
+_MIN_MARGIN_NUMBERS = 8
+# Rounding of printed positions in a margin, and in a list of points, over the step.
+_STEP_TOLERANCE = 0.01
+_GRID_TOLERANCE = 0.05
+_COUNTING_MARGIN = "count"
+_KEEP_ADVICE = "if they are heights, save the map with numpy.save"
+# Gaps between sorted positions below this fraction of the largest are rounding.
+_MIN_GAP_FRACTION = 0.3
+# A map with both sides below this in its own unit is assumed to be in metres.
+_MAX_METRIC_SIDE = 0.1
+# Maximum position that has differences in float64.
+_MAX_PLACE = 1e300
+# Minimum fraction of the points of a grid that are listed; the others were not measured.
+_MIN_LISTED_FRACTION = 0.5
+# Byte-order mark of each encoding; the longer ones first, because they begin with the shorter.
+_BYTE_ORDER_MARKS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF32_LE: "utf-32",
+    codecs.BOM_UTF32_BE: "utf-32",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+# Characters of a wrong field or line that a message repeats.
+_MAX_QUOTED_CHARACTERS = 40
+# Lines of heights from which the layout is found, and lines of a header that are kept.
+_SAMPLE_LINES = 20
+_MAX_HEADER_LINES = 1000
+# A comment at the end of a line, but not the mark in 1.#QNAN.
+_COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#.*", re.DOTALL)
 
 
 def metres(unit: str) -> float | None:
-    """Return how long a unit such as µm is, m; None if it is not a length that is known."""
-    return _METRES.get(unit.translate(_MICRO))
+    """Return the metres in a unit such as µm; None if it is not a known unit of length."""
+    return _METRES_PER_UNIT.get(unit.translate(_MICRO))
 
 
 @attrs.frozen
@@ -41,20 +83,14 @@ class Stated:
 
 
 def read_header(lines: Sequence[str]) -> Stated:
-    """Return what a header states.
-
-    Raises
-    ------
-    InputError
-        If its values are not lengths.
-    """
+    """Return size and unit that a header states; `InputError` if its values are not lengths."""
     sides = {}
     unit = None
     for line in lines:
-        if found := _SIDE.fullmatch(line):
+        if found := _SIDE_LINE.fullmatch(line):
             length = metres(found[3])
             sides[found[1]] = None if length is None else float(found[2].replace(",", ".")) * length
-        elif found := _VALUES.fullmatch(line):
+        elif found := _UNIT_LINE.fullmatch(line):
             unit = metres(found[1])
             if unit is None:
                 raise InputError(f"its header states values in {found[1]!a}, which is not a known unit of length")
@@ -63,32 +99,17 @@ def read_header(lines: Sequence[str]) -> Stated:
     return Stated((width, height) if width and height else None, unit)
 
 
-# The names of separators that are awkward to type, and how each is shown.
-WORDS = {"tab": "\t", "blank": " "}
-SEPARATORS = (",", ";", "\t", " ")
-# What may separate fields, before it is known what does, and the part of a number with a decimal comma before that.
-_FIELDS = re.compile(r"[\s,;]")
-_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
-# Fields of a point that was not measured; also what C libraries of Windows write for it.
-_BAD = {"nan", "bad", "na", "n/a", "null", "none", "nodata", "no data", "invalid", "missing", "-", "inf", "infinity"}
-_MARKED = re.compile(r"\*+|-{2,}|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)", re.IGNORECASE)
-
-
-# Lines of one comma, between digits.
-_SINGLE = re.compile(r"(?:[-+]?[0-9]+,[0-9]+(?:\n|\Z))+")
-
-
 def is_non_measured(word: str) -> bool:
-    """Tell whether a field stands for a point that was not measured."""
-    return not word or word.lower() in _BAD or _MARKED.fullmatch(word) is not None
+    """Return whether a field stands for a non-measured point."""
+    return not word or _NON_MEASURED.fullmatch(word) is not None
 
 
 def holds_heights(content: str) -> bool | None:
-    """Tell whether a line holds heights; None if it may, because all its fields stand for points not measured.
+    """Return whether a line holds heights: it has a number, and begins with one or with a non-measured point.
 
-    It does if it begins with a number or with a field of a point that was not measured, and has a number.
+    None: it may, because all its fields stand for non-measured points.
     """
-    fields = _FIELDS.split(content)
+    fields = _FIELD_SEPARATOR.split(content)
     if all(map(is_non_measured, fields)):
         # A line of dashes is the rule below a title.
         return None if len(fields) > 1 else False
@@ -100,7 +121,7 @@ def holds_heights(content: str) -> bool | None:
 class Layout:
     """The separator of the numbers, one of `SEPARATORS`, and their decimal mark.
 
-    Blanks as a separator are any white space, and with decimal commas each number may be followed by a comma.
+    A blank as separator stands for any white space; then a comma may follow each number with a decimal comma.
     """
 
     separator: str
@@ -115,17 +136,14 @@ class Layout:
         return content.split(None if self.separator == " " else self.separator)
 
     def ends(self, content: str) -> bool:
-        """Tell whether a line ends with the separator."""
+        """Return whether a line ends with the separator."""
         return self.separator != " " and content.endswith(self.separator)
 
 
 def find_layout(lines: Sequence[str], separator: str, decimal: str) -> Layout:
-    """Return the layout of lines of heights; ``"auto"`` is found, what is not is kept.
+    """Return the layout of lines of heights; what is given as ``"auto"`` is found.
 
-    Raises
-    ------
-    InputError
-        If commas may be decimal or separate numbers; the sentence names the options.
+    `InputError` if commas may be decimal or separate numbers; the message names the options.
     """
     separator = WORDS.get(separator, separator)
     if separator == "auto":
@@ -152,11 +170,11 @@ def _find_separator(lines: Sequence[str], decimal: str) -> str:
 
 
 def _judge_commas(lines: Sequence[str]) -> str:
-    """Return what separates numbers without points where there are commas, and perhaps blanks."""
+    """Return the separator of numbers without points in lines with commas."""
     text = "\n".join(lines)
     inside = re.search(r"[0-9],[0-9]", text)
     beside = re.search(r", | ,", text)
-    if not inside or (not beside and not _SINGLE.fullmatch(text) and " " not in text):
+    if not inside or (not beside and not _SINGLE_COMMA_LINES.fullmatch(text) and " " not in text):
         return ","
     if not beside and " " in text:
         return " "
@@ -167,25 +185,12 @@ def _judge_commas(lines: Sequence[str]) -> str:
     )
 
 
-# Fewer numbers are not looked at: they may rise in equal steps by chance.
-_FEWEST = 8
-# Part of a step by which a place may differ from its own: rounding of printed places.
-_STEP_TOLERANCE = 0.01
-_COUNT = "count"
-_KEEP = "if they are heights, save the map with numpy.save"
-
-
 def require_heights(table: Array) -> None:
-    """Refuse a table, shape (rows, numbers in a row), that is a list, or has more than heights.
+    """Refuse a table, shape (rows, numbers in a row), that is a list, or has a margin of positions or counts.
 
-    A margin, its first row or column, rises in equal steps, and the row or column beside it does not.
-
-    Raises
-    ------
-    InputError
-        If the table has a margin, or many numbers in one row or column; the sentence says how to save it.
+    A margin is a first row or column that rises in equal steps, unlike the row or column beside it.
     """
-    if min(table.shape) < 2 and table.size >= _FEWEST:
+    if min(table.shape) < 2 and table.size >= _MIN_MARGIN_NUMBERS:
         line = "column" if table.shape[1] < 2 else "row"
         raise InputError(
             f"its {table.size} numbers stand in one {line}, but a height map has a row for each x and a number for "
@@ -197,13 +202,13 @@ def require_heights(table: Array) -> None:
     row, column = (_margin(side[0, 1:], side[1, 1:]) for side in (table, table.T))
     if row and column:
         what = "its first row and its first column"
-        counts = row == column == _COUNT
+        counts = row == column == _COUNTING_MARGIN
     elif row := _margin(table[0], table[1]):
         what = "its first row"
-        counts = row == _COUNT
+        counts = row == _COUNTING_MARGIN
     elif column := _margin(table[:, 0], table[:, 1]):
         what = "its first column"
-        counts = column == _COUNT
+        counts = column == _COUNTING_MARGIN
     else:
         return
     skip = "skip them with skip_rows=" if what == "its first row" else "save the heights without them"
@@ -212,19 +217,21 @@ def require_heights(table: Array) -> None:
         if counts
         else ("rise in equal steps, as places x and y do", ", and give size=")
     )
-    raise InputError(f"the numbers of {what} {found}, and are not heights: {skip}{advice}; {_KEEP}")
+    raise InputError(f"the numbers of {what} {found}, and are not heights: {skip}{advice}; {_KEEP_ADVICE}")
 
 
 def _margin(line: Array, beside: Array) -> str:
-    """Return whether a line counts or has equal steps; nothing if it has none, or the line beside it has some."""
+    """Return ``"count"`` or ``"steps"`` if a line, unlike the one beside it, counts or has equal steps; else empty."""
     if not _is_even(line) or _is_even(beside):
         return ""
-    return _COUNT if line[0] in (0.0, 1.0) and np.array_equal(line, line[0] + np.arange(line.size)) else "steps"
+    return (
+        _COUNTING_MARGIN if line[0] in (0.0, 1.0) and np.array_equal(line, line[0] + np.arange(line.size)) else "steps"
+    )
 
 
 def _is_even(line: Array) -> bool:
-    """Tell whether a line of enough numbers rises or falls in equal steps."""
-    if line.size < _FEWEST or not np.isfinite(line).all():
+    """Return whether a line of enough numbers rises or falls in equal steps."""
+    if line.size < _MIN_MARGIN_NUMBERS or not np.isfinite(line).all():
         return False
     # Numbers near the largest of float64 have no differences.
     with np.errstate(over="ignore", invalid="ignore"):
@@ -233,37 +240,21 @@ def _is_even(line: Array) -> bool:
         return bool(step != 0.0 and np.abs(line - even).max() <= _STEP_TOLERANCE * abs(step))
 
 
-# A place may differ from its grid by this part of a step: rounding of printed places.
-_GRID_TOLERANCE = 0.05
-# Gaps between sorted places below this part of the largest are rounding.
-_SAME = 0.3
-# A map of which both sides are shorter than this in its own unit is taken for one in metres.
-_METRE = 0.1
-# Places beyond have no differences in float64.
-_FAR = 1e300
-# The part of the points of a grid that must be listed; the others were not measured.
-_LISTED = 0.5
-
-
 def put_on_grid(points: Array) -> RawMap:
-    """Return the map of points x y z, shape (n, 3), in any order, on a regular grid along x and y; NaN where none is.
+    """Return the map of points x y z, shape (n, 3), in any order, on a regular grid along x and y; NaN elsewhere.
 
-    Its size is not known, because x and y have an unknown unit.
-
-    Raises
-    ------
-    InputError
-        If they do not lie on a regular grid, on most of its points and once on each.
+    Its size is not known, because x and y have an unknown unit. `InputError` if the points do not lie on a regular
+    grid, on most of its points and once on each.
     """
     i, nx, dx = _indices(points[:, 0])
     j, ny, dy = _indices(points[:, 1])
-    if not _LISTED * nx * ny <= len(points) <= nx * ny:
+    if not _MIN_LISTED_FRACTION * nx * ny <= len(points) <= nx * ny:
         raise _irregular(len(points))
     heights = np.full((nx, ny), np.nan)
     heights[i, j] = points[:, 2]
     if np.unique(i * ny + j).size < len(points):
         raise _irregular(len(points))
-    unit, length = (1.0, "metre") if max(nx * dx, ny * dy) < _METRE else (1e-6, "micrometre")
+    unit, length = (1.0, "metre") if max(nx * dx, ny * dy) < _MAX_METRIC_SIDE else (1e-6, "micrometre")
     sides = ", ".join(f"{unit * side:.6g}" for side in (nx * dx, ny * dy))
     return RawMap(
         heights,
@@ -273,11 +264,11 @@ def put_on_grid(points: Array) -> RawMap:
 
 
 def _indices(places: Array) -> tuple[np.ndarray, int, float]:
-    """Return the index of each place on the regular axis through them all, their number and the step."""
-    if not np.abs(places).max() < _FAR:
+    """Return index of each position on the regular axis through all of them, number of points, and step."""
+    if not np.abs(places).max() < _MAX_PLACE:
         raise _irregular(len(places))
     gaps = np.diff(np.unique(places))
-    true = gaps[gaps > _SAME * gaps.max(initial=0.0)]
+    true = gaps[gaps > _MIN_GAP_FRACTION * gaps.max(initial=0.0)]
     span = float(np.ptp(places))
     count = round(span / float(np.median(true))) + 1 if true.size else 0
     if not 2 <= count <= len(places):
@@ -298,23 +289,6 @@ def _irregular(count: int) -> InputError:
     )
 
 
-# What stands at the beginning of a file in each encoding; the longer one first, because it begins with the shorter.
-_MARKS = {
-    codecs.BOM_UTF8: "utf-8-sig",
-    codecs.BOM_UTF32_LE: "utf-32",
-    codecs.BOM_UTF32_BE: "utf-32",
-    codecs.BOM_UTF16_LE: "utf-16",
-    codecs.BOM_UTF16_BE: "utf-16",
-}
-# Characters of a wrong field or line that are shown.
-_SHOWN = 40
-# Lines of heights from which separator and decimal mark are found, and lines of a header that are kept.
-_SAMPLE = 20
-_HEADER = 1000
-# A comment at the end of a line: the numbers of some C libraries hold the mark too, 1.#QNAN.
-_COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#.*", re.DOTALL)
-
-
 @attrs.frozen(eq=False)
 class Table:
     """The numbers of a text file, shape (rows, numbers in a row), NaN for an empty field, and the lines above them."""
@@ -324,23 +298,17 @@ class Table:
 
 
 def read_table(path: Path, separator: str = "auto", decimal: str = "auto", skip_rows: int = 0) -> Table:
-    """Return the numbers of a text file and its header.
-
-    Raises
-    ------
-    InputError
-        If it is not a table of numbers; the sentence gives the line.
-    """
+    """Return the numbers of a text file and its header; `InputError` with the line if it is not a table of numbers."""
     with path.open("rb") as file:
         start = file.read(4)
-    encoding = next((name for mark, name in _MARKS.items() if start.startswith(mark)), "utf-8")
+    encoding = next((name for mark, name in _BYTE_ORDER_MARKS.items() if start.startswith(mark)), "utf-8")
     # Comments may be in any encoding.
     errors = "surrogateescape" if encoding.startswith("utf-8") else "strict"
     try:
         with path.open(encoding=encoding, errors=errors) as text:
             header: list[str] = []
             lines = _heights(enumerate(itertools.islice(text, skip_rows, None), skip_rows + 1), header)
-            sample = list(itertools.islice(lines, _SAMPLE))
+            sample = list(itertools.islice(lines, _SAMPLE_LINES))
             if not sample:
                 raise InputError(_nothing(header))
             layout = find_layout([content for _, content in sample], separator, decimal)
@@ -353,11 +321,11 @@ def read_table(path: Path, separator: str = "auto", decimal: str = "auto", skip_
 
 def _nothing(header: list[str]) -> str:
     line = next((line.strip() for line in header if not line.startswith("#")), "")
-    return f"it holds no numbers, and begins with {line[:_SHOWN]!a}" if line else "it holds no numbers"
+    return f"it holds no numbers, and begins with {line[:_MAX_QUOTED_CHARACTERS]!a}" if line else "it holds no numbers"
 
 
 def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tuple[int, str]]:
-    """Yield the lines of heights with their places; those of words before the first go into the header."""
+    """Yield the lines of heights with their line numbers; lines of words before them go into the header."""
     begun = False
     waiting = list[tuple[int, str]]()
     for place, line in lines:
@@ -366,9 +334,9 @@ def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tu
             raise InputError("it is not text, although its name ends so: rename it, or save it as plain text (UTF-8)")
         holds = begun or (holds_heights(content) if content else False)
         if holds is False:
-            # What looks like points that were not measured may be the rule below a title.
+            # A line that looks like non-measured points may be the rule below a title.
             waiting = waiting if not line.strip() else []
-            header.extend([line.rstrip("\r\n")] if line.strip() and len(header) < _HEADER else [])
+            header.extend([line.rstrip("\r\n")] if line.strip() and len(header) < _MAX_HEADER_LINES else [])
             continue
         waiting.extend([(place, content)] if content else [])
         if holds:
@@ -415,15 +383,15 @@ def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> Array:
 
 
 def _require_words(header: list[str], layout: Layout, columns: int) -> None:
-    """Refuse a line above the numbers that may be a row of them with a wrong first field."""
+    """Refuse a line of the header that may be a row of numbers with a wrong first field."""
     for line in header:
         fields = layout.split(line.strip(" \r\n"))
         if line.startswith("#") or len(fields) != columns or columns < 3:
             continue
         if sum(_float(field) is not None for field in fields) > columns // 2:
             raise InputError(
-                f"the line {line.strip()[:_SHOWN]!a} above its heights has as many fields as they have, most of them "
-                "numbers: correct it, or skip the lines that are not heights with skip_rows="
+                f"the line {line.strip()[:_MAX_QUOTED_CHARACTERS]!a} above its heights has as many fields as they "
+                "have, most of them numbers: correct it, or skip the lines that are not heights with skip_rows="
             )
 
 
@@ -437,7 +405,7 @@ def _float(word: str) -> float | None:
 
 def _parse(content: str, layout: Layout, place: int) -> array.array[float]:
     fields = layout.split(content)
-    # What is too large for float64 is infinite to Python.
+    # Python reads a number too large for float64 as infinite.
     if content.isascii() and "_" not in content:
         with contextlib.suppress(ValueError):
             row = array.array("d", map(float, fields))
@@ -447,7 +415,7 @@ def _parse(content: str, layout: Layout, place: int) -> array.array[float]:
 
 
 def _number(field: str, layout: Layout, place: int) -> float:
-    """Return the number in a field, NaN if the point was not measured."""
+    """Return the number in a field, NaN for a non-measured point."""
     word = field.strip()
     value = _float(word)
     if value is None:
@@ -457,9 +425,11 @@ def _number(field: str, layout: Layout, place: int) -> float:
         advice = f"give decimal={other!r} if that is its decimal mark" if other in word or " " in word else ""
         advice = advice or "lines above the heights that are not heights are skipped with skip_rows="
         raise InputError(
-            f"line {place} holds {word[:_SHOWN]!a}, which is not a number: write numbers such as -1.5e-6, nan for a "
-            f"point that was not measured, and comments behind #; {advice}"
+            f"line {place} holds {word[:_MAX_QUOTED_CHARACTERS]!a}, which is not a number: write numbers such as "
+            f"-1.5e-6, nan for a point that was not measured, and comments behind #; {advice}"
         )
     if math.isinf(value) and word[-1].isdigit():
-        raise InputError(f"line {place} holds {word[:_SHOWN]}, which is too large for a height in metres")
+        raise InputError(
+            f"line {place} holds {word[:_MAX_QUOTED_CHARACTERS]}, which is too large for a height in metres"
+        )
     return value

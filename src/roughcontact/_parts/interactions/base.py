@@ -152,7 +152,8 @@ class _Scaled(Interaction):
     def _evaluate(self, function: Callable[[RealArray], RealArray], gap: RealArray, unit: float) -> RealArray:
         gaps = np.asarray(gap)
         values = np.asarray(function(gaps.astype(np.float64) * self.length)) / unit
-        if values.dtype.kind != "f" or np.broadcast_shapes(values.shape, gaps.shape) != values.shape:
+        # Of a single gap a law of arrays returns one value for each cell.
+        if values.dtype.kind != "f" or (gaps.ndim and values.shape != gaps.shape):
             raise InputError(
                 f"The interaction {self.law!r} returned an array of shape {values.shape} and type {values.dtype}, "
                 f"where real numbers of shape {gaps.shape} are needed."

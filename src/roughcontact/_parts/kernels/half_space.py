@@ -12,21 +12,20 @@ from numpy.polynomial import chebyshev
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.kernels.base import InfluenceKernel
 
-# Cells with an offset up to _NEAR or _FAR, in shorter sides, are integrated by edges or by
-# _POINTS_BETWEEN Gauss points across, all others by _POINTS_FAR. The integrand is analytic up to the field
+# Cells with an offset up to _NEAR_RANGE or _MIDDLE_RANGE, in shorter sides, are integrated by edges or by
+# _MIDDLE_GAUSS_POINTS Gauss points across, all others by _FAR_GAUSS_POINTS. The integrand is analytic up to the field
 # point, so that the error falls as (4 offset)^(-2 points): below 2e-16 (test_kernels: 1e-14 of mpmath).
-_NEAR = 10
-_FAR = 110
-# Gauss points, see above
-_POINTS_BETWEEN = 5
-_POINTS_FAR = 3
+_NEAR_RANGE = 10
+_MIDDLE_RANGE = 110
+_MIDDLE_GAUSS_POINTS = 5
+_FAR_GAUSS_POINTS = 3
 # Chebyshev nodes of the alias sum in the square of the phase along the longer side. The nearest
 # singularity, for square cells, makes the coefficients fall by 5.8 each: 5.8^-20 = 5e-16.
-_NODES = 20
+_CHEBYSHEV_NODES = 20
 # Aliases on each side, and averages of neighbouring partial sums (Euler's method): each average more than
 # halves the alternating rest (test_kernels: 1e-12 of plain sums).
-_ALIASES = 32
-_AVERAGES = 16
+_ALIASES_PER_SIDE = 32
+_EULER_AVERAGES = 16
 
 
 @attrs.frozen
@@ -90,20 +89,15 @@ class Love(InfluenceKernel):
 
 
 def cell_potential(i: Array, j: Array, aspect: float) -> Array:
-    """Return the integral of 1/r over cells of sides (aspect, 1), aspect >= 1, shape (m, n).
+    """Return the integral of 1/r over cells of sides (aspect, 1), aspect >= 1, along x and y, shape (m, n).
 
-    Parameters
-    ----------
-    i, j
-        Offsets of the cells from the origin, ascending and not negative, shapes (m,) and (n,).
-    aspect
-        Longer side, along x; the shorter, along y, is one.
+    The offsets of the cells from the origin, shapes (m,) and (n,), are ascending and not negative.
     """
-    if i[-1] * aspect <= _NEAR and j[-1] <= _NEAR:
+    if i[-1] * aspect <= _NEAR_RANGE and j[-1] <= _NEAR_RANGE:
         return _integrate_edges(i, j, aspect)
-    result = _integrate_gauss(i, j, aspect, _POINTS_FAR)
-    between = partial(_integrate_gauss, points=_POINTS_BETWEEN)
-    for distance, integrate in ((_FAR, between), (_NEAR, _integrate_edges)):
+    result = _integrate_gauss(i, j, aspect, _FAR_GAUSS_POINTS)
+    between = partial(_integrate_gauss, points=_MIDDLE_GAUSS_POINTS)
+    for distance, integrate in ((_MIDDLE_RANGE, between), (_NEAR_RANGE, _integrate_edges)):
         m = int(np.searchsorted(i, distance / aspect + 0.5, side="right"))
         n = int(np.searchsorted(j, distance + 0.5, side="right"))
         result[:m, :n] = integrate(i[:m], j[:n], aspect)
@@ -115,7 +109,7 @@ def _integrate_gauss(i: Array, j: Array, aspect: float, points: int) -> Array:
     left, right = ((i + side) * aspect for side in (-0.5, 0.5))
     nodes, weights = np.polynomial.legendre.leggauss(points)
     # Beside the middle of a long cell r1 + r2 - a cancels; there r1 = r2.
-    beside_long_cells = aspect > 2.0 * _NEAR and i[0] == 0.0
+    beside_long_cells = aspect > 2.0 * _NEAR_RANGE and i[0] == 0.0
     total = np.zeros((i.size, j.size))
     for node, weight in zip(nodes, weights, strict=True):
         square = ((j + 0.5 * node) ** 2)[np.newaxis, :]
@@ -158,12 +152,7 @@ def alias_sum(theta_x: Array, theta_y: Array, aspect: float) -> Array:
               \operatorname{sinc}(\theta_y/2 + \pi n)}
               {\sqrt{((\theta_x + 2\pi m)/a)^2 + (\theta_y + 2\pi n)^2}}
 
-    Parameters
-    ----------
-    theta_x, theta_y
-        Phases q dx, q dy per cell, 0 .. pi, shapes (m,) and (n,). The entry at zero phases is not finite.
-    aspect
-        Longer side a of the cells, along x.
+    The phases q dx and q dy per cell, 0 .. pi, have shapes (m,) and (n,). The entry at zero phases is not finite.
     """
     half_x, half_y = (np.sinc(theta / (2 * np.pi)) for theta in (theta_x, theta_y))
     with np.errstate(divide="ignore"):
@@ -176,14 +165,14 @@ def alias_sum(theta_x: Array, theta_y: Array, aspect: float) -> Array:
 
 def _nodes() -> Array:
     """Return Chebyshev's nodes in theta^2 on 0 .. pi^2."""
-    return np.asarray(0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)))
+    return np.asarray(0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_CHEBYSHEV_NODES) + 0.5) / _CHEBYSHEV_NODES)))
 
 
 def _interpolate(values: Array, theta: Array) -> Array:
     """Interpolate values at the nodes along the first axis."""
-    vandermonde = chebyshev.chebvander(2.0 * _nodes() / np.pi**2 - 1.0, _NODES - 1)
+    vandermonde = chebyshev.chebvander(2.0 * _nodes() / np.pi**2 - 1.0, _CHEBYSHEV_NODES - 1)
     coefficients = np.linalg.solve(vandermonde, values)
-    return np.asarray(chebyshev.chebvander(2.0 * (theta / np.pi) ** 2 - 1.0, _NODES - 1) @ coefficients)
+    return np.asarray(chebyshev.chebvander(2.0 * (theta / np.pi) ** 2 - 1.0, _CHEBYSHEV_NODES - 1) @ coefficients)
 
 
 def _aliases_along_x(theta_x: Array, theta_y: Array, aspect: float) -> Array:
@@ -202,7 +191,7 @@ def _aliases_along_x(theta_x: Array, theta_y: Array, aspect: float) -> Array:
 
 @lru_cache(maxsize=16)
 def _other_aliases_at_nodes(aspect: float) -> Array:
-    """Sum the aliases along y with all those along x, at the nodes; many grids share an aspect ratio."""
+    """Sum all aliases but those along x alone, at the nodes; many grids share an aspect ratio."""
     theta = np.sqrt(_nodes())
     orders, weights = _alternating_weights()
     others = orders != 0
@@ -222,10 +211,10 @@ def _alias_sinc(theta: Array, orders: Array) -> Array:
 
 def _alternating_weights() -> tuple[Array, Array]:
     """Return the orders of the aliases and the weights that sum an alternating series (Euler's method)."""
-    sums = np.tri(_ALIASES + 1)
-    for _ in range(_AVERAGES):
+    sums = np.tri(_ALIASES_PER_SIDE + 1)
+    for _ in range(_EULER_AVERAGES):
         sums = 0.5 * (sums[1:] + sums[:-1])
-    orders = np.arange(-_ALIASES, _ALIASES + 1)
+    orders = np.arange(-_ALIASES_PER_SIDE, _ALIASES_PER_SIDE + 1)
     return orders.astype(np.float64), np.asarray(sums[-1][np.abs(orders)] * (-1.0) ** np.abs(orders))
 
 

@@ -2,11 +2,18 @@
 
 from roughcontact._parts.surfaces.base import SampledSurface, Surface, SurfaceSum, surfaces
 from roughcontact._parts.surfaces.continuation import Continuation, cells_for, find_maps
-from roughcontact._parts.surfaces.filling import TREATMENTS, WIDEST, complete, fill, solve_in_bands
+from roughcontact._parts.surfaces.filling import MAX_BANDWIDTH, TREATMENTS, complete, fill, solve_in_bands
 from roughcontact._parts.surfaces.heightmap import HeightMap, Separated, list_facts, read_topography
 from roughcontact._parts.surfaces.matching import MatchedPair, PlacedMap, match
 from roughcontact._parts.surfaces.resampling import bilinear
-from roughcontact._parts.surfaces.statistics import border_jump, mean_in_bands, power_spectrum, repeats, rms_slope
+from roughcontact._parts.surfaces.statistics import (
+    HANN_DEPENDENCE,
+    border_jump,
+    mean_in_bands,
+    power_spectrum,
+    repeats,
+    rms_slope,
+)
 from roughcontact._parts.surfaces.synthetic import (
     FlatSurface,
     ParaboloidSurface,
@@ -16,8 +23,9 @@ from roughcontact._parts.surfaces.synthetic import (
 )
 
 __all__ = [
+    "HANN_DEPENDENCE",
+    "MAX_BANDWIDTH",
     "TREATMENTS",
-    "WIDEST",
     "Continuation",
     "FlatSurface",
     "HeightMap",

@@ -14,12 +14,33 @@ from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 
-# Heights repeat if their rms step across the border is at most this multiple of that between neighbouring cells.
-_MAX_JUMP = 3.0
+# Maximum rms step of periodic heights across the border, over the step between neighbouring cells.
+_MAX_BORDER_JUMP = 3.0
+# Relative change of misfit, parameters and gradient at which the fit of a sphere stops, a few times the rounding of
+# float64 (2.2e-16): the fit has four parameters, so that full accuracy costs nothing.
+_SPHERE_FIT_TOLERANCE = 1e-15
+# Curvature of a flat map, times its length, over its height and length: rounding.
+_CURVATURE_ROUNDING = 1e-13
+_TOO_FEW_POINTS = "Too few points were measured, or they are too nearly in line, for"
+# Degree of the polynomial that is the form of a map.
+FORM_DEGREE = 2
+# Ratio of the longest to the shortest wave in the fit of a power law (two octaves, a thousand waves on 128 x 128
+# cells), its bands, and its sectors of direction over half a turn.
+_FIT_RANGE = 4.0
+_FIT_BANDS = 6
+_DIRECTION_SECTORS = 16
+# Minimum waves per side, so that window and form do not change the power, and minimum range of the fit.
+_MIN_WAVES_PER_SIDE = 6.0
+_MIN_FIT_RANGE = 2.0
+# Standard deviation of the exponent by the unknown transfer function of a measurement: point samples lower it by 0.1 to
+# 0.2, means over cells raise it by 0.05 to 0.15 (self-affine surfaces, Hurst exponents 0.3, 0.8; 128 x 128 cells).
+_SAMPLING_STD = 0.15
+# Modes per independent mode in a Hann window w: the mean of w^4 over the squared mean of w^2, 35/18, along each axis.
+HANN_DEPENDENCE = (35.0 / 18.0) ** 2
 
 
 def rms_slope(heights: Array, grid: Grid) -> float:
-    """Return the root mean square of the gradient of heights, shape (nx, ny), m, between neighbouring cells."""
+    """Return the root mean square of the gradient of heights, shape (nx, ny), m, from differences of neighbours."""
     steps = [np.diff(heights, axis=axis) / grid.spacing[axis] for axis in (0, 1) if grid.shape[axis] > 1]
     maximum = max(float(np.abs(step).max()) for step in steps)
     if not 0.0 < maximum < math.inf:
@@ -31,24 +52,16 @@ def repeats(heights: Array, axis: int | None = None) -> bool:
     """Return whether heights, shape (nx, ny), repeat beyond the border without a jump, along one axis or both."""
     if axis is None:
         return repeats(heights, 0) and repeats(heights, 1)
-    return border_jump(heights, axis) <= _MAX_JUMP
+    return border_jump(heights, axis) <= _MAX_BORDER_JUMP
 
 
 def border_jump(heights: Array, axis: int) -> float:
-    """Return the rms step of heights, shape (nx, ny), across the border along an axis, over that between neighbours."""
+    """Return the rms step of heights, shape (nx, ny), across the border along an axis, over the step between cells."""
     if heights.shape[axis] <= 2:
         return 0.0
     inside = float(np.sqrt(np.mean(np.diff(heights, axis=axis) ** 2)))
     across = float(np.sqrt(np.mean((heights.take(0, axis) - heights.take(-1, axis)) ** 2)))
     return across / inside if inside > 0.0 else 0.0
-
-
-# Relative change of misfit, parameters and gradient at which the fit of a sphere stops, a few times the rounding of
-# float64 (2.2e-16): the fit has four parameters, so that full accuracy costs nothing.
-_TOLERANCE = 1e-15
-# A curvature that bends the map by less than this fraction of its height and length is rounding: the map is flat.
-_ROUNDING = 1e-13
-_TOO_FEW = "Too few points were measured, or they are too nearly in line, for"
 
 
 def polynomial(values: Array, degree: int, non_measured: Mask | None, shape: tuple[int, int] | None = None) -> Array:
@@ -60,7 +73,7 @@ def polynomial(values: Array, degree: int, non_measured: Mask | None, shape: tup
     x, y = (np.linspace(-1.0, 1.0, n) for n in values.shape)
     px, py = (np.polynomial.legendre.legvander(t, degree) for t in (x, y))
     terms = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-    # The terms are products, so that all sums of the normal equations factor over the axes.
+    # Products of terms factor over the axes, and so do the sums of the normal equations.
     n = degree + 1
     qx, qy = ((p[:, :, np.newaxis] * p[:, np.newaxis, :]).reshape(len(p), n * n) for p in (px, py))
     if non_measured is None:
@@ -74,7 +87,7 @@ def polynomial(values: Array, degree: int, non_measured: Mask | None, shape: tup
     gram = np.array([[sums[i, k, j, m] for k, m in terms] for i, j in terms])
     solved, _, rank, _ = np.linalg.lstsq(gram, np.array([moments[term] for term in terms]))
     if rank < len(terms):
-        raise InputError(f"{_TOO_FEW} a form of degree {degree}.")
+        raise InputError(f"{_TOO_FEW_POINTS} a form of degree {degree}.")
     weights = np.zeros_like(moments)
     for term, weight in zip(terms, solved, strict=True):
         weights[term] = weight
@@ -97,8 +110,8 @@ def sphere(values: Array, x: Array, y: Array, non_measured: Mask | None) -> tupl
     and becomes a plane, without a singularity, as the curvature goes to zero; c, the two slopes and the
     curvature are fitted to the heights, starting from the least-squares paraboloid.
 
-    Heights have shape (nx, ny), positions shape (nx, 1) and (1, ny), m. Non-measured points do not count; `InputError`
-    if the others do not determine a sphere, or the best one does not cover the map.
+    Heights have shape (nx, ny), positions (nx, 1) and (1, ny), m. Non-measured points do not count; `InputError` if the
+    others do not determine a sphere, or the best sphere does not cover the map.
     """
     from scipy.optimize import least_squares
 
@@ -114,24 +127,32 @@ def sphere(values: Array, x: Array, y: Array, non_measured: Mask | None) -> tupl
     goal = heights[use].ravel()
     gram = basis @ basis.T
     if goal.size <= len(gram) or np.linalg.matrix_rank(gram) < len(gram):
-        raise InputError(f"{_TOO_FEW} a sphere.")
+        raise InputError(f"{_TOO_FEW_POINTS} a sphere.")
     scale = float(np.ptp(goal)) or 1.0
 
     def misfit(parameters: Array) -> Array:
         return np.asarray((_cap(parameters, x, y, square)[0][use].ravel() - goal) / scale, dtype=np.float64)
 
     paraboloid = np.asarray(np.linalg.solve(gram, basis @ goal), dtype=np.float64)
-    found = least_squares(misfit, paraboloid, "3-point", method="lm", ftol=_TOLERANCE, xtol=_TOLERANCE, gtol=_TOLERANCE)
+    found = least_squares(
+        misfit,
+        paraboloid,
+        "3-point",
+        method="lm",
+        ftol=_SPHERE_FIT_TOLERANCE,
+        xtol=_SPHERE_FIT_TOLERANCE,
+        gtol=_SPHERE_FIT_TOLERANCE,
+    )
     fitted, inside = _cap(found.x, x, y, square)
     if not inside:
         raise InputError("No sphere fits the heights: the domain is wider than the best sphere.")
     curvature = float(found.x[3])
-    flat = abs(curvature) <= _ROUNDING * (1.0 + float(np.abs(values).max()) / length)
+    flat = abs(curvature) <= _CURVATURE_ROUNDING * (1.0 + float(np.abs(values).max()) / length)
     return fitted * length + mean, 0.0 if flat else curvature / length
 
 
 def _cap(parameters: RealArray, x: Array, y: Array, square: Array) -> tuple[Array, bool]:
-    """Return the heights of the sphere, those of its equator beyond it, and whether all points are inside."""
+    """Return the heights of the sphere, beyond its equator those of the equator, and whether all points are inside."""
     c, slope_x, slope_y, curvature = parameters
     normal_z = 1.0 / np.sqrt(1.0 + slope_x**2 + slope_y**2)
     lift = 0.5 * curvature * square - normal_z * (slope_x * x + slope_y * y)
@@ -141,36 +162,18 @@ def _cap(parameters: RealArray, x: Array, y: Array, square: Array) -> tuple[Arra
     return np.asarray(heights, dtype=np.float64), inside
 
 
-# Degree of the polynomial that is subtracted before the window: tilt and form are not roughness.
-_FORM = 2
-# Ratio of the longest to the shortest wave through which a power law is fitted, the bands in it, and the sectors of
-# direction over half a turn: two octaves of waves, a thousand of them on 128 x 128 cells.
-_RANGE = 4.0
-_BANDS = 6
-_SECTORS = 16
-# Waves a side below which window and form change the power, and the smallest ratio of the longest to the shortest wave.
-_WAVES = 6.0
-_NARROW = 2.0
-# Standard deviation of the exponent from the unknown transfer function of a measurement: point samples lower it by 0.1
-# to 0.2, means over cells raise it by 0.05 to 0.15 (self-affine surfaces, Hurst exponents 0.3, 0.8; 128 x 128 cells).
-_SAMPLING = 0.15
-# Modes in a Hann window w for each independent one: the mean of w^4 over the squared mean of w^2, 35/18, along each
-# axis, and -q is as q.
-_DEPENDENT = 2.0 * (35.0 / 18.0) ** 2
-
-
 def power_spectrum(heights: Array, steepness: int = 4) -> tuple[Array, Array, Array]:
     r"""Return wave numbers qx, qy, shapes (nx, 1) and (1, ny), rad a cell, and the power there, shape (nx, ny), m2.
 
     The heights, shape (nx, ny), m, less their quadratic form are windowed by a power of the cosine: the 4th, whose
-    leakage falls as :math:`q^{-10}`, faster than any power that matters, or the 2nd (Hann), :math:`q^{-6}`, which
-    keeps more independent waves. The power is that of each Fourier mode of a map without window.
+    leakage falls as :math:`q^{-10}`, faster than any spectrum of interest, or the 2nd (Hann), :math:`q^{-6}`, which
+    keeps more independent waves. The power is scaled to a map without window.
 
     References
     ----------
     Jacobs, Junge, Pastewka, Surf. Topogr.: Metrol. Prop. 5 (2017) 013001, https://doi.org/10.1088/2051-672X/aa51f8
     """
-    rough = heights - polynomial(heights, _FORM, None)
+    rough = heights - polynomial(heights, FORM_DEGREE, None)
     for axis, count in enumerate(heights.shape):
         window = np.sin(np.pi * (np.arange(count) + 0.5) / count) ** steepness
         rough = rough * np.expand_dims(window / np.sqrt(np.mean(window**2)), 1 - axis)
@@ -194,7 +197,7 @@ class PowerLaw:
     Attributes
     ----------
     power
-        Of each of the sectors of direction over half a turn, m2.
+        Power in each sector of direction over half a turn, m2.
     pivot
         Wave number, rad/m, at which power and exponent are uncorrelated.
     exponent
@@ -221,54 +224,50 @@ class PowerLaw:
 def fit_power_law(heights: Array, grid: Grid, shortest: float) -> PowerLaw:
     """Return the power law of the spectrum of heights, shape (nx, ny), m, down to waves of `shortest` m.
 
-    The standard errors count the independent modes, the misfit of the bands, and how a map may have been sampled.
-
-    Raises
-    ------
-    InputError
-        If the map is too small, or its spectrum does not fall with the wave number.
+    The standard errors account for the independent modes, the misfit of the bands, and the sampling of the map.
+    `InputError` if the map is too small, or its spectrum does not fall with the wave number.
     """
     qx, qy, power = power_spectrum(heights, 2)
     qx = qx / grid.spacing[0]
     qy = qy / grid.spacing[1]
     q = np.hypot(qx, qy)
     limit = 2.0 * math.pi / shortest
-    start = max(limit / _RANGE, 2.0 * math.pi * _WAVES / min(grid.size))
-    if start * _NARROW > limit:
+    start = max(limit / _FIT_RANGE, 2.0 * math.pi * _MIN_WAVES_PER_SIDE / min(grid.size))
+    if start * _MIN_FIT_RANGE > limit:
         raise InputError(
             f"The height map of {grid} is too small to extrapolate its spectrum from waves of "
-            f"{si(_NARROW * shortest, 'm')} to {si(shortest, 'm')}, of which it must hold at least {_WAVES:g} a side: "
-            "give a larger map, or a shorter resolved=."
+            f"{si(_MIN_FIT_RANGE * shortest, 'm')} to {si(shortest, 'm')}, of which it must hold at least "
+            f"{_MIN_WAVES_PER_SIDE:g} a side: give a larger map, or a shorter resolved=."
         )
-    edges = np.geomspace(start, limit, _BANDS + 1)
+    edges = np.geomspace(start, limit, _FIT_BANDS + 1)
     mean, squares, centre = (
         mean_in_bands(q, values, edges) for values in (power, power**2, np.log(np.maximum(q, start)))
     )
     if not mean.min() > 0.0:
         raise InputError(f"The height map has no waves of {si(shortest, 'm')}, whose spectrum could be extrapolated.")
-    # Of independent exponentially distributed powers the mean square is twice the square of the mean.
-    weight = 2.0 * np.histogram(q, edges)[0] * mean**2 / squares / _DEPENDENT
+    # The mean square of exponentially distributed powers is twice the square of their mean; the modes -q repeat q.
+    weight = 2.0 * np.histogram(q, edges)[0] * mean**2 / squares / (2.0 * HANN_DEPENDENCE)
     pivot = float(np.average(centre, weights=weight))
     spread = float(np.sum(weight * (centre - pivot) ** 2))
     # The mean logarithm of the mean of n exponentially distributed powers is too small by 1/(2 n).
     level = np.log(mean) + 0.5 / weight
     exponent = -float(np.sum(weight * (centre - pivot) * level)) / spread
     misfit = level - np.average(level, weights=weight) + exponent * (centre - pivot)
-    excess = max(1.0, float(np.sum(weight * misfit**2)) / (_BANDS - 2))
+    excess = max(1.0, float(np.sum(weight * misfit**2)) / (_FIT_BANDS - 2))
     if not exponent > 0.0:
         raise InputError(
             f"The spectrum of the height map does not fall with the wave number down to waves of {si(shortest, 'm')}: "
             "they are noise; give the shortest wave that the map resolves, resolved=."
         )
-    stds = math.sqrt(excess / float(np.sum(weight))), math.hypot(math.sqrt(excess / spread), _SAMPLING)
+    stds = math.sqrt(excess / float(np.sum(weight))), math.hypot(math.sqrt(excess / spread), _SAMPLING_STD)
     inside = (q >= start) & (q <= limit)
     sector = _sector(qx, qy)[inside]
     scaled = power[inside] * (q[inside] * math.exp(-pivot)) ** exponent
-    modes = np.bincount(sector, minlength=_SECTORS)
-    total = np.bincount(sector, weights=scaled, minlength=_SECTORS)
+    modes = np.bincount(sector, minlength=_DIRECTION_SECTORS)
+    total = np.bincount(sector, weights=scaled, minlength=_DIRECTION_SECTORS)
     return PowerLaw(total / np.maximum(modes, 1), math.exp(pivot), exponent, *stds)
 
 
 def _sector(qx: Array, qy: Array) -> npt.NDArray[np.intp]:
     angle = np.arctan2(qy, qx) / math.pi
-    return np.asarray((angle * _SECTORS + 0.5).astype(np.intp) % _SECTORS)
+    return np.asarray((angle * _DIRECTION_SECTORS + 0.5).astype(np.intp) % _DIRECTION_SECTORS)

@@ -18,6 +18,12 @@ from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface
 from roughcontact.errors import InputError
 
+# Relative distance of a wavelength outside its limits that counts as rounding.
+_WAVELENGTH_TOLERANCE = 1e-9
+# Peak memory of the heights in float64 numbers per wave, and per cell; measured.
+_NUMBERS_PER_WAVE = 9.1
+_NUMBERS_PER_CELL = 5.1
+
 
 def _center(value: float | Sequence[float]) -> Pair:
     return pair(value, "The centre", "m")
@@ -44,7 +50,7 @@ def _phase(value: float | Sequence[float]) -> Pair:
 
 
 def _require_memory(grid: Grid, what: str, arrays: int) -> None:
-    """Refuse a grid on which the heights, with what they are computed from, do not fit into memory."""
+    """Refuse a grid on which so many arrays do not fit into memory."""
     nx, ny = grid.shape
     require_memory(8.0 * arrays * grid.cells, f"{what} on {nx} x {ny} cells", "choose fewer cells")
 
@@ -180,13 +186,6 @@ class WavySurface(Surface):
         return np.asarray(along_x + along_y, dtype=np.float64)
 
 
-# Wavelengths that miss a limit by no more than this fraction count as inside: rounding.
-_ROUNDING = 1e-9
-# Peak memory of the heights in numbers of float64 for each wave, and for each cell; measured.
-_PER_WAVE = 9.1
-_PER_CELL = 5.1
-
-
 def _hurst(value: float) -> float:
     return number(value, "The Hurst exponent", at_least=0.0, at_most=1.0)
 
@@ -287,20 +286,20 @@ class SelfAffineSurface(Surface):
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, of mean zero."""
         nyquist = max(2.0 * step for step in grid.spacing)
-        if self.shortest < nyquist * (1 - _ROUNDING):
+        if self.shortest < nyquist * (1 - _WAVELENGTH_TOLERANCE):
             allowed = f"at least two cells ({nyquist:g} m) on this grid"
             hint = "Refine the grid or choose a longer wave."
             raise InputError.about("The shortest wavelength", self.shortest, allowed, hint)
         inner, outer = self._boxes(grid)
         kx, ky = (np.arange(-m, m + 1) for m in outer)
-        numbers = max(_PER_WAVE * kx.size * ky.size, _PER_CELL * grid.cells)
+        numbers = max(_NUMBERS_PER_WAVE * kx.size * ky.size, _NUMBERS_PER_CELL * grid.cells)
         require_memory(8.0 * numbers, f"A self-affine surface of {kx.size} x {ky.size} waves", "choose fewer cells")
         qx, qy = (
             np.asarray(2 * np.pi * k / side, dtype=np.float64)
             for k, side in ((kx[:, None], grid.size[0]), (ky[None, :], grid.size[1]))
         )
         modes = self._modes(qx, qy, inner)
-        # The origin is the centre of the domain; the FFT's is the first cell.
+        # The origin is the centre of the domain; the FFT has it in the first cell.
         modes = modes * np.exp(1j * (qx * grid.x[0, 0] + qy * grid.y[0, 0]))
         spectrum = np.zeros(grid.shape, dtype=np.complex128)
         np.add.at(spectrum, np.ix_(kx % grid.shape[0], ky % grid.shape[1]), modes)
@@ -312,14 +311,15 @@ class SelfAffineSurface(Surface):
         return True
 
     def count_waves(self, grid: Grid) -> int:
-        """Return how many waves the heights on a grid are made of, those that only the rms value counts included."""
+        """Return the number of waves on a grid, including waves that only count in the rms value."""
         kx, ky = self._boxes(grid)[1]
         return (2 * kx + 1) * (2 * ky + 1)
 
     def _boxes(self, grid: Grid) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """Return the largest wave numbers, in waves a side, of the waves that the rms value counts, and of all."""
+        """Return the largest numbers of waves per side, for the waves in the rms value and for all."""
         inner, shown = (
-            tuple(int(side / wave * (1 + _ROUNDING)) for side in grid.size) for wave in (self.rms_cutoff, self.shortest)
+            tuple(int(side / wave * (1 + _WAVELENGTH_TOLERANCE)) for side in grid.size)
+            for wave in (self.rms_cutoff, self.shortest)
         )
         return inner, tuple(map(max, inner, shown))
 
@@ -328,9 +328,9 @@ class SelfAffineSurface(Surface):
         cos = math.cos(self.lay)
         sin = math.sin(self.lay)
         q = np.hypot(self.peklenik * (cos * qx + sin * qy), cos * qy - sin * qx)
-        inside = q * self.longest >= 2 * np.pi * (1 - _ROUNDING)
+        inside = q * self.longest >= 2 * np.pi * (1 - _WAVELENGTH_TOLERANCE)
         shown, counted = (
-            inside & (q * wave <= 2 * np.pi * (1 + _ROUNDING)) for wave in (self.shortest, self.rms_cutoff)
+            inside & (q * wave <= 2 * np.pi * (1 + _WAVELENGTH_TOLERANCE)) for wave in (self.shortest, self.rms_cutoff)
         )
         if not shown.any() or not counted.any():
             raise InputError("No wave between shortest and longest fits into the domain: enlarge it.")
@@ -348,14 +348,14 @@ class SelfAffineSurface(Surface):
         return np.asarray(np.where(shown, modes * (rms / np.sqrt(np.sum(magnitude**2))), 0.0))
 
     def _noise(self, inner: tuple[int, ...], outer: tuple[int, ...]) -> Array:
-        """Return two normal numbers for each wave, shape (2, 2 outer + 1): whatever `outer`, the same for a wave."""
+        """Return two normal numbers for each wave, shape (2, 2 outer + 1); they do not depend on `outer`."""
         noise = np.random.default_rng(self.seed).standard_normal((2, *(2 * m + 1 for m in inner)))
         if inner == outer:
             return noise
         mx, my = inner
         nx, ny = outer
         wider = np.empty((2, 2 * nx + 1, 2 * ny + 1))
-        # A stream for each row, and in it the long waves first.
+        # Each row has its own random stream, with the long waves first.
         order = np.argsort(np.abs(np.arange(-ny, ny + 1)), kind="stable")
         for row in range(2 * nx + 1):
             key = np.random.SeedSequence(self.seed, spawn_key=(2 * abs(row - nx) + (row < nx),))

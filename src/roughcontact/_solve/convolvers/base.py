@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves, frozen_array
+from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves, frozen_array, sum_of_products
 from roughcontact._base.machine import map_tiles, split, threads_for
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
@@ -28,11 +28,21 @@ from roughcontact._parts.kernels import (
 )
 from roughcontact.errors import InputError
 
-# Bytes along a row of the columns that are transformed at a time: few enough for the cache, enough for the vector
-# units. On 512 x 512 and 1024 x 1024 cells 16 and 32 columns of float64 are fastest; 8 take 6 % longer, 128 take 13 %.
-_COLUMNS = 32 * 16
-# Values of the rows that are cut at a time, so that padded rows are not in memory as a whole.
-_ROWS = 2**17
+# Bytes along a row of the columns that are transformed at a time: few enough for the cache, enough for vector units. On
+# 512 x 512 and 1024 x 1024 cells 16 and 32 columns of float64 are fastest; 8 take 6 % longer, 128 take 13 %.
+_COLUMN_BLOCK_BYTES = 32 * 16
+# Values of the rows that are cut at a time, to save the memory of padded rows.
+_ROW_BLOCK_VALUES = 2**17
+# Minimum sides of the padded grid of the inverse on a free boundary, over the domain, and in additional cells, so that
+# opposite borders hardly interact. 1.125 and 1.5, 8 and 32 cells change the products of
+# the default solver by less than 1 % (docs/studies/solver_constants.py).
+_PADDING_FACTOR = 1.25
+_PADDING_CELLS = 16
+# Minimum amplitude that is inverted, over the mean: smaller ones are rounding, or ringing of the kernel.
+_MIN_AMPLITUDE = 1e-6
+# Minimum waves that are multiplied by columns: in float32 that takes 5 % less than three passes on
+# 2048 x 2048 cells, 10 % less on 4096 x 4096 and 4 % more on 1024 x 1024 (docs/studies/scale.py products).
+_MIN_COLUMNWISE_WAVES = 2**21
 
 
 def transform_rows(values: RealArray, length: int) -> Waves:
@@ -44,14 +54,8 @@ def transform_rows(values: RealArray, length: int) -> Waves:
 def multiply_columns(waves: Waves, length: int, multiply: Callable[[Waves, slice], object]) -> None:
     """Transform each column, padded with zeros to `length`, multiply it, transform it back and cut it, in place.
 
-    Parameters
-    ----------
-    waves
-        The waves of all rows, shape (nx, ny).
-    length
-        Cells of the padded columns.
-    multiply
-        Multiplies the waves of some columns, shape (length, n), in place; also gets their slice.
+    The waves of all rows have shape (nx, ny). `multiply` changes the waves of some columns, shape (length, n), in
+    place; its second argument is their slice.
     """
 
     def work(block: slice) -> None:
@@ -59,7 +63,7 @@ def multiply_columns(waves: Waves, length: int, multiply: Callable[[Waves, slice
         multiply(columns, block)
         waves[:, block] = scipy.fft.ifft(columns, axis=0, overwrite_x=True)[: waves.shape[0]]
 
-    map_tiles(work, split(waves.shape[1], _COLUMNS // waves.itemsize))
+    map_tiles(work, split(waves.shape[1], _COLUMN_BLOCK_BYTES // waves.itemsize))
 
 
 def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
@@ -72,32 +76,20 @@ def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
     def work(rows: slice) -> None:
         values[rows] = scipy.fft.irfft(waves[rows], n=length, axis=1, overwrite_x=True)[:, :count]
 
-    map_tiles(work, split(waves.shape[0], max(1, _ROWS // length)))
+    map_tiles(work, split(waves.shape[0], max(1, _ROW_BLOCK_VALUES // length)))
     return values
-
-
-# Sides of the padded grid of the inverse on a free boundary: at least this multiple of the domain's, and this
-# many cells more, so that opposite borders hardly interact. 1.125 and 1.5, 8 and 32 cells change the products of
-# the default solver by less than 1 % (docs/studies/solver_constants.py).
-_PADDED = 1.25
-_PADDING = 16
-# Amplitudes below this fraction of the mean are rounding, or ringing of the kernel: their inverse is bounded.
-_SMALLEST = 1e-6
-# Waves from which on they are multiplied by columns: in float32 that takes 5 % less than three passes on
-# 2048 x 2048 cells, 10 % less on 4096 x 4096 and 4 % more on 1024 x 1024 (docs/studies/scale.py products).
-_LARGE = 2**21
 
 
 @attrs.frozen(eq=False)
 class InverseConvolution:
     """Division by the kernel's spectrum on a periodic grid: a good preconditioner, not an exact inverse.
 
-    A subclass multiplies waves of another kind of array: it overrides `multiply`.
+    A subclass for another kind of array overrides `multiply`.
 
     Attributes
     ----------
     local
-        Whether its effect on a few cells costs less by `coefficients` than by a product.
+        Whether its effect on a few cells is cheaper by `coefficients` than by a product.
     stiffness
         Pressure amplitude per displacement amplitude of each wave, not negative, zero for the mean,
         shape (mx, my // 2 + 1).
@@ -115,7 +107,7 @@ class InverseConvolution:
 
     @cached_property
     def axes(self) -> tuple[RealArray, RealArray]:
-        """The stiffness of the waves along x and of those along y, arrays of numpy."""
+        """The stiffness of the waves along x and along y, arrays of numpy."""
         return self.stiffness[: self.padded[0] // 2 + 1, 0], self.stiffness[0]
 
     def apply(self, displacement: RealArray) -> RealArray:
@@ -136,7 +128,7 @@ class InverseConvolution:
         padded
             Cells (mx, my) of the periodic grid.
         rows
-            Rows outside which the field is zero, and the result may be anything; None if it has no such rows.
+            Rows outside which the field is zero and the result is arbitrary; None for all rows.
         """
         if rows is None:
             return multiply_waves(values, symbol, padded)
@@ -149,7 +141,7 @@ class InverseConvolution:
         offsets = 2.0 * np.pi * np.arange(reach + 1)
         x = np.cos(np.outer(offsets, np.arange(mx) / mx)).astype(self.stiffness.dtype) / mx
         y = np.cos(np.outer(np.arange(columns) / my, offsets)).astype(self.stiffness.dtype) / my
-        # Half of the waves along y are stored; the others equal them, but for the first and, if even, the last.
+        # Half of the waves along y are stored; each counts twice, except the first and, if even, the last.
         y[1 : (my + 1) // 2] *= 2.0
         return x @ self.stiffness @ y
 
@@ -161,7 +153,7 @@ def multiply_waves(values: RealArray, symbol: RealArray, padded: tuple[int, int]
 
 
 def _multiply_waves_of_rows(values: RealArray, rows: IntArray, symbol: RealArray, padded: tuple[int, int]) -> RealArray:
-    """Return the same as `multiply_waves` for a field that is zero outside some rows, on these rows; zero elsewhere."""
+    """Return `multiply_waves` of a field that is zero outside some rows, on these rows; zero elsewhere."""
     found = transform_rows(values[rows], padded[1])
     waves: Waves = np.zeros((values.shape[0], found.shape[1]), dtype=found.dtype)
     waves[rows] = found
@@ -173,8 +165,8 @@ def _multiply_waves_of_rows(values: RealArray, rows: IntArray, symbol: RealArray
 
 
 def _multiply_columns(waves: Waves, symbol: RealArray, length: int) -> Waves:
-    """Return waves along y times the symbol of all waves; columns are padded to a length for it."""
-    if symbol.size >= _LARGE:
+    """Return waves along y times the symbol of all waves; columns are padded to a length."""
+    if symbol.size >= _MIN_COLUMNWISE_WAVES:
         multiply_columns(waves, length, lambda columns, block: np.multiply(columns, symbol[:, block], out=columns))
         return waves
     # Two one-dimensional transforms are twice as fast as scipy's two-dimensional inverse.
@@ -190,7 +182,9 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
     """Return the approximate inverse of a convolution, its stiffness in the given precision."""
     shape = setup.grid.shape
     if setup.boundary is Boundary.FREE:
-        mx, my = (scipy.fft.next_fast_len(max(math.ceil(_PADDED * n), n + _PADDING), real=True) for n in shape)
+        mx, my = (
+            scipy.fft.next_fast_len(max(math.ceil(_PADDING_FACTOR * n), n + _PADDING_CELLS), real=True) for n in shape
+        )
         shape = mx, my
     if setup.boundary is Boundary.PERIODIC:
         response = np.array(setup.spectrum)
@@ -199,7 +193,7 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
         spectrum = periodic_spectrum if known else wrapped_spectrum
         response = spectrum(setup.kernel, shape, setup.grid.spacing)
     response[0, 0] = 0.0
-    floor = _SMALLEST * float(np.abs(response).mean())
+    floor = _MIN_AMPLITUDE * float(np.abs(response).mean())
     exact = setup.boundary is Boundary.PERIODIC and bool((response.ravel()[1:] > floor).all())
     response = np.abs(response)
     stiffness = np.zeros_like(response)
@@ -254,9 +248,9 @@ class Convolver(abc.ABC):
         """
 
     def require(self, kernel: InfluenceKernel, boundary: Boundary) -> None:
-        """Raise `InputError` if it cannot treat the boundary, or the kernel lacks the form that is needed there.
+        """Raise `InputError` if it cannot treat the boundary, or the kernel lacks the form needed there.
 
-        That is a spectrum on a periodic boundary and coefficients elsewhere; override it where that is otherwise.
+        The form is a spectrum on a periodic boundary and coefficients elsewhere; override it if that differs.
         """
         if boundary not in self.boundaries:
             served = " or ".join(sorted(f"'{name}'" for name in self.boundaries))
@@ -293,21 +287,21 @@ class ConvolutionSetup:
 
     @cached_property
     def spectrum(self) -> Array:
-        """The kernel's spectrum at the waves of the grid, which repeats, shape (nx, ny // 2 + 1), read-only."""
+        """The kernel's spectrum at the waves of the periodic grid, shape (nx, ny // 2 + 1), read-only."""
         return frozen_array(periodic_spectrum(self.kernel, self.grid.shape, self.grid.spacing))
 
 
 class PreparedConvolution(abc.ABC):
     """The linear map from pressure to displacement on one grid.
 
-    It may work on arrays of another kind than numpy's, such as tensors on a GPU, as long as these follow numpy's
-    protocols for ufuncs and functions: a solver then converts its task by `from_numpy`, and its result by `to_numpy`.
+    It may work on other arrays than numpy's, such as tensors on a GPU, if these follow numpy's protocols for ufuncs and
+    functions: a solver then converts its task by `from_numpy`, and its result by `to_numpy`.
     """
 
     @property
     @abc.abstractmethod
     def setup(self) -> ConvolutionSetup:
-        """What it was prepared from; an attribute may define it."""
+        """Its convolver, kernel, grid and boundary; an attribute may define it."""
 
     @abc.abstractmethod
     def apply(self, pressure: RealArray) -> RealArray:
@@ -325,11 +319,11 @@ class PreparedConvolution(abc.ABC):
         return approximate_inverse(self.setup, dtype)
 
     def from_numpy(self, values: Array) -> Array:
-        """Return numpy's array as one of the kind on which it works; by default itself."""
+        """Return a numpy array in the form on which it works; by default itself."""
         return values
 
     def to_numpy(self, values: Array) -> Array:
-        """Return an array of that kind as numpy's; by default itself."""
+        """Return an array of that form as a numpy array; by default itself."""
         return values
 
     def use_threads(self, count: int) -> AbstractContextManager[None]:
@@ -342,5 +336,4 @@ class PreparedConvolution(abc.ABC):
 
     def dot(self, one: RealArray, other: RealArray) -> float:
         """Return the sum of products over all cells."""
-        # A BLAS dot would start threads that cost more than they save at these sizes.
-        return float(np.einsum("ij,ij->", one, other))
+        return sum_of_products(one, other)

@@ -71,20 +71,30 @@ def _even_transform(values: Array, length: int) -> Array:
 
 
 @attrs.frozen(eq=False)
-class _PaddedConvolution(PreparedConvolution):
-    """Transform with padding, multiply, cut; the symbol is stored for half of the waves in x."""
+class _SymbolConvolution(PreparedConvolution):
+    """Multiplication of waves by a symbol."""
 
     setup: ConvolutionSetup
     symbol: Array = attrs.field(repr=outlined)
-    padded: tuple[int, int]
 
     @cached_property
     def symbol_float32(self) -> RealArray:
         """The symbol in float32."""
         return self.symbol.astype(np.float32)
 
+    def symbol_like(self, pressure: RealArray) -> RealArray:
+        """Return the symbol in the precision of a pressure."""
+        return self.symbol_float32 if pressure.dtype == np.float32 else self.symbol
+
+
+@attrs.frozen(eq=False)
+class _PaddedConvolution(_SymbolConvolution):
+    """Transform with padding, multiply, cut; the symbol is stored for half of the waves in x."""
+
+    padded: tuple[int, int]
+
     def apply(self, pressure: RealArray) -> RealArray:
-        symbol = self.symbol_float32 if pressure.dtype == np.float32 else self.symbol
+        symbol = self.symbol_like(pressure)
         mx = self.padded[0]
         half = self.symbol.shape[0]
 
@@ -126,17 +136,8 @@ class CircularFFT(Convolver):
 
 
 @attrs.frozen(eq=False)
-class _CircularConvolution(PreparedConvolution):
+class _CircularConvolution(_SymbolConvolution):
     """Transform, multiply by the real symbol, transform back."""
 
-    setup: ConvolutionSetup
-    symbol: Array = attrs.field(repr=outlined)
-
-    @cached_property
-    def symbol_float32(self) -> RealArray:
-        """The symbol in float32."""
-        return self.symbol.astype(np.float32)
-
     def apply(self, pressure: RealArray) -> RealArray:
-        symbol = self.symbol_float32 if pressure.dtype == np.float32 else self.symbol
-        return multiply_waves(pressure, symbol, pressure.shape)
+        return multiply_waves(pressure, self.symbol_like(pressure), pressure.shape)

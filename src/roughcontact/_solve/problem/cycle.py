@@ -25,13 +25,13 @@ _MAX_STEPS = 200
 _RISEN = 0.02
 # Rounds that halve the steps around the lowest force.
 _REFINEMENTS = 4
-# Relative standard deviation of the lowest force because of the cells beside what sticking to them does; measured on balls.
+# Relative standard deviation of the lowest force by the size of the cells, beside sticking to them; measured on balls.
 _CELL_ERROR = 1e-3
 # The same where few cells touch or attract each other strongly, times their number: the maximum error of balls at random
 # places, of 4 to 16 cells in the contact radius, but for one in forty.
 _COARSE_ERROR = 0.3
-# Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the sum of
-# both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
+# Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the
+# sum of both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
 _JUMP_OF_WORK = 0.1
 _JUMP_OF_LOWEST = 0.05
 

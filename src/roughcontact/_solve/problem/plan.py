@@ -1,4 +1,4 @@
-"""The plan of a solve: what will run, for how long, and what is omitted and why."""
+"""The plan of a solve: its parts, time and memory, and the omitted steps with their reasons."""
 
 from __future__ import annotations
 
@@ -28,59 +28,56 @@ from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Transforms there and back of the grid's cells that a solve lasts as long as; measured on self-affine, wavy and
-# spherical surfaces of 128 x 128 to 512 x 512 cells, of which most need less.
-_TRANSFORMS = {Boundary.FREE: 64.0, Boundary.PERIODIC: 40.0, Boundary.WRAPPED: 40.0}
-# Seconds that a solve takes on the smallest grid, measured on the same.
-_ANY_GRID = 0.1
-# Cells along a side of the transform that is timed, and how often it is.
-_TIMED = 256
-_REPEATS = 5
-
-
-def forecast_seconds(cells: int, boundary: Boundary) -> float:
-    """Return about how long one solve takes on this machine, s: likely within a factor of three."""
-    return _ANY_GRID + _TRANSFORMS[boundary] * _time_of_transform() * cells * math.log(max(cells, 2))
-
-
-@functools.cache
-def _time_of_transform() -> float:
-    """Return the time of a transform there and back over n log n, s, measured here and now."""
-    values = np.random.default_rng(0).random((_TIMED, _TIMED))
-    times = []
-    for _ in range(_REPEATS):
-        started = time.perf_counter()
-        scipy.fft.irfft2(scipy.fft.rfft2(values), s=values.shape)
-        times.append(time.perf_counter() - started)
-    return min(times) / (values.size * math.log(values.size))
-
-
-# Peak memory of a solve in float64 arrays of the grid's size, at fractions of the cells in contact below the
-# pressure limit, without and with a free boundary; measured by docs/studies/memory.py. Vectors hold
-# only the cells in contact; on a free boundary kernel and spectra are larger.
-_FRACTIONS = {False: (0.0, 0.1, 0.28, 0.36, 1.0), True: (0.0, 0.1, 0.4, 1.0)}
-# ... arrays at each fraction.
-_ARRAYS = {False: (8.0, 9.2, 10.3, 15.5, 16.6), True: (11.5, 12.7, 17.6, 17.8)}
-# ... and at least, where vectors hold all cells: other solvers, and the direct sum; measured by tests/test_memory.py.
-_UNRESTRICTED = 14.0
-# Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), to leave room for
+# Time of a solve in transforms there and back on the grid; measured on self-affine, wavy and spherical surfaces of
+# 128 x 128 to 512 x 512 cells, most of which need less.
+_TRANSFORMS_PER_SOLVE = {Boundary.FREE: 64.0, Boundary.PERIODIC: 40.0, Boundary.WRAPPED: 40.0}
+# Seconds of a solve on the smallest grid, measured on the same surfaces.
+_MIN_SOLVE_SECONDS = 0.1
+# Cells along a side of the transform that is timed, and its repetitions.
+_TIMED_SIDE = 256
+_TIMED_REPEATS = 5
+# Fractions of the cells in contact below the pressure limit, without and with a free boundary, and the peak memory of a
+# solve there, in float64 arrays of the grid (docs/studies/memory.py). Vectors hold only the cells in contact; on a free
+# boundary kernel and spectra are larger.
+_CONTACT_FRACTIONS = {False: (0.0, 0.1, 0.28, 0.36, 1.0), True: (0.0, 0.1, 0.4, 1.0)}
+_ARRAYS_AT_FRACTIONS = {False: (8.0, 9.2, 10.3, 15.5, 16.6), True: (11.5, 12.7, 17.6, 17.8)}
+# Minimum arrays if vectors hold all cells, as for other solvers and the direct sum; measured by tests/test_memory.py.
+_UNRESTRICTED_ARRAYS = 14.0
+# Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), which leaves room for
 # coarser and finer grids.
-_LONGEST = 1e8
-# The sides of the largest grid that is proposed are multiples of this, so that they can be halved to coarser grids.
-_HALVED = 32
-# Lengths in m and moduli in Pa up to this, and their inverses, keep the products in forces, areas and curvatures
-# within the 1e308 of float64.
-_EXTREME = 1e40
-_IMAGES = {
+_MAX_CELL_ASPECT = 1e8
+# Divisor of the sides of the largest proposed grid, so that they can be halved to coarser grids.
+_SIDE_MULTIPLE = 32
+# Maximum length, m, and modulus, Pa, and inverse of the minimum, so that forces, areas and curvatures stay within the
+# 1e308 of float64.
+_MAX_MAGNITUDE = 1e40
+_OMITTED_IMAGES = {
     Boundary.FREE: "images of the domain: the boundary is free",
     Boundary.PERIODIC: "padding: the domain repeats, every image counts",
     Boundary.WRAPPED: "padding and all but the nearest images: the boundary is wrapped",
 }
 
 
+def forecast_seconds(cells: int, boundary: Boundary) -> float:
+    """Return about how long one solve takes on this machine, s: likely within a factor of three."""
+    return _MIN_SOLVE_SECONDS + _TRANSFORMS_PER_SOLVE[boundary] * _time_of_transform() * cells * math.log(max(cells, 2))
+
+
+@functools.cache
+def _time_of_transform() -> float:
+    """Return the time of a transform there and back over n log n, s, measured here and now."""
+    values = np.random.default_rng(0).random((_TIMED_SIDE, _TIMED_SIDE))
+    times = []
+    for _ in range(_TIMED_REPEATS):
+        started = time.perf_counter()
+        scipy.fft.irfft2(scipy.fft.rfft2(values), s=values.shape)
+        times.append(time.perf_counter() - started)
+    return min(times) / (values.size * math.log(values.size))
+
+
 @attrs.frozen(eq=False, kw_only=True)
 class SolvePlan:
-    """What will run, and what is omitted and why; `str` of it is the text of ``explain()``.
+    """The parts of a solve, and the omitted steps with their reasons; its `str` is the text of ``explain()``.
 
     Attributes
     ----------
@@ -97,15 +94,15 @@ class SolvePlan:
     pressure_limit
         Maximum pressure, shape () or (nx, ny), Pa; `inf` where there is none.
     omitted
-        What does not run, with the reason.
+        Omitted steps, with the reasons.
     non_measured
         Points that were not measured, shape (nx, ny); None if there are none.
     histories
-        How the heights of each body were prepared, in words.
+        Preparation of the heights of each body, in words.
     threads
-        The number of threads that is given, or ``"auto"``.
+        The given number of threads, or ``"auto"``.
     memory_limit
-        The memory that a solve may take, bytes; None for what the machine has.
+        The memory that a solve may take, bytes; None: the memory of the machine.
     interaction
         The law by which the surfaces attract each other, resolved for the grid; None without adhesion.
     """
@@ -167,7 +164,7 @@ class SolvePlan:
         contact_fraction = number(contact_fraction, "The contact fraction", at_least=0.0, at_most=1.0)
         memory = memory_of_solve(self.grid, self.boundary, contact_fraction)
         restricted = isinstance(self.solver, ProjectedConjugateGradient) and not isinstance(self.convolver, Direct)
-        return memory if restricted else max(memory, int(8 * self.grid.cells * _UNRESTRICTED))
+        return memory if restricted else max(memory, int(8 * self.grid.cells * _UNRESTRICTED_ARRAYS))
 
     def __str__(self) -> str:
         nx, ny = self.transform_shape
@@ -224,14 +221,14 @@ class SolvePlan:
 def memory_of_solve(grid: Grid, boundary: Boundary, contact_fraction: float) -> int:
     """Return the peak memory of a solve, beyond the problem itself, bytes; see `SolvePlan.memory_at`."""
     free = boundary is Boundary.FREE
-    return int(8 * grid.cells * np.interp(contact_fraction, _FRACTIONS[free], _ARRAYS[free]))
+    return int(8 * grid.cells * np.interp(contact_fraction, _CONTACT_FRACTIONS[free], _ARRAYS_AT_FRACTIONS[free]))
 
 
 @guarded
 def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = None) -> None:
-    """Refuse a grid on which a solve does not fit into memory, even at light contact; before there are heights.
+    """Refuse a grid on which a solve does not fit into memory, even at light contact; heights are not needed.
 
-    `limit` is the memory that it may take, bytes; None for what the machine has.
+    `limit` is the memory that it may take, bytes; None: the memory of the machine.
     """
     shape = " x ".join(map(str, grid.shape))
     needed = memory_of_solve(grid, boundary, 0.0)
@@ -245,8 +242,8 @@ def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = 
 
 
 def _round_down(side: float) -> int:
-    """Return a number of cells that can be halved a few times, at most `side` of them and at least one."""
-    return int(side) // _HALVED * _HALVED or max(1, int(side))
+    """Return a number of cells from one to `side` that can be halved a few times."""
+    return int(side) // _SIDE_MULTIPLE * _SIDE_MULTIPLE or max(1, int(side))
 
 
 def make_plan(
@@ -263,27 +260,21 @@ def make_plan(
     memory_limit: int | None = None,
     adhesion: Interaction | None = None,
 ) -> SolvePlan:
-    """Return the plan of a problem, after a check that its parts fit together.
-
-    Raises
-    ------
-    InputError
-        If they do not.
-    """
+    """Return the plan of a problem; `InputError` unless its parts fit together."""
     convolver.require(kernel, boundary)
     short, long = sorted(grid.spacing)
-    if not long <= _LONGEST * short:
-        raise InputError.about("The cells of the grid", grid.spacing, f"at most {_LONGEST:g} times as long as wide")
+    if not long <= _MAX_CELL_ASPECT * short:
+        raise InputError.about(
+            "The cells of the grid", grid.spacing, f"at most {_MAX_CELL_ASPECT:g} times as long as wide"
+        )
     peak_to_valley = float(gap.values.max())
     if peak_to_valley == 0.0:
         raise InputError("Both surfaces are flat, so the pressure is uniform: give at least one of them heights.")
     modulus = contact_modulus(body.material, counterbody.material)
     _require_range(modulus, "Pa", "contact modulus")
-    for value, name in (
-        (peak_to_valley, "peak-to-valley height"),
-        *((side, "side of the cells") for side in grid.spacing),
-    ):
-        _require_range(value, "m", name)
+    _require_range(peak_to_valley, "m", "peak-to-valley height")
+    for side in grid.spacing:
+        _require_range(side, "m", "side of the cells")
     limit = combined_pressure_limit(body.material, counterbody.material)
     if limit.shape not in ((), grid.shape):
         raise InputError(f"The pressure limit is an array of shape {limit.shape}, but the grid has {grid.shape} cells.")
@@ -339,13 +330,13 @@ def _name_law(law: Interaction) -> str:
 
 
 def _require_range(value: float, unit: str, name: str) -> None:
-    if not 1.0 / _EXTREME < value < _EXTREME:
+    if not 1.0 / _MAX_MAGNITUDE < value < _MAX_MAGNITUDE:
         raise InputError(f"A {name} of {value:g} {unit} leaves the range of float64: check the units.")
 
 
 def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool) -> list[str]:
-    """Return what this problem does not need, with the reason."""
-    texts = [_IMAGES[boundary]]
+    """Return the steps that this problem does not need, with the reasons."""
+    texts = [_OMITTED_IMAGES[boundary]]
     if not capped:
         texts.append("pressure limit: neither material has one")
     if boundary is Boundary.PERIODIC:

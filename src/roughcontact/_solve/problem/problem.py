@@ -32,8 +32,8 @@ _AUTO_CONVOLVER = {Boundary.FREE: "dc-fft", Boundary.PERIODIC: "circular-fft", B
 _AUTO_SOLVER = "projected-cg"
 _ADHESIVE_SOLVER = "gap-descent"
 _BRANCHES = ("loading", "unloading")
-# Arguments that say how a machine computes: they change no bit of a solution, and are no part of what was solved.
-_OF_MACHINE = ("threads", "memory_limit")
+# Arguments for the machine: they change no bit of a solution, and are not part of its problem.
+_MACHINE_ARGUMENTS = ("threads", "memory_limit")
 
 
 def _boundary(value: str) -> Boundary:
@@ -68,8 +68,8 @@ class ContactProblem:
         Threads of a solve, at most as many as this process may use; ``"auto"``: as many as gain on this grid, and one
         in a process of a pool. The solution is the same to the last bit.
     memory_limit
-        Memory that a solve may take beyond the problem itself, bytes or a text such as ``"8 GiB"``; None: what this
-        process may still take. A grid that needs more is refused.
+        Memory that a solve may take beyond the problem itself, bytes or a text such as ``"8 GiB"``; None: all that this
+        process may take. A grid that needs more is refused.
 
     Raises
     ------
@@ -105,7 +105,7 @@ class ContactProblem:
 
     @cached_property
     def plan(self) -> SolvePlan:
-        """What will run, and what is omitted."""
+        """The parts of a solve, and its omitted steps."""
         convolver = _AUTO_CONVOLVER[self.boundary] if self.convolver == "auto" else self.convolver
         automatic = _AUTO_SOLVER if self.adhesion is None else _ADHESIVE_SOLVER
         solver = automatic if self.solver == "auto" else self.solver
@@ -127,7 +127,7 @@ class ContactProblem:
     def convolution(self) -> PreparedConvolution:
         """The prepared convolution in dimensionless variables: lengths in cells, E* = 1."""
         plan = self.plan
-        # The memory is compared once more: this is the first solve, perhaps long after the problem was made.
+        # The memory is checked again: the first solve may come long after the problem was made.
         require_memory_of_solve(plan.grid, plan.boundary, plan.memory_limit)
         unit = plan.grid.spacing[0] / plan.modulus
         bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit)
@@ -148,7 +148,7 @@ class ContactProblem:
 
     @cached_property
     def _gap(self) -> InitialGap:
-        # Before there are heights.
+        # The heights come after the check of the memory.
         require_memory_of_solve(self._grid, self.boundary, self.memory_limit)
         return find_initial_gap(self.body, self.counterbody, self._grid)
 
@@ -163,14 +163,14 @@ class ContactProblem:
     @property
     def parts(self) -> dict[str, Any]:
         """The arguments that determine its solutions, by name: all but `threads` and `memory_limit`."""
-        found = attrs.asdict(self, recurse=False, filter=lambda field, _: field.name not in _OF_MACHINE)
+        found = attrs.asdict(self, recurse=False, filter=lambda field, _: field.name not in _MACHINE_ARGUMENTS)
         if self.adhesion is None:
             # Solutions without adhesion are named and saved as they were before there was any.
             del found["adhesion"]
         return found
 
     def explain(self) -> str:
-        """Return in words what a solve will do, and what is omitted and why."""
+        """Return the parts of a solve, and its omitted steps with their reasons, in words."""
         return str(self.plan)
 
     def __repr__(self) -> str:
@@ -203,13 +203,13 @@ class ContactProblem:
             Approach of the bodies since first touch, m. Of surfaces that attract each other each of the three may be
             zero or negative: a tensile load, bodies that do not touch yet.
         area_within, peak_within
-            Relative errors that the real contact area and the maximum pressure may have, with 95 %: two standard
-            deviations. The grid is then chosen, over the same domain, and the tolerance; `ContactSolution.accuracy`
-            tells which. A map is solved on its own grid where nothing says what lies between its points.
+            Admissible relative errors of the real contact area and the maximum pressure, with 95 %: two standard
+            deviations. Grid, over the same domain, and tolerance are then chosen; `ContactSolution.accuracy` states
+            them. A map is solved on its own grid if it is not known between its points.
         tolerance
             The tolerance of the solver, instead of its own or the one that follows from the accuracy.
         start
-            A contact pressure to start from, shape (nx, ny), Pa: that of a similar load.
+            A contact pressure to start from, shape (nx, ny), Pa, as of a similar load.
         branch
             Where several states of surfaces that attract each other are stable: ``"loading"``, found from the contact
             without adhesion, or ``"unloading"``, found from full contact. Only a path decides which: see `cycle`.
@@ -228,8 +228,7 @@ class ContactProblem:
         InputError
             If not exactly one load is given, or the bodies cannot carry it.
         NotConverged
-            If the solution is not certified, or not as accurate as was asked, and `throw` is true; the error
-            carries it.
+            If the solution is not certified, or not as accurate as requested, and `throw` is true; the error has it.
         """
         load = self._load_of(pressure=pressure, force=force, approach=approach)
         throw = flag(throw, "throw=")
@@ -254,7 +253,7 @@ class ContactProblem:
     def require_load(
         self, *, pressure: float | None = None, force: float | None = None, approach: float | None = None
     ) -> Load:
-        """Return the one load that is given, after a check that the bodies can carry it; see `solve`."""
+        """Return the given load; `InputError` if the bodies cannot carry it; see `solve`."""
         load = self._load_of(pressure=pressure, force=force, approach=approach)
         limit_load(self.plan, self.initial_gap, load)
         return load
@@ -274,8 +273,8 @@ class ContactProblem:
         Parameters
         ----------
         pressure, force, approach
-            Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. With a hardness each is a
-            first loading; loads after a larger one are those of ``run_in(problem, ...).problem.sweep(...)``.
+            Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. With a hardness each load is
+            a first loading; ``run_in(problem, ...).problem.sweep(...)`` solves for loads after a larger one.
 
         Returns
         -------
@@ -389,12 +388,9 @@ class ContactProblem:
 
 
 def problem_of(solution: ContactSolution) -> ContactProblem:
-    """Return the problem that a solution solves, with its prepared convolution; that of a file is built anew.
+    """Return the problem of a solution, with its prepared convolution; the problem of a file is built anew.
 
-    Raises
-    ------
-    InputError
-        If the solution does not say what was solved, or a class that it needs is not registered.
+    `InputError` if the solution has no origin, or needs a class that is not registered.
     """
     if solution.origin is None:
         raise InputError("The solution does not say which problem it solves, so that nothing can be computed with it.")

@@ -1,4 +1,4 @@
-"""One solve: the solver's outcome, and its certificate, recomputed from the pressure alone."""
+"""One solve: the outcome of the solver, and its certificate, recomputed from the pressure alone."""
 
 from __future__ import annotations
 
@@ -27,13 +27,17 @@ from roughcontact.errors import InputError, NotConverged
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
 
-# Wave numbers at which the effective modulus is kept: about 24 a decade on a grid of 1000 cells a side.
-_WAVE_NUMBERS = 96
-# Difference of residuals, and of other figures over their largest value, that another machine or version of numpy
-# and scipy may make: transforms differ by some 1e-15, Love's kernel by up to 5e-11 between its forms.
-_SAME = 1e-10
+# Wave numbers at which the effective modulus is sampled: about 24 per decade on a grid of 1000 cells a side.
+_SAMPLED_WAVE_NUMBERS = 96
+# Difference between machines, and versions of numpy and scipy, of residuals, and of other numbers over their maximum:
+# transforms differ by some 1e-15, Love's kernel by up to 5e-11 between its forms.
+_MACHINE_DIFFERENCE = 1e-10
 # Rounding of a gap over its largest term, with a margin of four over that of `ContactConditions`.
-_ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
+_GAP_ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
+# New depth of non-measured points that touch, over the sum of the last depth and the approach, to the power of the
+# round; and maximum rounds: after eight they are 4^36 = 5e21 times deeper.
+_DEPTH_FACTOR = 4.0
+_MAX_DEEPENINGS = 8
 
 
 def certify(
@@ -47,8 +51,8 @@ def certify(
 ) -> ContactSolution:
     """Return the solution in SI units, with residuals recomputed in float64 from the pressure alone.
 
-    A status of success stays only if float64 resolves the gap, the residuals confirm it, the load is right to
-    rounding and the bounds hold bit for bit.
+    A success is confirmed only if float64 resolves the gap, the residuals are small, the load is right to rounding and
+    the bounds hold bit for bit.
 
     Parameters
     ----------
@@ -60,11 +64,6 @@ def certify(
         The pressure and status that the solver returned.
     seconds
         Wall time of the solve, s.
-
-    Raises
-    ------
-    InputError
-        If the solver did not return an outcome with a pressure of the grid's shape.
     """
     if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.initial_gap.shape:
         raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
@@ -171,7 +170,7 @@ def verify_solution(
     if solution.origin is None or not solution.grid.matches(plan.grid):
         raise InputError(f"It is not a solution at a load, on the grid of the problem, {plan.grid}.")
     if gap.non_measured is not None:
-        # The solve chooses how deep they lie.
+        # The solve may have deepened them.
         gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
     load = Load.of(**solution.origin.load) if plan.interaction is None else Load.signed(**solution.origin.load)
     task = make_task(plan, solution.initial_gap, load)
@@ -188,7 +187,7 @@ def verify_solution(
 
 
 def _by_transforms(convolution: PreparedConvolution) -> PreparedConvolution:
-    """Return a convolution, by transforms instead of the direct sum, which takes minutes on large grids."""
+    """Return a convolution with transforms instead of the direct sum, which takes minutes on large grids."""
     setup = convolution.setup
     if not isinstance(setup.convolver, Direct):
         return convolution
@@ -197,20 +196,20 @@ def _by_transforms(convolution: PreparedConvolution) -> PreparedConvolution:
 
 
 def _require_confirmed(stated: ContactSolution, again: ContactSolution, initial_gap: Array) -> None:
-    """Raise `InputError` unless a solution states the gap of its problem and, up to rounding, what was recomputed."""
+    """Raise `InputError` unless a solution has the gap of its problem and, up to rounding, the recomputed numbers."""
     residuals = stated.residuals
     found = again.residuals
     moduli = again.moduli or ()
     displaced = float(np.abs(again.displacement).max())
-    margin = _SAME + _ROUNDING * (displaced + float(np.abs(again.initial_gap).max())) / found.scale
+    margin = _MACHINE_DIFFERENCE + _GAP_ROUNDING * (displaced + float(np.abs(again.initial_gap).max())) / found.scale
     pairs: dict[str, tuple[ArrayLike, ArrayLike, float]] = {
-        "initial gap": (stated.initial_gap, initial_gap, _SAME * float(initial_gap.max())),
+        "initial gap": (stated.initial_gap, initial_gap, _MACHINE_DIFFERENCE * float(initial_gap.max())),
         "boundary": (float(stated.boundary is again.boundary), 1.0, 0.0),
         "pressure limit": (stated.pressure_limit, again.pressure_limit, 0.0),
-        "contact modulus": (stated.modulus, again.modulus, _SAME * again.modulus),
-        "moduli": (stated.moduli or (), moduli, _SAME * float(np.max(moduli, initial=0.0))),
-        "edge shift": (stated.edge_shift, again.edge_shift, _SAME),
-        "displacement": (stated.displacement, again.displacement, _SAME * displaced),
+        "contact modulus": (stated.modulus, again.modulus, _MACHINE_DIFFERENCE * again.modulus),
+        "moduli": (stated.moduli or (), moduli, _MACHINE_DIFFERENCE * float(np.max(moduli, initial=0.0))),
+        "edge shift": (stated.edge_shift, again.edge_shift, _MACHINE_DIFFERENCE),
+        "displacement": (stated.displacement, again.displacement, _MACHINE_DIFFERENCE * displaced),
         "approach": (stated.approach, again.approach, margin * found.scale),
         "scale": (residuals.scale, found.scale, margin * found.scale),
         "complementarity": (residuals.complementarity, found.complementarity, margin),
@@ -235,19 +234,13 @@ def _are_close(given: Array, right: Array, allowed: float) -> bool:
 
 def _sample_modulus(plan: SolvePlan) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
     """Return inverse wave numbers, from a tenth of a cell to the domain, m, and the effective modulus at each, Pa."""
-    lengths = np.geomspace(0.1 * min(plan.grid.spacing), max(plan.grid.size), _WAVE_NUMBERS)
+    lengths = np.geomspace(0.1 * min(plan.grid.spacing), max(plan.grid.size), _SAMPLED_WAVE_NUMBERS)
     moduli = plan.kernel.effective_modulus(1.0 / lengths, 1.0 / plan.modulus)
     if moduli is None:
         return None
     if moduli.shape != lengths.shape or not (np.isfinite(moduli).all() and moduli.min() > 0.0):
         raise InputError(f"The kernel {plan.kernel!r} must return moduli above zero, of shape {lengths.shape}.")
     return tuple(lengths.tolist()), tuple(moduli.tolist())
-
-
-# Depth of non-measured points that touch, over the sum of the last depth and the approach, and the exponent that it
-# gets in the last round: after eight rounds they are 4^36 = 5e21 times deeper.
-_DEEPER = 4.0
-_MAXIMUM_DEEPENED = 8
 
 
 def run_solve(
@@ -287,19 +280,19 @@ def _solve(
     while True:
         task = attrs.evolve(make_task(plan, gap.values, load, start, start_gap), on_step=on_step)
         outcome = _solve_confirmed(plan, problem.convolution, gap.values, task)
-        # A clock may be set back, as on a machine that was suspended.
+        # A clock may be set back, for instance on a suspended machine.
         seconds = max(0.0, time.perf_counter() - started)
         solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
         pressed = solution.contact_pressure
         excess = gap.sum_non_measured(pressed)
         touch = LOAD_TOLERANCE * float(pressed.sum()) < excess < math.inf if excess else False
-        if not touch or deepened == _MAXIMUM_DEEPENED:
+        if not touch or deepened == _MAX_DEEPENINGS:
             break
         # Non-measured points do not touch, however large the approach.
         deepened += 1
-        gap = gap.with_depth(_DEEPER**deepened * (float(gap.values.max()) + abs(solution.approach)))
+        gap = gap.with_depth(_DEPTH_FACTOR**deepened * (float(gap.values.max()) + abs(solution.approach)))
     if excess > 0.0:
-        # The load of the measured points alone: the certificate tells whether it lacks more than rounding.
+        # Only measured points carry load: the certificate shows whether more than rounding is missing.
         outcome = attrs.evolve(outcome, pressure=np.where(np.asarray(gap.non_measured), 0.0, outcome.pressure))
         solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
     return solution
@@ -331,7 +324,7 @@ def _solve_confirmed(plan: SolvePlan, convolution: PreparedConvolution, initial_
 
 
 def require_success(solution: ContactSolution) -> ContactSolution:
-    """Return the solution, or raise `NotConverged` if it is not certified or not as accurate as was asked."""
+    """Return the solution, or raise `NotConverged` if it is not certified or not as accurate as requested."""
     if not solution.status.success:
         status = f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals})."
         raise NotConverged(" ".join((status, *solution.warnings)), solution)

@@ -1,4 +1,4 @@
-"""What a solve returns."""
+"""The solution of a contact, its file, and its text."""
 
 from roughcontact._solve.solution.attraction import (
     RESOLVED_CELLS,

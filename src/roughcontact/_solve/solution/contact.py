@@ -1,4 +1,4 @@
-"""What a solve returns: the fields, the certificate and the quantities derived from them."""
+"""The solution of a contact: its fields, its certificate, and the answers derived from them."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ T = TypeVar("T")
 
 @attrs.frozen(eq=False, kw_only=True)
 class ContactSolution(ContactFields):
-    """A solved contact: its fields, the certificate, and all that is asked of them.
+    """A solved contact: its fields, its certificate, and the answers derived from them.
 
     Examples
     --------
@@ -75,7 +75,7 @@ class ContactSolution(ContactFields):
         InputError
             If there is no such estimator.
         """
-        # Every number and response asks for this one.
+        # The default area is kept, because every number and response needs it.
         default = isinstance(estimator, str) and estimator == DEFAULT_AREA
         return self._default_area if default else self._estimate_area(areas.resolve(estimator))
 
@@ -130,15 +130,14 @@ class ContactSolution(ContactFields):
         return self.response("peak-pressure") if self.tension is None else interpolate_peak(self)
 
     def response(self, response: str | Response[T]) -> T:
-        """Return a number of the contact, or what it does: its answer to a small change, a current, a flow.
+        """Return a quantity of the contact, or its response to a small change, a current or a flow.
 
         Parameters
         ----------
         response
-            Registered name or instance of a response. Without arguments go ``"peak-pressure"``, ``"perimeter"``,
-            ``"patches"``, ``"mean-gap"``, ``"approach"`` (since the first touch of the summits between the cells),
-            ``"stiffness"`` and ``"tangential-stiffness"``; others are made with theirs by
-            ``roughcontact.responses.create``.
+            Registered name or instance of a response. The names of those without arguments are ``"peak-pressure"``,
+            ``"perimeter"``, ``"patches"``, ``"mean-gap"``, ``"approach"`` (since the first touch of the summits between
+            the cells), ``"stiffness"`` and ``"tangential-stiffness"``; ``roughcontact.responses.create`` makes others.
 
         Raises
         ------
@@ -164,7 +163,7 @@ class ContactSolution(ContactFields):
         Parameters
         ----------
         conductivity
-            Of both bodies, or of each (body, counterbody), W/(m K) for heat or S/m for current.
+            Conductivity of both bodies, or of each (body, counterbody), W/(m K) for heat or S/m for current.
         film_resistance
             Resistance of a film on the spots times its area, m2 K/W or Ohm m2.
 
@@ -198,7 +197,7 @@ class ContactSolution(ContactFields):
     def first_yield(self, yield_stress: float, body: str = "body") -> YieldPoint:
         """Return the load, N, and depth, m, at which a body first yields below its surface.
 
-        `roughcontact.responses.FirstYield` tells how it is found.
+        `roughcontact.responses.FirstYield` states the method.
 
         Parameters
         ----------
@@ -210,7 +209,7 @@ class ContactSolution(ContactFields):
         Raises
         ------
         InputError
-            If the body has no stress, or the contact no problem that can be solved again.
+            If the body has no stress, or the problem cannot be solved again.
         """
         found: YieldPoint = self.response(responses.create("first-yield", yield_stress, body=body))
         return found
@@ -223,9 +222,9 @@ class ContactSolution(ContactFields):
         axis
             Axis along which it flows: 0 (x) or 1 (y).
         viscosity
-            Pa s.
+            Viscosity, Pa s.
         pressure_drop
-            Between the two sides, Pa.
+            Pressure difference between the two sides, Pa.
 
         Raises
         ------
@@ -262,7 +261,7 @@ class ContactSolution(ContactFields):
         Parameters
         ----------
         tangential_force
-            N.
+            Tangential force, N.
         friction
             Coefficient of friction.
         axis
@@ -280,8 +279,8 @@ class ContactSolution(ContactFields):
     def saturated_area(self, estimator: str | AreaEstimator = "level-set") -> Area:
         """Return the part of the contact area where the pressure has reached the limit; zero without a limit.
 
-        limit - p and -gap satisfy the contact conditions, and the contact of that complementary problem is
-        the area that is not saturated; so the estimators of the contact's edge find this edge as well.
+        limit - p and -gap satisfy the conditions of contact too, and the contact of this complementary problem is the
+        area that is not saturated: the area estimators find its edge as well.
 
         Parameters
         ----------
@@ -297,9 +296,9 @@ class ContactSolution(ContactFields):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """Likely mistakes, and why the model or the grid does not suit the contact, in sentences; empty if none.
+        """Likely mistakes, and limits of model and grid for this contact, in sentences; empty if there are none.
 
-        They do not include those of the `area`.
+        The warnings of the `area` are not among them.
         """
         pressed = self if self.tension is None else self._pressed
         found = list_warnings(pressed, self._materials.values())
@@ -307,10 +306,10 @@ class ContactSolution(ContactFields):
 
     @cached_property
     def theory(self) -> TheoryBeside | None:
-        """Persson's theory for the same surface and load; None where it does not hold.
+        """Persson's theory for the same surface and load; None if it does not hold.
 
-        It is given on periodic boundaries, without saturated cells, for nominally flat, isotropic, Gaussian roughness
-        of many waves, most of them longer than four cells, on at most 2048 x 2048 cells.
+        It holds on periodic boundaries without saturated cells, for nominally flat, isotropic, Gaussian roughness of
+        many waves, most of them longer than four cells; grids have at most 2048 x 2048 cells.
         """
         return compare_with_theory(self) if self.tension is None else None
 
@@ -326,8 +325,8 @@ class ContactSolution(ContactFields):
         path
             Its ending names one of the registered ``writers``; an existing file is replaced. ``.npz``, or ``.nc`` for
             netCDF with units (extra ``store``), can be loaded again: they hold the fields, shape (nx, ny), under
-            their own names, the force, approach and area, the versions of the packages, and the problem: each part
-            by its registered name and fields. Python warns of a part whose class is not registered. ``.html`` is the
+            their own names, the force, approach and area, the versions of the packages, and the problem: each part by
+            its registered name and fields. A warning names parts whose class is not registered. ``.html`` is the
             report, ``.vti`` image data for ParaView.
 
         Raises
@@ -356,7 +355,7 @@ class ContactSolution(ContactFields):
         Parameters
         ----------
         panel
-            Registered name or instance of one panel; None: the four that say most, side by side.
+            Registered name or instance of one panel; None: the four most important ones, side by side.
         axes
             Matplotlib's axes to draw one panel on; None: new ones.
         dark
@@ -393,8 +392,8 @@ class ContactSolution(ContactFields):
         path
             The file.
         verify
-            Whether to build the problem and recompute displacement and residuals from the pressure: the time of
-            one convolution. False takes them as the file gives them.
+            Whether to build the problem and recompute displacement and residuals from the pressure: the time of one
+            convolution. False takes them from the file.
 
         Raises
         ------

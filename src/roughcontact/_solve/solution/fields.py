@@ -16,8 +16,8 @@ from roughcontact._solve.solution.origin import Accuracy, Origin
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
 from roughcontact.errors import InputError
 
-# Cells below which a patch has no point that is surrounded by contact, so that its area is hardly known.
-_SMALL_PATCH = 4
+# Minimum cells of a patch with a point that is surrounded by contact; the area of smaller ones is hardly known.
+_SMALL_PATCH_CELLS = 4
 
 
 @attrs.frozen(eq=False)
@@ -31,7 +31,7 @@ class ContactPatches:
     pressure
         Contact pressure, shape `grid.shape`, Pa.
     labels
-        Number of each cell's patch, from 1, and zero for open cells, shape `grid.shape`.
+        Number of the patch at each cell, from 1, and zero at open cells, shape `grid.shape`.
     count
         Number of patches.
     members
@@ -57,7 +57,7 @@ class ContactPatches:
 
     @property
     def areas(self) -> Array:
-        """Counted area of each patch, shape (count,), m2: mostly too large, see `CellCount`."""
+        """Counted area of each patch, shape (count,), m2: usually too large, see `CellCount`."""
         return np.asarray(self.cells * self.grid.cell_area, dtype=np.float64)
 
     @cached_property
@@ -99,7 +99,7 @@ class ContactPatches:
     def small_fraction(self) -> float:
         """Fraction of the counted area in patches of fewer than four cells."""
         total = int(self.cells.sum())
-        return float(self.cells[self.cells < _SMALL_PATCH].sum() / total) if total else 0.0
+        return float(self.cells[self.cells < _SMALL_PATCH_CELLS].sum() / total) if total else 0.0
 
     def __str__(self) -> str:
         if self.count == 0:
@@ -107,7 +107,8 @@ class ContactPatches:
         return (
             f"{self.count} patches of {self.cells.mean():.3g} cells on average, {int(self.cells.max())} at most; "
             f"the largest carries {100 * self.forces.max() / self.forces.sum():.3g} % of the load; "
-            f"{100 * self.small_fraction:.3g} % of the counted area is in patches of fewer than {_SMALL_PATCH} cells"
+            f"{100 * self.small_fraction:.3g} % of the counted area is in patches of fewer than "
+            f"{_SMALL_PATCH_CELLS} cells"
         )
 
 
@@ -128,7 +129,7 @@ def find_patches(contact: Mask, pressure: Array, grid: Grid, boundary: Boundary)
 
 
 def _join_runs(starts: IntArray, stops: IntArray, shape: tuple[int, int], boundary: Boundary) -> tuple[IntArray, int]:
-    """Return the patch of each run, from 0, and the number of patches; rows are one cell longer than the grid's."""
+    """Return the patch of each run, from 0, and the number of patches; the runs are of rows with one more cell."""
     from scipy import sparse
 
     nx, ny = shape
@@ -181,24 +182,24 @@ class ContactFields:
     approach
         Approach of the bodies since first touch, m.
     status, iterations, convolutions, seconds
-        How the solve ended, and its cost; wall time in s.
+        End of the solve, and its cost; wall time in s.
     residuals
-        Residuals of the contact conditions, verified in float64: the certificate.
+        Residuals of the conditions of contact, verified in float64: the certificate.
     errors
         The solver's error before each iteration.
     levels
-        The work on each grid, from coarse to fine; empty where the solver does not report it.
+        The work on each grid, from coarse to fine; empty if the solver does not report it.
     edge_shift
-        Distance by which the edge of the discrete contact lies inside that of the continuous one, in cells.
+        Distance by which the edge of the discrete contact lies inside the true edge, in cells.
     moduli
-        Inverse wave numbers, m, ascending, and the effective contact modulus at each, Pa; None where it is
-        `modulus` at all wave numbers.
+        Inverse wave numbers, m, ascending, and the effective contact modulus at each, Pa; None if it is `modulus` at
+        all wave numbers.
     origin
-        The problem and its load; None where they are not known.
+        The problem and its load; None if they are not known.
     accuracy
-        The accuracy that was asked of the solve and its cost; None where none was, and in files.
+        The accuracy that was requested, and its cost; None if none was, and in files.
     non_measured
-        Points that were not measured on one of the bodies and carry nothing, shape `grid.shape`; None without any.
+        Points that were not measured on one of the bodies, shape `grid.shape`: they carry no load. None: no such point.
     tension
         Attraction of the surfaces, shape `grid.shape`, Pa, at least zero; None without adhesion.
     """
@@ -226,7 +227,7 @@ class ContactFields:
     tension: Array | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Arrays come back writable from pickles and deep copies: they are made read-only as those of any solution.
+        # Arrays in pickles and deep copies are writable: the constructor makes them read-only again.
         return _restore, (type(self), attrs.asdict(self, recurse=False))
 
     def effective_modulus(self, wavenumber: float | Array) -> Array:

@@ -25,6 +25,12 @@ from roughcontact.errors import InputError, MissingPackage
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
 
+_FIELDS = ("pressure", "gap", "initial_gap", "displacement")
+_MASKS = ("contact", "saturated", "non_measured")
+_VTK_TYPES = {np.dtype(np.float64): "Float64", np.dtype(np.uint8): "UInt8"}
+# Bytes of the length that precedes each array.
+_LENGTH_BYTES = 8
+
 
 class SolutionWriter(abc.ABC):
     """A writer of one kind of file. Subclass it and register it in ``roughcontact.writers``.
@@ -72,7 +78,7 @@ class ArchiveWriter(SolutionWriter):
 
 def write_solution(solution: ContactSolution, path: Path) -> None:
     """Write a solution in the format that the ending of the file names."""
-    # An ending that ships is found without a look at what plug-ins bring.
+    # Endings of this package are found without loading plug-ins.
     names = sorted(writers, key=lambda name: path.suffix != f".{name}")
     known: set[str] = set()
     for name in names:
@@ -95,19 +101,12 @@ def page_or_file(make: Callable[[], Any], path: str | os.PathLike[str] | None) -
     return None
 
 
-_FIELDS = ("pressure", "gap", "initial_gap", "displacement")
-_MASKS = ("contact", "saturated", "non_measured")
-_TYPES = {np.dtype(np.float64): "Float64", np.dtype(np.uint8): "UInt8"}
-# Bytes of the number that stands before each array, its length in bytes.
-_LENGTH = 8
-
-
 @final
 @attrs.frozen
 class VtiWriter(SolutionWriter):
-    """Image data for ParaView and VTK: the fields on the cells, the numbers as field data, all in SI units.
+    """Image data for ParaView and VTK: the fields on the cells, the scalars as field data, all in SI units.
 
-    Without a package of VTK, which takes 560 MB: the format is a heading in XML, then the arrays.
+    It needs no package of VTK, which takes 560 MB: the format is a heading in XML, then the arrays.
     """
 
     @property
@@ -131,7 +130,7 @@ class VtiWriter(SolutionWriter):
 def cells_of(solution: ContactSolution) -> dict[str, RealArray]:
     """Return the fields of a solution by name, shape (nx, ny): float64, masks as uint8.
 
-    The heights of the bodies, m, are among them where their problem is known, those of a flat counterbody omitted.
+    They include the heights of the bodies, m, if the problem is known; heights of a flat counterbody are omitted.
     """
     fields: dict[str, RealArray] = {name: getattr(solution, name) for name in _FIELDS}
     masks = {name: getattr(solution, name) for name in _MASKS}
@@ -165,7 +164,7 @@ def to_pyvista(solution: ContactSolution) -> Any:
 
 
 def _spacing(grid: Grid) -> tuple[float, float, float]:
-    # A plane of cells has no thickness, but VTK wants a spacing.
+    # A plane of cells has no thickness, but VTK needs a spacing.
     return (*grid.spacing, min(grid.spacing))
 
 
@@ -179,9 +178,9 @@ def _heading(grid: Grid, numbers: dict[str, RealArray], cells: dict[str, RealArr
     lines = {"numbers": "", "cells": ""}
     for group, arrays, tuples in (("numbers", numbers, ' NumberOfTuples="1"'), ("cells", cells, "")):
         for name, values in arrays.items():
-            kind = f"type={quoteattr(_TYPES[values.dtype])} Name={quoteattr(name)}{tuples}"
+            kind = f"type={quoteattr(_VTK_TYPES[values.dtype])} Name={quoteattr(name)}{tuples}"
             lines[group] += f'<DataArray {kind} format="appended" offset="{offset}"/>\n'
-            offset += _LENGTH + values.nbytes
+            offset += _LENGTH_BYTES + values.nbytes
     extent = f"0 {grid.shape[0]} 0 {grid.shape[1]} 0 0"
     origin, spacing = (" ".join(map(repr, values)) for values in (_origin(grid), _spacing(grid)))
     order = f"{sys.byteorder.capitalize()}Endian"

@@ -25,14 +25,29 @@ from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution, Status, 
 from roughcontact.errors import InputError
 
 _FORMAT = "roughcontact study, format 1"
-# What a record and the file of its solution both state, under the same name.
-_FIGURES = ("status", "force", "mean_pressure", "approach", "iterations", "convolutions", "seconds")
-# Columns of a table that are named as those of a sweep.
-_COLUMNS = {"saturated": "saturated_area"}
-# Characters of the list of records and of one, which takes some 500 and its warnings; and the end of the list.
-_LONGEST_INDEX = 2**28
-_LONGEST_RECORD = 2**16
-_END = "\n]}\n"
+# Fields of a record that the file of its solution states under the same name.
+_STATED_FIGURES = ("status", "force", "mean_pressure", "approach", "iterations", "convolutions", "seconds")
+# Columns of a table that have other names than the fields, as in the table of a sweep.
+_COLUMN_NAMES = {"saturated": "saturated_area"}
+# Most characters of the list of records, and of one record (about 500 and its warnings); the end of the list.
+_MAX_INDEX_CHARACTERS = 2**28
+_MAX_RECORD_CHARACTERS = 2**16
+_INDEX_END = "\n]}\n"
+_LOAD_UNITS = {"pressure": "Pa", "force": "N", "approach": "m"}
+_UNITS = {
+    "force": "N",
+    "mean_pressure": "Pa",
+    "approach": "m",
+    "p_max": "Pa",
+    "saturated_area": "m2",
+    "seconds": "s",
+    "peak_pressure": "Pa",
+    "peak_pressure_uncertainty": "Pa",
+}
+_COUNT_COLUMNS = ("iterations", "convolutions")
+_NO_AREA = (np.nan, np.nan)
+# Solves whose answers are printed: the first and the last ones of a longer study.
+_MAX_PRINTED_ROWS = 40
 
 
 def _key(value: str) -> str:
@@ -107,9 +122,9 @@ class Record:
     parameters: Mapping[str, Any] = attrs.field(factory=dict, converter=dict)
 
     def agrees_with(self, figures: Mapping[str, Any]) -> bool:
-        """Tell whether it states the figures of its file; the areas of other estimators are not in the file."""
+        """Return whether it states the figures of its file; the areas of other estimators are not in the file."""
         names = {"p_max": "maximum_pressure", "saturated": "saturated_area"}
-        stated = (*_FIGURES, *names)
+        stated = (*_STATED_FIGURES, *names)
         blend = self.areas.get(DEFAULT_AREA, (figures["area"], figures["area_uncertainty"]))
         return all(getattr(self, name) == figures[names.get(name, name)] for name in stated) and blend == (
             figures["area"],
@@ -126,7 +141,7 @@ class Record:
         figures = attrs.asdict(self, recurse=False)
         areas = figures.pop("areas")
         parameters = figures.pop("parameters")
-        figures = {_COLUMNS.get(name, name): value for name, value in figures.items()}
+        figures = {_COLUMN_NAMES.get(name, name): value for name, value in figures.items()}
         figures["warnings"] = " ".join(self.warnings)
         if parameters:
             del figures["seed"]
@@ -159,18 +174,18 @@ def read_solution(folder: Path, key: str) -> ContactSolution:
 def read_index(path: Path) -> dict[str, Record]:
     """Return the records of a file of `write_index` by key; none if there is no such file, or it is damaged."""
     try:
-        if path.is_symlink() or not path.is_file() or path.stat().st_size > _LONGEST_INDEX:
+        if path.is_symlink() or not path.is_file() or path.stat().st_size > _MAX_INDEX_CHARACTERS:
             return {}
         text = path.read_text(encoding="utf-8")
-        lines = text.partition("\n")[2].removesuffix(_END)
-        # Before anything of it is used.
+        lines = text.partition("\n")[2].removesuffix(_INDEX_END)
+        # Checked before any of the content is used.
         if _sealed(lines) != text:
             return {}
         texts = lines.split(",\n") if lines else []
-        if max(map(len, texts), default=0) > _LONGEST_RECORD:
+        if max(map(len, texts), default=0) > _MAX_RECORD_CHARACTERS:
             return {}
         records = [Record(**rebuild(json.loads(one), {})) for one in texts]
-    # It only saves time: whatever is wrong with it, it is made again.
+    # The list only saves time: it is made again if it is damaged in any way.
     except Exception:
         return {}
     return {record.key: record for record in records} if _index(records) == lines else {}
@@ -183,7 +198,7 @@ def write_index(path: Path, records: Sequence[Record]) -> None:
 
 
 def _stated(record: Record) -> dict[str, Any]:
-    """Return the fields of a record; without parameters it reads as in a list of a version that had none."""
+    """Return the fields of a record; parameters are omitted if empty, as in the lists of older versions."""
     return {name: value for name, value in attrs.asdict(record).items() if name != "parameters" or value}
 
 
@@ -192,26 +207,9 @@ def _index(records: Sequence[Record]) -> str:
 
 
 def _sealed(lines: str) -> str:
-    """Return the content of the list of records, with the checksum of its lines."""
+    """Return the text of the list of records, with the checksum of its lines."""
     digest = hashlib.sha256(lines.encode()).hexdigest()
-    return f'{{"format": "{_FORMAT}", "sha256": "{digest}", "records": [\n{lines}{_END}'
-
-
-_LOAD_UNITS = {"pressure": "Pa", "force": "N", "approach": "m"}
-_UNITS = {
-    "force": "N",
-    "mean_pressure": "Pa",
-    "approach": "m",
-    "p_max": "Pa",
-    "saturated_area": "m2",
-    "seconds": "s",
-    "peak_pressure": "Pa",
-    "peak_pressure_uncertainty": "Pa",
-}
-_COUNTS = ("iterations", "convolutions")
-_NO_AREA = (np.nan, np.nan)
-# Solves whose answers are printed: the first and the last ones of a longer study.
-_PRINTED_ROWS = 40
+    return f'{{"format": "{_FORMAT}", "sha256": "{digest}", "records": [\n{lines}{_INDEX_END}'
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -296,7 +294,7 @@ class StudyResult:
 
         variables: dict[str, Any] = {
             name: (tuple(places), spread((row[name] for row in rows), np.nan, float), {"units": unit})
-            for name, unit in {**_UNITS, **dict.fromkeys(_COUNTS, "")}.items()
+            for name, unit in {**_UNITS, **dict.fromkeys(_COUNT_COLUMNS, "")}.items()
         }
         for name in ("status", "warnings"):
             variables[name] = (tuple(places), spread((row[name] for row in rows), "", object).astype(str))
@@ -345,7 +343,7 @@ class StudyResult:
         return self._answers.to_html(self._summary, *self._notes)
 
     def __str__(self) -> str:
-        answers = self._answers.to_text(keys=len(self._places), max_rows=_PRINTED_ROWS)
+        answers = self._answers.to_text(keys=len(self._places), max_rows=_MAX_PRINTED_ROWS)
         return "\n".join([self._summary, "", answers, *self._notes])
 
     @property

@@ -26,11 +26,14 @@ from roughcontact._work.studies.tasks import Chains, run_chains
 from roughcontact.errors import InputError, NotWritten, StudyStopped
 
 # Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts.
-_CONVOLUTIONS = 25
-# Values of an axis that are listed; of more, the first ones and the last.
-_LISTED = 8
-# Units of a time, s, from twice which on they are used.
-_TIMES = {"hours": 3600.0, "minutes": 60.0, "s": 1.0}
+_TYPICAL_CONVOLUTIONS = 25
+# Most values of an axis that are listed; of more, the first ones and the last.
+_MAX_LISTED_VALUES = 8
+# Units of a time, s; each is used from twice its length on.
+_TIME_UNITS = {"hours": 3600.0, "minutes": 60.0, "s": 1.0}
+_ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds")
+# Units in which texts of a study file are read.
+_PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
 
 
 def describe_study(
@@ -62,7 +65,7 @@ def describe_study(
     rows = [(name, _list_values(values)) for name, values in lists.items()]
     rows += [
         ("solves", f"{count}: {' x '.join(f'{len(values)} of {name}' for name, values in lists.items())}"),
-        ("work", f"{cells / 1e6:.3g} million cells in all, about {_CONVOLUTIONS} convolutions for each"),
+        ("work", f"{cells / 1e6:.3g} million cells in all, about {_TYPICAL_CONVOLUTIONS} convolutions for each"),
         ("memory", f"at most {binary(max(plan.memory for plan in plans))} for one solve"),
         ("time", f"about {_format_time(seconds)} in one process on this machine, within a factor of three"),
     ]
@@ -74,17 +77,14 @@ def describe_study(
 
 def _list_values(values: Sequence[Any]) -> str:
     texts = [str(value) for value in values]
-    return ", ".join(texts if len(texts) <= _LISTED else [*texts[: _LISTED - 1], "...", texts[-1]])
+    return ", ".join(
+        texts if len(texts) <= _MAX_LISTED_VALUES else [*texts[: _MAX_LISTED_VALUES - 1], "...", texts[-1]]
+    )
 
 
 def _format_time(seconds: float) -> str:
-    unit = next((unit for unit, length in _TIMES.items() if seconds >= 2.0 * length), "s")
-    return f"{seconds / _TIMES[unit]:.2g} {unit}"
-
-
-_ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds")
-# Units in which texts of a study file are read.
-_PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
+    unit = next((unit for unit, length in _TIME_UNITS.items() if seconds >= 2.0 * length), "s")
+    return f"{seconds / _TIME_UNITS[unit]:.2g} {unit}"
 
 
 def _problems(value: object) -> Mapping[str, ContactProblem]:
@@ -102,7 +102,7 @@ def _problems(value: object) -> Mapping[str, ContactProblem]:
 
 
 def _as_tuple(value: object) -> object:
-    # What is not a list is refused by `Load.sequence`, in words.
+    # `Load.sequence` refuses values that are not lists, in words.
     try:
         return tuple(value) if isinstance(value, Iterable) and not isinstance(value, (str, bytes)) else value
     except Exception:
@@ -137,7 +137,7 @@ class Study:
     ----------
     problems
         A `ContactProblem`, or several by name; or a function that returns one, called with a value of each axis by
-        name when its solves begin. What it cannot build is in the records, with the reason.
+        name when its solves begin. A problem that it cannot build is in the records, with the reason.
     pressure, force, approach
         Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. Each solve starts from
         the solutions at the loads before. With a hardness each load is a first loading; for loads after a larger one
@@ -209,7 +209,7 @@ class Study:
 
     @property
     def _known_problems(self) -> list[tuple[str, ContactProblem]]:
-        """All problems, or the first of those that are built one by one."""
+        """All problems, or only the first if a function builds them."""
         names = list(self.problems)[:1] if isinstance(self.problems, BuiltProblems) else self.problems
         return [(name, self.problems[name]) for name in names]
 
@@ -230,9 +230,9 @@ class Study:
             described = {name: problem.parts for name, problem in self.problems.items()}
         return key_of([described, [load.arguments for load in self.loads], self.seeds])[:12]
 
-    def chains(self, folder: Path = Path()) -> Iterator[Chain]:
+    def chains(self) -> Iterator[Chain]:
         """Yield each problem with each seed, at all loads."""
-        for chain in self._points(folder, {}):
+        for chain in self._points(Path(), {}):
             if isinstance(chain, Unbuilt):
                 raise InputError(chain.message)
             yield chain
@@ -253,7 +253,7 @@ class Study:
         executor: Executor | None = None,
         on_records: Callable[[Sequence[Record]], None] | None = None,
     ) -> StudyResult:
-        """Solve what is not in the folder yet.
+        """Solve the contacts whose solutions are not in the folder yet.
 
         Parameters
         ----------
@@ -261,7 +261,7 @@ class Study:
             The folder of the solutions, one npz file each, and of the list of records; made if it is missing.
             Workers on other machines must see the same folder.
         executor
-            Any `concurrent.futures.Executor`, such as a process pool or that of a dask client, which gets one
+            Any `concurrent.futures.Executor`, such as a process pool or the one of a dask client, which gets one
             task for each problem and seed; in this process if None.
         on_records
             Called with the records of each problem and seed as soon as they are known.

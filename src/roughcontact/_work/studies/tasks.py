@@ -1,4 +1,4 @@
-"""All chains of a study, each made when it is taken, as tasks of an executor, whose workers may die."""
+"""All chains of a study as tasks of an executor, whose workers may die; each chain is made when it is needed."""
 
 from __future__ import annotations
 
@@ -18,6 +18,11 @@ from roughcontact._work.studies.chain import Chain, ChainResult, Unbuilt, name_e
 from roughcontact._work.studies.record import Record
 from roughcontact.errors import InputError, RoughContactError
 
+# Most workers that are given a chain, one after the other, if they die.
+_MAX_TRIES = 3
+# Errors of pickling: no other worker would do better.
+_PICKLING_ERRORS = (pickle.PicklingError, AttributeError, TypeError, MemoryError)
+
 
 @attrs.frozen(eq=False)
 class Chains(Sequence[Chain | Unbuilt]):
@@ -26,7 +31,7 @@ class Chains(Sequence[Chain | Unbuilt]):
     Attributes
     ----------
     problems, seeds, loads, areas
-        Those of the study.
+        The ones of the study.
     folder
         The folder of its solutions.
     known
@@ -64,12 +69,6 @@ class Chains(Sequence[Chain | Unbuilt]):
         return attrs.evolve(chain, known=known)
 
 
-# Workers that a chain is given to, one after the other, if they die.
-_TRIES = 3
-# What pickling raises: no other worker would do better.
-_NOT_SENT = (pickle.PicklingError, AttributeError, TypeError, MemoryError)
-
-
 def run_chains(
     chains: Sequence[Chain | Unbuilt], executor: Executor | None
 ) -> Generator[tuple[int, ChainResult], None, None]:
@@ -102,7 +101,7 @@ def run_chains(
                     break
                 yield position, result
                 if result.stopped:
-                    # Nothing can be written any more: what has not begun is not begun.
+                    # Nothing can be written any more, so no further task is begun.
                     waiting = {future: place for future, place in waiting.items() if not future.cancel()}
                     break
     finally:
@@ -122,14 +121,14 @@ def _run_beside_others(chain: Chain) -> ChainResult:
 def _result(
     future: Future[ChainResult], chains: Sequence[Chain | Unbuilt], position: int, tries: int
 ) -> ChainResult | None:
-    """Return the result of a task, or None if another worker is to try it."""
+    """Return the result of a task, or None if another worker should try it."""
     error = BrokenExecutor("it cancelled a task") if future.cancelled() else future.exception()
     if error is None:
         return future.result()
     if not isinstance(error, Exception):
         # A worker was interrupted from the keyboard, or exits.
         raise error
-    if tries < _TRIES and not isinstance(error, (BrokenExecutor, RoughContactError, *_NOT_SENT)):
+    if tries < _MAX_TRIES and not isinstance(error, (BrokenExecutor, RoughContactError, *_PICKLING_ERRORS)):
         # A worker died: its finished solutions are on disk, and another one does the rest.
         return None
     return _explain_loss(chains[position], error)
@@ -139,7 +138,7 @@ def _explain_loss(chain: Chain | Unbuilt, error: Exception) -> ChainResult:
     """Return the result of a chain that no worker has returned."""
     if isinstance(chain, Unbuilt):
         return chain.refused()
-    if isinstance(error, (RoughContactError, *_NOT_SENT)):
+    if isinstance(error, (RoughContactError, *_PICKLING_ERRORS)):
         return chain.failed(name_exception("Sending the problem to a worker", error))
     if isinstance(error, RuntimeError):
         return ChainResult([], lost=f"The executor broke ({error})")

@@ -17,7 +17,7 @@ from roughcontact._solve.solvers.adhesive.stiffness import SurfaceStiffness
 T = TypeVar("T")
 # Support against waves longer than the openings, over the mean stiffness of a punch of the open cells, and its
 # minimum over the stiffness of the longest wave.
-_SUPPORT = 0.5
+SUPPORT = 0.5
 _LONGEST = 0.02
 # Fraction of the cells that may open or close before the support is computed again.
 _CHANGED = 0.05
@@ -245,7 +245,7 @@ class AdhesiveDescent:
         self.products += 1
         count = max(int(np.count_nonzero(self._mask)), 1)
         mean = math.fsum(self._map(lambda tile: _dot(stiff[tile.rows], cells[tile.rows]))) / count
-        support = max(_SUPPORT * mean, _LONGEST * self.problem.stiffness.longest)
+        support = max(SUPPORT * mean, _LONGEST * self.problem.stiffness.longest)
         self._preconditioner = 1.0 / (self._symbol + self.dtype(support))
         if self.problem.holds_mean:
             weights = self._inverse.multiply(cells, self._preconditioner, self._inverse.padded)

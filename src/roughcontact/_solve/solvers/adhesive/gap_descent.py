@@ -32,6 +32,9 @@ _MARGIN = 0.7
 _SINGLE = 2e-6
 # Iterations of a descent that may pass without the error being halved.
 _IDLE = 400
+# ... and of one in float32 whose error has fallen below the second number: rounding keeps it from falling further.
+_IDLE_SINGLE = 15
+_ROUNDED = 1e-3
 # Iterations in a row without a contact, pulled apart by the load, after which the surfaces count as separated.
 _APART = 6
 
@@ -175,7 +178,8 @@ class _Run:
             self._left -= 1
             idle = 0 if error < 0.5 * best else idle + 1
             best = min(best, error)
-            if idle > _IDLE or not descent.advance():
+            rounded = descent.dtype is np.float32 and best < _ROUNDED
+            if idle > (_IDLE_SINGLE if rounded else _IDLE) or not descent.advance():
                 return None
             self._apart = self._apart + 1 if descent.is_apart() else 0
             if self._apart >= _APART and self._task.mean_pressure is not None:

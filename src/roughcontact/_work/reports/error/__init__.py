@@ -1,4 +1,4 @@
-"""Errors of one's own problem against run time, over grids, parts and area estimators."""
+"""Errors of a problem against run time, over grids, parts and area estimators."""
 
 from roughcontact._work.reports.error.reference import KnownAnswer
 from roughcontact._work.reports.error.result import ErrorReport, ReportRow, Timing

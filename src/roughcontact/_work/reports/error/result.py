@@ -17,6 +17,13 @@ from roughcontact._base.units import counted, fit, si
 from roughcontact._work.reports.error.reference import QUANTITIES, UNITS, KnownAnswer
 from roughcontact.errors import InputError
 
+_LABELS = {"area": "area", "p_max": "maximum pressure", "approach": "approach"}
+_ERROR_LABELS = {"area": "error", "p_max": "pressure error", "approach": "approach error"}
+# Errors whose ratio is above this count as equal, so that chance does not decide between them.
+_EQUAL_ERROR_RATIO = 0.99
+# Errors below this part of the reference's error bound are printed as zero: their digits mean nothing.
+_NEGLIGIBLE_ERROR_RATIO = 0.01
+
 
 @attrs.frozen
 class Timing:
@@ -51,7 +58,7 @@ class ReportRow:
     unresolved
         The quantities whose error is below the error bound of the reference.
     of_reference
-        The quantities that the reference has from this very case: they have no error here, and are not ranked.
+        The quantities that the reference took from this case: they have no error here, and are not ranked.
     cpu, wall
         CPU time of all threads and wall time, from the heights to the area.
     solve_cpu, area_cpu
@@ -106,11 +113,11 @@ class ReportRow:
         return abs(float(getattr(self, f"{quantity}_error")))
 
     def timing(self, quantity: str) -> Timing:
-        """Return the CPU time that a quantity costs: only the area needs an estimator."""
+        """Return the CPU time of a quantity: only the area needs an estimator."""
         return self.cpu if quantity == "area" else self.solve_cpu
 
     def cost(self, quantity: str) -> float:
-        """Return the median CPU time that a quantity costs, s."""
+        """Return the median CPU time of a quantity, s."""
         return self.timing(quantity).median
 
     def describe(self, parts: Sequence[str]) -> str:
@@ -206,14 +213,6 @@ def _percent(fraction: float) -> str:
     return f"{format_percent(fraction).removeprefix('+')} %"
 
 
-_LABELS = {"area": "area", "p_max": "maximum pressure", "approach": "approach"}
-_ERRORS = {"area": "error", "p_max": "pressure error", "approach": "approach error"}
-# Errors whose ratio is above this count as equal, so that chance does not decide between them.
-_EQUAL = 0.99
-# Errors below this part of the reference's error bound are printed as zero: their digits mean nothing.
-_NEGLIGIBLE = 0.01
-
-
 @attrs.frozen(eq=False, kw_only=True)
 class ErrorReport:
     """Errors against run time; `str` of it is a table.
@@ -251,7 +250,7 @@ class ErrorReport:
         front = []
         for row in sorted(known, key=lambda row: (row.cost(quantity), row.error(quantity))):
             error = max(row.error(quantity), bound)
-            if error < _EQUAL * best:
+            if error < _EQUAL_ERROR_RATIO * best:
                 best = error
                 front.append(row)
         return tuple(front)
@@ -259,8 +258,8 @@ class ErrorReport:
     def advice(self, area: float = 0.005) -> str:
         """Return in a sentence which case reaches a relative error of the area at the lowest cost.
 
-        It adds what the other estimators need. A case counts only if all finer grids of the report are accurate
-        enough too: a coarse grid may be right by chance.
+        It adds the cells that the other estimators need. A case counts only if all finer grids of the report are
+        accurate enough too: a coarse grid may be right by chance.
         """
         advice = advise(self.rows, self.reference, area)
         if not any(row.of_reference for row in self.rows):
@@ -301,7 +300,7 @@ class ErrorReport:
         draw_report(self, checks.path(path, "The picture"))
 
     def _make_head(self) -> list[str]:
-        """Return what was solved, and the reference."""
+        """Return the description of the problem, and the reference."""
         known = []
         for name in self.reference.quantities:
             value = getattr(self.reference, name)
@@ -324,7 +323,7 @@ class ErrorReport:
             *parts,
             "estimator",
             "area, %",
-            *(f"{_ERRORS[name]}, %" for name in known),
+            *(f"{_ERROR_LABELS[name]}, %" for name in known),
         ]
         headings += ["CPU, s (min..max)", "area, s", "wall, s (min..max)", "iter.", "conv.", "float32", "peak, MiB"]
         front = {id(row) for row in self.front()}
@@ -353,11 +352,11 @@ class ErrorReport:
         error = getattr(row, f"{name}_error")
         if name not in row.unresolved:
             return format_percent(error)
-        negligible = abs(error) <= _NEGLIGIBLE * self.reference.relative_uncertainty(name)
+        negligible = abs(error) <= _NEGLIGIBLE_ERROR_RATIO * self.reference.relative_uncertainty(name)
         return f"({'0' if negligible else format_percent(error)})"
 
     def _make_notes(self, front: bool) -> list[str]:
-        """Return how to read the table."""
+        """Return the explanations of the table."""
         notes = ["* on the Pareto front: no other case is both cheaper and more accurate."] if front else []
         if any(row.unresolved for row in self.rows):
             notes.append("(in brackets) not resolved: the error is below the error bound of the reference.")

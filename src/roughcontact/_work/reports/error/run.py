@@ -1,4 +1,4 @@
-"""Errors of one's own problem against run time: every combination of grids and parts, solved and timed."""
+"""Errors of a problem against run time: every combination of grids and parts, solved and timed."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ from roughcontact.errors import InputError, NotConverged, RoughContactError
 from roughcontact.errors.door import guarded
 
 # Cells a side below which a coarser grid is solved only if it is listed.
-_MIN_SIDE = 16
+_MIN_COARSE_SIDE = 16
+T = TypeVar("T")
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -108,7 +109,7 @@ def check_choices(
 
 
 def name_part(choice: object) -> str:
-    """Return the registered name of a part, or the object in words."""
+    """Return the registered name of a part, or the repr of an object."""
     return choice if isinstance(choice, str) else repr(choice)
 
 
@@ -123,7 +124,7 @@ def _make_shapes(problem: ContactProblem, cells: Sequence[int] | None) -> tuple[
     """Return the grids, from coarse to fine, with the problem's proportions as nearly as whole numbers allow."""
     nx, ny = problem.plan.grid.shape
     if cells is None:
-        counts = [nx // factor for factor in (8, 4, 2) if min(nx, ny) // factor >= _MIN_SIDE] + [nx]
+        counts = [nx // factor for factor in (8, 4, 2) if min(nx, ny) // factor >= _MIN_COARSE_SIDE] + [nx]
     else:
         given = _check_list(cells, "The cells along x", "a list of whole numbers, at least one")
         counts = sorted({integer(count, "The number of cells along x", at_least=2) for count in given})
@@ -142,12 +143,9 @@ def _set_tolerances(choices: tuple[Any, ...], tolerances: Sequence[float] | None
     return [(repr(new) if name == repr(old) else name, new) for name, old, new in changed]
 
 
-T = TypeVar("T")
-
-
 @attrs.frozen(eq=False)
 class Benchmark:
-    """What all cases of a report have in common; see `error_vs_time`."""
+    """The problem, the load and the settings of all cases of a report; see `error_vs_time`."""
 
     problem: ContactProblem
     load: Load
@@ -157,7 +155,7 @@ class Benchmark:
     reference: KnownAnswer
 
     def run(self, case: Case) -> list[ReportRow]:
-        """Return a row for each estimator; what fails is a row that says why."""
+        """Return a row for each estimator; rows of a case that fails say why."""
         rows = [
             ReportRow(
                 shape=case.shape,
@@ -331,9 +329,9 @@ def _try_area(solution: ContactSolution, estimator: str | AreaEstimator) -> Area
 def _measure_times(
     solve: Callable[[], ContactSolution], estimators: Sequence[str | AreaEstimator]
 ) -> list[tuple[float, float]]:
-    """Return CPU and wall time of one solve, then those of each estimator, s."""
+    """Return CPU and wall time of one solve, then of each estimator, s."""
     solution, times = _measure_time(solve)
-    # Copies: what one estimator caches in the solution would make the next one look cheap.
+    # Copies: values that one estimator caches in the solution would make the next one look cheap.
     works = [partial(attrs.evolve(solution).area, estimator) for estimator in estimators]
     return [times, *(_measure_time(work)[1] for work in works)]
 

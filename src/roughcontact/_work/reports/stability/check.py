@@ -25,7 +25,10 @@ RULES = {
     "convergence": Rule(0, 0, "decided by the status; an unconverged solution is not checked further", _SOLVER),
     "load balance": Rule(1e-12, 1e-9, "the sum of 1e6 pressures has a rounding error of 1e-13", _SOLVER),
     "complementarity": Rule(
-        2e-5, 1e-3, "twice the solvers' tolerance of 1e-5; 1e-3 moves areas and peak pressures by 0.1 %", _TOLERANCE
+        2e-5,
+        1e-3,
+        "twice the solvers' tolerance of 1e-5; 1e-3 moves areas and peak pressures by 0.1 %",
+        _TOLERANCE,
     ),
     "penetration": Rule(2e-5, 1e-3, "as for complementarity", _TOLERANCE),
     "convolution: digits lost": Rule(
@@ -49,7 +52,10 @@ RULES = {
     ),
     "coarser grid: approach or load": Rule(0.05, 0.2, "as for the area", _GRID),
     "shifted grid: area": Rule(
-        0.02, 0.1, "the position of the grid is arbitrary; the change is an uncertainty of about that size", _GRID
+        0.02,
+        0.1,
+        "the position of the grid is arbitrary; the change is an uncertainty of about that size",
+        _GRID,
     ),
     "shifted grid: peak pressure": Rule(0.05, 0.2, "as for the area; a peak between cell centres is missed", _GRID),
     "shifted grid: approach or load": Rule(0.02, 0.1, "as for the area", _GRID),
@@ -66,7 +72,7 @@ RULES = {
 # Where the text of a check begins, below its name.
 _INDENT = 11 * " "
 # Factor by which the solver's tolerance is lowered.
-_TIGHTER = 1000.0
+_TOLERANCE_DIVISOR = 1000.0
 
 
 class Verdict(StrEnum):
@@ -102,7 +108,7 @@ class Check:
     value
         The measured value; nan where the check was skipped.
     finding
-        What was measured, or why the check was skipped.
+        The measurement in words, or why the check was skipped.
     advice
         What to do; empty where nothing needs to be done.
     """
@@ -113,10 +119,14 @@ class Check:
     finding: str
     advice: str = ""
 
+    @property
+    def text(self) -> str:
+        """Finding and advice."""
+        return f"{self.finding}. {self.advice}" if self.advice else self.finding
+
     def __str__(self) -> str:
         value = "" if math.isnan(self.value) else f"{self.value:.3g}"
-        text = f"{self.finding}. {self.advice}" if self.advice else self.finding
-        return format_row(self.verdict, self.name, value, text)
+        return format_row(self.verdict, self.name, value, self.text)
 
 
 def format_row(verdict: str, name: str, value: str, text: str) -> str:
@@ -155,7 +165,7 @@ class SolvedProblem:
         `InputError` too where the solver has no tolerance to be set.
         """
         solver = self.problem.plan.solver
-        problem = attrs.evolve(self.problem, solver=solver.with_tolerance(solver.tolerance / _TIGHTER))
+        problem = attrs.evolve(self.problem, solver=solver.with_tolerance(solver.tolerance / _TOLERANCE_DIVISOR))
         return problem, self.solve_variant(problem)
 
     def solve_variant(self, variant: ContactProblem) -> ContactSolution:

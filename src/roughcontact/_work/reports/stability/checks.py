@@ -23,6 +23,30 @@ from roughcontact._solve.solvers import ProjectedConjugateGradient, SpectralGrad
 from roughcontact._work.reports.stability.check import RULES, Check, SolvedProblem, Verdict, assess, skip
 from roughcontact.errors import InputError, NotConverged
 
+# Differences of order n of 1/r are n!/r^n times 1/r: 2e-17 for n = 12 beyond 128 cells, below float64's rounding.
+_DIFFERENCE_ORDER = 12
+_FAR_FIELD_CELLS = 128
+# Grid on which both forms are compared, cells a side, and the distance from the loaded cell, cells, within which.
+_COMPARISON_CELLS = 64
+_NEAR_FIELD_CELLS = 8
+# Laplacians after which Love's kernel and its images differ by 3e-15 there, for cells of any aspect.
+_LAPLACIAN_COUNT = 4
+# Aspect of the cells up to which that grid is square in metres and still small (8 x 64 by 64 cells).
+_MAX_ASPECT = 8.0
+# Cells a side up to which sums of cosines, whose work grows as the cube of the side, take less than a second.
+_MAX_PLAIN_SUM_SIDE = 1024
+# Cells at which the displacement is compared; the cell of maximum pressure is added.
+_SAMPLED_CELLS = 16
+# The solver in float64 runs on up to 512 x 512 cells, where 3000 iterations take about a minute.
+_MAX_FLOAT64_CELLS = 2**18
+_MAX_FLOAT64_ITERATIONS = 3000
+# Cells a side below which a grid of half as many is too coarse for a comparison.
+_MIN_HALVED_SIDE = 16
+# Cells up to which a grid that cannot be halved is doubled: four times as many take seconds.
+_MAX_DOUBLED_CELLS = 2**20
+# Change between half the cells and all of them, over that between all and twice as many, at second order.
+_SECOND_ORDER_RATIO = 4.0
+
 
 def check_residuals(solved: SolvedProblem) -> list[Check]:
     """Return how the solve ended, the error of the load, and the residuals of the contact conditions."""
@@ -89,22 +113,6 @@ def _check_resolution(solution: ContactSolution) -> Check:
     return assess(name, cells, "wavelength that dominates the curvature in contact, in cells")
 
 
-# Differences of order n of 1/r are n!/r^n of it: 2e-17 for n = 12 beyond 128 cells, below float64's rounding.
-_DIFFERENCE_ORDER = 12
-_FAR = 128
-# Grid on which both forms are compared, cells a side, and the distance from the loaded cell, cells, within which.
-_CELLS = 64
-_NEAR = 8
-# Laplacians after which Love's kernel and its images differ by 3e-15 there, for cells of any aspect.
-_LAPLACIANS = 4
-# Aspect of the cells up to which that grid is square in metres and still small (8 x 64 by 64 cells).
-_MAX_ASPECT = 8.0
-# Cells a side up to which sums of cosines, whose work grows as the cube of the side, take less than a second.
-_MAX_SIDE = 1024
-# Cells at which the displacement is compared; the cell of maximum pressure is added.
-_SAMPLE = 16
-
-
 def sum_displacement(problem: ContactProblem, pressure: Array, chosen: IntArray) -> Array:
     """Return the displacement at the cells of flat index `chosen`, m, by plain sums instead of transforms."""
     plan = problem.plan
@@ -128,11 +136,11 @@ def _check_convolution(solved: SolvedProblem) -> Check:
     """Return the digits that the displacement loses against plain sums."""
     name = "convolution: digits lost"
     solution = solved.solution
-    if solution.boundary is Boundary.PERIODIC and max(solution.grid.shape) > _MAX_SIDE:
-        return skip(name, f"plain sums of waves take too long beyond {_MAX_SIDE} cells a side")
+    if solution.boundary is Boundary.PERIODIC and max(solution.grid.shape) > _MAX_PLAIN_SUM_SIDE:
+        return skip(name, f"plain sums of waves take too long beyond {_MAX_PLAIN_SUM_SIDE} cells a side")
     if not solution.contact.any():
         return skip(name, "there is no contact")
-    evenly = np.linspace(0, solution.grid.cells - 1, _SAMPLE).astype(np.intp)
+    evenly = np.linspace(0, solution.grid.cells - 1, _SAMPLED_CELLS).astype(np.intp)
     chosen = np.unique(np.append(evenly, solution.pressure.argmax()))
     by_sums = sum_displacement(solved.problem, solution.pressure, chosen)
     largest = float(np.abs(solution.displacement).max())
@@ -142,29 +150,26 @@ def _check_convolution(solved: SolvedProblem) -> Check:
 
 
 def _check_coefficients(plan: SolvePlan) -> Check:
-    """Return the digits that the real-space coefficients lose: far away, what is not smooth is rounding."""
+    """Return the digits that the real-space coefficients lose: far away they are smooth but for rounding."""
     name = "kernel: digits lost"
     if plan.boundary is Boundary.PERIODIC:
         return skip(name, "the boundary is periodic: the spectrum is used, not the coefficients")
     if not isinstance(plan.kernel, SupportsCoefficients):
         return skip(name, "the kernel has no real-space coefficients")
     kernel = _bind(plan)
+    gain = math.sqrt(math.comb(2 * _DIFFERENCE_ORDER, _DIFFERENCE_ORDER))
     noise = 0.0
     for axis, cells in enumerate(plan.grid.shape):
-        count = max(cells, 2 * _FAR)
-        strip = kernel.coefficients((count, 1) if axis == 0 else (1, count), plan.grid.spacing).ravel()[_FAR:]
-        gain = math.sqrt(math.comb(2 * _DIFFERENCE_ORDER, _DIFFERENCE_ORDER))
-        noise = max(
-            noise,
-            float(
-                np.abs(
-                    np.diff(strip, _DIFFERENCE_ORDER) / strip[_DIFFERENCE_ORDER // 2 : -_DIFFERENCE_ORDER // 2]
-                ).max()
-            )
-            / gain,
-        )
-    differences = f"by differences of order {_DIFFERENCE_ORDER}"
-    finding = f"relative noise of the coefficients beyond {_FAR} cells is {noise:.1e}, {differences}"
+        count = max(cells, 2 * _FAR_FIELD_CELLS)
+        strip = kernel.coefficients((count, 1) if axis == 0 else (1, count), plan.grid.spacing).ravel()[
+            _FAR_FIELD_CELLS:
+        ]
+        differences = np.diff(strip, _DIFFERENCE_ORDER) / strip[_DIFFERENCE_ORDER // 2 : -_DIFFERENCE_ORDER // 2]
+        noise = max(noise, float(np.abs(differences).max()) / gain)
+    finding = (
+        f"relative noise of the coefficients beyond {_FAR_FIELD_CELLS} cells is {noise:.1e}, "
+        f"by differences of order {_DIFFERENCE_ORDER}"
+    )
     return assess(name, _count_digits(noise), finding)
 
 
@@ -178,12 +183,12 @@ def _check_forms(plan: SolvePlan) -> Check:
     if not 1.0 / _MAX_ASPECT <= dx / dy <= _MAX_ASPECT:
         return skip(name, f"for cells of aspect above {_MAX_ASPECT:g} the comparison would need too large a grid")
     kernel = _bind(plan)
-    shape = (round(_CELLS * max(1.0, dy / dx)), round(_CELLS * max(1.0, dx / dy)))
+    shape = (round(_COMPARISON_CELLS * max(1.0, dy / dx)), round(_COMPARISON_CELLS * max(1.0, dx / dy)))
     one, other = (
         _apply_laplacians(scipy.fft.irfft2(spectrum(kernel, shape, plan.grid.spacing), s=shape))
         for spectrum in (wrapped_spectrum, periodic_spectrum)
     )
-    difference = float(np.abs(one - other)[:_NEAR, :_NEAR].max() / np.abs(one).max())
+    difference = float(np.abs(one - other)[:_NEAR_FIELD_CELLS, :_NEAR_FIELD_CELLS].max() / np.abs(one).max())
     return assess(name, difference, "relative difference of coefficients and spectrum near the loaded cell")
 
 
@@ -197,21 +202,10 @@ def _count_digits(error: float) -> float:
 
 
 def _apply_laplacians(values: Array) -> Array:
-    for _ in range(_LAPLACIANS):
+    for _ in range(_LAPLACIAN_COUNT):
         around = sum(np.roll(values, shift, axis) for axis in (0, 1) for shift in (-1, 1))
         values = values - 0.25 * around
     return values
-
-
-# The solver in float64 runs on up to 512 x 512 cells, where 3000 iterations take about a minute.
-_MAX_CELLS = 2**18
-_MAX_ITERATIONS = 3000
-# Cells a side below which a grid of half as many is too coarse for a comparison.
-_MIN_SIDE = 16
-# Cells up to which a grid that cannot be halved is doubled: four times as many take seconds.
-_MAX_DOUBLED = 2**20
-# Change between half the cells and all of them, over that between all and twice as many, at second order.
-_SECOND_ORDER_RATIO = 4.0
 
 
 def check_precision(solved: SolvedProblem) -> Check:
@@ -221,14 +215,14 @@ def check_precision(solved: SolvedProblem) -> Check:
     solver = solved.problem.plan.solver
     if not isinstance(solver, ProjectedConjugateGradient):
         return skip(name, f"{type(solver).__name__} does not work in float32")
-    if solution.grid.cells > _MAX_CELLS:
+    if solution.grid.cells > _MAX_FLOAT64_CELLS:
         return skip(name, "the solver in float64 takes too long beyond 512 x 512 cells")
     if not solution.contact.any():
         return skip(name, "there is no contact")
     try:
         # At the default tolerance solvers differ by more than float32 would show.
         problem, single = solved.tighter
-        double = SpectralGradient(problem.plan.solver.tolerance, _MAX_ITERATIONS)
+        double = SpectralGradient(problem.plan.solver.tolerance, _MAX_FLOAT64_ITERATIONS)
         other = solved.solve_variant(attrs.evolve(problem, solver=double))
     except InputError as error:
         return skip(name, str(error))
@@ -270,7 +264,7 @@ def change_cells(problem: ContactProblem) -> ContactProblem:
     except InputError as error:
         nx, ny = problem.plan.grid.shape
         reason = str(error)
-        if nx * ny > _MAX_DOUBLED or problem.plan.pressure_limit.ndim:
+        if nx * ny > _MAX_DOUBLED_CELLS or problem.plan.pressure_limit.ndim:
             raise
     try:
         return on_grid(problem, (2 * nx, 2 * ny))
@@ -281,8 +275,8 @@ def change_cells(problem: ContactProblem) -> ContactProblem:
 def halve_cells(problem: ContactProblem) -> ContactProblem:
     """Return the problem on half as many cells along both axes, or raise `InputError`."""
     nx, ny = problem.plan.grid.shape
-    if nx % 2 or ny % 2 or min(nx, ny) < _MIN_SIDE:
-        raise InputError(f"Halving the grid needs even numbers of at least {_MIN_SIDE} cells along both axes.")
+    if nx % 2 or ny % 2 or min(nx, ny) < _MIN_HALVED_SIDE:
+        raise InputError(f"Halving the grid needs even numbers of at least {_MIN_HALVED_SIDE} cells along both axes.")
     try:
         return on_grid(problem, (nx // 2, ny // 2))
     except InputError:
@@ -329,7 +323,7 @@ def _compare(name: str, before: tuple[float, str], after: tuple[float, str], dou
     finding = f"relative change, from {old:.5g} to {new:.5g} {unit}"
     if not doubled:
         return assess(name, abs(new / old - 1.0), finding)
-    # Judged like the change of half the cells, which has its error on the other side.
+    # Judged like the change to half the cells, whose grid is the coarser one.
     return assess(
         name,
         _SECOND_ORDER_RATIO * abs(old / new - 1.0),

@@ -46,22 +46,25 @@ class StabilityReport:
         """The checks as they are shown: a notebook omits rows in the middle of a long table."""
         return sorted(self.checks, key=lambda check: list(Verdict).index(check.verdict), reverse=True)
 
+    @property
+    def _summary(self) -> str:
+        return summarize([check.verdict for check in self.checks])
+
     def __repr__(self) -> str:
-        return f"<StabilityReport {summarize([check.verdict for check in self.checks])}>"
+        return f"<StabilityReport {self._summary}>"
 
     def _repr_html_(self) -> str:
         checks = self._worst_first
-        texts = [f"{check.finding}. {check.advice}" if check.advice else check.finding for check in checks]
         columns: dict[str, list[Any]] = {
             "verdict": [check.verdict for check in checks],
             "check": [check.name for check in checks],
             "value": [check.value for check in checks],
-            "what was measured; what to do": texts,
+            "what was measured; what to do": [check.text for check in checks],
         }
-        return Table(columns).to_html(summarize([check.verdict for check in self.checks]))
+        return Table(columns).to_html(self._summary)
 
     def __str__(self) -> str:
-        lines = [summarize([check.verdict for check in self.checks]), ""]
+        lines = [self._summary, ""]
         before = ""
         for check in self._worst_first:
             lines.append(str(attrs.evolve(check, finding="as above") if check.finding == before else check))
@@ -92,7 +95,7 @@ def stability(
     Returns
     -------
     StabilityReport
-        Checks with measured values and verdicts; those that cannot be made are skipped, with the reason.
+        Checks with measured values and verdicts; a check that cannot be made is skipped, with the reason.
 
     Raises
     ------
