@@ -27,8 +27,8 @@ _RISEN = 0.02
 _REFINEMENTS = 4
 # Relative standard deviation of the lowest force by the size of the cells, beside sticking to them; measured on balls.
 _CELL_ERROR = 1e-3
-# The same where few cells touch or attract each other strongly, times their number: the maximum error of balls at random
-# places, of 4 to 16 cells in the contact radius, but for one in forty.
+# The same where few cells touch or attract each other strongly, times their number: the maximum error of balls at
+# random places, of 4 to 16 cells in the contact radius, but for one in forty.
 _COARSE_ERROR = 0.3
 # Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the
 # sum of both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
