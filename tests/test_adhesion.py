@@ -120,8 +120,8 @@ class TestBall:
             (0.5, 0.2, 380e-9, 60),
             (1.0, 0.3, 340e-9, 80),
             pytest.param(2.0, 0.5, 300e-9, 128, marks=pytest.mark.slow),
-            pytest.param(3.0, 1.0, 290e-9, 160, marks=pytest.mark.slow),
-            pytest.param(5.0, 1.0, 290e-9, 256, marks=pytest.mark.slow),
+            pytest.param(3.0, 0.7, 290e-9, 200, marks=pytest.mark.slow),
+            pytest.param(5.0, 1.0, 270e-9, 320, marks=pytest.mark.slow),
         ],
     )
     def test_pull_off_between_derjaguin_and_johnson(self, transition, smoothing, side, cells):
