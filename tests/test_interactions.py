@@ -35,7 +35,7 @@ class Linear(Interaction):
     """A law of one's own: the tension falls in a straight line."""
 
     def __repr__(self):
-        return "Linear()"
+        return f"{type(self).__name__}()"
 
     def tension(self, gap):
         return 5e6 * np.maximum(1.0 - gap / 2e-8, 0.0)
