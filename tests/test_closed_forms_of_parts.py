@@ -241,6 +241,7 @@ def solved(mean, pressure, *, limit=math.inf, gap=None):
     saturated = pressure >= limit
     gap = np.zeros_like(pressure) if gap is None else np.asarray(gap)
     return SimpleNamespace(
+        tension=None,
         mean_pressure=mean,
         pressure=pressure,
         contact=pressure > 0.0,

@@ -34,6 +34,9 @@ GAPS = np.linspace(0.0, 2e-8, 4001)
 class Linear(Interaction):
     """A law of one's own: the tension falls in a straight line."""
 
+    def __repr__(self):
+        return f"{type(self).__name__}()"
+
     def tension(self, gap):
         return 5e6 * np.maximum(1.0 - gap / 2e-8, 0.0)
 

@@ -173,7 +173,8 @@ __all__ = [
 # Classes that scripts seldom type: bases of plug-ins, parts that are chosen by their registered names, results, errors.
 _SELDOM_TYPED = frozenset({
     "Area", "AreaEstimator", "Blend", "Boundary", "CellCount", "CircularFFT", "Convolver", "DCFFT", "Direct",
-    "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "Hertz", "InfluenceKernel", "InputError",
+    "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "GapDescent", "Hertz", "InfluenceKernel",
+    "InputError", "Interaction", "Majorise",
     "LevelSet", "LevelSetRichardson", "Love", "Material", "MissingPackage", "NotConverged", "OutOfMemory",
     "Overlap", "Panel", "Perimeter", "PolonskyKeer", "ProjectedConjugateGradient",
     "Response", "RoughContactError", "SolutionWriter", "Solver", "SpectralGradient", "Status", "StudyStopped",

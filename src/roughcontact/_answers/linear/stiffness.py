@@ -13,7 +13,7 @@ from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import Boundary
-from roughcontact._solve.problem import step_approach
+from roughcontact._solve.problem import find_stability, step_approach
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
 
@@ -49,6 +49,9 @@ _RESIDUAL_TOLERANCE = 1e-2
 # Change of the approach over the range of the displacement from which the stiffness with adhesion follows, and the
 # difference of its sides over it from which on a jump is near.
 _ADHESIVE_STEP = 2e-3
+# Stability margin below which a jump is near, and its relative standard deviation by the steps of Lanczos' method.
+_NEAR_JUMP_MARGIN = 0.05
+_MARGIN_STD = 0.02
 _NEAR_JUMP = 0.2
 
 
@@ -223,6 +226,27 @@ class Stiffness(Response[Estimate]):
             return _compare_neighbours(solution)
         normal = find_normal_answer(solution, "stiffness")
         return Estimate(normal.value, normal.uncertainty, "N/m", normal.warnings)
+
+
+@responses.register("stability")
+@attrs.frozen
+class StabilityMargin(Response[Estimate]):
+    r"""How far surfaces that attract each other are from a jump: 1 far away, 0 at one, negative where unstable.
+
+    It is the lowest eigenvalue of :math:`Z (M + s'(g))` on the open cells, with the stiffness M of the surface, the
+    slope s' of the law and a preconditioner Z that is 1/M for short waves, found by 30 steps of Lanczos' method.
+    """
+
+    with_adhesion = "total pressure"
+
+    def respond(self, solution: ContactSolution) -> Estimate:
+        """Return the margin; see `Response.respond`."""
+        margin = find_stability(solution)
+        warnings: tuple[str, ...] = ()
+        if margin < _NEAR_JUMP_MARGIN:
+            text = "the state is close to a jump: a slightly other load may separate or join the surfaces"
+            warnings = (ContactWarning(text, "near a jump", margin),)
+        return Estimate(margin, _MARGIN_STD * abs(margin), "", warnings)
 
 
 def _compare_neighbours(solution: ContactSolution) -> Estimate:

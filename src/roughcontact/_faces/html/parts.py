@@ -60,7 +60,8 @@ def can_draw() -> bool:
 
 def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture]:
     """Yield each registered panel of a kind of subject; a panel that refuses or fails says why."""
-    names = (name for name in panels if _draws(name, kind))
+    solution = subject if isinstance(subject, ContactSolution) else subject.solutions[0]
+    names = (name for name in panels if _draws(name, kind, solution.tension is not None))
     first = _PANEL_ORDER[kind]
     for name in sorted(names, key=lambda name: (first.index(name) if name in first else len(first), name)):
         caption = (inspect.getdoc(panels[name]) or name).partition("\n\n")[0].replace("\n", " ")
@@ -79,9 +80,9 @@ def draw_panel(kind: str, subject: ContactSolution | Sweep, name: str) -> str:
     return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"
 
 
-def _draws(name: str, kind: str) -> bool:
+def _draws(name: str, kind: str, attracts: bool) -> bool:
     try:
-        return panels[name].subject == kind
+        return panels[name].subject == kind and (attracts or not panels[name].needs_adhesion)
     # A plug-in that cannot be imported.
     except Exception:
         return False

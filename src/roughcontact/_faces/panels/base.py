@@ -15,6 +15,8 @@ class Panel(abc.ABC):
     ----------
     subject
         The kind of subject: ``"solution"``, ``"surface"`` (then `draw` gets a `SampledSurface`) or ``"sweep"``.
+    needs_adhesion
+        Whether it draws only surfaces that attract each other.
 
     Examples
     --------
@@ -27,6 +29,7 @@ class Panel(abc.ABC):
     """
 
     subject: ClassVar[str] = "solution"
+    needs_adhesion: ClassVar[bool] = False
 
     @abc.abstractmethod
     def draw(self, subject: Any, axes: Any) -> None:

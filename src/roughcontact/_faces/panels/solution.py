@@ -162,6 +162,8 @@ class GapPanel(Panel):
 class TensionPanel(Panel):
     """The attraction of the surfaces outside the contact, which is white."""
 
+    needs_adhesion = True
+
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a solution; see `Panel.draw`."""
         if subject.tension is None:

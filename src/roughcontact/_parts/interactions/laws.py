@@ -132,7 +132,9 @@ class Exponential(Interaction):
     def _decay(self, gap: RealArray, amplitude: float | Array) -> RealArray:
         gaps = _spread(gap, self.work, self.range)
         values = np.asarray(gaps * _like(-1.0 / self.range, gaps))
-        np.maximum(values, _LOWEST_EXPONENT[values.dtype], out=values)
+        lowest = _LOWEST_EXPONENT[values.dtype]
+        if values.size and values.min() < lowest:
+            np.maximum(values, lowest, out=values)
         np.exp(values, out=values)
         values *= _like(amplitude, gaps)
         return values

@@ -17,7 +17,9 @@ from roughcontact._base.units import Estimate, si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.sweep import Sweep
+from roughcontact._solve.problem.task import make_task
 from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, trapping_error
+from roughcontact._solve.solvers import stability_margin
 from roughcontact.errors import InputError
 
 # Steps of the approach on the way to pull-off, and by how much of the lowest force the force must have risen behind it.
@@ -56,9 +58,9 @@ class AdhesionCycle:
     --------
     >>> import numpy as np
     >>> import roughcontact as rc
-    >>> ball = rc.Body(rc.ParaboloidSurface(radius=1e-6), rc.Elastic(young=10e6, poisson=0.5))
-    >>> law = rc.Exponential(work="50mJ/m2", range="40nm")
-    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 2e-6), adhesion=law)
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-6), rc.Elastic(young=10e6, poisson=0.5))
+    >>> law = rc.Exponential(work="50mJ/m2", range="60nm")
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((48, 48), 2e-6), adhesion=law)
     >>> cycle = problem.cycle(approach=np.linspace(-0.3e-6, 0.1e-6, 5))
     >>> len(cycle.loading), len(cycle.unloading)
     (5, 5)
@@ -168,6 +170,18 @@ def step_approach(solution: ContactSolution, change: float) -> ContactSolution:
         solution.origin.source._solve, [solution], Load("approach", solution.approach + change)
     )
     return found
+
+
+def find_stability(solution: ContactSolution) -> float:
+    """Return how far a state with adhesion is from a jump: 1 far away, 0 at one, negative where it is unstable."""
+    if solution.tension is None:
+        raise InputError("Without adhesion each state is stable: there is no jump.")
+    if solution.origin is None or solution.origin.source is None:
+        raise InputError("The solution has no problem that could be solved again: solve it anew.")
+    problem = solution.origin.source
+    task = make_task(problem.plan, solution.initial_gap, Load.signed(**solution.origin.load))
+    gap = np.where(solution.contact, 0.0, np.maximum(solution.gap, 0.0)) / problem.plan.peak_to_valley
+    return stability_margin(problem.convolution, task, gap)
 
 
 def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:

@@ -280,6 +280,7 @@ def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | No
         return None
     last = solutions[-1]
     if last.tension is not None:
+        # The contact with adhesion does not follow the load so simply.
         return None
     name = {"pressure": "mean_pressure"}.get(load.kind, load.kind)
     values = [float(getattr(solution, name)) for solution in solutions[-2:]]

@@ -155,6 +155,13 @@ class ContactSolution(ContactFields):
         """Return the normal stiffness dF/d(approach), N/m; `roughcontact.responses.Stiffness` states the equations."""
         return self.response("stiffness")
 
+    def stability(self) -> Estimate:
+        """Return how far surfaces that attract each other are from a jump: 1 far away, 0 at one.
+
+        `roughcontact.responses.StabilityMargin` states the equation.
+        """
+        return self.response("stability")
+
     def conductance(self, conductivity: float | Sequence[float], film_resistance: float = 0.0) -> Conductance:
         """Return the thermal or electrical contact conductance, W/K or S.
 

@@ -216,8 +216,11 @@ class Study:
     @property
     def loads(self) -> tuple[Load, ...]:
         """The loads, of one kind."""
-        attracting = any(problem.adhesion is not None for _, problem in self._known_problems)
-        sequence = Load.signed_sequence if attracting else Load.sequence
+        # Problems that a function builds are asked one by one, when they are solved.
+        attract = isinstance(self.problems, BuiltProblems) or any(
+            problem.adhesion is not None for problem in self.problems.values()
+        )
+        sequence = Load.signed_sequence if attract else Load.sequence
         return sequence(pressure=self.pressure, force=self.force, approach=self.approach)
 
     @property

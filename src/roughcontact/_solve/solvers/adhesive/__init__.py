@@ -2,5 +2,6 @@
 
 from roughcontact._solve.solvers.adhesive.gap_descent import GapDescent
 from roughcontact._solve.solvers.adhesive.majorise import Majorise
+from roughcontact._solve.solvers.adhesive.stability import stability_margin
 
-__all__ = ["GapDescent", "Majorise"]
+__all__ = ["GapDescent", "Majorise", "stability_margin"]

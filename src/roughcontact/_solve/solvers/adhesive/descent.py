@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TypeVar
+from functools import partial
+from typing import Any, TypeAlias, TypeVar
 
 import attrs
 import numpy as np
@@ -12,9 +13,11 @@ import numpy as np
 from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.interactions import BoundInteraction
-from roughcontact._solve.solvers.adhesive.stiffness import SurfaceStiffness
+from roughcontact._solve.solvers.adhesive.gap_problem import GapProblem
 
 T = TypeVar("T")
+Precision: TypeAlias = type[np.float32] | type[np.float64]
+
 # Support against waves longer than the openings, over the mean stiffness of a punch of the open cells, and its
 # minimum over the stiffness of the longest wave.
 SUPPORT = 0.5
@@ -27,52 +30,18 @@ _SMALLEST_WEIGHT = 1e-3
 _FIRST = 1.0
 _LONGEST_STEP = 4.0
 _CAREFUL = 0.3
+# Maximum part of a step that is not clipped, and the part where the slope is taken to vanish that does not rise.
+_LONGEST_PART = 1.5
+_FARTHEST = 4.0
 # Part of a clipped step above which it is taken in full, so that the cells that it closes do close.
 _FULL = 0.7
 # Slope at the end of a line search over that at its start, and trials at most.
-_FLAT = 0.05
+_FLAT = 0.1
 _TRIALS = 12
 # Rounds of Newton's method for the shift that keeps the mean of a step, and the sum over that of magnitudes that is
 # rounding in float32.
 _ROUNDS = 30
 _MISSED = 1e-6
-
-
-@attrs.frozen(eq=False, kw_only=True)
-class GapProblem:
-    """What a descent minimises, on the extended grid of a stiffness.
-
-    Attributes
-    ----------
-    stiffness
-        The stiffness of the surface.
-    interaction
-        The attraction; None without adhesion.
-    closing
-        Gap less displacement, shape (mx, my): the initial gap in the domain, zero outside.
-    base
-        Uniform pressure to which that of the gap is added: the mean pressure on the extended grid, or that of a given
-        approach.
-    mean_stiffness
-        Stiffness of the mean displacement: zero unless an approach is given on a boundary that is not periodic.
-    holds_mean
-        Whether the mean gap is held: an approach is given on a periodic boundary.
-    limit
-        Pressure limit, of one entry or shape (nx, ny).
-    """
-
-    stiffness: SurfaceStiffness
-    interaction: BoundInteraction | None
-    closing: Array
-    base: float
-    mean_stiffness: float
-    holds_mean: bool
-    limit: Array
-
-    @property
-    def capped(self) -> bool:
-        """Whether the pressure of any cell is limited."""
-        return bool(np.isfinite(self.limit).any())
 
 
 @attrs.frozen(eq=False)
@@ -87,7 +56,7 @@ class _Tile:
     @property
     def height(self) -> int:
         """Number of rows in the domain."""
-        return self.inner.stop - self.inner.start
+        return int(self.inner.stop - self.inner.start)
 
 
 class AdhesiveDescent:
@@ -107,7 +76,7 @@ class AdhesiveDescent:
         The precision of the iterations.
     """
 
-    def __init__(self, problem: GapProblem, dtype: type) -> None:
+    def __init__(self, problem: GapProblem, dtype: Precision) -> None:
         self.problem = problem
         self.dtype = dtype
         stiffness = problem.stiffness
@@ -129,28 +98,28 @@ class AdhesiveDescent:
         self.multiplier = 0.0
 
     def _split(self) -> list[_Tile]:
-        nx, ny = self._shape
+        nx = self._shape[0]
         interaction = self.problem.interaction
         limit = self.problem.limit
         rows = tiles_of(np.empty(self.problem.stiffness.extended, dtype=np.float32))
         tiles = []
         for one in rows:
             inner = slice(min(one.start, nx), min(one.stop, nx))
-            law = None if interaction is None else interaction.convert(lambda values, inner=inner: values[inner])
+            law = None if interaction is None else interaction.convert(partial(_rows_of, inner))
             tiles.append(_Tile(one, inner, law, limit if limit.size == 1 else limit[inner].astype(self.dtype)))
         return tiles
 
     def start(self, gap: Array) -> None:
         """Continue from a gap of the extended grid, in float64; its pressure is computed."""
-        self.gap = gap.astype(self.dtype)
-        displacement = (gap - self.problem.closing).astype(self.dtype)
+        self.gap: RealArray = gap.astype(self.dtype)
+        displacement: RealArray = (gap - self.problem.closing).astype(self.dtype)
         self.pressure = self._inverse.multiply(displacement, self._symbol, self._inverse.padded)
         self.pressure += self.dtype(self.problem.base)
         self.products += 1
         self._mask = np.ones(self.gap.shape, dtype=bool)
-        self._residual = np.empty_like(self.gap)
-        self.tension = np.zeros(self._shape, dtype=self.dtype)
-        self._trial = np.zeros(self._shape, dtype=self.dtype)
+        self._residual: RealArray = np.empty_like(self.gap)
+        self.tension: RealArray = np.zeros(self._shape, dtype=self.dtype)
+        self._trial: RealArray = np.zeros(self._shape, dtype=self.dtype)
         self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
 
     def set_state(self, gap: Array, pressure: Array) -> None:
@@ -161,11 +130,11 @@ class AdhesiveDescent:
 
     def is_apart(self) -> bool:
         """Return whether no cell touches and the load pulls more than the tension holds."""
-        if self.problem.mean_stiffness or self.problem.holds_mean:
+        load = self.problem.base * self.gap.size
+        if self.problem.mean_stiffness or self.problem.holds_mean or load >= 0.0:
             return False
         if any(self._map(lambda tile: bool((self._inside(self.gap, tile) <= 0.0).any()))):
             return False
-        load = self.problem.base * self.gap.size
         return load + float(self.tension.sum(dtype=np.float64)) < 0.0
 
     def measure(self) -> float:
@@ -240,7 +209,7 @@ class AdhesiveDescent:
     def _renew(self) -> None:
         """Compute the preconditioner, and the weights of a held mean, for the cells that are open now."""
         self._renewed = self._mask.copy()
-        cells = self._mask.astype(self.dtype)
+        cells: RealArray = self._mask.astype(self.dtype)
         stiff = self._inverse.multiply(cells, self._symbol, self._inverse.padded)
         self.products += 1
         count = max(int(np.count_nonzero(self._mask)), 1)
@@ -328,6 +297,9 @@ class AdhesiveDescent:
         step[:] = bounded
         return clipped
 
+    def _bound_rows(self, step: RealArray, tile: _Tile) -> bool:
+        return self._bound(step[tile.inner], tile)
+
     def _keep_mean(self, step: RealArray, weights: RealArray) -> bool:
         """Shift and clip a step, in place, so that it keeps the mean gap; return whether it is clipped.
 
@@ -336,9 +308,9 @@ class AdhesiveDescent:
         shift = 0.0
         size = float(np.abs(step).sum(dtype=np.float64))
         for _ in range(_ROUNDS):
-            trial = step - self.dtype(shift) * weights
-            before = trial.copy()
-            clipped = any(self._map(lambda tile: self._bound(trial[tile.inner], tile)))
+            before = step - self.dtype(shift) * weights
+            trial = before.copy()
+            clipped = any(self._map(partial(self._bound_rows, trial)))
             excess = float(trial.sum(dtype=np.float64))
             moved = float(weights[trial == before].sum(dtype=np.float64))
             if abs(excess) <= _MISSED * size or not moved > 0.0:
@@ -356,14 +328,9 @@ class AdhesiveDescent:
         if not math.isfinite(curvature):
             return False
         # A longer step would leave the bounds where it is clipped.
-        longest = 1.0 if clipped or not self._has_room(step) else _LONGEST_STEP
-        part, end = self._search(step, slope, curvature, longest)
-        # The slope falls further beyond a step that ends early: where it would vanish follows from the change so far.
-        wanted = part * slope / (slope - end) if end > slope else 4.0
+        longest = 1.0 if clipped or not self._has_room(step) else _LONGEST_PART
+        part, end, wanted = self._search(step, slope, curvature, longest, clipped=clipped)
         self._length = min(_LONGEST_STEP, self._length * math.sqrt(min(max(wanted, 0.25), 4.0)))
-        if clipped and _FULL < part < 1.0:
-            part = 1.0
-            end = self._slope_at(part, step, slope, curvature)
         fraction = self.dtype(part)
 
         def update(tile: _Tile) -> None:
@@ -386,39 +353,47 @@ class AdhesiveDescent:
             return False
 
         def has_room(tile: _Tile) -> bool:
-            reached = self._inside(step, tile) * self.dtype(_LONGEST_STEP)
+            reached = self._inside(step, tile) * self.dtype(_LONGEST_PART)
             reached += self._inside(self.gap, tile)
             return not reached.size or bool(reached.min() >= 0.0)
 
         return all(self._map(has_room))
 
-    def _search(self, step: RealArray, slope: float, curvature: float, longest: float) -> tuple[float, float]:
-        """Return the part of the step at which the slope of the energy vanishes, and the slope there.
+    def _search(
+        self, step: RealArray, slope: float, curvature: float, longest: float, *, clipped: bool
+    ) -> tuple[float, float, float]:
+        """Return the part of the step to take, the slope of the energy there, and the part at which it vanishes.
 
-        The tension there is left in the trial field.
+        The tension after the part is left in the trial field. The first trial is the step itself: its length is that at
+        which the slopes along the last ones vanished.
         """
         low = 0.0
         slope_low = slope
         high = math.inf
         slope_high = math.nan
-        part = min(1.0, -slope / curvature) if curvature > 0.0 else 1.0
+        part = 1.0
         for _ in range(_TRIALS):
-            here = self._slope_at(part, step, slope, curvature)
-            if abs(here) <= -_FLAT * slope or (here < 0.0 and part >= longest):
-                break
-            if here < 0.0:
+            end = self._slope_at(part, step, slope, curvature)
+            if end < 0.0:
                 low = part
-                slope_low = here
+                slope_low = end
             else:
                 high = part
-                slope_high = here
+                slope_high = end
             if math.isfinite(high):
-                trial = low - slope_low * (high - low) / (slope_high - slope_low)
-                margin = 0.1 * (high - low)
-                part = min(max(trial, low + margin), high - margin)
+                wanted = low - slope_low * (high - low) / (slope_high - slope_low)
             else:
-                part = longest
-        return part, here
+                wanted = part * slope / (slope - end) if end > slope else _FARTHEST
+            # Cells that a full step closes do close, so that it is taken if the energy falls along most of it.
+            full = clipped and part == 1.0 and wanted > _FULL
+            if full or abs(end) <= -_FLAT * slope or (end < 0.0 and part >= longest):
+                break
+            if math.isfinite(high):
+                margin = 0.1 * (high - low)
+                part = min(max(wanted, low + margin), high - margin)
+            else:
+                part = min(wanted, longest)
+        return part, end, wanted
 
     def _slope_at(self, part: float, step: RealArray, slope: float, curvature: float) -> float:
         """Return the slope of the energy after a part of the step; the tension there is left in the trial field."""
@@ -432,11 +407,16 @@ class AdhesiveDescent:
         inside = self._inside(step, tile)
         gap = inside * self.dtype(part)
         gap += self._inside(self.gap, tile)
-        np.maximum(gap, 0.0, out=gap)
+        if self.problem.capped:
+            np.maximum(gap, 0.0, out=gap)
         trial = self._trial[tile.inner]
         trial[:] = tile.interaction.tension(gap)
         np.subtract(trial, self.tension[tile.inner], out=gap)
         return _dot(gap, inside)
+
+
+def _rows_of(rows: slice, values: Array) -> Array:
+    return values[rows]
 
 
 def _dot(one: RealArray, other: RealArray) -> float:
@@ -447,5 +427,5 @@ def _magnitude(values: RealArray) -> float:
     return float(max(values.max(), -values.min()))
 
 
-def _multiply(values: RealArray, factor: RealArray) -> None:
+def _multiply(values: RealArray, factor: RealArray | np.floating[Any]) -> None:
     np.multiply(values, factor, out=values)

@@ -14,7 +14,8 @@ from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status
 from roughcontact._solve.solution.attraction import AdhesiveConditions, AdhesiveViolation
 from roughcontact._solve.solvers.adhesive.descent import AdhesiveDescent
-from roughcontact._solve.solvers.adhesive.nested_start import gap_scale, hold_mean, nested_start, start_from_task
+from roughcontact._solve.solvers.adhesive.gap_problem import gap_scale, hold_mean
+from roughcontact._solve.solvers.adhesive.nested_start import nested_start, start_from_task
 from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
     Outcome,
@@ -55,8 +56,19 @@ class GapDescent(Solver):
     max_iterations
         Iterations on the finest grid after which the solve is given up.
 
+    References
+    ----------
+    Rey, Anciaux, Molinari, Comput. Mech. 60 (2017) 69-81, https://doi.org/10.1007/s00466-017-1392-5
+
     Examples
     --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.ParaboloidSurface(radius=1e-6), rc.Elastic(young=10e6, poisson=0.5))
+    >>> law = rc.Exponential(work="50mJ/m2", range="60nm")
+    >>> solver = rc.GapDescent(tolerance=1e-6)
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((48, 48), 2e-6), adhesion=law, solver=solver)
+    >>> problem.solve(force=0.0).residuals.error < 1e-6
+    True
     """
 
     adhesive: ClassVar[bool] = True

@@ -50,6 +50,15 @@ class Majorise(Solver):
     References
     ----------
     Hunter, Lange, Am. Stat. 58 (2004) 30-37, https://doi.org/10.1198/0003130042836
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.ParaboloidSurface(radius=1e-6), rc.Elastic(young=10e6, poisson=0.5))
+    >>> law = rc.Exponential(work="50mJ/m2", range="60nm")
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((24, 24), 2e-6), adhesion=law, solver="majorise")
+    >>> problem.solve(force=0.0).status.success
+    True
     """
 
     adhesive: ClassVar[bool] = True
@@ -115,7 +124,7 @@ class _Rounds:
             self._task.on_step(Step(self._task.initial_gap.shape, len(self._errors) - 1, error))
 
     def _first_gap(self) -> tuple[Array, Array]:
-        """Return the gap to start from, and the contact pressure there: of the task, or of a contact without adhesion."""
+        """Return the gap to start from and its contact pressure: of the task, or of a contact without adhesion."""
         task = self._task
         start = task.start
         if start is not None or task.start_gap is not None:

@@ -9,7 +9,7 @@ import numpy as np
 from roughcontact._base.arrays import Array, RealArray
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solvers.adhesive.descent import SUPPORT
-from roughcontact._solve.solvers.adhesive.nested_start import make_gap_problem
+from roughcontact._solve.solvers.adhesive.gap_problem import make_gap_problem
 from roughcontact._solve.solvers.adhesive.stiffness import surface_stiffness
 from roughcontact._solve.solvers.base import Task
 
@@ -22,8 +22,8 @@ _RANDOM = 0.1
 def stability_margin(convolution: PreparedConvolution, task: Task, gap: Array, steps: int = _STEPS) -> float:
     r"""Return the stability margin of a state: 1 far from a jump, 0 at one, negative where it is unstable.
 
-    It is the lowest eigenvalue of Z (M + s'(g)) on the open cells, with the stiffness M, the slope of the law s' and the
-    preconditioner Z of the descent, found by Lanczos' method.
+    It is the lowest eigenvalue of Z (M + s'(g)) on the open cells, with the stiffness M, the slope s' of the law and
+    the preconditioner Z of the descent, found by Lanczos' method.
 
     Parameters
     ----------
@@ -77,8 +77,8 @@ def _lowest_eigenvalue(
     image = precondition(residual)
     norm = float(np.sqrt((residual * image).sum()))
     previous = np.zeros_like(residual)
-    diagonal = []
-    beside = []
+    diagonal: list[float] = []
+    beside: list[float] = []
     for _ in range(steps):
         if not norm > 0.0:
             break
