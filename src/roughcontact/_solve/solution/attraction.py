@@ -15,7 +15,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import ContactWarning, Estimate, si
-from roughcontact._parts.grid import Grid, extend
+from roughcontact._parts.grid import Grid, extend, grow
 from roughcontact._parts.interactions import BoundInteraction, Interaction
 
 if TYPE_CHECKING:
@@ -195,3 +195,11 @@ def interpolate_peak(solution: ContactSolution) -> Estimate:
     # Where the neighbours are much lower the grid does not show the top.
     drop = highest - float(np.mean([around[0, 1], around[2, 1], around[1, 0], around[1, 2]]))
     return Estimate(highest + rise, 0.5 * rise + 0.25 * drop, "Pa")
+
+
+def average_gap(solution: ContactSolution) -> Estimate:
+    """Return the mean gap, m, over the cell centres; its uncertainty is that of the gap of cells at the edge."""
+    gap = np.maximum(solution.gap, 0.0)
+    beside = gap[grow(solution.contact, 1, solution.boundary) & ~solution.contact]
+    error = float(beside.mean()) * beside.size / gap.size if beside.size else 0.0
+    return Estimate(float(gap.mean()), 0.1 * error + solution.residuals.error * solution.residuals.scale, "m")
