@@ -63,14 +63,6 @@ def _compare(law: Interaction, value: object, derivative: object) -> float:
     return require_close(found, expected, _DIFFERENCE, "central differences are another derivative")
 
 
-@claim("interaction", "falls with the gap")
-def _falls(law: Interaction) -> None:
-    law = _resolved(law)
-    tensions = np.array([law.tension(gap) for gap in _shaped_gaps(law)])
-    if (np.diff(tensions, axis=0) > 1e-12 * tensions.max()).any():
-        raise DoesNotApply("its tension rises with the gap somewhere: a barrier is allowed")
-
-
 @claim("interaction", "ends at its reach")
 def _ends(law: Interaction) -> None:
     law = _resolved(law)
