@@ -355,7 +355,7 @@ class Misattracts(rc.Interaction):
     def tension(self, gap):
         sign = -1.0 if self.fault == "repels" else 1.0
         values = sign * 1e6 * self.decay(gap)
-        return values.ravel() if self.fault == "flat" else values
+        return values.ravel() if self.fault == "flat" and values.ndim > 1 else values
 
     def slope(self, gap):
         return (2e15 if self.fault == "slope" else -1e15) * self.decay(gap)
@@ -369,9 +369,8 @@ class Misattracts(rc.Interaction):
         return 1.4e-8
 
     def resolve(self, spacing, modulus):
-        if self.fault == "moody" and modulus != 1e7:
-            raise ZeroDivisionError
-        return self
+        # On other grids than the kit's own it repels.
+        return Misattracts("repels") if self.fault == "moody" and modulus != 1e7 else self
 
 
 BROKEN = [
