@@ -350,7 +350,7 @@ class Misattracts(rc.Interaction):
         self.fault = fault
 
     def decay(self, gap):
-        return np.exp(-np.asarray(gap) / 1e-9)
+        return (1e-9 if self.fault == "weak" else 1.0) * np.exp(-np.asarray(gap) / 1e-9)
 
     def tension(self, gap):
         sign = -1.0 if self.fault == "repels" else 1.0
@@ -369,8 +369,8 @@ class Misattracts(rc.Interaction):
         return 1.4e-8
 
     def resolve(self, spacing, modulus):
-        # On other grids than the kit's own it repels.
-        return Misattracts("repels") if self.fault == "moody" and modulus != 1e7 else self
+        # On other grids than the kit's own it hardly attracts.
+        return Misattracts("weak") if self.fault == "moody" and modulus != 1e7 else self
 
 
 BROKEN = [

@@ -100,5 +100,6 @@ def _contact(law: Interaction) -> str:
     pressed = problem.solve(force=float(force))
     without = free.solve(force=float(force))
     require(pressed.contact.sum() >= without.contact.sum(), "with it the contact is smaller than without")
-    require(pressed.approach > without.approach, "with it the bodies approach less than without")
+    closer = pressed.approach > 1.001 * without.approach
+    require(closer, "with it the bodies do not approach more than without")
     return f"{int(pressed.contact.sum())} cells in contact, {int(without.contact.sum())} without it"
