@@ -45,7 +45,7 @@ def measure_spheres(rng: np.random.Generator, count: int) -> dict[str, float]:
     fit = np.linalg.lstsq(terms * weight[:, np.newaxis], missing * weight, rcond=None)[0]
     residual = missing - terms @ fit
     wander = np.sqrt(np.mean(residual**2 / (4.0 / np.pi * length)))
-    return {"edge shift on spheres": fit[0], "EULER": fit[1] - 0.5, "WANDER": wander}
+    return {"edge shift on spheres": fit[0], "PIECE_AREA_DEFICIT": fit[1] - 0.5, "EDGE_AREA_STD": wander}
 
 
 def measure_border(rng: np.random.Generator, count: int) -> dict[str, float]:
@@ -60,7 +60,7 @@ def measure_border(rng: np.random.Generator, count: int) -> dict[str, float]:
             error = (coarse.area("level-set").fraction - fine.area("level-set").fraction) * cells.size
             errors.append((error, cut))
     rms, cut = np.sqrt(np.mean(np.square(errors), axis=0))
-    return {"BORDER (rms)": rms / cut}
+    return {"CUT_BORDER_STD (rms)": rms / cut}
 
 
 def measure(count: int = 200) -> dict[str, float]:

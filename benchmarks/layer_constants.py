@@ -63,7 +63,7 @@ def measure() -> dict[str, float]:
         errors.append(tried)
     names = [f"{name} {length}" for length in LENGTHS for name in ("EDGE_LENGTH, cells", "HERTZ_LENGTH, relative")]
     found = {f"rms error with {name}": rms(of) for name, of in zip(names, np.transpose(errors), strict=True)}
-    return found | {"LAYERED_SHIFT (rms)": rms(shifts), "HERTZ_LAYERED (rms)": rms(scatter)}
+    return found | {"LAYERED_POSITION_STD (rms)": rms(shifts), "HERTZ_LAYERED_ERROR (rms)": rms(scatter)}
 
 
 def rms(values: Iterable[float]) -> float:

@@ -45,4 +45,4 @@ if __name__ == "__main__":
     growth, error = measure(*map(int, sys.argv[1:]))
     for overload, stated, value in zip(calibration.OVERLOADS, calibration.PLASTIC_GROWTH, growth, strict=True):
         print(f"PLASTIC_GROWTH at {overload:4}  {value:.4f}   in use: {stated}")
-    print(f"SATURATED (rms)         {error:.4f}   in use: {calibration.SATURATED}")
+    print(f"SATURATED_POSITION_STD (rms) {error:.4f}   in use: {calibration.SATURATED_POSITION_STD}")

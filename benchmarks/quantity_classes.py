@@ -73,7 +73,7 @@ _HEIGHTS: dict[str, float] = {}
 
 def _height(name: str, case: Case, solution: rc.ContactSolution) -> float:
     """Return the height of the highest summit of a periodic surface above its mean plane, m."""
-    from roughcontact._answers.areas.rise import find_rise
+    from roughcontact._answers.areas.approach import find_rise
 
     if name == "holes-filled":
         # The highest summit of all may be among the points that were filled.

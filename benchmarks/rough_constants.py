@@ -78,17 +78,19 @@ def measure(count: int = 4) -> dict[str, float]:
         "EXCESS": np.sum(excess * ratio) / np.sum(ratio**2),
         "EXCESS_REFINED": np.sum(refined * ratio**2) / np.sum(ratio**4),
         "edge shift on rough": rc.Love.edge_shift - np.linalg.lstsq(np.stack((ratio, ratio**0), 1), excess)[0][1],
-        "UNSEEN (maximum)": max(unseen),
+        "UNSEEN_STD (maximum)": max(unseen),
     }
     for n in (1, 2, 3):
-        found[f"FLUCTUATION at {n} cells"] = float(np.median(np.abs(scatter[cells == n]))) * n**1.5
+        found[f"SMALL_PATCH_STD at {n} cells"] = float(np.median(np.abs(scatter[cells == n]))) * n**1.5
     for low, high in ((0.15, 0.3), (0.3, 0.4), (0.4, 0.6), (0.6, 0.8), (0.8, 1.2)):
         some = (spread >= low) & (spread < high)
         rms = np.sqrt(np.mean(error[some] ** 2))
         found[f"Hertz error at {low} to {high}"] = float(rms)
         found[f"stated at {low} to {high}"] = float(np.mean(stated[some]))
     for name, some in (("one summit", spread < 0.3), ("all", spread < np.inf)):
-        found[f"HERTZ_COMMON, {name}"] = float(abs(np.sum((error * area)[some])) / np.sum((stated * area)[some]))
+        found[f"HERTZ_COMMON_FRACTION, {name}"] = float(
+            abs(np.sum((error * area)[some])) / np.sum((stated * area)[some])
+        )
     return found
 
 

@@ -105,7 +105,7 @@ def test_the_cells_that_an_accuracy_may_take_are_bounded(monkeypatch, shape, siz
     body = rc.Body(rc.HeightMap(heights, size, periodic=True), rc.Elastic(2e11, 0.3))
     problem = rc.ContactProblem(body, boundary="periodic")
     for unasked in (2**12, 2**14):
-        monkeypatch.setattr("roughcontact._solve.problem.accuracy._UNASKED", unasked)
+        monkeypatch.setattr("roughcontact._solve.problem.accuracy._MAX_UNASKED_CELLS", unasked)
         allowed = max(unasked, 64 * problem.plan.grid.cells)
         with pytest.raises(
             rc.NotConverged, match=f"more than the {allowed} to which this grid of {shape[0]} x"
@@ -130,7 +130,7 @@ def test_grids_of_two_cells_are_refined(shape, boundary):
 
 def test_more_cells_than_memory_holds_are_refused(monkeypatch):
     problem = wave(128)
-    monkeypatch.setattr("roughcontact._base.machine.memory.available_memory", lambda: 2**25)
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**25)
     with pytest.raises(rc.NotConverged, match=r"too little memory \(this process may take only") as caught:
         problem.solve(pressure=100e6, area_within=1e-5)
     assert caught.value.solution.status.success

@@ -7,10 +7,10 @@ import pytest
 from scipy import ndimage
 
 import roughcontact as rc
-from roughcontact._answers.areas.cells import Surroundings, split
-from roughcontact._answers.areas.dual_cells import find_dual_cells
-from roughcontact._answers.areas.far_field import find_far_field
+from roughcontact._answers.areas.cells import Neighbourhood, split
+from roughcontact._answers.areas.contour import find_dual_cells
 from roughcontact._answers.areas.spline import Spline
+from roughcontact._answers.areas.summits import find_far_field
 
 BOUNDARIES = (rc.Boundary.PERIODIC, rc.Boundary.FREE)
 
@@ -58,7 +58,7 @@ def test_the_cells_around_each_cell(boundary):
     number = np.arange(35).reshape(shape)
     extended = np.pad(number, 2, mode="edge" if boundary is rc.Boundary.FREE else "wrap")
     cells = np.arange(35)
-    near = Surroundings.of(*split(cells, shape[1]), shape, boundary, 2)
+    near = Neighbourhood.of(*split(cells, shape[1]), shape, boundary, 2)
     for i in range(-2, 3):
         for j in range(-2, 3):
             expected = extended[2 + i : 7 + i, 2 + j : 9 + j]

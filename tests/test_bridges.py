@@ -236,7 +236,7 @@ class TestVtk:
 
 
 BLOCKS = re.findall(
-    r"```py\n(.*?)```", (Path(__file__).parents[1] / "docs" / "use" / "bridges.md").read_text("utf-8"), re.S
+    r"```py\n(.*?)```", (Path(__file__).parents[1] / "docs" / "use" / "results.md").read_text("utf-8"), re.S
 )
 
 

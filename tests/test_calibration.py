@@ -36,23 +36,25 @@ def test_each_constant_says_how_and_by_which_script_it_was_measured():
             continue  # it judges all of them together
         source = (ROOT / script).read_text(encoding="utf-8")
         for name in re.findall(r"^([A-Z_]+) = ", section, flags=re.MULTILINE):
-            assert name in source or name.split("_")[0].title() in source or name == "SHIFT", f"{name}: {script}"
+            assert name in source or name.split("_")[0].title() in source or name == "EDGE_POSITION_STD", (
+                f"{name}: {script}"
+            )
 
 
 @pytest.mark.slow
 def test_constants_of_the_edge():
     found = load("edge_constants").measure(80)
-    assert found["EULER"] == pytest.approx(calibration.EULER, abs=0.2)
+    assert found["PIECE_AREA_DEFICIT"] == pytest.approx(calibration.PIECE_AREA_DEFICIT, abs=0.2)
     assert found["edge shift on spheres"] == pytest.approx(0.018, abs=0.008)
-    assert found["WANDER"] == pytest.approx(calibration.WANDER, rel=0.2)
-    assert found["BORDER (rms)"] <= calibration.BORDER
+    assert found["EDGE_AREA_STD"] == pytest.approx(calibration.EDGE_AREA_STD, rel=0.2)
+    assert found["CUT_BORDER_STD (rms)"] <= calibration.CUT_BORDER_STD
 
 
 @pytest.mark.slow
 def test_constants_of_the_pressure_limit():
     growth, error = load("limit_constants").measure(4)
     assert growth == pytest.approx(calibration.PLASTIC_GROWTH, rel=0.002)
-    assert calibration.SATURATED <= error <= 2.5 * calibration.SATURATED
+    assert calibration.SATURATED_POSITION_STD <= error <= 2.5 * calibration.SATURATED_POSITION_STD
 
 
 @pytest.mark.slow
@@ -60,13 +62,16 @@ def test_constants_of_rough_contacts():
     found = load("rough_constants").measure(2)
     assert found["EXCESS"] == pytest.approx(calibration.EXCESS, rel=0.2)
     assert found["EXCESS_REFINED"] == pytest.approx(calibration.EXCESS_REFINED, abs=0.005)
-    assert found["UNSEEN (maximum)"] <= calibration.UNSEEN
-    assert found["FLUCTUATION at 2 cells"] == pytest.approx(calibration.FLUCTUATION, rel=0.3)
+    assert found["UNSEEN_STD (maximum)"] <= calibration.UNSEEN_STD
+    assert found["SMALL_PATCH_STD at 2 cells"] == pytest.approx(calibration.SMALL_PATCH_STD, rel=0.3)
     for name, value in found.items():
         if name.startswith("Hertz error"):
             # Patches of several summits are among them, which the blend hardly weights.
             assert value <= 2.0 * found[name.replace("Hertz error", "stated")]
-    assert max(found["HERTZ_COMMON, one summit"], found["HERTZ_COMMON, all"]) <= calibration.HERTZ_COMMON
+    assert (
+        max(found["HERTZ_COMMON_FRACTION, one summit"], found["HERTZ_COMMON_FRACTION, all"])
+        <= calibration.HERTZ_COMMON_FRACTION
+    )
 
 
 @pytest.mark.slow
@@ -76,5 +81,11 @@ def test_constants_of_layers():
     for name, what in (("EDGE_LENGTH", "cells"), ("HERTZ_LENGTH", "relative")):
         errors = {length: found[f"rms error with {name}, {what} {length}"] for length in (0.25, 0.5, 1.0)}
         assert min(errors, key=errors.get) == getattr(calibration, name)
-    assert 0.5 * calibration.LAYERED_SHIFT <= found["LAYERED_SHIFT (rms)"] <= calibration.LAYERED_SHIFT
-    assert 0.5 * calibration.HERTZ_LAYERED <= found["HERTZ_LAYERED (rms)"] <= calibration.HERTZ_LAYERED
+    assert (
+        0.5 * calibration.LAYERED_POSITION_STD
+        <= found["LAYERED_POSITION_STD (rms)"]
+        <= calibration.LAYERED_POSITION_STD
+    )
+    assert (
+        0.5 * calibration.HERTZ_LAYERED_ERROR <= found["HERTZ_LAYERED_ERROR (rms)"] <= calibration.HERTZ_LAYERED_ERROR
+    )

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._base.units.text import fit
+from roughcontact._base.units import fit
 from roughcontact._faces.cli import commands
 
 GRID = rc.Grid((48, 48), 48e-6)
@@ -465,7 +465,7 @@ ENDLESS = """
 import sys, time
 from roughcontact._faces.cli import progress
 from roughcontact.__main__ import main
-progress._PERIOD = 0.05
+progress._REDRAW_SECONDS = 0.05
 import roughcontact as rc
 real = rc.ContactProblem.solve
 def solve(problem, on_step=None, **options):
@@ -507,7 +507,7 @@ def test_progress_is_shown_on_a_terminal_and_an_interrupt_is_clean(tmp_path):
 def test_no_progress_where_standard_error_is_not_a_terminal(run, monkeypatch):
     from roughcontact._faces.cli import progress
 
-    monkeypatch.setattr(progress, "_PERIOD", 1e-3)
+    monkeypatch.setattr(progress, "_REDRAW_SECONDS", 1e-3)
     _, _, err = run("solve", "rough.npz", "--force", "20mN", *STEEL)
     assert "\r" not in err
 

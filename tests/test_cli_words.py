@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._faces.cli.wording import name_options
-from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
-from roughcontact._work.reports.stability.rules import RULES
+from roughcontact._faces.cli.options import name_options
+from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
+from roughcontact._work.reports.stability.check import RULES
 
 GRID = rc.Grid((48, 48), 48e-6)
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=50e-9, shortest=8e-6, longest=24e-6, seed=3)

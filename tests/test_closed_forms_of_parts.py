@@ -12,15 +12,13 @@ import pytest
 
 import roughcontact as rc
 from roughcontact import reference
-from roughcontact._answers.areas import ellipse
+from roughcontact._answers.areas import summits
 from roughcontact._answers.areas.cells import count_sides, find_straight_rows
-from roughcontact._answers.areas.polygons import find_kinds, measure_polygons
-from roughcontact._answers.linear.edge_correction import _find_rows, _shift
+from roughcontact._answers.areas.contour import find_kinds, measure_polygons
+from roughcontact._answers.linear.stiffness import _find_rows, _shift
 from roughcontact._base.archive import remove_stale
-from roughcontact._parts.files.margins import require_heights
-from roughcontact._parts.files.points import put_on_grid
-from roughcontact._parts.grid import grow
-from roughcontact._parts.load import Load
+from roughcontact._parts.files.text import put_on_grid, require_heights
+from roughcontact._parts.grid import Load, grow
 from roughcontact._solve.problem.sweep import Sweep, predict_pressure
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl, ReleasedCells, project_to_weighted_load
@@ -35,14 +33,14 @@ def test_ellipses_are_those_of_hertz(ratio):
     elliptic = reference.hertz_elliptic(force, radii, modulus)
     mean = 2.0 / (1.0 / radii[0] + 1.0 / radii[1])
     circular = reference.hertz_sphere(force, mean, modulus)
-    assert ellipse.find_area_factor(ratio) == pytest.approx(elliptic.area / circular.area, rel=1e-3)
-    axes = ellipse.find_axes_ratio(ratio)
+    assert summits.find_area_factor(ratio) == pytest.approx(elliptic.area / circular.area, rel=1e-3)
+    axes = summits.find_axes_ratio(ratio)
     semi_axis = np.sqrt(elliptic.area / np.pi * axes)
-    assert 1.5 * ellipse.find_depth(force, semi_axis, axes, modulus) == pytest.approx(elliptic.approach, rel=2e-3)
+    assert 1.5 * summits.find_depth(force, semi_axis, axes, modulus) == pytest.approx(elliptic.approach, rel=2e-3)
 
 
 @pytest.mark.parametrize(
-    ("points", "power"), [(ellipse.points_of_hertz(), 0.5), (ellipse.points_of_punch(), -0.5)], ids=["hertz", "punch"]
+    ("points", "power"), [(summits.points_of_hertz(), 0.5), (summits.points_of_punch(), -0.5)], ids=["hertz", "punch"]
 )
 def test_points_in_the_circle_give_the_means_by_its_pressure(points, power):
     """The pressure is (1 - r^2)^power; the moments of even degree are beta functions."""
@@ -243,6 +241,7 @@ def solved(mean, pressure, *, limit=math.inf, gap=None):
     saturated = pressure >= limit
     gap = np.zeros_like(pressure) if gap is None else np.asarray(gap)
     return SimpleNamespace(
+        tension=None,
         mean_pressure=mean,
         pressure=pressure,
         contact=pressure > 0.0,

@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from extended_precision import violations
-from roughcontact._parts.load import Load
-from roughcontact._solve.convolvers.inverse import InverseConvolution, approximate_inverse
+from roughcontact._parts.grid import Load
+from roughcontact._solve.convolvers.base import InverseConvolution, approximate_inverse
 from roughcontact._solve.problem.sweep import predict_pressure
 from roughcontact._solve.problem.task import make_task
 from roughcontact._solve.solvers.conjugate.active import active_cells
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.nested_iteration import nested_iteration
-from roughcontact._solve.solvers.conjugate.openings import Openings
-from roughcontact._solve.solvers.conjugate.weights import PunchWeights
+from roughcontact._solve.solvers.conjugate.preconditioner import PunchWeights
+from roughcontact._solve.solvers.conjugate.refinement import Openings
 from roughcontact.typing import Task
 from strategies import STRICT, height_maps, moduli, problems, strict
 
@@ -183,7 +183,7 @@ def test_near_full_contact_the_openings_give_the_same_pressure(kernel, fraction,
     solution = problem.solve(pressure=fraction * SLOPE * YOUNG)
     assert solution.status is rc.Status.CONVERGED
     assert solution.levels[-1].single == 0
-    monkeypatch.setattr("roughcontact._solve.solvers.conjugate.nested_iteration._NEARLY_FULL", 1.0)
+    monkeypatch.setattr("roughcontact._solve.solvers.conjugate.nested_iteration._NEARLY_FULL_FRACTION", 1.0)
     direct = problem.solve(pressure=fraction * SLOPE * YOUNG)
     assert direct.levels[-1].single > 0
     np.testing.assert_allclose(solution.pressure, direct.pressure, atol=1e-6 * direct.pressure.max())
@@ -347,7 +347,7 @@ def test_after_a_stall_another_method_continues(monkeypatch):
 @pytest.mark.parametrize("left", [1e-3, 2e-6, 1e-7])
 def test_an_approach_next_to_full_contact_is_found_through_loads(left, levels, monkeypatch):
     """The load hardly changes the approach there; terraces and noise are the worst."""
-    monkeypatch.setattr("roughcontact._solve.solvers.conjugate.solver._PATIENT", 5)
+    monkeypatch.setattr("roughcontact._solve.solvers.conjugate.solver._MAX_APPROACH_ITERATIONS", 5)
     heights = np.round(levels * np.random.default_rng(levels).standard_normal((50, 12)))
     surface = rc.HeightMap(heights, size=(50.0, 10.0), periodic=True)
     problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary="periodic", solver=STRICT)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._solve.convolvers.inverse import approximate_inverse
+from roughcontact._solve.convolvers.base import approximate_inverse
 from roughcontact.typing import BoundKernel, ConvolutionSetup, PreparedConvolution
 from strategies import grids, pressures, seeds
 

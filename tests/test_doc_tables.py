@@ -22,7 +22,7 @@ def tables(low, high):
 
 @pytest.mark.parametrize("name", sorted(FOUND))
 def test_the_page_holds_what_the_script_wrote(name):
-    wanted = doc_tables.format_rows(doc_tables.read(name))
+    wanted = doc_tables.format_rows(doc_tables.load_table(name).shown(doc_tables.read(name)))
     for page in FOUND[name][1]:
         text = page.read_text(encoding="utf-8")
         held = [match["text"].strip() for match in doc_tables.MARKED.finditer(text) if match["name"] == name]
@@ -72,5 +72,19 @@ def test_a_table_is_written_between_its_marks(monkeypatch, tmp_path):
     assert text.startswith("a\n<!-- table: one, by docs/studies/x.py -->\n\n| N |\n|---|\n| 64 |\n\n<!-- end")
     assert text.endswith("-->\nb\n")
     assert doc_tables.read("one") == [["N"], ["64"]]
+    doc_tables.write("one", [["N", "error"], ["64", "2"]], quiet=True, shown=doc_tables.pick(["error"]))
+    assert "| error |\n|---|\n| 2 |\n" in page.read_text(encoding="utf-8")
+    assert doc_tables.read("one") == [["N", "error"], ["64", "2"]]
     with pytest.raises(SystemExit, match="no page has a table 'two'"):
         doc_tables.write("two", [["N"]])
+
+
+def test_a_page_may_show_a_part_of_a_table():
+    rows = [["class", "cases", "error, %"], ["wave", "3", "0.2"], ["wave, turned", "4", "1.5"], ["ball", "5", "0.1"]]
+    assert doc_tables.pick(["error, %"], ["wave"])(rows) == [["error, %"], ["0.2"]]
+    assert doc_tables.pick(lines=["ball; 5"])(rows) == [rows[0], rows[3]]
+    show = doc_tables.gather(
+        {"waves": ["wave", "wave, turned"], "balls": ["ball"]}, {"class": "contact", "error, %": "%"}
+    )
+    assert show(rows) == [["contact", "%"], ["waves", "0.2 to 1.5"], ["balls", "0.1"]]
+    assert doc_tables.span(["96 %", "", "100 %"]) == "96 to 100 %"

@@ -10,12 +10,10 @@ import pytest
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, distances, edge, with_fields
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import Surroundings, find_sharp_edges
-from roughcontact._answers.areas.contour import find_distances, trace_contour
-from roughcontact._answers.areas.dual_cells import Owners, find_dual_cells
+from roughcontact._answers.areas.cells import Neighbourhood, find_sharp_edges
+from roughcontact._answers.areas.contour import CellOwners, find_distances, find_dual_cells, find_kinds, trace_contour
 from roughcontact._answers.areas.edges import trace_edges
 from roughcontact._answers.areas.outline import edge_law
-from roughcontact._answers.areas.polygons import find_kinds
 
 GRIDS = [((15, 16), (1.0, 1.0)), ((15, 22), (2.0, 1.0)), ((24, 13), (1.0, 3.0))]
 
@@ -78,11 +76,11 @@ def test_corners_of_dual_cells_are_the_cells_that_a_padded_field_has_there(shape
 
 def test_a_dual_cell_between_patches_is_divided_by_its_corners():
     label = np.array([[1, 1, 2], [1, 2, 0], [0, 2, 2], [1, 0, 3]])
-    owners = Owners.find(label, find_kinds(label > 0), 3)
+    owners = CellOwners.find(label, find_kinds(label > 0), 3)
     np.testing.assert_allclose(
         owners.sum(np.array([1.0, 10.0, 100.0])), [0.0, 1.0 + 10.0 / 3, 20.0 / 3 + 200.0 / 3, 100.0 / 3]
     )
-    alone = Owners.find(label[:, :1], find_kinds(label[:, :1] > 0), 3)
+    alone = CellOwners.find(label[:, :1], find_kinds(label[:, :1] > 0), 3)
     np.testing.assert_allclose(alone.sum(np.array([7.0])), [0.0, 7.0, 0.0, 0.0])
 
 
@@ -93,7 +91,7 @@ def test_surroundings_are_those_of_a_padded_field(shape, boundary):
     reach = 2
     padded = np.pad(field, reach, mode="edge" if boundary == "free" else "wrap")
     i, j = (one.ravel() for one in np.indices(shape))
-    near = Surroundings.of(i, j, shape, rc.Boundary(boundary), reach)
+    near = Neighbourhood.of(i, j, shape, rc.Boundary(boundary), reach)
     for a in range(-reach, reach + 1):
         for b in range(-reach, reach + 1):
             expected = padded[reach + a : reach + a + shape[0], reach + b : reach + b + shape[1]]
@@ -229,8 +227,8 @@ def test_the_border_counts_the_cells_that_it_cuts():
     contact = np.zeros(grid.shape, dtype=bool)
     contact[0, 2:7] = contact[1, 2:7] = contact[5:8, -1] = contact[5, 5] = True
     solution = with_fields(grid, contact, ~contact)
-    assert trace_edges(solution).border == pytest.approx(calibration.BORDER * 8 * grid.cell_area)
+    assert trace_edges(solution).border == pytest.approx(calibration.CUT_BORDER_STD * 8 * grid.cell_area)
     assert trace_edges(with_fields(grid, contact, ~contact, boundary="periodic")).border == 0.0
     saturated = np.where(contact, np.where(np.indices(grid.shape)[0] == 0, 1.0, 0.5), 0.0)
     limited = with_fields(grid, saturated, ~contact, limit=1.0)
-    assert trace_edges(limited).border == pytest.approx(calibration.BORDER * 3 * grid.cell_area)
+    assert trace_edges(limited).border == pytest.approx(calibration.CUT_BORDER_STD * 3 * grid.cell_area)

@@ -11,9 +11,9 @@ import pytest
 import roughcontact as rc
 from exact_contacts import distances, with_fields
 from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.approach import find_rise, fit_hyperboloid
 from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, rim_ratio
 from roughcontact._answers.areas.hertz import _find_tip_error
-from roughcontact._answers.areas.rise import find_rise, fit_hyperboloid
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._solve.solution.healing import heal
 
@@ -98,7 +98,7 @@ def test_the_curvature_of_a_quadric_is_exact_to_the_border(cell, boundary):
     if boundary == "free":
         contact[0, 0] = contact[0, 10] = contact[-1, -4:] = True
     solution = with_fields(grid, contact * 1.0, ~contact, initial_gap=gap, boundary=boundary)
-    middle, difference, spread = average_curvature(solution, np.flatnonzero(contact))
+    middle, difference, spread, _ = average_curvature(solution, np.flatnonzero(contact))
     np.testing.assert_allclose(middle[1:], 0.5 * (xx + yy), rtol=1e-9)
     np.testing.assert_allclose(difference[1:], math.hypot(0.5 * (xx - yy), xy), rtol=1e-9)
     np.testing.assert_allclose(spread[1:], 0.0, atol=1e-6)
@@ -240,7 +240,7 @@ def test_tips_are_told_by_the_curvature_over_one_and_two_cells(power, expected):
     # A patch of seven cells has no tip between them.
     pressure[1, 1:8] = 1.0
     found = _find_tip_error(with_fields(grid, pressure, 1.0, initial_gap=gap, boundary="periodic"))
-    assert calibration.TIP == (25.0, 0.3)
+    assert calibration.TIP_ERROR == (25.0, 0.3)
     np.testing.assert_allclose(found, [0.0, expected], rtol=1e-9, atol=1e-12)
 
 

@@ -10,12 +10,17 @@ import pytest
 
 import roughcontact as rc
 from exact_contacts import MODULUS, distances, with_fields
-from roughcontact._answers.areas.ellipse import find_area_factor, find_axes_ratio
-from roughcontact._answers.areas.far_field import find_far_field
-from roughcontact._answers.areas.hertz import hertz_areas
-from roughcontact._answers.areas.sharing import _average_cells, _find_low_cells, _pair_cells
+from roughcontact._answers.areas.hertz import _average_cells, _find_low_cells, _pair_cells, hertz_areas
 from roughcontact._answers.areas.spline import Spline
-from roughcontact._answers.areas.summits import _near_border, find_centroids, find_summits, is_elliptic
+from roughcontact._answers.areas.summits import (
+    _find_near_border,
+    find_area_factor,
+    find_axes_ratio,
+    find_centroids,
+    find_far_field,
+    find_summits,
+    is_elliptic,
+)
 
 CELLS = [(1.0, 1.0), (1.0, 2.5), (3.0, 1.0)]
 
@@ -154,7 +159,7 @@ def test_an_ellipse_that_a_free_border_cuts_is_not_known(axis):
             centre[axis] = sign * (side - room)
             solution, _, _ = ellipsoid(grid, (1.0, 1.0), 0.0, centre, force, "free")
             found = find_summits(solution, Spline.through_gap(solution))
-            assert _near_border(solution, found).tolist() == [near]
+            assert _find_near_border(solution, found).tolist() == [near]
             assert found.known.tolist() == [not near]
 
 
@@ -224,7 +229,7 @@ def test_equal_balls_at_different_places_in_their_cells_share_the_load(cell):
     found = hertz_areas(solution)
     forces = solution.patches.forces
     assert forces.size == 2
-    shared = forces * found.sharing.factor
+    shared = forces * found.correction.factor
     assert shared.sum() == pytest.approx(forces.sum(), rel=1e-9)
     assert abs(forces[0] / forces[1] - 1.0) > 4.0 * abs(shared[0] / shared[1] - 1.0)
     np.testing.assert_allclose(shared, 0.5 * forces.sum(), rtol=5e-3)

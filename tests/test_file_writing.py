@@ -16,12 +16,11 @@ WRITERS |= {"savez_compressed", "np.save", "copyfile", "copy2", "tofile", "touch
 OPENERS = {"open", "File", "ZipFile", "memmap"}
 # Functions that write elsewhere, and why.
 ELSEWHERE = {
-    ("replacement.py", "replacing"): "the door itself",
+    ("__init__.py", "replacing"): "the door itself",
     ("__init__.py", "seal"): "is given the unfinished file",
-    ("netcdf.py", "write_netcdf"): "writes to memory first",
-    ("error_report.py", "draw_report"): "draws in memory first",
-    ("figures.py", "save_figure"): "draws in memory first",
-    ("figures.py", "draw_panel"): "draws in memory",
+    ("storage.py", "write_netcdf"): "writes to memory first",
+    ("figures.py", "write_picture"): "draws in memory first",
+    ("parts.py", "draw_panel"): "draws in memory",
     ("figure_view.py", "savefig"): "chooses the pixels for the caller's file",
     ("folder.py", "_write_lock"): "a lock, renamed when it is held",
     ("folder.py", "_remove_abandoned"): "opens a lock to try it",

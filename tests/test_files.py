@@ -399,7 +399,7 @@ def test_many_points_are_filled_as_few_are(monkeypatch):
     heights[rng.random(heights.shape) < 0.3] = np.nan
     heights[90, 100] = heights[20:180, 60] = 1e-3
     iterated = fill(heights)
-    monkeypatch.setattr("roughcontact._parts.surfaces.filling._DIRECT", heights.size)
+    monkeypatch.setattr("roughcontact._parts.surfaces.filling._MAX_DIRECT_POINTS", heights.size)
     # The direct solution loses digits to the mean height.
     np.testing.assert_allclose(iterated - 1e-3, fill(heights - 1e-3), atol=1e-11 * 1e-7, rtol=0)
     known = np.isfinite(heights)
@@ -412,7 +412,7 @@ def test_points_that_take_more_memory_than_there_is_are_not_filled(tmp_path, mon
     heights = np.full((300, 300), np.nan)
     heights[0] = 0.0
     np.savez(tmp_path / "map.npz", heights=heights, size=1e-3)
-    monkeypatch.setattr("roughcontact._base.machine.memory.available_memory", lambda: 2**24)
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**24)
     with pytest.raises(rc.InputError, match=r"Filling 89700 non-measured points needs 42\.77 MiB of memory"):
         rc.read_surface(tmp_path / "map.npz", non_measured="fill")
 

@@ -99,8 +99,7 @@ def declared():
     for name in commands:
         parser = argparse.ArgumentParser(prog=name)
         commands.create(name).declare(parser)
-        # The gallery takes minutes, and has no value.
-        found[name] = [action for action in parser._actions if action.dest not in ("help", "gallery")]
+        found[name] = [action for action in parser._actions if action.dest != "help"]
     return found
 
 

@@ -132,8 +132,8 @@ def test_holes_of_any_size_are_filled_alike(make, monkeypatch):
     mask = lose_points(press(heights, (1.0, 3.0), boundary, load).contact, 0.1, True, 5)
     found = []
     for widest in (40, 0):
-        monkeypatch.setattr("roughcontact._solve.solution.healing.WIDEST", widest)
-        monkeypatch.setattr("roughcontact._parts.surfaces.filling.WIDEST", widest)
+        monkeypatch.setattr("roughcontact._solve.solution.healing.MAX_BANDWIDTH", widest)
+        monkeypatch.setattr("roughcontact._parts.surfaces.filling.MAX_BANDWIDTH", widest)
         solution = press(heights, (1.0, 3.0), boundary, load, mask)
         found.append([solution.response(name).value for name in ("mean-gap", "approach", "perimeter")])
     assert found[1] == pytest.approx(found[0], rel=1e-9)

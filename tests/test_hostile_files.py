@@ -461,7 +461,7 @@ CONTAINERS = {
     ),
     "a deep header": (lambda path, files: replace_header(path, files, b"[" * 100_000), "more than 150 levels"),
     "a long header": (
-        lambda path, files: replace_header(path, files, b" " * (archive._LONGEST_HEADER + 1)),
+        lambda path, files: replace_header(path, files, b" " * (archive._MAX_HEADER_BYTES + 1)),
         "too long",
     ),
     "a header of one text": (lambda path, files: replace_header(path, files, b'"solution"'), "not a mapping"),

@@ -18,10 +18,10 @@ import pytest
 
 import roughcontact as rc
 from roughcontact._base import archive
-from roughcontact._faces.html import citation, figures, rerun
+from roughcontact._faces.html import inputs, parts, report
 from roughcontact._faces.html.elements import escape, quantity
 from roughcontact._solve.solution import origin as origins
-from roughcontact._solve.solution.several import gather_warnings, list_quantities
+from roughcontact._solve.solution.summary import gather_warnings, list_quantities
 
 STEEL = rc.Elastic(young=200e9, poisson=0.3)
 HOSTILE = "<script>alert(1)</script>.npz & \"'\x00\ud800"
@@ -122,7 +122,7 @@ class TestPage:
         def refuse(kind, subject, name):
             raise ZeroDivisionError("<b>by zero</b>")
 
-        monkeypatch.setattr(figures, "draw_panel", refuse)
+        monkeypatch.setattr(parts, "draw_panel", refuse)
         words = text_of(read(solve().to_html()))
         assert "The panel pressure is not drawn: <b>by zero</b>" in words
 
@@ -315,24 +315,24 @@ class TestScript:
 
     def test_numbers_are_exact_and_short(self):
         for value, text in ((200e9, "200e9"), (12.5e-6, "12.5e-6"), (5e-7, "500e-9"), (0.3, "0.3"), (-0.0, "-0.0")):
-            assert rerun._write_number(value) == text
+            assert inputs._write_number(value) == text
         rng = np.random.default_rng(1)
         for value in rng.standard_normal(300) * 10.0 ** rng.integers(-300, 300, 300):
-            assert float(rerun._write_number(value)) == value
-        assert eval(rerun._write_number(np.inf)) == np.inf
+            assert float(inputs._write_number(value)) == value
+        assert eval(inputs._write_number(np.inf)) == np.inf
 
 
 class TestCitation:
     def test_it_is_that_of_the_repository(self):
         text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-        for value in (citation.TITLE, citation.AUTHORS, citation.ADDRESS, citation.PAPER, citation.JOURNAL):
+        for value in (report.TITLE, report.AUTHORS, report.ADDRESS, report.PAPER, report.JOURNAL):
             assert f": {value}\n" in text
-        assert f"doi: {citation.PAPER_DOI}\n" in text
-        assert f"year: {citation.PAPER_YEAR}\n" in text
-        assert f"(c) {citation.YEAR}," in (ROOT / "LICENSE").read_text(encoding="utf-8")
+        assert f"doi: {report.PAPER_DOI}\n" in text
+        assert f"year: {report.PAPER_YEAR}\n" in text
+        assert f"(c) {report.YEAR}," in (ROOT / "LICENSE").read_text(encoding="utf-8")
 
     def test_methods_are_cited_by_the_dois_of_their_docstrings(self):
-        found = citation.list_references("1.2.3", [rc.Love(), rc.PolonskyKeer(), rc.Perimeter(), rc.Blend()])
+        found = report.list_references("1.2.3", [rc.Love(), rc.PolonskyKeer(), rc.Perimeter(), rc.Blend()])
         addresses = [one.address for one in found]
         assert "1.2.3" in found[0].text
         assert len(set(addresses)) == len(addresses)
@@ -341,8 +341,8 @@ class TestCitation:
         assert all(re.search(r"\(\d{4}\)", one.text) for one in found)
 
     def test_bibtex_has_title_version_and_year(self):
-        entry = citation.write_bibtex("1.2.3")
-        for line in ("title = {roughcontact}", "version = {1.2.3}", f"year = {{{citation.YEAR}}}"):
+        entry = report.write_bibtex("1.2.3")
+        for line in ("title = {roughcontact}", "version = {1.2.3}", f"year = {{{report.YEAR}}}"):
             assert line in entry
 
 

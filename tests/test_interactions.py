@@ -10,7 +10,7 @@ import pytest
 from scipy import integrate
 
 import roughcontact as rc
-from roughcontact._base.units.quantities import parse_quantity
+from roughcontact._base.units import parse_quantity
 from roughcontact._parts.interactions import (
     BoundInteraction,
     Dugdale,
@@ -33,6 +33,9 @@ GAPS = np.linspace(0.0, 2e-8, 4001)
 
 class Linear(Interaction):
     """A law of one's own: the tension falls in a straight line."""
+
+    def __repr__(self):
+        return f"{type(self).__name__}()"
 
     def tension(self, gap):
         return 5e6 * np.maximum(1.0 - gap / 2e-8, 0.0)

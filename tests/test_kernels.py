@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from roughcontact._parts.kernels import BoundKernel
-from roughcontact._parts.kernels.love import cell_potential
+from roughcontact._parts.kernels.half_space import cell_potential
 from strategies import aspects
 
 

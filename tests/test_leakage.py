@@ -12,8 +12,8 @@ import pytest
 from scipy import integrate
 
 import roughcontact as rc
-from roughcontact._answers.flow import flow_solvers
-from roughcontact._answers.flow.flow_network import make_network
+from roughcontact._answers.flow import network as networks
+from roughcontact._answers.flow.network import make_network
 from roughcontact.responses import find_percolation
 from roughcontact.typing import Residuals
 
@@ -317,8 +317,8 @@ def test_iteration_finds_the_flow_of_elimination():
     pytest.importorskip("pyamg")
     solution = solved(cells=128, x=0.15)
     network = make_network(solution.gap, ~solution.contact, aspect=1.0, periodic=True)
-    exact = flow_solvers.eliminate(network)
-    pressure, converged = flow_solvers.iterate(network)
+    exact = networks.eliminate(network)
+    pressure, converged = networks.iterate(network)
     assert converged
     flows = [float(network.dissipation(one)[1].sum()) for one in (exact, pressure)]
     assert flows[1] == pytest.approx(flows[0], rel=2e-3)
@@ -326,7 +326,7 @@ def test_iteration_finds_the_flow_of_elimination():
 
 
 def test_large_flows_need_pyamg(monkeypatch):
-    monkeypatch.setattr(flow_solvers, "LARGEST_ELIMINATION", 10)
+    monkeypatch.setattr(networks, "MAX_ELIMINATION_CELLS", 10)
     monkeypatch.setitem(sys.modules, "pyamg", None)
     with pytest.raises(rc.MissingPackage, match=r"pip install 'roughcontact\[flow\]'"):
         with_gap(np.full((8, 8), 1e-6)).leakage(axis=0, **WATER)

@@ -18,7 +18,7 @@ import pytest
 import roughcontact as rc
 from roughcontact.__main__ import main
 from roughcontact._base.archive.plain import key_of
-from roughcontact._base.machine.memory import available_memory, limit_of_memory, require_memory
+from roughcontact._base.machine import available_memory, limit_of_memory, require_memory
 from roughcontact._base.units import binary
 from roughcontact._solve.problem.plan import require_memory_of_solve
 
@@ -56,7 +56,7 @@ def limited(root, folder, name, used, limit, stat=""):
 
 def test_nothing_is_known_of_an_unknown_machine(tmp_path, monkeypatch):
     assert available_memory(tmp_path) is None
-    monkeypatch.setattr("roughcontact._base.machine.memory.available_memory", lambda: None)
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: None)
     require_memory(1e30, "A solve", "choose fewer cells")
 
 
@@ -97,7 +97,7 @@ def test_the_limit_of_a_container_that_sees_only_its_own_groups(tmp_path):
 
 
 def test_the_sentence_says_how_much_there_is_and_what_to_do(monkeypatch):
-    monkeypatch.setattr("roughcontact._base.machine.memory.available_memory", lambda: 3 * 2**30)
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 3 * 2**30)
     with pytest.raises(rc.InputError) as caught:
         rc.ContactProblem(rc.Body(WAVY, STEEL), grid=GRID)
     assert str(caught.value) == (
@@ -106,7 +106,7 @@ def test_the_sentence_says_how_much_there_is_and_what_to_do(monkeypatch):
     )
     # Memory that was taken since the problem was made.
     problem = rc.ContactProblem(rc.Body(WAVY, STEEL), grid=rc.Grid((512, 512), 1e-2))
-    monkeypatch.setattr("roughcontact._base.machine.memory.available_memory", lambda: 2**23)
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**23)
     with pytest.raises(rc.InputError, match=r"needs 23 MiB of memory, but this process may take only 8 MiB more"):
         problem.solve(pressure=1e5)
 
@@ -138,7 +138,7 @@ def test_a_limit_names_the_largest_grid_that_fits(boundary):
 
 
 def test_a_limit_replaces_what_the_machine_has(monkeypatch):
-    monkeypatch.setattr("roughcontact._base.machine.memory.available_memory", lambda: 2**23)
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**23)
     grid = rc.Grid((512, 512), 1e-2)
     assert contact(grid=grid, memory_limit="100 MiB").solve(pressure=1e5).status.success
     with pytest.raises(rc.InputError, match=r"allows only 1 MiB: choose at most 96 x 96 cells"):
@@ -182,7 +182,7 @@ def test_explain_says_for_how_much_contact_the_memory_suffices(monkeypatch):
 
 
 def test_what_is_small_is_not_asked_for(monkeypatch):
-    monkeypatch.setattr("roughcontact._base.machine.memory.available_memory", lambda: 0)
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 0)
     assert rc.ContactProblem(rc.Body(WAVY, STEEL), grid=rc.Grid((64, 64), 1e-2)).solve(pressure=1e5).status.success
 
 
@@ -300,7 +300,7 @@ def test_maps_of_files_are_compared_with_the_memory(tmp_path, monkeypatch):
     np.savez(tmp_path / "map.npz", heights=np.zeros((1200, 1200)), size=1.0)
     row = b"0.000000000000000000e+00 " * 1200 + b"\n"
     (tmp_path / "map.txt").write_bytes(row * 1200)
-    monkeypatch.setattr("roughcontact._base.machine.memory.available_memory", lambda: 2**24)
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**24)
     for name, needed in (("map.npy", 21.97), ("map.npz", 21.97), ("map.txt", 21.97)):
         with pytest.raises(rc.InputError, match=rf"{name} cannot be used: it needs {needed} MiB of memory, but"):
             rc.read_surface(tmp_path / name, size=1.0)
@@ -343,7 +343,7 @@ def test_surfaces_ask_before_they_take_memory(monkeypatch, surface, arrays):
     tracemalloc.stop()
     # A sum holds its total as well.
     assert arrays <= taken < arrays + 1.1
-    monkeypatch.setattr("roughcontact._base.machine.memory.available_memory", lambda: 2**20)
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**20)
     tracemalloc.start()
     with pytest.raises(rc.InputError, match=r"on 1600 x 1500 cells needs .* of memory, but .*: choose fewer cells"):
         surface.heights(grid)
@@ -359,7 +359,7 @@ def test_a_process_may_be_held_to_the_memory_that_there_is(tmp_path):
     code = """if True:
         import pathlib, shutil, sys
         import numpy as np
-        from roughcontact._base.machine.memory import limit_address_space
+        from roughcontact._base.machine import limit_address_space
         root = pathlib.Path(sys.argv[1])
         shutil.copy("/proc/self/statm", root / "proc/self/statm")
         for available, largest in ((2**20, 2), (4 * 2**20, 5)):
@@ -462,7 +462,7 @@ def test_the_direct_sum_takes_no_more_than_the_plan_says(boundary):
 def test_the_direct_sum_of_a_long_strip_is_made_in_parts(monkeypatch):
     strip = contact(SPHERE, grid=rc.Grid((3, 40), (3e-3, 4e-2)), convolver="direct")
     whole = strip.convolution.apply(strip.initial_gap)
-    monkeypatch.setattr("roughcontact._solve.convolvers.direct._LARGEST_MATRIX", 300)
+    monkeypatch.setattr("roughcontact._solve.convolvers.direct._MAX_MATRIX_NUMBERS", 300)
     np.testing.assert_allclose(strip.convolution.apply(strip.initial_gap), whole, rtol=1e-13)
 
 

@@ -243,7 +243,7 @@ def test_it_survives_pickling_and_speaks():
     assert np.array_equal(again.traction, found.traction)
     assert again.loop(2).energy == pytest.approx(found.loop(2).energy)
     text = str(found)
-    assert "50 % of that of sliding" in text
+    assert "50 % of the force of sliding" in text
     assert "energy in a cycle" in text
     assert len(str(found.loop(4)).splitlines()) == 6
 

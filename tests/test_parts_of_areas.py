@@ -11,6 +11,7 @@ import pytest
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, distances, edge, with_fields
 from roughcontact._answers.areas import calibration, quantity_calibration
+from roughcontact._answers.areas.cells import count_saturated
 from roughcontact._answers.areas.contour import (
     _count_alike,
     _find_bracketed_root,
@@ -20,21 +21,27 @@ from roughcontact._answers.areas.contour import (
 )
 from roughcontact._answers.areas.curvature import lay_ratio
 from roughcontact._answers.areas.edges import (
-    _count,
+    _count_equal_errors,
     _measure_rims,
     _measure_roundness,
     _measure_width,
     _saturated_weight,
     is_diagonal,
+    list_warnings,
+    total_area,
     trace_edges,
 )
 from roughcontact._answers.areas.estimators import _extrapolate, _smallest_areas
-from roughcontact._answers.areas.hertz import _find_uneven_deficit, hertz_areas
+from roughcontact._answers.areas.hertz import (
+    _find_hidden,
+    _find_low_cells,
+    _find_uneven_deficit,
+    _raise_to_three_halves,
+    hertz_areas,
+)
 from roughcontact._answers.areas.outline import _chain, contours, outline
 from roughcontact._answers.areas.peak import _find_cut, _find_highest, _find_summits, _gather
-from roughcontact._answers.areas.sharing import _find_hidden, _find_low_cells, _find_saturated, _grow
 from roughcontact._answers.areas.spline import Spline
-from roughcontact._answers.areas.total import list_warnings, total_area
 
 
 @pytest.mark.parametrize("value", [1.0, 0.5])
@@ -89,7 +96,7 @@ def test_edges_that_are_the_same_are_counted():
         np.array([0.5, 0.5, 0.2, 0.5]), np.array([1.0, 1.0, 1.0, 0.7]), np.tile([[1.0], [-1.0]], (1, 4))
     )
     assert same.tolist() == [2.0, 2.0, 1.0, 1.0]
-    assert _count(np.array([1.0, 3.0])).tolist() == [1.0, 1.0 + 2.0 * calibration.ALIKE]
+    assert _count_equal_errors(np.array([1.0, 3.0])).tolist() == [1.0, 1.0 + 2.0 * calibration.ALIKE_PARTS_FACTOR]
 
 
 @pytest.mark.parametrize(("apart", "pieces"), [(5.0, 1.0), (7.5, 2.0)])
@@ -199,9 +206,9 @@ def test_the_standard_deviation_of_an_excess_falls_with_the_pieces_of_the_edge()
 def test_standard_deviations_of_single_edges_and_of_those_beside_hertz_areas():
     grid = rc.Grid((30, 30), 30.0)
     edges = trace_edges(ball(grid, 9.0, 100.0))
-    alone = 1.6 * (edges.std[1] * math.sqrt(edges.alike[1]) + calibration.SHIFT * edges.strip[1])
+    alone = 1.6 * (edges.std[1] * math.sqrt(edges.alike[1]) + calibration.EDGE_POSITION_STD * edges.strip[1])
     assert edges.alone_std[1] == pytest.approx(alone)
-    blended = edges.std[1] * math.sqrt(calibration.BLENDED**2 - 1.0 + edges.alike[1])
+    blended = edges.std[1] * math.sqrt(calibration.BLENDED_STD_FACTOR**2 - 1.0 + edges.alike[1])
     assert edges.blended_std[1] == pytest.approx(blended)
 
 
@@ -235,7 +242,7 @@ def test_saturated_patches_weigh_from_half_of_their_cells_and_carry_their_load()
     pressure[9, 1:3] = 1.5
     solution = with_fields(grid, pressure, pressure == 0.0, limit=2.0)
     assert _saturated_weight(solution).tolist() == [0.0, 0.5, 1.0, 0.0]
-    assert _find_saturated(solution).tolist() == [True, True, False]
+    assert count_saturated(solution).tolist() == [0, 2, 4, 0]
     np.testing.assert_allclose(_smallest_areas(solution), [0.0, (6.0 + 4.0) * 0.5 * 2.0, 4.0 * 2.0, 3.0 * 0.5 * 2.0])
     free = with_fields(grid, pressure, pressure == 0.0)
     assert not _saturated_weight(free).any()
@@ -243,7 +250,7 @@ def test_saturated_patches_weigh_from_half_of_their_cells_and_carry_their_load()
 
 
 def test_rims_count_from_a_third_more_curvature_on():
-    first, highest, std = calibration.RIM
+    first, highest, std = calibration.RIM_POSITION_TERMS
     grid = rc.Grid((31, 31), 31.0)
     square = grid.x**2 + grid.y**2
     contact = square < 11.0**2
@@ -258,7 +265,7 @@ def test_rims_count_from_a_third_more_curvature_on():
 
 
 def test_depths_grow_to_loads_by_three_halves():
-    np.testing.assert_allclose(_grow(np.array([-1.0, 0.0, 4.0, 9.0])), [0.0, 0.0, 8.0, 27.0])
+    np.testing.assert_allclose(_raise_to_three_halves(np.array([-1.0, 0.0, 4.0, 9.0])), [0.0, 0.0, 8.0, 27.0])
     spread = np.array([0.0, 0.35, 0.6])
     a, b, c = calibration.HERTZ_DEFICIT
     np.testing.assert_allclose(_find_uneven_deficit(spread), a * spread**4 / ((b + spread**2) * (1.0 + c * spread**2)))
@@ -344,7 +351,7 @@ def test_the_maximum_pressure_of_a_summit_of_fourth_order(cell, quartic):
     mean = found.summits.curvature[0] / 2.0
     expected = hertz * (1.0 - 32.0 / 45.0 * c4 * found.area[1] / np.pi / mean)
     assert value[0] == pytest.approx(expected, rel=2e-3)
-    wanted = quantity_calibration.SUMMIT_EXACT + quantity_calibration.SUMMIT_ERROR * found.error[1]
+    wanted = quantity_calibration.MIN_SUMMIT_ERROR + quantity_calibration.SUMMIT_ERROR_FACTOR * found.error[1]
     assert error[0] == pytest.approx(wanted, rel=1e-6)
 
 

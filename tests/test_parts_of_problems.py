@@ -13,16 +13,15 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._base.archive import replacing
-from roughcontact._base.archive.replacement import _has_ended, _machine, _remove_stale_once
-from roughcontact._parts.load import Load
+from roughcontact._base.archive import _has_ended, _machine, _remove_stale_once, replacing
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.accuracy import Target, _coarsest, _is_confirmed, _mean_square_curvature, _refine
-from roughcontact._solve.problem.certificate import _are_close, _sample_modulus
 from roughcontact._solve.problem.plan import _round_down, memory_of_solve
+from roughcontact._solve.problem.run import _are_close, _sample_modulus
 from roughcontact._solve.problem.sweep import order_of_solving
 from roughcontact._solve.problem.task import make_task, maximum_pressure, pressure_unit
-from roughcontact._solve.solution.accuracy import Trial
 from roughcontact._solve.solution.conditions import ContactConditions
+from roughcontact._solve.solution.origin import Trial
 
 WAVE = rc.WavySurface(1e-6, 100e-6)
 

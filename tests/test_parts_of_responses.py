@@ -11,14 +11,19 @@ from scipy import ndimage
 
 import roughcontact as rc
 from exact_contacts import ball, with_fields
-from roughcontact._answers.flow.flow_network import find_paths, make_network
-from roughcontact._answers.flow.flow_solvers import eliminate
-from roughcontact._answers.flow.flow_uncertainty import _compare_rules, _find_distances, estimate_uncertainty
+from roughcontact._answers.flow.leakage import _count_open, _measure_width, _square_around, find_throat
+from roughcontact._answers.flow.network import (
+    _compare_rules,
+    _find_distances,
+    eliminate,
+    estimate_uncertainty,
+    find_paths,
+    make_network,
+)
 from roughcontact._answers.flow.percolation import _BLOCKS, _CORNERS, _SIDES, _is_open
-from roughcontact._answers.flow.throats import _count_open, _measure_width, _square_around, find_throat
-from roughcontact._answers.linear.edge_correction import _find_loss, _find_trust, _measure_rows, _sum_patches
+from roughcontact._answers.linear.stiffness import _find_loss, _find_trust, _measure_rows
 from roughcontact._answers.subsurface.first_yield import _choose_load, _find_slope
-from roughcontact._answers.subsurface.maximum import PlanePeak, _fit_parabola, find_maximum
+from roughcontact._answers.subsurface.stress import PlanePeak, _fit_parabola, find_maximum
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
@@ -47,7 +52,7 @@ def test_the_sides_of_rectangles_lie_in_rows(boundary, cell):
         rows = ((n, shape[1], cell[0] / cell[1]), (m, shape[0], cell[1] / cell[0]))
         loss = sum(2.0 * float(_find_loss(np.array([length]), longest, aspect)[0]) for length, longest, aspect in rows)
         assert lost[k] == pytest.approx(loss)
-    np.testing.assert_allclose(_sum_patches(solution.patches.labels.ravel(), answer, 2)[order], [5.0 * 24, 2.0 * 6])
+    np.testing.assert_allclose(solution.patches.sum(answer)[order], [5.0 * 24, 2.0 * 6])
 
 
 def test_a_row_across_the_whole_domain_lacks_nothing_for_its_ends():

@@ -11,13 +11,13 @@ from scipy import integrate
 
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, with_fields
+from roughcontact._answers.areas.approach import find_shift
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.areas.shift import find_shift
 from roughcontact._answers.flow import percolation
-from roughcontact._answers.flow.flow_network import find_paths
+from roughcontact._answers.flow.network import find_paths
 from roughcontact._answers.linear.conductance import Conductance
-from roughcontact._answers.linear.tangential_compliance import _find_deviation, _find_displacements, _WavesAlong
-from roughcontact._answers.slip.partial_slip import (
+from roughcontact._answers.linear.tangential import _find_deviation, _find_displacements, _WavesAlong
+from roughcontact._answers.slip import (
     _approach_std,
     _compare_areas,
     _complementary_energy,
@@ -153,7 +153,7 @@ def test_the_load_that_closes_a_gap_lies_between_the_last_open_and_the_first_clo
         assert find_paths(cells, periodic=True).any() == joined
     assert found.area_fraction.value == pytest.approx(0.5 * (low.area().fraction + high.area().fraction))
     # Without what the width of paths leaves open, the resolution alone is unsure.
-    monkeypatch.setattr(percolation, "_WIDTHS", 0.0)
+    monkeypatch.setattr(percolation, "_WIDTH_STD", 0.0)
     unresolved = 0.1 * curvature_resolution(low)
     sure = find_percolation(given, axis=axis, within=0.02)
     assert sure.pressure.uncertainty == pytest.approx(unresolved * found.pressure.value)

@@ -18,9 +18,8 @@ from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact._answers.areas.outline import edge_law
-from roughcontact._faces.panels.profile import find_surfaces
-from roughcontact._faces.panels.spectrum import spectral_density
-from roughcontact._faces.panels.surfaces import correlate
+from roughcontact._faces.panels.solution import find_surfaces
+from roughcontact._faces.panels.surfaces import correlate, spectral_density
 from roughcontact.plotting import make_figure
 from roughcontact.testing.strategies import height_maps, problems
 

@@ -14,7 +14,7 @@ import pytest
 import roughcontact as rc
 from roughcontact import reference
 from roughcontact.__main__ import main
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._work.reports.error.reference import solve_reference
 from roughcontact.typing import ErrorReport, ReportRow, Timing
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solvers.base import Monitor, starting_pressure
 from roughcontact._solve.solvers.conjugate.active import active_cells
@@ -21,10 +21,8 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import (
     nested_iteration,
     start_from,
 )
-from roughcontact._solve.solvers.conjugate.openings import NearlyFull, OpeningPreconditioner, Openings
-from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner
-from roughcontact._solve.solvers.conjugate.refinement import Refinement
-from roughcontact._solve.solvers.conjugate.weights import PunchWeights, _smaller
+from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, _smaller
+from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, OpeningPreconditioner, Openings, Refinement
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl
 
 SIZE = (64.0, 96.0)

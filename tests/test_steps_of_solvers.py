@@ -9,19 +9,13 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._parts.load import Load
-from roughcontact._solve.convolvers import inverse as inverses
-from roughcontact._solve.convolvers.inverse import InverseConvolution, multiply_waves
+from roughcontact._parts.grid import Load
+from roughcontact._solve.convolvers import base as inverses
+from roughcontact._solve.convolvers.base import InverseConvolution, multiply_waves
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solvers.conjugate import solver as conjugate
 from roughcontact._solve.solvers.conjugate.active import ListedCells, MaskedCells, active_cells
 from roughcontact._solve.solvers.conjugate.descent import Descent
-from roughcontact._solve.solvers.conjugate.extension import (
-    _BlockAverage,
-    _gather_blocks,
-    _spread_blocks,
-    half_space_inverse,
-)
 from roughcontact._solve.solvers.conjugate.nested_iteration import (
     _average,
     _extent,
@@ -33,8 +27,12 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import (
 from roughcontact._solve.solvers.conjugate.preconditioner import (
     CoarseCorrection,
     RigidCorrection,
+    _BlockAverage,
     _count_blocks,
     _divide,
+    _gather_blocks,
+    _spread_blocks,
+    half_space_inverse,
     multiply_active,
 )
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl, project_to_load, rescale_to_load
@@ -158,7 +156,7 @@ def test_the_inverse_of_a_half_space_is_as_stiff_as_the_wave_number(shape):
 @pytest.mark.parametrize("shape", [(12, 15), (9, 20)])
 def test_waves_are_multiplied_by_their_symbol(shape, large, monkeypatch):
     """By columns and in three passes, on padded grids, and for a field in few rows."""
-    monkeypatch.setattr(inverses, "_LARGE", 1 if large else 10**9)
+    monkeypatch.setattr(inverses, "_MIN_COLUMNWISE_WAVES", 1 if large else 10**9)
     rng, padded = np.random.default_rng(5), (20, 27)
     values = np.zeros(shape)
     values[[2, 7]] = rng.normal(size=(2, shape[1]))

@@ -14,12 +14,10 @@ from hypothesis.extra import numpy as hnp
 from scipy import optimize
 
 import roughcontact as rc
-from roughcontact._answers.subsurface.cells import COMPONENTS, ODD_IN_X, ODD_IN_Y, Depth, cell_stress
-from roughcontact._answers.subsurface.field import StressField, maximum_shear
-from roughcontact._answers.subsurface.free import FreePlanes
+from roughcontact._answers.subsurface.field import StressField, find_steps, maximum_shear
+from roughcontact._answers.subsurface.free import COMPONENTS, ODD_IN_X, ODD_IN_Y, FreePlanes, cell_stress
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
-from roughcontact._answers.subsurface.planes import find_steps
-from roughcontact._base.machine import memory
+from roughcontact._base import machine
 from roughcontact.reference import hertz_sphere
 
 NU = 0.3
@@ -114,7 +112,7 @@ def superpose(pressure, z, nu, sides, images):
     """Return the stress by all cells and so many rings of images of the domain, summed one by one, float64."""
     nx, ny = pressure.shape
     reach_x, reach_y = max(nx * images, nx - 1), max(ny * images, ny - 1)
-    table = cell_stress(Depth(z, nu), (reach_x + 1, reach_y + 1), sides, np.float64)
+    table = cell_stress(z, nu, (reach_x + 1, reach_y + 1), sides, np.float64)
     x, y = np.arange(-reach_x, reach_x + 1), np.arange(-reach_y, reach_y + 1)
     # The outermost image lies half on each side.
     ends = [np.where(images * (np.abs(o) == n * images), 0.5, 1.0) for o, n in ((x, nx), (y, ny))]
@@ -134,7 +132,7 @@ def superpose(pressure, z, nu, sides, images):
 @pytest.mark.parametrize(("nu", "z", "sides"), [(0.3, 0.4, (1.0, 0.7)), (0.0, 2.0, (1.0, 1.0)), (0.5, 1.0, (0.3, 2.0))])
 def test_a_cell_is_the_integral_of_point_forces(nu, z, sides):
     nodes, weights = np.polynomial.legendre.leggauss(80)
-    table = cell_stress(Depth(z, nu), (4, 3), sides, np.float64)
+    table = cell_stress(z, nu, (4, 3), sides, np.float64)
     for i, j in ((0, 0), (1, 0), (0, 2), (3, 1)):
         x = (i - 0.5 * nodes[:, np.newaxis]) * sides[0]
         y = (j - 0.5 * nodes[np.newaxis, :]) * sides[1]
@@ -377,7 +375,7 @@ def test_memory_does_not_grow_with_the_depths():
 
 def test_an_array_beyond_the_memory_is_refused(monkeypatch):
     solution, _ = rough(128, 6)
-    monkeypatch.setattr(memory, "available_memory", lambda *_: 2**20)
+    monkeypatch.setattr(machine, "available_memory", lambda *_: 2**20)
     with pytest.raises(rc.InputError, match="one at a time"):
         _ = solution.stress(np.linspace(1e-6, 1e-3, 64)).components
 

@@ -11,7 +11,7 @@ import roughcontact as rc
 from roughcontact import reference
 from roughcontact._answers.areas.cells import find_sharp_edges
 from roughcontact._answers.areas.contour import trace_contour
-from roughcontact._answers.areas.ellipse import find_area_factor
+from roughcontact._answers.areas.summits import find_area_factor
 from strategies import problems
 
 YOUNG, RADIUS = 1.0, 1e4

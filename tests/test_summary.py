@@ -97,7 +97,7 @@ class TestShort:
 
     def test_a_large_solution_is_not_estimated_for_one_line(self, monkeypatch):
         solution = make_problem().solve(pressure=1e8)
-        monkeypatch.setattr(summary, "_SMALL", 100)
+        monkeypatch.setattr(summary, "_MAX_REPR_CELLS", 100)
         monkeypatch.setattr(rc.ContactSolution, "area", lambda self: pytest.fail("the area was estimated"))
         assert repr(solution) == "<ContactSolution 32 x 32, free: converged, 100 MPa>"
 
@@ -128,7 +128,7 @@ class TestShort:
 
     def test_a_notebook_shows_no_picture_of_a_large_solution_or_without_matplotlib(self, monkeypatch):
         solution = make_problem().solve(pressure=1e8)
-        monkeypatch.setattr("roughcontact._faces.html.report._SMALL", 100)
+        monkeypatch.setattr("roughcontact._faces.html.report._MAX_PICTURE_CELLS", 100)
         assert "<img" not in solution._repr_html_()
         monkeypatch.undo()
         monkeypatch.setattr("roughcontact._faces.html.report.can_draw", lambda: False)

@@ -16,10 +16,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
+from roughcontact._base import machine
 from roughcontact._base.archive.plain import key_of
-from roughcontact._base.machine import threads
-from roughcontact._base.machine.threads import available_threads, choose_threads, map_tiles, split, use_threads
-from roughcontact._solve.convolvers.inverse import approximate_inverse
+from roughcontact._base.machine import available_threads, choose_threads, map_tiles, split, use_threads
+from roughcontact._solve.convolvers.base import approximate_inverse
 from roughcontact._solve.problem import run as run_module
 from roughcontact._work.studies.toml import read_study
 from roughcontact.typing import BoundKernel
@@ -34,8 +34,8 @@ COUNTS = (1, 2, 3, 5)
 @pytest.fixture
 def many(monkeypatch):
     """A machine of five processors, on which the smallest arrays are shared by threads."""
-    monkeypatch.setattr(threads, "available_threads", lambda: 5)
-    monkeypatch.setattr(threads, "_CELLS", 1)
+    monkeypatch.setattr(machine, "available_threads", lambda: 5)
+    monkeypatch.setattr(machine, "_CELLS_PER_THREAD", 1)
 
 
 def write(root, **files):
@@ -79,14 +79,14 @@ class TestNumber:
         assert available_threads(tmp_path) == count
 
     def test_follows_the_size_of_the_grid_and_the_machine(self, monkeypatch):
-        monkeypatch.setattr(threads, "available_threads", lambda: 4)
+        monkeypatch.setattr(machine, "available_threads", lambda: 4)
         assert [choose_threads("auto", n * n)[0] for n in (2, 256, 512, 1024, 2048, 8192)] == [1, 1, 1, 2, 4, 4]
         assert choose_threads(3, 4) == (3, "as given")
         assert choose_threads(9, 4) == (4, "not 9: this process may use no more")
 
     def test_is_one_beside_others_of_a_pool(self, monkeypatch):
-        monkeypatch.setattr(threads, "available_threads", lambda: 4)
-        with threads.share_machine():
+        monkeypatch.setattr(machine, "available_threads", lambda: 4)
+        with machine.share_machine():
             assert choose_threads("auto", 2**24) == (1, "others of a pool work beside this process")
             assert choose_threads(2, 2**24)[0] == 2
         assert choose_threads("auto", 2**24)[0] == 4
@@ -95,7 +95,7 @@ class TestNumber:
 
     def test_is_one_where_the_address_space_is_limited(self, monkeypatch):
         resource = pytest.importorskip("resource")
-        monkeypatch.setattr(threads, "available_threads", lambda: 4)
+        monkeypatch.setattr(machine, "available_threads", lambda: 4)
         monkeypatch.setattr(resource, "getrlimit", lambda kind: (2**40, 2**41))
         assert choose_threads("auto", 2**24) == (
             1, "each takes a part of the address space, which is limited (ulimit -v)"
@@ -159,7 +159,7 @@ class TestTiles:
             def submit(self, *_):
                 raise RuntimeError("can't start new thread")
 
-        monkeypatch.setattr(threads, "_pool", Full)
+        monkeypatch.setattr(machine, "_pool", Full)
         with use_threads(4):
             assert map_tiles(lambda tile: tile.start, split(5, 1)) == [0, 1, 2, 3, 4]
 
@@ -191,13 +191,13 @@ class TestBits:
     def test_of_a_convolution_are_the_same(self, convolver, boundary, dtype, grid, seed):
         pressure = np.random.default_rng(seed).random(grid.shape).astype(dtype)
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(threads, "_CELLS", 1)
-            patch.setattr("roughcontact._solve.convolvers.waves._ROWS", 100)
+            patch.setattr(machine, "_CELLS_PER_THREAD", 1)
+            patch.setattr("roughcontact._solve.convolvers.base._ROW_BLOCK_VALUES", 100)
             convolution = convolver.prepare(KERNEL, grid, rc.Boundary(boundary))
             inverse, fields = approximate_inverse(convolution.setup, dtype), []
             for count in COUNTS:
                 for large in (2**60, 0):
-                    patch.setattr("roughcontact._solve.convolvers.inverse._LARGE", large)
+                    patch.setattr("roughcontact._solve.convolvers.base._MIN_COLUMNWISE_WAVES", large)
                     with use_threads(count):
                         fields.append((convolution.apply(pressure), inverse.apply(pressure)))
         assert all(field.dtype == dtype and field.shape == grid.shape for pair in fields for field in pair)
@@ -236,7 +236,7 @@ class TestBits:
 
 class TestProblem:
     def test_explains_the_number(self, monkeypatch):
-        monkeypatch.setattr(threads, "available_threads", lambda: 3)
+        monkeypatch.setattr(machine, "available_threads", lambda: 3)
         lines = [
             next(line for line in rough_problem(cells, threads=given).explain().splitlines() if "threads" in line)
             for cells, given in ((32, "auto"), (1024, "auto"), (2048, "auto"), (32, 2), (32, 7))
@@ -281,7 +281,7 @@ pressure = [1e4]
 @pytest.mark.parametrize("pooled", [False, True])
 def test_workers_of_a_study_take_one_thread(tmp_path, many, monkeypatch, pooled):
     counts, make = [], run_module.make_task
-    monkeypatch.setattr(run_module, "make_task", lambda *given: counts.append(threads._COUNT.get()) or make(*given))
+    monkeypatch.setattr(run_module, "make_task", lambda *given: counts.append(machine._THREADS.get()) or make(*given))
     study = rc.Study(problems=rough_problem(32), pressure=[5e6])
     # Threads of this process are workers that no process tells from others.
     with ThreadPoolExecutor(2) as executor:

@@ -16,9 +16,8 @@ from hypothesis import HealthCheck, given, settings
 
 import roughcontact as rc
 from damage import right_key, write_forged
-from roughcontact._base.archive import read_archive, sources
-from roughcontact._base.archive.plain import key_of, programs_of
-from roughcontact._base.archive.sources import programs
+from roughcontact._base.archive import plain, read_archive
+from roughcontact._base.archive.plain import key_of, programs, programs_of
 from roughcontact._solve.solution import storage
 from roughcontact._work.studies import record
 from strategies import wild_problems
@@ -268,7 +267,7 @@ def test_a_digest_without_a_source_knows_all_that_a_class_does(monkeypatch):
         module = types.ModuleType("a_notebook")
         monkeypatch.setitem(sys.modules, "a_notebook", module)
         exec(NOTEBOOK.format(**plain | changes), vars(module))
-        return tuple(programs([module.Foam], "roughcontact"))
+        return tuple(programs([module.Foam]))
 
     changed = {digest(**{name: 4.0}) for name in plain}
     assert len(changed) == len(plain)
@@ -287,11 +286,11 @@ def test_a_key_knows_the_distribution_of_a_class(monkeypatch, tmp_path):
     keys = []
     for version in ("1.0", "1.1"):
         (folder / "METADATA").write_text(f"Metadata-Version: 2.1\nName: gel\nVersion: {version}\n")
-        sources._packages.cache_clear()
+        plain._packages.cache_clear()
         assert programs_of(gel.Foam()) == [f"gel {version}"]
         keys.append(key_of(gel.Foam()))
     assert keys[0] != keys[1]
-    sources._packages.cache_clear()
+    plain._packages.cache_clear()
 
 
 def test_a_key_knows_the_class_behind_a_name(monkeypatch):

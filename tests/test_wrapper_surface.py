@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._work.reports.stability.repeat_checks import shift_half_cell
+from roughcontact._work.reports.stability.checks import shift_half_cell
 
 SIZE = 32e-6
 GRID = rc.Grid((32, 32), SIZE)

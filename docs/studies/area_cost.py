@@ -10,7 +10,7 @@ from __future__ import annotations
 import statistics
 import time
 
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, pick, write_tables
 from which_estimator import wavy
 
 import roughcontact as rc
@@ -69,7 +69,9 @@ def make_table() -> list[list[str]]:
 
 
 TIMES = ("solve, s", "area, s", "area over solve, %")
-TABLES = {"area-cost": DocTable(make_table, seconds=40, timed=TIMES)}
+# The lines of the page.
+LINES = ("the paper's wave, 50 MPa; 1024", "self-affine, 5 % contact; 1024", "two balls, free; 1024")
+TABLES = {"area-cost": DocTable(make_table, seconds=40, timed=TIMES, shown=pick(lines=LINES))}
 
 if __name__ == "__main__":
     write_tables(TABLES)

@@ -1,4 +1,4 @@
-"""Contact conductance beside closed forms, and its figure: see docs/use/conductance.md.
+"""Contact conductance beside closed forms, and its figure: see docs/use/stiffness.md.
 
 python docs/studies/conductance.py
 """

@@ -9,7 +9,8 @@ In a page, or in several, a table stands between two comments:
     <!-- end of table -->
 
 Its script has TABLES = {"capped-ball": DocTable(make_rows, seconds=20)}, where make_rows() returns lines of cells,
-the heading first. The cells are also kept in docs/tables/capped-ball.csv.
+the heading first. All of them are kept in docs/tables/capped-ball.csv. A page shows what a reader needs to decide
+something: DocTable(..., shown=pick(columns=["N", "error, %"])) leaves the others to that file, to which the page links.
 """
 
 from __future__ import annotations
@@ -48,12 +49,58 @@ class DocTable:
         Headings of columns that hold times, or depend on the machine: not compared.
     units
         By how much a number may differ from the stored one, in units of its last digit.
+    shown
+        Returns those of the stored lines and cells that the pages show, such as `pick` and `gather`; all by default.
     """
 
     rows: Callable[[], Rows]
     seconds: float
     timed: tuple[str, ...] = ()
     units: float = 1.0
+    shown: Callable[[Rows], Rows] = list
+
+
+def pick(columns: Sequence[str] = (), lines: Sequence[str] = ()) -> Callable[[Rows], Rows]:
+    """Return a choice of columns by their headings, and of lines by how they begin, their cells joined by `; `."""
+
+    def choose(rows: Rows) -> Rows:
+        heading, *others = rows
+        places = [heading.index(name) for name in columns] or range(len(heading))
+        kept = [
+            row for row in others if not lines or any(f"{'; '.join(row)}; ".startswith(f"{line}; ") for line in lines)
+        ]
+        return [[row[k] for k in places] for row in (heading, *kept)]
+
+    return choose
+
+
+def gather(
+    groups: Mapping[str, Sequence[str]], columns: Mapping[str, str], join: Callable[[Sequence[str]], str] | None = None
+) -> Callable[[Rows], Rows]:
+    """Return a line for each group of lines, given by their first cells, with the range of each column over them.
+
+    `columns` has the headings of the page by those of the file, that of the groups first; `join` replaces `span`.
+    """
+
+    def choose(rows: Rows) -> Rows:
+        first, *others = columns
+        by_name = {row[0]: dict(zip(rows[0], row, strict=True)) for row in rows[1:]}
+        lines = [
+            [name, *((join or span)([by_name[member][column] for member in members]) for column in others)]
+            for name, members in groups.items()
+        ]
+        return [[columns[first], *(columns[column] for column in others)], *lines]
+
+    return choose
+
+
+def span(cells: Sequence[str]) -> str:
+    """Return the smallest and the largest of cells that hold one number each; empty ones do not count."""
+    filled = sorted((cell for cell in cells if cell), key=lambda cell: float(cell.split()[0]))
+    if not filled:
+        return ""
+    low, high = filled[0], filled[-1]
+    return high if low == high else f"{low.split()[0]} to {high}"
 
 
 def format_rows(rows: Rows) -> str:
@@ -84,8 +131,8 @@ def load_table(name: str) -> DocTable:
     return table
 
 
-def write(name: str, rows: Rows, quiet: bool = False) -> None:
-    """Keep the lines of a table in its file, write them to its pages, and print them."""
+def write(name: str, rows: Rows, quiet: bool = False, shown: Callable[[Rows], Rows] = list) -> None:
+    """Keep the lines of a table in its file, write those that are shown to its pages, and print all."""
     marked = find_tables()
     if name not in marked:
         raise SystemExit(f"no page has a table {name!r}; there are {', '.join(sorted(marked))}")
@@ -94,7 +141,7 @@ def write(name: str, rows: Rows, quiet: bool = False) -> None:
         csv.writer(file, lineterminator="\n").writerows(rows)
     for page in marked[name][1]:
         text = page.read_text(encoding="utf-8")
-        page.write_text(MARKED.sub(lambda match: _renew(match, name, rows), text), encoding="utf-8")
+        page.write_text(MARKED.sub(lambda match: _renew(match, name, shown(rows)), text), encoding="utf-8")
     if not quiet:
         print(f"{name}: written to {', '.join(page.name for page in marked[name][1])}\n{format_rows(rows)}")
 
@@ -141,13 +188,14 @@ def main(names: Sequence[str]) -> None:
         for name, (script, pages) in sorted(find_tables().items()):
             print(f"{name:24} {script:40} {', '.join(str(page.relative_to(ROOT)) for page in pages)}")
     for name in names:
-        write(name, load_table(name).rows())
+        table = load_table(name)
+        write(name, table.rows(), shown=table.shown)
 
 
 def write_tables(tables: Mapping[str, DocTable]) -> None:
     """Compute all tables of a script and write them."""
     for name, table in tables.items():
-        write(name, table.rows())
+        write(name, table.rows(), shown=table.shown)
 
 
 if __name__ == "__main__":

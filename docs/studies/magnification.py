@@ -2,7 +2,7 @@
 
     python docs/studies/magnification.py
 
-Prints the table of docs/use/maps.md. The load is that of the roughness down to the longest cut-off; Persson's theory
+Prints a table, whose ends docs/use/maps.md has. The load is that of the roughness down to the longest cut-off; Persson
 says erf(p sqrt(2) / (E* rms slope)), with the slope of each row.
 """
 

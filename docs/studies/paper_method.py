@@ -2,7 +2,7 @@
 
 python docs/studies/paper_method.py
 
-Writes the tables of docs/trust/paper.md. Needs plugins/roughcontact-paper. CPU times with one thread
+Writes the tables of plugins/roughcontact-paper/README.md. Needs plugins/roughcontact-paper. CPU times with one thread
 (OMP_NUM_THREADS=1).
 """
 
@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, pick, write_tables
 
 import roughcontact as rc
 from roughcontact_paper.printed_solver import PrintedPolonskyKeer
@@ -103,11 +103,23 @@ def make_capped_rows() -> list[list[str]]:
     return lines
 
 
+# The columns and lines of the page.
+ELASTIC = ("stops at", "iterations", "complementarity", "penetration", "maximum pressure", "counted area")
+STOPS = ("change 1e-02", "change 1e-04", "change 1e-08", "default, 1e-8")
+CAPPED = ("scene", "H", "method", "iterations", "load", "counted area")
+SCENES = ("ball; 0.95", "ball; 0.6", "ball; 0.2", "rough; 0.3", "rough; 0.05")
+
 # Paths of many iterations differ by rounding.
 TABLES = {
-    "printed-elastic": DocTable(make_elastic_rows, seconds=9, timed=("iterations", "CPU, s"), units=5),
+    "printed-elastic": DocTable(
+        make_elastic_rows, seconds=9, timed=("iterations", "CPU, s"), units=5, shown=pick(ELASTIC, STOPS)
+    ),
     "printed-capped": DocTable(
-        make_capped_rows, seconds=60, timed=("iterations", "CPU, s", "default: CPU, s"), units=5
+        make_capped_rows,
+        seconds=60,
+        timed=("iterations", "CPU, s", "default: CPU, s"),
+        units=5,
+        shown=pick(CAPPED, SCENES),
     ),
 }
 

@@ -1,4 +1,4 @@
-"""The figures of docs/use/plotting.md: every panel that ships, in light and dark.
+"""The figures of docs/use/plotting.md: every panel that ships, and a solution on a dark background.
 
 python docs/studies/plotting.py
 """
@@ -25,14 +25,14 @@ def main(cells: int = 256, folder: Path = FIGURES) -> None:
     solution = problem.solve(pressure=400e6)
     sweep = problem.sweep(pressure=np.geomspace(10e6, 1e9, 8))
     sampled = rc.plotting.SampledSurface(SURFACE.heights(grid), grid, True)
-    for dark, ending in ((False, ""), (True, "_dark")):
-        for kind, subject in (("solution", solution), ("surface", sampled), ("sweep", sweep)):
-            make_figure(kind, subject, dark=dark).savefig(folder / f"plotting_{kind}{ending}.png", dpi=110)
-        with style(dark):
-            figure = Figure(figsize=(12, 3.8), layout="constrained")
-            for axes, name in zip(figure.subplots(1, 3), ("profile", "pressure-histogram", "patch-sizes"), strict=True):
-                solution.plot(name, axes=axes)
-            figure.savefig(folder / f"plotting_more{ending}.png", dpi=110)
+    make_figure("solution", solution, dark=True).savefig(folder / "plotting_solution_dark.png", dpi=110)
+    for kind, subject in (("solution", solution), ("surface", sampled), ("sweep", sweep)):
+        make_figure(kind, subject).savefig(folder / f"plotting_{kind}.png", dpi=110)
+    with style():
+        figure = Figure(figsize=(12, 3.8), layout="constrained")
+        for axes, name in zip(figure.subplots(1, 3), ("profile", "pressure-histogram", "patch-sizes"), strict=True):
+            solution.plot(name, axes=axes)
+        figure.savefig(folder / "plotting_more.png", dpi=110)
 
 
 if __name__ == "__main__":

@@ -21,10 +21,10 @@ from pathlib import Path
 
 import attrs
 import numpy as np
-from doc_tables import DocTable, format_rows, write_tables
+from doc_tables import DocTable, format_rows, pick, write_tables
 from memory import problem, read_status
 
-from roughcontact._base.machine.threads import use_threads
+from roughcontact._base.machine import use_threads
 
 GRIDS = tuple(2**k for k in range(7, 14))
 LARGEST = {"periodic": 8192, "free": 4096}
@@ -93,7 +93,10 @@ def print_products(grids: tuple[int, ...] = GRIDS[:-1], repeats: int = 20) -> No
 
 
 TIMED = ("CPU, s", "wall, s", "wall on two threads, s", "peak memory, MiB", "arrays of the grid")
-TABLES = {"scale": DocTable(make_rows, seconds=1200, timed=TIMED)}
+# The columns and lines of the page.
+SHOWN = ("boundary", "N", "CPU, s", "wall on two threads, s", "peak memory, MiB")
+LINES = tuple(f"{boundary}; {n}" for boundary in ("periodic", "free") for n in (512, 1024, 2048, 4096, 8192))
+TABLES = {"scale": DocTable(make_rows, seconds=1200, timed=TIMED, shown=pick(SHOWN, LINES))}
 
 if __name__ == "__main__":
     match sys.argv[1:]:

@@ -18,41 +18,43 @@ import scipy.fft
 
 import roughcontact as rc
 from roughcontact._parts.kernels import BoundKernel
-from roughcontact._solve.convolvers import circular
+from roughcontact._solve.convolvers import base
 from roughcontact._solve.solvers import projection
-from roughcontact._solve.solvers.conjugate import (
-    active,
-    descent,
-    nested_iteration,
-    openings,
-    preconditioner,
-    refinement,
-    solver,
-    weights,
-)
+from roughcontact._solve.solvers.conjugate import active, descent, nested_iteration, preconditioner, refinement, solver
 
 PRODUCTS: dict[ModuleType, str] = {
-    circular: "_PADDED _PADDING _SMALLEST",
-    projection: "_MISSED",
-    weights: "_CHANGED _PASSIVE _MANY _REACH _SMALLEST_WEIGHT",
-    preconditioner: "_CUT _RESOLVED _LARGEST_BLOCK _FEWEST_BLOCKS _STEPS _ENOUGH _EXPONENT _DISTINCT",
-    descent: "_FIRST _LONGEST _CAREFUL _FULL _SHORTENED _DOWNHILL",
-    openings: "_SUPPORT _SINGLE _EARLY _GAIN",
-    refinement: "_GAIN _SINGLE _EARLY _MARGIN _LATE _SLOW _PATIENCE _IDLE _STALLED",
-    nested_iteration: "_COARSEST _ESTIMATE _TOLERANCE _ITERATIONS _ESTIMATED _ESTIMATES _NEARLY_FULL _MARGIN _ROUND"
-    " _WORTH",
-    solver: "_PATIENT _POWER _NEAREST",
+    base: "_PADDING_FACTOR _PADDING_CELLS _MIN_AMPLITUDE",
+    projection: "_STEP_LOAD_ERROR",
+    preconditioner: (
+        "_MAX_CHANGED_FRACTION _PASSIVE_ALLOWANCE _MAX_STENCIL_FRACTION _STENCIL_REACH _MIN_WEIGHT "
+        "_LONG_WAVE_CUT _BLOCK_RESOLUTION _MAX_BLOCK_CELLS _MIN_BLOCKS _MAX_BLOCK_STEPS _BLOCK_RESIDUAL "
+        "_MAX_EXPONENT _MIN_SINGULAR_RATIO"
+    ),
+    descent: "_FIRST_LENGTH _MAX_LENGTH _CAREFUL_LENGTH _FULL_STEP_PART _SHORTENED_STEP_PART _MIN_CONJUGATE_SLOPE",
+    refinement: (
+        "_SUPPORT_STIFFNESS _FLOAT32_GAIN _FLOAT32_ERROR _EARLY_GOAL_FACTOR _GOAL_FRACTION "
+        "_LATE_ERROR_FRACTION _SLOW_ERROR_RATIO _MAX_SLOW_ITERATIONS _MAX_IDLE_ITERATIONS "
+        "_MAX_IDLE_VERIFICATIONS"
+    ),
+    nested_iteration: (
+        "_MIN_COARSE_CELLS _MAX_ESTIMATE_CELLS _COARSE_TOLERANCE _COARSE_ITERATIONS _ESTIMATE_TOLERANCE "
+        "_ESTIMATE_ITERATIONS _NEARLY_FULL_FRACTION _APPROACH_MARGIN _WINDOW_MULTIPLE _MAX_WINDOW_FRACTION"
+    ),
+    solver: "_MAX_APPROACH_ITERATIONS _FIRST_POWER _MIN_MISSING_FRACTION",
 }
 # What halving or doubling would make no sense of: factors next to one, and powers of two.
 VALUES = {
-    "_PADDED": (1.125, 1.5),
-    "_MARGIN": (0.5, 0.9),
-    "_FULL": (0.6, 0.95),
-    "_NEARLY_FULL": (0.4, 0.8),
-    "_WORTH": (0.5, 0.9),
+    "_PADDING_FACTOR": (1.125, 1.5),
+    "_GOAL_FRACTION": (0.5, 0.9),
+    "_FULL_STEP_PART": (0.6, 0.95),
+    "_NEARLY_FULL_FRACTION": (0.4, 0.8),
+    "_APPROACH_MARGIN": (1.0, 1.1),
+    "_MAX_WINDOW_FRACTION": (0.5, 0.9),
 }
-WINDOW_MARGINS = (1.0, 1.1)
-TIMES: dict[ModuleType, str] = {active: "_DENSE _SPARSE", projection: "_FEW _REACH"}
+TIMES: dict[ModuleType, str] = {
+    active: "_DENSE_FRACTION _SPARSE_ROW_FRACTION",
+    projection: "_MAX_NEAR_FRACTION _REACH_FACTOR",
+}
 
 
 def rough(cells: int, boundary: str, shortest: float = 8.0, hardness: float | None = None) -> rc.ContactProblem:
@@ -94,8 +96,6 @@ def products() -> tuple[int, int]:
 def variants(module: ModuleType, name: str) -> tuple[float, float]:
     """Return the values to be tried."""
     value = getattr(module, name)
-    if module is nested_iteration and name == "_MARGIN":
-        return WINDOW_MARGINS
     return VALUES.get(name, (type(value)(value / 2), 2 * value))
 
 

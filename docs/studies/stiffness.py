@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, pick, write_tables
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
@@ -178,10 +178,15 @@ def main(cells: int = 256, draws: int = 24, loads: int = 8, folder: Path = FIGUR
     figure.savefig(folder / "stiffness.png", dpi=110)
 
 
+# The lines of the page.
+LOADS = ("periodic, 0.01", "periodic, 0.2", "periodic, 0.6", "free, 0.2")
+COSTS = ("periodic, 1024²; 0.01", "periodic, 1024²; 0.2", "periodic, 1024²; 1", "free, 1024²; 0.2")
 TABLES = {
     "stiffness-balls": DocTable(make_balls, seconds=12, units=3),
-    "stiffness-rough": DocTable(make_rough, seconds=150, units=3),
-    "stiffness-cost": DocTable(make_cost, seconds=150, timed=("solve, s", "area, %", "stiffness, %", "conductance, %")),
+    "stiffness-rough": DocTable(make_rough, seconds=150, units=3, shown=pick(lines=LOADS)),
+    "stiffness-cost": DocTable(
+        make_cost, seconds=150, timed=("solve, s", "area, %", "stiffness, %", "conductance, %"), shown=pick(lines=COSTS)
+    ),
 }
 
 if __name__ == "__main__":

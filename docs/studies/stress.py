@@ -12,7 +12,7 @@ import tracemalloc
 from pathlib import Path
 
 import numpy as np
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, pick, write_tables
 from matplotlib.figure import Figure
 from scipy import optimize
 
@@ -153,9 +153,11 @@ def draw(folder: Path = FIGURES) -> None:
 
 
 TABLES = {
-    "stress-balls": DocTable(list_balls, seconds=25, units=2.0),
-    "stress-rough": DocTable(list_rough, seconds=50, units=2.0),
-    "stress-cost": DocTable(list_costs, seconds=90, timed=("CPU, s", "memory, MiB")),
+    "stress-balls": DocTable(list_balls, seconds=25, units=2.0, shown=pick(lines=("1.5", "3", "6", "12", "24"))),
+    "stress-rough": DocTable(list_rough, seconds=50, units=2.0, shown=pick(lines=("4", "8", "16"))),
+    "stress-cost": DocTable(
+        list_costs, seconds=90, timed=("CPU, s", "memory, MiB"), shown=pick(lines=("1024 x 1024",))
+    ),
 }
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""How far area and maximum pressure move with the tolerance of the solver: the constants of `_problem/accuracy.py`.
+"""How far area and maximum pressure move with the tolerance of the solver, for `_solve/problem/accuracy.py`.
 
 python docs/studies/tolerance.py
 """

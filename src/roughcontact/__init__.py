@@ -26,6 +26,7 @@ from roughcontact._answers.laws import interface_law
 from roughcontact._answers.refinement import beyond_resolution, extrapolate, on_grid
 from roughcontact._parts.files import SurfaceReader, read_surface, readers
 from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.interactions import Dugdale, Exponential, Interaction, ShortRange, VanDerWaals, interactions
 from roughcontact._parts.kernels import FourierHalfSpace, InfluenceKernel, Love, kernels
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid, materials
 from roughcontact._parts.surfaces import (
@@ -52,9 +53,16 @@ from roughcontact._solve.solution import (
     responses,
     writers,
 )
-from roughcontact._solve.solvers import PolonskyKeer, ProjectedConjugateGradient, Solver, SpectralGradient, solvers
-from roughcontact._work.processes.flattening import FlatteningModel, Overlap, UniformRise, flattening_models
-from roughcontact._work.processes.running_in import run_in
+from roughcontact._solve.solvers import (
+    GapDescent,
+    Majorise,
+    PolonskyKeer,
+    ProjectedConjugateGradient,
+    Solver,
+    SpectralGradient,
+    solvers,
+)
+from roughcontact._work.processes import FlatteningModel, Overlap, UniformRise, flattening_models, run_in
 from roughcontact._work.reports.error import error_vs_time
 from roughcontact._work.reports.stability import stability
 from roughcontact._work.studies import Study
@@ -89,21 +97,26 @@ __all__ = [
     "ContactSolution",
     "Convolver",
     "Direct",
+    "Dugdale",
     "Elastic",
     "ElasticPerfectlyPlastic",
     "Estimate",
+    "Exponential",
     "FileError",
     "FlatSurface",
     "FlatteningModel",
     "FourierHalfSpace",
+    "GapDescent",
     "Grid",
     "HeightMap",
     "Hertz",
     "InfluenceKernel",
     "InputError",
+    "Interaction",
     "LevelSet",
     "LevelSetRichardson",
     "Love",
+    "Majorise",
     "Material",
     "MissingPackage",
     "NotConverged",
@@ -119,6 +132,7 @@ __all__ = [
     "Rigid",
     "RoughContactError",
     "SelfAffineSurface",
+    "ShortRange",
     "SolutionWriter",
     "Solver",
     "SpectralGradient",
@@ -130,6 +144,7 @@ __all__ = [
     "SurfaceReader",
     "UnexpectedError",
     "UniformRise",
+    "VanDerWaals",
     "WavySurface",
     "areas",
     "beyond_resolution",
@@ -137,6 +152,7 @@ __all__ = [
     "error_vs_time",
     "extrapolate",
     "flattening_models",
+    "interactions",
     "interface_law",
     "kernels",
     "match",
@@ -157,7 +173,8 @@ __all__ = [
 # Classes that scripts seldom type: bases of plug-ins, parts that are chosen by their registered names, results, errors.
 _SELDOM_TYPED = frozenset({
     "Area", "AreaEstimator", "Blend", "Boundary", "CellCount", "CircularFFT", "Convolver", "DCFFT", "Direct",
-    "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "Hertz", "InfluenceKernel", "InputError",
+    "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "GapDescent", "Hertz", "InfluenceKernel",
+    "InputError", "Interaction", "Majorise",
     "LevelSet", "LevelSetRichardson", "Love", "Material", "MissingPackage", "NotConverged", "OutOfMemory",
     "Overlap", "Panel", "Perimeter", "PolonskyKeer", "ProjectedConjugateGradient",
     "Response", "RoughContactError", "SolutionWriter", "Solver", "SpectralGradient", "Status", "StudyStopped",

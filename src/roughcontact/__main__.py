@@ -13,11 +13,14 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from roughcontact import __version__
-from roughcontact._base.units.text import fit, printable
+from roughcontact._base.units import fit, printable
 from roughcontact._faces.cli import Command, commands
-from roughcontact._faces.cli.wording import name_options
+from roughcontact._faces.cli.options import name_options
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import translated
+
+# The beginning of a negative number, such as -20nN.
+_NEGATIVE = re.compile(r"-[.\d]")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -114,7 +117,8 @@ def _run(name: str, arguments: Sequence[str]) -> int:
         command.declare(parser)
     except Exception as error:
         raise InputError(f"The command {name!r} cannot declare its arguments: {error}") from error
-    options = parser.parse_args(arguments)
+    # A number with a minus is a value, not an option; a blank before it says so to argparse.
+    options = parser.parse_args([f" {text}" if _NEGATIVE.match(text) else text for text in arguments])
     try:
         return command.run(options)
     except InputError as error:

@@ -12,18 +12,18 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.archive import read_npz, replacing
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface, fill
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Digits behind the point of heights in m: a picometre, far below every roughness, hides the rounding of machines.
-_DIGITS = 12
-# By how much the numbers of a file may differ from those that it should hold: rounding, in m and in µm.
-_SAME = {".npz": 2e-12, ".csv": 2e-6}
+# Decimals of heights in m: a picometre, far below every roughness, hides the rounding of machines.
+_HEIGHT_DECIMALS = 12
+# Differences between the numbers of a file and of its example that are rounding, in m and in µm.
+_FILE_TOLERANCES = {".npz": 2e-12, ".csv": 2e-6}
 # Standard deviation of the logarithm of the depth of skewed surfaces: a skewness of about -1.
-_DEPTH = 0.33
+_LOG_DEPTH_STD = 0.33
 
 
 @guarded
@@ -102,16 +102,16 @@ def honed_liner() -> HeightMap:
 
 @guarded
 def write(folder: str | os.PathLike[str] = ".") -> tuple[Path, ...]:
-    """Write the example maps as the files that the docs mention, and return their paths.
+    """Write the example maps to the files that the docs use, and return their paths.
 
     ``ball.npz``, ``ring.npz``, ``map.npz`` (the lapped plate) and ``liner.npz`` (the honed liner, NaN at non-measured
-    points) hold `heights`, m, and `size`, m; ``map.csv`` the heights of ``map.npz`` in µm, one row for each x. Those
-    that are there already are not written again.
+    points) hold `heights`, m, and `size`, m; ``map.csv`` the heights of ``map.npz`` in µm, one row for each x. Existing
+    ones are not written again.
 
     Parameters
     ----------
     folder
-        Where to; it is made if there is none.
+        The folder; it is made if there is none.
 
     Raises
     ------
@@ -141,12 +141,12 @@ def _is_there(path: Path, content: dict[str, Array]) -> bool:
     """Return whether a file holds these arrays; `InputError` if it holds others."""
     if not path.exists():
         return False
-    # What cannot be read holds something else.
+    # A file that cannot be read holds something else.
     with contextlib.suppress(OSError, ValueError, zipfile.BadZipFile), path.open("rb") as file:
         found = {"": np.loadtxt(file, delimiter=",")} if path.suffix == ".csv" else read_npz(file, deflated=True)
         if found.keys() == content.keys() and all(
             np.shape(found[name]) == values.shape
-            and np.allclose(found[name], values, rtol=0.0, atol=_SAME[path.suffix], equal_nan=True)
+            and np.allclose(found[name], values, rtol=0.0, atol=_FILE_TOLERANCES[path.suffix], equal_nan=True)
             for name, values in content.items()
         ):
             return True
@@ -161,7 +161,7 @@ def _with_nan(surface: HeightMap) -> Array:
 
 
 def _crop(surface: SelfAffineSurface, grid: Grid) -> Array:
-    """Return a part of a surface twice as long: what is measured does not repeat at the border."""
+    """Return the heights of a part of a surface twice as long, so that they do not repeat at the border."""
     return surface.heights(_double(grid))[: grid.shape[0], : grid.shape[1]]
 
 
@@ -172,9 +172,9 @@ def _double(grid: Grid) -> Grid:
 
 
 def _deepen(surface: SelfAffineSurface, grid: Grid) -> Array:
-    """Return heights of rms one made lognormal, their valleys deeper than summits high, without shorter waves."""
+    """Return lognormal heights: valleys deeper than summits are high, without waves below the shortest."""
     whole = _double(grid)
-    spectrum = np.fft.rfft2(-np.exp(-_DEPTH * surface.heights(whole)))
+    spectrum = np.fft.rfft2(-np.exp(-_LOG_DEPTH_STD * surface.heights(whole)))
     fx = np.fft.fftfreq(whole.shape[0], whole.spacing[0])
     fy = np.fft.rfftfreq(whole.shape[1], whole.spacing[1])
     spectrum[np.hypot(fx[:, None], fy) * surface.shortest > 1.0] = 0.0
@@ -182,7 +182,7 @@ def _deepen(surface: SelfAffineSurface, grid: Grid) -> Array:
 
 
 def _make(heights: Array, grid: Grid, text: str) -> HeightMap:
-    """Return the map of heights, NaN at non-measured points, which are filled as `read_surface` fills them."""
-    rounded = np.asarray(np.round(heights - np.nanmean(heights), _DIGITS), dtype=np.float64)
+    """Return the map of heights, NaN at non-measured points, which are filled as by `read_surface`."""
+    rounded = np.asarray(np.round(heights - np.nanmean(heights), _HEIGHT_DECIMALS), dtype=np.float64)
     mask = np.isnan(rounded)
     return HeightMap(fill(rounded) if mask.any() else rounded, grid.size, non_measured=mask, history=(text,))

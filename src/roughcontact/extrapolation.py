@@ -8,20 +8,21 @@ from collections.abc import Callable, Sequence
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import LARGEST, Array, number
-from roughcontact._base.warnings import ContactWarning
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import MAX_MAGNITUDE, number
+from roughcontact._base.units import ContactWarning
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 # Free parameters of the two fitted curves.
-_PARAMETERS = 3
-# Fraction of the step beyond the finest grid by which data may miss the curve: the step is then known to about 10 %.
-_MISFIT = 0.1
-# Plausible orders of an error in the cell size: a counted area has 1, a corrected one 2.
-_ORDERS = (0.25, 4.0)
-# Orders that may be given, and counts of cells, so that no power of them leaves float64.
-_KNOWN_ORDERS = (1e-3, 10.0)
-_COUNTS = (1e-12, 1e12)
+_FITTED_PARAMETERS = 3
+# Maximum misfit of the data, over the step beyond the finest grid, which is then known to about 10 %.
+_MAX_MISFIT = 0.1
+# Plausible orders of the error in the cell size: 1 for a counted area, 2 for a corrected one.
+_PLAUSIBLE_ORDERS = (0.25, 4.0)
+# Orders and numbers of cells that may be given: their powers stay within float64.
+_ADMISSIBLE_ORDERS = (1e-3, 10.0)
+_ADMISSIBLE_COUNTS = (1e-12, 1e12)
 
 
 @guarded
@@ -88,7 +89,7 @@ def power_law(cells: Sequence[float], values: Sequence[float]) -> Extrapolation:
     x, y = _sort_data(cells, values)
     h = x[0] / x
     q, limit, slope, residual, warnings = _fit_curve(x, y, np.geomspace(0.05, 20.0, 400), lambda q: h**q)
-    if not _ORDERS[0] <= q <= _ORDERS[1]:
+    if not _PLAUSIBLE_ORDERS[0] <= q <= _PLAUSIBLE_ORDERS[1]:
         warnings += (ContactWarning(f"the order q = {q:.3g} is not plausible", "order", q),)
     return Extrapolation("power law", limit, {"A0": limit, "c": float(slope * x[0] ** q), "q": q}, residual, warnings)
 
@@ -104,7 +105,7 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
     cells, values
         Number of cells x along a side, and the value, on each grid.
     order
-        Order q of the error in the cell size; by default that observed on the three finest grids.
+        Order q of the error in the cell size; by default the one observed on the three finest grids.
 
     Raises
     ------
@@ -127,7 +128,7 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
         raise InputError("Richardson extrapolation needs three grids to observe the order; give order= or more grids.")
     warnings: tuple[str, ...] = ()
     if order is not None:
-        order = number(order, "The order of the error", at_least=_KNOWN_ORDERS[0], at_most=_KNOWN_ORDERS[1])
+        order = number(order, "The order of the error", at_least=_ADMISSIBLE_ORDERS[0], at_most=_ADMISSIBLE_ORDERS[1])
     q = order if order is not None else _observe_order(x, y)
     if not math.isfinite(q) or q <= 0.0:
         text = "the three finest values do not converge with a positive order; the finest is returned"
@@ -135,19 +136,18 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
         return Extrapolation("Richardson", float(y[-1]), {"q": q}, 0.0, warnings)
     growth = (x[-1] / x[-2]) ** q
     value = float(y[-1] + (y[-1] - y[-2]) / (growth - 1.0))
-    if order is None and not _ORDERS[0] <= q <= _ORDERS[1]:
+    if order is None and not _PLAUSIBLE_ORDERS[0] <= q <= _PLAUSIBLE_ORDERS[1]:
         warnings += (ContactWarning(f"the observed order q = {q:.3g} is not plausible", "order", q),)
-    # The finest grid that was not used shows how well one order describes the data.
+    # The finest unused grid shows how well one order describes the data.
     used = 2 if order is not None else 3
     misfit = 0.0
     if x.size > used:
         error = float(y[-used - 1]) - value
         misfit = abs(error - (float(y[-1]) - value) * (x[-1] / x[-used - 1]) ** q)
-        if misfit > _MISFIT * abs(error):
+        if misfit > _MAX_MISFIT * abs(error):
             off = misfit / abs(error)
-            warnings += (
-                ContactWarning(f"the error of the next coarser grid is off by {100 * off:.0f} %", "misfit", off),
-            )
+            text = f"the error of the next coarser grid is off by {100 * off:.0f} %"
+            warnings += (ContactWarning(text, "misfit", off),)
     return Extrapolation("Richardson", value, {"q": float(q)}, misfit, warnings + _check_monotone(y))
 
 
@@ -164,7 +164,7 @@ def _sort_data(cells: Sequence[float], values: Sequence[float]) -> tuple[Array, 
     y = y.astype(np.float64)
     if x.ndim != 1 or x.shape != y.shape or x.size < 2 or np.unique(x).size != x.size:
         raise InputError.about(what, (cells, values), "two lists of equal length, at least two different grids")
-    if not (np.abs(y).max() <= LARGEST and x.max() <= _COUNTS[1] and x.min() >= _COUNTS[0]):
+    if not (np.abs(y).max() <= MAX_MAGNITUDE and x.max() <= _ADMISSIBLE_COUNTS[1] and x.min() >= _ADMISSIBLE_COUNTS[0]):
         raise InputError.about(what, (cells, values), "finite, and the cell counts above 0")
     order = np.argsort(x)
     return x[order], y[order]
@@ -199,12 +199,13 @@ def _fit_curve(
     scale = math.exp(float(found.x))
     limit, slope, residual = _fit_line(basis(scale), y)
     warnings: tuple[str, ...] = ()
-    if x.size <= _PARAMETERS:
-        exactly = f"determine {_PARAMETERS} parameters exactly: the misfit says nothing"
-        text = f"{x.size} grids {exactly if x.size == _PARAMETERS else f'cannot determine {_PARAMETERS} parameters'}"
+    if x.size <= _FITTED_PARAMETERS:
+        exactly = x.size == _FITTED_PARAMETERS
+        verb, end = ("determine", " exactly: the misfit says nothing") if exactly else ("cannot determine", "")
+        text = f"{x.size} grids {verb} {_FITTED_PARAMETERS} parameters{end}"
         warnings += (ContactWarning(text, "few grids", x.size),)
     step = abs(limit - float(y[-1]))
-    if residual > _MISFIT * step:
+    if residual > _MAX_MISFIT * step:
         part = f"{100 * residual / step:.0f} % of" if step > 0.0 else "more than"
         text = f"the curve misses the data by {part} its step beyond the finest grid"
         warnings += (ContactWarning(text, "misfit", residual),)

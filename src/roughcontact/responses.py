@@ -1,15 +1,13 @@
 """Numbers of a contact, and what it does: stiffness, conductance, gradients, stress below, flow, partial slip."""
 
 from roughcontact._answers.areas import EdgeLength, MeanGap, PatchCount, PeakPressure, SummitApproach
-from roughcontact._answers.flow.leakage import GapFlow, Leakage
+from roughcontact._answers.flow.leakage import GapFlow, Leakage, Throat
 from roughcontact._answers.flow.percolation import Percolation, find_percolation
-from roughcontact._answers.flow.throats import Throat
 from roughcontact._answers.linear.conductance import Conductance, ContactConductance
 from roughcontact._answers.linear.gradients import Gradient
-from roughcontact._answers.linear.stiffness import Stiffness
-from roughcontact._answers.linear.tangential_stiffness import TangentialStiffness
-from roughcontact._answers.slip.fretting_loop import FrettingLoop
-from roughcontact._answers.slip.partial_slip import CiavarellaJaeger, PartialSlip
+from roughcontact._answers.linear.stiffness import StabilityMargin, Stiffness
+from roughcontact._answers.linear.tangential import TangentialStiffness
+from roughcontact._answers.slip import CiavarellaJaeger, FrettingLoop, PartialSlip
 from roughcontact._answers.subsurface import (
     FirstYield,
     Stress,
@@ -34,6 +32,7 @@ __all__ = [
     "PatchCount",
     "PeakPressure",
     "Percolation",
+    "StabilityMargin",
     "Stiffness",
     "Stress",
     "StressBelow",

@@ -14,7 +14,7 @@ commands     `Table`; the functions `replacing`, `si`, `binary`, `write_column`,
              `list_quantities`, `gather_warnings`, `exceeds_metals`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
-             `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`, `Gallery`, `GalleryRow`,
+             `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
              `MatchedPair`, `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`,
              `TheoryBeside`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`, `ContactWarning`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
@@ -25,20 +25,19 @@ responses    `Leakage`, `Throat`, `Percolation`
 from roughcontact._answers.laws import InterfaceLaw, LawColumn, PowerFit
 from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.archive import replacing
-from roughcontact._base.checks import Array, IntArray, Mask, Pair, RealArray
+from roughcontact._base.arrays import Array, IntArray, Mask, Pair, RealArray
 from roughcontact._base.machine import available_memory, available_threads, limit_address_space
 from roughcontact._base.tables import Table
-from roughcontact._base.units import binary, si
-from roughcontact._base.units.columns import write_column
-from roughcontact._base.warnings import ContactWarning
+from roughcontact._base.units import ContactWarning, binary, si, write_column
 from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap, read_raw
+from roughcontact._parts.grid import Load
+from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
-from roughcontact._parts.load import Load
 from roughcontact._parts.materials import TYPICAL
 from roughcontact._parts.surfaces import MatchedPair, Separated
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
-from roughcontact._solve.problem import SolvePlan, Sweep, require_memory_of_solve, run_sweep
+from roughcontact._solve.problem import AdhesionCycle, SolvePlan, Sweep, require_memory_of_solve, run_sweep
 from roughcontact._solve.solution import (
     Accuracy,
     ContactConditions,
@@ -65,9 +64,9 @@ from roughcontact._solve.solvers import (
     rescale_to_load,
     starting_pressure,
 )
-from roughcontact._work.processes.running_in import Cycle, RunIn
+from roughcontact._work.processes import Cycle, RunIn
 from roughcontact._work.reports.error import ErrorReport, KnownAnswer, ReportRow, Timing
-from roughcontact._work.reports.stability import Check, Gallery, GalleryRow, StabilityReport, Verdict
+from roughcontact._work.reports.stability import Check, StabilityReport, Verdict
 from roughcontact._work.studies import Record, StudyResult
 from roughcontact.responses import (
     Conductance,
@@ -85,8 +84,10 @@ from roughcontact.responses import (
 __all__ = [
     "TYPICAL",
     "Accuracy",
+    "AdhesionCycle",
     "Array",
     "BeyondResolution",
+    "BoundInteraction",
     "BoundKernel",
     "Check",
     "Command",
@@ -99,8 +100,6 @@ __all__ = [
     "Cycle",
     "ErrorReport",
     "FrettingLoop",
-    "Gallery",
-    "GalleryRow",
     "GridLevel",
     "IntArray",
     "InterfaceLaw",

@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import roughcontact as rc
-from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
+from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
 from roughcontact._solve.solution.summary import list_all_warnings
 from roughcontact.typing import Step, gather_warnings, write_column
 

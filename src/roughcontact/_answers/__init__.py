@@ -1,1 +1,1 @@
-"""What is asked of a solution."""
+"""Area estimators and responses: numbers of a solution, each with its uncertainty."""

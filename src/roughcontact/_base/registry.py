@@ -1,7 +1,7 @@
 """Registries: the names of what can be plugged in.
 
 A class is entered by the decorator ``roughcontact.kernels.register("name")`` or by an entry point of an installed
-distribution, as what ships is by those of this package.
+distribution; this package enters its own classes by entry points too.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ _BY_KIND: dict[str, Registry[Any]] = {}
 
 
 class Registry(Generic[T]):
-    """The classes of one kind by name: iterable, with ``in``, ``[]`` and ``len``. `InputError` for what is wrong.
+    """The classes of one kind by name: iterable, with ``in``, ``[]`` and ``len``; `InputError` for unknown names.
 
     Parameters
     ----------
     base
-        The class that everything registered is a subclass of.
+        The base class of all registered classes.
     kind
-        What is registered, singular, for sentences and files.
+        The kind of its classes, singular, for sentences and files.
     group
         Entry-point group that installed distributions use.
     in_files
         Whether files may name its classes.
     translates_errors
-        Whether errors of its classes become those of `roughcontact.errors`; the command line does that by itself.
+        Whether errors of its classes are translated to `roughcontact.errors`; the command line does that itself.
 
     Examples
     --------
@@ -63,7 +63,7 @@ class Registry(Generic[T]):
             _BY_KIND[kind] = self
 
     def register(self, name: str) -> Callable[[C], C]:
-        """Return a class decorator that enters the class, derived from the base, under a name that is free."""
+        """Return a class decorator that registers a class derived from the base under a free name."""
         if not isinstance(name, str) or not name or ":" in name:
             raise InputError.about(f"The name of {self._a_kind}", name, "a non-empty string without a colon")
 
@@ -111,16 +111,15 @@ class Registry(Generic[T]):
         """Return the name under which exactly this class is registered, the first of several; None without one."""
         top = cls.__module__.partition(".")[0]
         for name, entries in self._entries().items():
-            # Only the distribution that the class comes from can have listed it: no other is loaded.
+            # Only its own distribution can have listed the class: no other is loaded.
             if any(entry.module.partition(".")[0] == top for entry in entries):
                 with suppress(InputError):
                     self[name]
         return min((name for name, known in self._classes.items() if known is cls), default=None)
 
     def defined_as(self, path: str) -> type[T] | None:
-        """Return the class among the registered ones that is defined as ``module:name``; nothing is imported."""
-        wanted = str(path)
-        return next((cls for cls in self._classes.values() if path_of(cls) == wanted), None)
+        """Return the registered class that is defined as ``module:name``; nothing is imported."""
+        return next((cls for cls in self._classes.values() if path_of(cls) == path), None)
 
     def create(self, name: str, *arguments: object, **fields: object) -> T:
         """Return an instance of the class registered under `name`, by default made without arguments."""
@@ -150,7 +149,7 @@ class Registry(Generic[T]):
             found: dict[str, list[EntryPoint]] = {}
             for entry in entry_points(group=self.group):
                 same = found.setdefault(entry.name, [])
-                # One distribution may stand on the path twice, as source and as installed.
+                # One distribution may be on the path twice, as source and installed.
                 if entry.value not in {other.value for other in same}:
                     same.append(entry)
             self._installed = found
@@ -179,7 +178,7 @@ class Registry(Generic[T]):
 
     def _require_class(self, cls: object, where: str) -> type[T]:
         if isinstance(cls, type) and issubclass(cls, self.base):
-            # What is loaded at its first use has missed the door that the package set up when it was imported.
+            # `guarded` was applied to the package at its import; a class loaded later needs it here.
             return guarded(cls) if self.translates_errors else cls
         what = f"What is registered as {self._a_kind}{where}"
         allowed = f"a class derived from {self.base.__name__}"
@@ -192,7 +191,7 @@ def registries() -> Mapping[str, Registry[Any]]:
 
 
 def _list_required(cls: type) -> list[str]:
-    """Return the parameters that an instance cannot be made without."""
+    """Return the names of the required parameters of a class."""
     try:
         parameters = inspect.signature(cls).parameters.items()
     except (TypeError, ValueError):
@@ -202,11 +201,11 @@ def _list_required(cls: type) -> list[str]:
 
 
 def _owner(path: str) -> str:
-    """Return what a message says of a path ``module:name``: ``package:name`` where the module is private."""
+    """Return a path ``module:name`` for a message: ``package:name`` if the module is private."""
     package = path.partition(".")[0]
     return f"{package}:{path.partition(':')[2]}" if path.startswith(f"{package}._") else path
 
 
 def path_of(cls: type) -> str:
-    """Return where a class is defined, as ``module:name``; the main module of a process pool is the main one."""
+    """Return the path of a class, ``module:name``; the main module of a process pool counts as ``__main__``."""
     return f"{cls.__module__}:{cls.__qualname__}".replace("__mp_main__:", "__main__:")

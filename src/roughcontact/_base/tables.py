@@ -15,16 +15,15 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
-from roughcontact._base.units import Estimate, si
-from roughcontact._base.units.columns import scale_column, write_column
-from roughcontact._base.units.text import WIDTH
+from roughcontact._base.arrays import RealArray
+from roughcontact._base.units import WIDTH, Estimate, scale_column, si, write_column
 from roughcontact.errors import InputError, MissingPackage
 
 # Rows that a notebook shows: the first and the last ones of a longer table.
-_SHOWN_ROWS = 20
+_MAX_HTML_ROWS = 20
 # Blanks between two columns of a text.
-_GAP = "  "
-# Signs of print, as a terminal shows them.
+_COLUMN_GAP = "  "
+# Typographic signs, and what stands for them in plain text.
 _ASCII = str.maketrans({"±": "+-", "²": "2", "³": "3"})
 
 
@@ -32,15 +31,15 @@ _ASCII = str.maketrans({"±": "+-", "²": "2", "³": "3"})
 class Table:
     """Columns of one length by name: numbers, texts and estimates, for people and for programs.
 
-    In a file or a data frame an estimate takes two columns, ``area`` and ``area_uncertainty``. People read the digits
-    that its uncertainty allows, in one unit for the column, which stands in the heading.
+    In a file or a data frame an estimate takes two columns, ``area`` and ``area_uncertainty``. In text it has the
+    digits that its uncertainty allows, and the unit of the column stands in the heading.
 
     Attributes
     ----------
     columns
         Numbers, texts, `Estimate` or None, as many in each column as there are rows.
     units
-        SI units of the numbers that have one, by the names of their columns; empty for a ratio. Estimates have theirs.
+        SI units of columns of numbers by name, empty for ratios; estimates have their own.
     left
         Names of the columns that a text aligns at the left.
 
@@ -56,12 +55,12 @@ class Table:
      5 N    1058 +- 15
     """
 
-    columns: Mapping[str, Sequence[Any] | checks.RealArray] = attrs.field()
+    columns: Mapping[str, Sequence[Any] | RealArray] = attrs.field()
     units: Mapping[str, str] = attrs.Factory(dict)
     left: Collection[str] = ()
 
     @columns.validator
-    def _check_lengths(self, attribute: Any, columns: Mapping[str, Sequence[Any] | checks.RealArray]) -> None:
+    def _check_lengths(self, attribute: Any, columns: Mapping[str, Sequence[Any] | RealArray]) -> None:
         lengths = {name: len(column) for name, column in columns.items()}
         if len(set(lengths.values())) > 1:
             raise InputError.about("The lengths of the columns", lengths, "one length for all")
@@ -74,7 +73,7 @@ class Table:
         units: Mapping[str, str] = MappingProxyType({}),
         left: Collection[str] = (),
     ) -> Table:
-        """Return the table with the columns of these names and a cell for each of them in every row."""
+        """Return the table of rows, each with one cell for every name."""
         if len(set(names)) < len(names):
             raise InputError.about("The names of the columns", list(names), "names that differ from each other")
         cells = list(rows)
@@ -123,14 +122,17 @@ class Table:
         keys
             How many of the first columns begin each block.
         max_rows
-            Of more rows the first and the last are shown, and how many are between them; None: all.
+            Of more rows only the first and the last are shown, with the number of those between; None: all.
         """
         headings, rows = self.to_cells(max_rows)
         lines = [[cell.translate(_ASCII) for cell in line] for line in (headings, *rows)]
         widths = [max(len(line[place]) for line in lines) for place in range(len(headings))]
         justify = [str.ljust if name in self.left else str.rjust for name in self.columns]
         blocks = [
-            [_GAP.join(justify[place](line[place], widths[place]) for place in places).rstrip() for line in lines]
+            [
+                _COLUMN_GAP.join(justify[place](line[place], widths[place]) for place in places).rstrip()
+                for line in lines
+            ]
             for places in _fold(widths, keys, width)
         ]
         return "\n\n".join("\n".join(block) for block in blocks)
@@ -143,14 +145,14 @@ class Table:
         return "\n".join([f"| {' | '.join(headings)} |", f"|{rule}|", *lines])
 
     def to_html(self, *notes: str) -> str:
-        """Return notes and a table of HTML for a notebook, with SI prefixes; of many rows the first and the last."""
-        headings, rows = self.to_cells(_SHOWN_ROWS)
+        """Return notes and the table as HTML for a notebook; of many rows the first and the last."""
+        headings, rows = self.to_cells(_MAX_HTML_ROWS)
         lines = [_row(headings, "th"), *(_row(cells, "td") for cells in rows)]
         above = "".join(f"<div>{html.escape(note)}</div>" for note in notes)
         return f"{above}<table>{''.join(lines)}</table>"
 
     def to_cells(self, max_rows: int | None = None) -> tuple[list[str], list[list[str]]]:
-        """Return the headings and the rows as people read them; see `to_text` for `max_rows`."""
+        """Return the texts of headings and rows; see `to_text` for `max_rows`."""
         written = [self._write_column(name) for name in self.columns]
         rows = [list(row) for row in zip(*(cells for _, cells in written), strict=True)]
         if max_rows is not None and len(rows) > max_rows:
@@ -165,12 +167,12 @@ class Table:
         estimates = [cell for cell in column if isinstance(cell, Estimate)]
         if not estimates:
             return name, [self._write_cell(name, cell) for cell in column]
+        heading = name
         if len({one.unit for one in estimates}) == 1:
             numbers, unit = scale_column(estimates)
-            heading = f"{name}, {unit}" if unit else name
+            heading += f", {unit}" if unit else ""
         else:
             numbers = [write_column([one])[0] for one in estimates]
-            heading = name
         texts = iter(numbers)
         return heading, [next(texts) if isinstance(cell, Estimate) else self._write_cell(name, cell) for cell in column]
 
@@ -183,7 +185,7 @@ class Table:
         return "" if value is None else str(value)
 
     def _separate(self) -> tuple[dict[str, Any], dict[str, str]]:
-        """Return the columns with the values and the uncertainties of estimates apart, and the units of all."""
+        """Return the columns, with values and uncertainties of estimates in columns of their own, and their units."""
         columns: dict[str, Any] = {}
         units: dict[str, str] = {}
         for name, column in self.columns.items():
@@ -203,12 +205,12 @@ class Table:
 
 
 def _fold(widths: Sequence[int], keys: int, width: int | None) -> list[list[int]]:
-    """Return the places of the columns in each block, which fits the width and begins with the first columns."""
+    """Return the columns of each block: the first ones, and as many others as fit into the width."""
     first = list(range(min(keys, len(widths))))
     blocks: list[list[int]] = [[]]
     for place in range(len(first), len(widths)):
         wanted = [*first, *blocks[-1], place]
-        needed = sum(widths[one] for one in wanted) + len(_GAP) * (len(wanted) - 1)
+        needed = sum(widths[one] for one in wanted) + len(_COLUMN_GAP) * (len(wanted) - 1)
         if blocks[-1] and width is not None and needed > width:
             blocks.append([])
         blocks[-1].append(place)

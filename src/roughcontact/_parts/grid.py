@@ -1,8 +1,8 @@
-"""The grid of rectangular cells on which every field of a problem lives."""
+"""The grid of rectangular cells on which every field of a problem lives, and the load of a contact."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from enum import StrEnum
 from typing import Any
 
@@ -10,12 +10,17 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact._base.checks import Array, Mask, Pair, integer, pair
+from roughcontact._base.arrays import Array, Mask, Pair
+from roughcontact._base.checks import integer, number, pair
 from roughcontact._base.units import si
 from roughcontact.errors import InputError
 
-# Most cells of a grid: a solve keeps up to 18 arrays in float64, 36 GiB at this size (docs/studies/memory.py).
+# Maximum cells of a grid: a solve keeps up to 18 arrays in float64, 36 GiB at this size (docs/studies/memory.py).
 _MAX_CELLS = 2**28
+_LOAD_KINDS = {"pressure": ("The mean pressure", "Pa"), "force": ("The force", "N"), "approach": ("The approach", "m")}
+# Note on several loads where the pressure has a limit.
+FIRST_LOADING = "Each load is a first loading, of surfaces not flattened yet (see running in)."
+_LOAD_ARGUMENTS = "pressure= (Pa), force= (N) and approach= (m)"
 
 
 class Boundary(StrEnum):
@@ -130,7 +135,7 @@ def extend(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArr
 
 
 def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
-    """Return a mask with all cells up to `width` cells from a marked one marked, along rows, columns and diagonals."""
+    """Return a mask grown by `width` cells along rows, columns and diagonals."""
     nx, ny = mask.shape
     extended = extend(mask, width, boundary)
     along_x = extended[:nx].copy()
@@ -140,3 +145,88 @@ def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
     for step in range(1, 2 * width + 1):
         grown |= along_x[:, step : step + ny]
     return grown
+
+
+@attrs.frozen
+class Load:
+    """One load, as ``problem.solve(**load.arguments)`` takes it.
+
+    Attributes
+    ----------
+    kind
+        ``"pressure"``, the nominal mean pressure; ``"force"``, the normal force; or ``"approach"``, the
+        approach since first touch.
+    value
+        Its value, Pa, N or m: above zero, but where the surfaces attract each other.
+    """
+
+    kind: str
+    value: float
+
+    @classmethod
+    def of(cls, **given: object) -> Load:
+        """Return the one load that is given by `pressure`, Pa, `force`, N, or `approach`, m; the others are None.
+
+        Raises
+        ------
+        InputError
+            If not exactly one is given, or it is not a number above zero.
+        """
+        return cls._of_one(given, 0.0)
+
+    @classmethod
+    def signed(cls, **given: object) -> Load:
+        """Return the one load that is given, as `of` does, of any sign: for surfaces that attract each other."""
+        return cls._of_one(given, None)
+
+    @classmethod
+    def _of_one(cls, given: dict[str, object], above: float | None) -> Load:
+        kind, value = _the_one(given, f"Give exactly one of {_LOAD_ARGUMENTS}")
+        name, unit = _LOAD_KINDS[kind]
+        return cls(kind, number(value, name, unit, above=above))
+
+    @classmethod
+    def sequence(cls, **given: object) -> tuple[Load, ...]:
+        """Return the loads of the one list that is given; see `Load.of`.
+
+        Raises
+        ------
+        InputError
+            If not exactly one list is given, it is empty, or a load in it is not a number above zero.
+        """
+        return cls._of_list(given, 0.0)
+
+    @classmethod
+    def signed_sequence(cls, **given: object) -> tuple[Load, ...]:
+        """Return the loads of the one list that is given, as `sequence` does, of any sign; see `signed`."""
+        return cls._of_list(given, None)
+
+    @classmethod
+    def _of_list(cls, given: dict[str, object], above: float | None) -> tuple[Load, ...]:
+        kind, values = _the_one(given, f"Give exactly one list of loads: {_LOAD_ARGUMENTS}")
+        try:
+            items = None if isinstance(values, (str, bytes)) or not isinstance(values, Iterable) else tuple(values)
+        except Exception:
+            items = None
+        if items is None:
+            raise InputError.about("The loads", values, f"a list, {kind}=[...]", "For one load call solve().")
+        unit = _LOAD_KINDS[kind][1]
+        loads = tuple(cls(kind, number(value, f"A load of {kind}=[...]", unit, above=above)) for value in items)
+        if not loads:
+            raise InputError(f"The list of loads, {kind}=, is empty: give at least one load.")
+        return loads
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """The load as the keyword argument of `ContactProblem.solve`."""
+        return {self.kind: self.value}
+
+    def __str__(self) -> str:
+        return f"{self.kind} {si(self.value, _LOAD_KINDS[self.kind][1])}"
+
+
+def _the_one(given: dict[str, object], request: str) -> tuple[str, object]:
+    named = {kind: value for kind, value in given.items() if value is not None}
+    if len(named) != 1:
+        raise InputError(f"{request}, but got {' and '.join(f'{kind}=' for kind in named) or 'none of them'}.")
+    return next(iter(named.items()))

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-# Characters of a value that a sentence repeats.
-_VALUE = 80
-# A word that is longer than any path that is read, and the characters of the longest sentence.
-_WORD = re.compile(r"\S{500,}")
-_PAGE = 4000
+# Characters of a value that a message repeats.
+_MAX_VALUE_CHARACTERS = 80
+# A word longer than any path in a message, and the maximum length of a message, characters.
+_LONG_WORD = re.compile(r"\S{500,}")
+_MAX_SENTENCE_CHARACTERS = 4000
 
 
 class RoughContactError(Exception):
@@ -65,13 +65,13 @@ class InputError(RoughContactError, ValueError):
     def unknown(cls, kind: str, name: object, known: Iterable[str]) -> InputError:
         """Compose the sentence for a name that is not known, with the closest known one."""
         names = sorted(known)
-        close = difflib.get_close_matches(str(name)[:_VALUE].lower(), names, n=1, cutoff=0.5)
+        close = difflib.get_close_matches(str(name)[:_MAX_VALUE_CHARACTERS].lower(), names, n=1, cutoff=0.5)
         guess = f" Did you mean {close[0]!r}?" if close else ""
         return cls(f"There is no {kind} named {short(name)}.{guess} Known: {', '.join(names) or 'none'}.")
 
 
 class NotEnoughMemory(InputError):
-    """What was asked needs more memory than there is; `available` says in words how much that is."""
+    """A request needs more memory than there is; `available` states in words how much there is."""
 
     available = ""
 
@@ -85,7 +85,7 @@ class WrongCall(InputError, TypeError):
 
 
 class MissingPackage(RoughContactError, ImportError):
-    """An optional package is needed for what was asked, and is not installed; the sentence says how to install it.
+    """An optional package is needed and is not installed; the message says how to install it.
 
     Examples
     --------
@@ -116,7 +116,7 @@ class FileError(RoughContactError, OSError):
 
 
 class NotWritten(FileError):
-    """A file could not be written; what stood under its name is unchanged."""
+    """A file could not be written; a former file of this name is unchanged."""
 
     def __str__(self) -> str:
         return _shorten_words(f"The file {self.filename!r} cannot be written: {self.strerror}.")
@@ -155,7 +155,7 @@ class NotConverged(RoughContactError, RuntimeError):
 
 
 class StudyStopped(RoughContactError, RuntimeError):
-    """A study could not continue; what was solved is on disk, and the study, run again, continues from there.
+    """A study could not continue; its solutions are on disk, and the study, run again, continues from them.
 
     Examples
     --------
@@ -171,7 +171,7 @@ class StudyStopped(RoughContactError, RuntimeError):
 
 
 class OutOfMemory(RoughContactError, MemoryError):
-    """What was asked for needs more memory than there is.
+    """The system has refused the memory for a computation.
 
     Examples
     --------
@@ -189,7 +189,7 @@ class OutOfMemory(RoughContactError, MemoryError):
 
 
 class UnexpectedError(RoughContactError, RuntimeError):
-    """A call failed for a reason that no check has foreseen; its `__cause__` is the error that was met.
+    """A call failed in an unforeseen way; its `__cause__` is the original error.
 
     Examples
     --------
@@ -207,7 +207,7 @@ class UnexpectedError(RoughContactError, RuntimeError):
 
 
 def short(value: object) -> str:
-    """Return a value in a few words."""
+    """Return a short text for a value in a message."""
     if isinstance(value, (np.ndarray, np.dtype)):
         return f"an array of shape {getattr(value, 'shape', '?')} and type {getattr(value, 'dtype', '?')}"
     if isinstance(value, np.generic):
@@ -215,18 +215,20 @@ def short(value: object) -> str:
         value = value.item()
     try:
         text = " ".join(repr(value).split())
-    # A class of the caller's may fail to describe itself.
+    # The repr of a user's class may fail.
     except Exception:
         text = f"a {type(value).__name__}"
-    is_own = type(value).__module__ != "builtins" and len(text) > _VALUE
-    return f"a {type(value).__name__}" if is_own or "array(" in text else shorten(text, _VALUE)
+    is_own = type(value).__module__ != "builtins" and len(text) > _MAX_VALUE_CHARACTERS
+    return f"a {type(value).__name__}" if is_own or "array(" in text else shorten(text, _MAX_VALUE_CHARACTERS)
 
 
 def _shorten_words(text: str) -> str:
-    """Return a sentence whose words are no longer than a path, and that is no longer than a page."""
-    return shorten(_WORD.sub(lambda found: shorten(found[0], _VALUE), text), _PAGE)
+    """Return a message with long words, and the whole, shortened."""
+    return shorten(
+        _LONG_WORD.sub(lambda found: shorten(found[0], _MAX_VALUE_CHARACTERS), text), _MAX_SENTENCE_CHARACTERS
+    )
 
 
 def shorten(text: str, longest: int) -> str:
-    """Return a text, cut to its first characters."""
+    """Return a text, cut to at most `longest` characters."""
     return text if len(text) <= longest else text[: longest - 3] + "..."

@@ -1,29 +1,28 @@
 """Closed forms and theories of contact mechanics to compare with; SI units, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
 
 from roughcontact.reference.adhesion import (
-    DmtSphere,
+    DMT,
+    JKR,
     FullContactEnergies,
-    JkrSphere,
     JohnsonWave,
-    MaugisSphere,
+    MaugisDugdale,
+    PastewkaRobbins,
     full_contact_energies,
-    stickiness,
-    tabor_parameter,
 )
-from roughcontact.reference.bearing import BearingCurve, bearing_area
 from roughcontact.reference.closed_forms import FlatPunch, Hertz, WavyContact, Westergaard, hertz_elliptic, hertz_sphere
 from roughcontact.reference.persson import PerssonContact, persson
-from roughcontact.reference.roughness import Roughness, roughness
+from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
 
 __all__ = [
+    "DMT",
+    "JKR",
     "BearingCurve",
-    "DmtSphere",
     "FlatPunch",
     "FullContactEnergies",
     "Hertz",
-    "JkrSphere",
     "JohnsonWave",
-    "MaugisSphere",
+    "MaugisDugdale",
+    "PastewkaRobbins",
     "PerssonContact",
     "Roughness",
     "WavyContact",
@@ -34,6 +33,4 @@ __all__ = [
     "hertz_sphere",
     "persson",
     "roughness",
-    "stickiness",
-    "tabor_parameter",
 ]

@@ -1,105 +1,83 @@
-"""Closed forms of adhesive contact: balls, a wave, and when rough surfaces stick; SI units."""
+"""Closed forms and theories of contact with adhesion: a ball, a wave and a rough surface; SI units."""
 
 from __future__ import annotations
 
-import abc
 import math
-from typing import final
+from collections.abc import Callable
 
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, number
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import number
 from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.reference.waves import list_waves
+from roughcontact.reference.closed_forms import Westergaard
+from roughcontact.reference.roughness import list_waves
 
-# Contact radii, over their unit, between which a pull-off is looked for; the largest is that of JKR.
-_RADII = (1e-6, 3.0)
-# Tolerance of the search for a radius: the force is flat there, so that it is exact to the square of it.
-_EXACT = 1e-10
-# Area over load without adhesion, in units of E* rms slope (Pastewka and Robbins).
-_KAPPA = 2.0
-
-
-def _positive(value: float, unit: str) -> float:
-    return number(value, "An argument of a closed form", unit, above=0.0)
+# Angles arccos(a/c) of Maugis' equations between which states are found: their contact radii span ten decades.
+_SMALLEST_ANGLE = 1e-5
+_LARGEST_ANGLE = 0.5 * math.pi - 1e-7
+# States among which the first bracket of a minimum is found.
+_SAMPLES = 2001
+# Contact area of a rough surface without adhesion times E* h' over the force, as in the paper.
+_AREA_COEFFICIENT = 2.0
 
 
 def _length(value: float) -> float:
-    return _positive(value, "m")
-
-
-def _work(value: float) -> float:
-    return _positive(value, "J/m2")
+    return number(value, "A length of a closed form", "m", above=0.0)
 
 
 def _pascal(value: float) -> float:
-    return _positive(value, "Pa")
+    return number(value, "A pressure of a closed form", "Pa", above=0.0)
 
 
+def _work(value: float) -> float:
+    return number(value, "The work of adhesion", "J/m2", above=0.0)
+
+
+def _slope(value: float) -> float:
+    return number(value, "The rms slope", above=0.0)
+
+
+def _curvature(value: float) -> float:
+    return number(value, "The rms curvature", "1/m", above=0.0)
+
+
+def _minimize(function: Callable[[float], float], places: Array) -> float:
+    """Return the place of a minimum of a function, between the neighbours of its lowest sample."""
+    # Imported here: most of what imports this module needs no optimizer.
+    from scipy import optimize
+
+    values = [function(float(place)) for place in places]
+    lowest = min(max(int(np.argmin(values)), 1), len(values) - 2)
+    bounds = (float(places[lowest - 1]), float(places[lowest + 1]))
+    return float(optimize.minimize_scalar(function, bounds=bounds, method="bounded", options={"xatol": 1e-12}).x)
+
+
+def _find_root(function: Callable[[float], float], low: float, high: float) -> float:
+    from scipy import optimize
+
+    return float(optimize.brentq(function, low, high, xtol=1e-15, rtol=1e-13))
+
+
+@guarded
 @attrs.frozen
-class AdhesiveSphere(abc.ABC):
-    """A ball on a flat that attract each other: force and approach over the radius of contact.
+class JKR:
+    r"""A soft ball on a flat, of which the attraction has no range: Johnson, Kendall and Roberts.
+
+    .. math:: F = \frac{4 E^* a^3}{3R} - \sqrt{8\pi w E^* a^3}, \quad
+              \delta = \frac{a^2}{R} - \sqrt{\frac{2\pi w a}{E^*}}, \quad F_c = -\tfrac32 \pi w R
 
     Parameters
     ----------
     radius
         Relative radius of curvature R, m.
-    work
-        Work of adhesion w, J/m2.
     modulus
         Contact modulus E*, Pa.
-    """
-
-    radius: float = attrs.field(converter=_length)
-    work: float = attrs.field(converter=_work)
-    modulus: float = attrs.field(converter=_pascal)
-
-    @abc.abstractmethod
-    def force(self, contact_radius: Array) -> Array:
-        """Return the force at contact radii, m; N, negative where it pulls."""
-
-    @abc.abstractmethod
-    def approach(self, contact_radius: Array) -> Array:
-        """Return the approach at contact radii, m, since the first touch without adhesion."""
-
-    @property
-    @abc.abstractmethod
-    def pull_off(self) -> float:
-        """Force at which the ball comes off under a given load, N, negative: the lowest one."""
-
-    @property
-    def zero_load_radius(self) -> float:
-        """Contact radius without load, m."""
-        from scipy import optimize
-
-        unit = self._radius_unit
-
-        def scaled(ratio: float) -> float:
-            return float(self.force(np.array([ratio * unit]))[0]) / (math.pi * self.work * self.radius)
-
-        return unit * float(optimize.brentq(scaled, self._lowest_ratio, _RADII[1], xtol=_EXACT))
-
-    @property
-    def _radius_unit(self) -> float:
-        return float((0.75 * math.pi * self.work * self.radius**2 / self.modulus) ** (1 / 3))
-
-    @property
-    def _lowest_ratio(self) -> float:
-        """Contact radius at the lowest force, over its unit."""
-        return _RADII[0]
-
-
-@final
-@guarded
-@attrs.frozen
-class JkrSphere(AdhesiveSphere):
-    r"""The theory of Johnson, Kendall and Roberts: attraction inside the contact alone, of soft balls.
-
-    .. math:: F = \frac{4 E^* a^3}{3R} - \sqrt{8\pi w E^* a^3}, \quad
-              \delta = \frac{a^2}{R} - \sqrt{\frac{2\pi w a}{E^*}}, \quad F_c = -\tfrac32 \pi w R
+    work
+        Work of adhesion w, J/m2.
 
     References
     ----------
@@ -107,89 +85,125 @@ class JkrSphere(AdhesiveSphere):
 
     Examples
     --------
-    A rubber ball of 5 mm on glass:
+    A rubber ball of 10 mm on glass:
 
-    >>> from roughcontact.reference.adhesion import JkrSphere
-    >>> ball = JkrSphere(radius=5e-3, work=0.05, modulus=3e6)
-    >>> print(f"{1e3 * ball.pull_off:.3f} mN, {1e6 * ball.zero_load_radius:.1f} um")
-    -1.178 mN, 180.6 um
+    >>> from roughcontact.reference import JKR
+    >>> ball = JKR(radius=10e-3, modulus=1e6, work=0.05)
+    >>> print(f"{ball.pull_off * 1e3:.3f} mN, {ball.radius_at_zero_load * 1e6:.1f} um")
+    -2.356 mN, 413.5 um
     """
 
-    def force(self, contact_radius: Array) -> Array:
-        """Return the force at contact radii, m; N."""
-        a = np.asarray(contact_radius, dtype=np.float64)
-        hertz = 4.0 * self.modulus * a**3 / (3.0 * self.radius)
-        return np.asarray(hertz - np.sqrt(8.0 * math.pi * self.work * self.modulus * a**3))
-
-    def approach(self, contact_radius: Array) -> Array:
-        """Return the approach at contact radii, m."""
-        a = np.asarray(contact_radius, dtype=np.float64)
-        return np.asarray(a**2 / self.radius - np.sqrt(2.0 * math.pi * self.work * a / self.modulus))
+    radius: float = attrs.field(converter=_length)
+    modulus: float = attrs.field(converter=_pascal)
+    work: float = attrs.field(converter=_work)
 
     @property
     def pull_off(self) -> float:
-        """Pull-off force, N."""
+        """Minimum of the force, N."""
         return -1.5 * math.pi * self.work * self.radius
 
     @property
-    def zero_load_radius(self) -> float:
-        """Contact radius without load, m."""
-        return float((4.5 * math.pi * self.work * self.radius**2 / self.modulus) ** (1 / 3))
+    def radius_at_zero_load(self) -> float:
+        """Contact radius without a force, m."""
+        return math.cbrt(4.5 * math.pi * self.work * self.radius**2 / self.modulus)
+
+    def contact_radius(self, force: float) -> float:
+        """Return the contact radius at a force of at least that of pull-off, m."""
+        force = number(force, "The force", "N", at_least=self.pull_off)
+        pull = 3.0 * math.pi * self.work * self.radius
+        root = math.sqrt(max(pull * (2.0 * force + pull), 0.0))
+        return math.cbrt(0.75 * self.radius / self.modulus * (force + pull + root))
+
+    def force(self, contact_radius: float) -> float:
+        """Return the force at a contact radius, N."""
+        cube = _length(contact_radius) ** 3
+        return 4.0 * self.modulus * cube / (3.0 * self.radius) - math.sqrt(
+            8.0 * math.pi * self.work * self.modulus * cube
+        )
+
+    def approach(self, contact_radius: float) -> float:
+        """Return the approach of distant points at a contact radius, m."""
+        a = _length(contact_radius)
+        return a**2 / self.radius - math.sqrt(2.0 * math.pi * self.work * a / self.modulus)
 
 
-@final
 @guarded
 @attrs.frozen
-class DmtSphere(AdhesiveSphere):
-    r"""The theory of Derjaguin, Muller and Toporov: long-range attraction that deforms nothing, of hard balls.
+class DMT:
+    r"""A stiff ball on a flat, of which the attraction does not deform: Derjaguin, Muller and Toporov.
 
-    .. math:: F = \frac{4 E^* a^3}{3R} - 2\pi w R, \quad \delta = \frac{a^2}{R}
-
-    References
-    ----------
-    Derjaguin, Muller, Toporov, J. Colloid Interface Sci. 53 (1975) 314-326,
-    https://doi.org/10.1016/0021-9797(75)90018-1
-    """
-
-    def force(self, contact_radius: Array) -> Array:
-        """Return the force at contact radii, m; N."""
-        a = np.asarray(contact_radius, dtype=np.float64)
-        return np.asarray(4.0 * self.modulus * a**3 / (3.0 * self.radius) + self.pull_off)
-
-    def approach(self, contact_radius: Array) -> Array:
-        """Return the approach at contact radii, m."""
-        return np.asarray(np.asarray(contact_radius, dtype=np.float64) ** 2 / self.radius)
-
-    @property
-    def pull_off(self) -> float:
-        """Pull-off force, N."""
-        return -2.0 * math.pi * self.work * self.radius
-
-
-@final
-@guarded
-@attrs.frozen
-class MaugisSphere(AdhesiveSphere):
-    r"""The theory of Maugis: a constant tension around the contact, up to a gap, from DMT to JKR.
-
-    With K = 4 E*/3, lengths over :math:`(\pi w R^2/K)^{1/3}`, forces over :math:`\pi w R`, approaches over
-    :math:`(\pi^2 w^2 R/K^2)^{1/3}`, the ratio m of the radii of tension and contact and
-    :math:`\lambda = 2 s_0 (R/\pi w K^2)^{1/3}`,
-
-    .. math:: \tfrac12\lambda a^2\left[\sqrt{m^2-1} + (m^2-2)\,\mathrm{arcsec}\,m\right]
-              + \tfrac43\lambda^2 a\left[\sqrt{m^2-1}\,\mathrm{arcsec}\,m - m + 1\right] = 1
-
-    .. math:: F = a^3 - \lambda a^2\left[\sqrt{m^2-1} + m^2\,\mathrm{arcsec}\,m\right], \quad
-              \delta = a^2 - \tfrac43\lambda a\sqrt{m^2-1}
+    .. math:: F = \frac{4 E^* a^3}{3R} - 2\pi w R, \quad \delta = \frac{a^2}{R}, \quad F_c = -2\pi w R
 
     Parameters
     ----------
     radius
         Relative radius of curvature R, m.
-    work
-        Work of adhesion w, J/m2.
     modulus
         Contact modulus E*, Pa.
+    work
+        Work of adhesion w, J/m2.
+
+    References
+    ----------
+    Derjaguin, Muller, Toporov, J. Colloid Interface Sci. 53 (1975) 314-326,
+    https://doi.org/10.1016/0021-9797(75)90018-1
+
+    Examples
+    --------
+    >>> from roughcontact.reference import DMT
+    >>> tip = DMT(radius=20e-9, modulus=80e9, work=0.05)
+    >>> print(f"{tip.pull_off * 1e9:.2f} nN, {tip.contact_radius(force=0.0) * 1e9:.2f} nm")
+    -6.28 nN, 1.06 nm
+    """
+
+    radius: float = attrs.field(converter=_length)
+    modulus: float = attrs.field(converter=_pascal)
+    work: float = attrs.field(converter=_work)
+
+    @property
+    def pull_off(self) -> float:
+        """Minimum of the force, N."""
+        return -2.0 * math.pi * self.work * self.radius
+
+    def contact_radius(self, force: float) -> float:
+        """Return the contact radius at a force of at least that of pull-off, m."""
+        force = number(force, "The force", "N", at_least=self.pull_off)
+        return math.cbrt(0.75 * self.radius / self.modulus * (force - self.pull_off))
+
+    def force(self, contact_radius: float) -> float:
+        """Return the force at a contact radius, N."""
+        return 4.0 * self.modulus * _length(contact_radius) ** 3 / (3.0 * self.radius) + self.pull_off
+
+    def approach(self, contact_radius: float) -> float:
+        """Return the approach of distant points at a contact radius, m."""
+        return _length(contact_radius) ** 2 / self.radius
+
+
+@guarded
+@attrs.frozen
+class MaugisDugdale:
+    r"""A ball on a flat that attract each other with a constant tension up to the gap w / strength: Maugis.
+
+    The tension acts from the contact radius a to the radius c. With :math:`K = \tfrac43 E^*`,
+    :math:`\lambda = 2 s_0 (R/(\pi w K^2))^{1/3}`, :math:`\bar a = a (K/(\pi w R^2))^{1/3}`, m = c/a and
+    :math:`\theta = \arccos(1/m)` the gap at c is w over the strength,
+
+    .. math:: \frac{\lambda\bar a^2}{2}\left[(m^2 - 2)\theta + \sqrt{m^2 - 1}\right]
+              + \frac{4\lambda^2\bar a}{3}\left[\sqrt{m^2 - 1}\,\theta - m + 1\right] = 1
+
+    and force and approach are
+
+    .. math:: \frac{F}{\pi w R} = \bar a^3 - \lambda\bar a^2\left[\sqrt{m^2 - 1} + m^2\theta\right], \quad
+              \delta\left(\frac{K^2}{\pi^2 w^2 R}\right)^{1/3} = \bar a^2 - \tfrac43\lambda\bar a\sqrt{m^2 - 1}
+
+    Parameters
+    ----------
+    radius
+        Relative radius of curvature R, m.
+    modulus
+        Contact modulus E*, Pa.
+    work
+        Work of adhesion w, J/m2.
     strength
         The tension s0, Pa.
 
@@ -199,127 +213,104 @@ class MaugisSphere(AdhesiveSphere):
 
     Examples
     --------
-    >>> from roughcontact.reference.adhesion import MaugisSphere
-    >>> ball = MaugisSphere(radius=1e-6, work=0.05, modulus=1e9, strength=2e7)
-    >>> print(f"lambda {ball.parameter:.3f}, pull-off {1e9 * ball.pull_off:.1f} nN")
-    lambda 0.612, pull-off -263.9 nN
+    Between the limits of Derjaguin, 2, and of Johnson, 1.5:
+
+    >>> import math
+    >>> from roughcontact.reference import MaugisDugdale
+    >>> ball = MaugisDugdale(radius=1e-6, modulus=1e9, work=0.05, strength=20e6)
+    >>> print(f"lambda {ball.transition:.3f}: {ball.pull_off / (math.pi * 0.05 * 1e-6):.4f} pi w R")
+    lambda 0.612: -1.6801 pi w R
     """
 
+    radius: float = attrs.field(converter=_length)
+    modulus: float = attrs.field(converter=_pascal)
+    work: float = attrs.field(converter=_work)
     strength: float = attrs.field(converter=_pascal)
 
     @property
-    def parameter(self) -> float:
-        """Maugis' parameter lambda, 1.127 times Tabor's: below 0.1 DMT holds, above 5 JKR."""
-        stiffness = 4.0 * self.modulus / 3.0
-        return float(2.0 * self.strength * (self.radius / (math.pi * self.work * stiffness**2)) ** (1 / 3))
-
-    def force(self, contact_radius: Array) -> Array:
-        """Return the force at contact radii, m; N."""
-        ratios = np.asarray(contact_radius, dtype=np.float64) / self._radius_unit
-        forces = [self._scaled_force(float(ratio)) for ratio in ratios.ravel()]
-        return np.reshape(forces, ratios.shape) * (math.pi * self.work * self.radius)
-
-    def approach(self, contact_radius: Array) -> Array:
-        """Return the approach at contact radii, m."""
-        ratios = np.asarray(contact_radius, dtype=np.float64) / self._radius_unit
-        shifts = [math.sqrt(self._extent(float(ratio)) ** 2 - 1.0) for ratio in ratios.ravel()]
-        scaled = ratios**2 - 4.0 / 3.0 * self.parameter * ratios * np.reshape(shifts, ratios.shape)
-        return np.asarray(scaled * (self._radius_unit**2 / self.radius))
-
-    def tension_radius(self, contact_radius: Array) -> Array:
-        """Return the outer radius of the tension at contact radii, m."""
-        ratios = np.asarray(contact_radius, dtype=np.float64) / self._radius_unit
-        extents = [self._extent(float(ratio)) for ratio in ratios.ravel()]
-        return np.reshape(extents, ratios.shape) * ratios * self._radius_unit
+    def transition(self) -> float:
+        """Maugis' parameter lambda: small for stiff balls and long ranges (DMT), large for soft and short (JKR)."""
+        return 2.0 * self.strength * math.cbrt(self.radius / (math.pi * self.work * self._stiffness**2))
 
     @property
     def pull_off(self) -> float:
-        """Pull-off force, N."""
-        return self._scaled_force(self._lowest_ratio) * math.pi * self.work * self.radius
+        """Minimum of the force, N."""
+        return self._state(self._pull_off_angle)[1]
 
     @property
-    def _lowest_ratio(self) -> float:
-        from scipy import optimize
+    def radius_at_zero_load(self) -> float:
+        """Contact radius without a force, m."""
+        return self.contact_radius(0.0)
 
-        # Logarithms, because of hard balls the contact vanishes at pull-off.
-        bounds = (math.log(_RADII[0]), math.log(_RADII[1]))
-        found = optimize.minimize_scalar(
-            lambda logarithm: self._scaled_force(math.exp(logarithm)),
-            bounds=bounds,
-            method="bounded",
-            options={"xatol": 1e-9},
-        )
-        return math.exp(float(found.x))
+    def contact_radius(self, force: float) -> float:
+        """Return the contact radius at a force of at least that of pull-off, m."""
+        force = number(force, "The force", "N", at_least=self.pull_off)
+        angle = _find_root(lambda place: self._state(place)[1] - force, _SMALLEST_ANGLE, self._pull_off_angle)
+        return self._state(angle)[0]
 
-    def _scaled_force(self, ratio: float) -> float:
-        m = self._extent(ratio)
-        root = math.sqrt(m * m - 1.0)
-        return ratio**3 - self.parameter * ratio**2 * (root + m * m * math.atan(root))
+    def force(self, contact_radius: float) -> float:
+        """Return the force at a contact radius, N."""
+        return self._state(self._angle(contact_radius))[1]
 
-    def _extent(self, ratio: float) -> float:
-        """Return the ratio m of the radii of the tension and of a contact radius over its unit."""
-        from scipy import optimize
+    def approach(self, contact_radius: float) -> float:
+        """Return the approach of distant points at a contact radius, m."""
+        return self._state(self._angle(contact_radius))[2]
 
-        parameter = self.parameter
+    def tension_radius(self, contact_radius: float) -> float:
+        """Return the radius c up to which the tension acts, at a contact radius, m."""
+        return contact_radius / math.cos(self._angle(contact_radius))
 
-        def excess(m: float) -> float:
-            root = math.sqrt(max(m * m - 1.0, 0.0))
-            angle = math.atan(root)
-            first = 0.5 * parameter * ratio**2 * (root + (m * m - 2.0) * angle)
-            return first + 4.0 / 3.0 * parameter**2 * ratio * (root * angle - m + 1.0) - 1.0
+    @property
+    def _stiffness(self) -> float:
+        return 4.0 / 3.0 * self.modulus
 
-        upper = 2.0
-        while excess(upper) < 0.0:
-            upper *= 2.0
-        return float(optimize.brentq(excess, 1.0, upper, xtol=1e-15, rtol=1e-15))
+    @property
+    def _pull_off_angle(self) -> float:
+        tangents = np.geomspace(1e-4, math.tan(_LARGEST_ANGLE), _SAMPLES)
+        return _minimize(lambda place: self._state(place)[1], np.arctan(tangents))
 
+    def _angle(self, contact_radius: float) -> float:
+        a = _length(contact_radius)
+        low = self._state(_LARGEST_ANGLE)[0]
+        high = self._state(_SMALLEST_ANGLE)[0]
+        if not low < a < high:
+            raise InputError.about("The contact radius", contact_radius, f"between {low:g} and {high:g} m")
+        return _find_root(lambda place: self._state(place)[0] / a - 1.0, _SMALLEST_ANGLE, _LARGEST_ANGLE)
 
-@guarded
-def tabor_parameter(radius: float, work: float, reach: float, modulus: float) -> float:
-    r"""Return Tabor's parameter of a ball: below 0.1 the theory DMT holds, above 5 that of JKR.
-
-    .. math:: \mu = \left(\frac{R w^2}{E^{*2} \rho^3}\right)^{1/3}
-
-    Parameters
-    ----------
-    radius
-        Relative radius of curvature R, m.
-    work
-        Work of adhesion w, J/m2.
-    reach
-        Range of the attraction rho, m: the work over the strength.
-    modulus
-        Contact modulus E*, Pa.
-
-    References
-    ----------
-    Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, https://doi.org/10.1016/0021-9797(92)90285-T
-    """
-    cube = _positive(radius, "m") * _positive(work, "J/m2") ** 2 / _positive(modulus, "Pa") ** 2
-    return float(cube ** (1 / 3) / _positive(reach, "m"))
+    def _state(self, angle: float) -> tuple[float, float, float]:
+        """Return the contact radius, m, the force, N, and the approach, m, at the angle arccos(a/c)."""
+        ratio = 1.0 / math.cos(angle)
+        tangent = math.tan(angle)
+        transition = self.transition
+        square = 0.5 * transition * ((ratio**2 - 2.0) * angle + tangent)
+        linear = 4.0 / 3.0 * transition**2 * (tangent * angle - (ratio - 1.0))
+        # The root of square a^2 + linear a = 1 without cancellation.
+        a = 2.0 / (linear + math.sqrt(linear**2 + 4.0 * square))
+        force = a**3 - transition * a**2 * (tangent + ratio**2 * angle)
+        approach = a**2 - 4.0 / 3.0 * transition * a * tangent
+        pull = math.pi * self.work * self.radius
+        length = math.cbrt(pull * self.radius / self._stiffness)
+        return a * length, force * pull, approach * length**2 / self.radius
 
 
-@final
 @guarded
 @attrs.frozen
 class JohnsonWave:
-    r"""Contact of a wave in one direction with a flat, with attraction inside the contact alone.
+    r"""A flat on the wave z = amplitude cos(2 pi x / wavelength), with an attraction without a range: Johnson.
 
-    With the half width of contact a over the wavelength L, the pressure of full contact without adhesion
-    :math:`p^* = \pi E^* D/L` and :math:`\alpha = \sqrt{2 w L/(\pi^2 E^* D^2)}`,
+    With half the width a of a contact strip, :math:`p^* = \pi E^* A/L` and
+    :math:`\alpha^2 = 2wL/(\pi^2 E^* A^2)` the mean pressure is
 
-    .. math:: \frac{p}{p^*} = \sin^2 \pi a - \alpha\sqrt{\tan \pi a}
+    .. math:: \frac{p}{p^*} = \sin^2\frac{\pi a}{L} - \alpha\sqrt{\tan\frac{\pi a}{L}}
 
     Parameters
     ----------
-    amplitude
-        Amplitude of the wave D, half of its height from peak to valley, m.
-    wavelength
-        Wavelength L, m.
-    work
-        Work of adhesion w, J/m2.
+    amplitude, wavelength
+        Amplitude A and length L of the wave, m.
     modulus
         Contact modulus E*, Pa.
+    work
+        Work of adhesion w, J/m2.
 
     References
     ----------
@@ -327,126 +318,143 @@ class JohnsonWave:
 
     Examples
     --------
-    >>> from roughcontact.reference.adhesion import JohnsonWave
-    >>> wave = JohnsonWave(amplitude=1e-6, wavelength=100e-6, work=0.05, modulus=20e6)
-    >>> print(f"alpha {wave.parameter:.3f}, full contact without load: {wave.snaps_into_full_contact}")
-    alpha 0.225, full contact without load: False
-    >>> print(f"{1e-3 * wave.pull_off:.1f} kPa, {wave.zero_load_fraction:.3f}")
-    -40.9 kPa, 0.248
+    >>> from roughcontact.reference import JohnsonWave
+    >>> wave = JohnsonWave(amplitude=1e-6, wavelength=1e-4, modulus=1e6, work=2e-3)
+    >>> print(f"alpha {wave.alpha:.3f}, pull-off at {wave.pull_off / wave.full_contact_pressure:.4f} p*")
+    alpha 0.201, pull-off at -0.0561 p*
     """
 
     amplitude: float = attrs.field(converter=_length)
     wavelength: float = attrs.field(converter=_length)
-    work: float = attrs.field(converter=_work)
     modulus: float = attrs.field(converter=_pascal)
+    work: float = attrs.field(converter=_work)
 
     @property
-    def parameter(self) -> float:
-        """Johnson's parameter alpha."""
-        square = 2.0 * self.work * self.wavelength / (math.pi**2 * self.modulus * self.amplitude**2)
-        return math.sqrt(square)
+    def full_contact_pressure(self) -> float:
+        """Mean pressure p* at which the last gap closes without adhesion, Pa."""
+        return Westergaard(self.amplitude, self.wavelength, self.modulus).full_contact_pressure
 
     @property
-    def full_pressure(self) -> float:
-        """Mean pressure of full contact without adhesion, Pa."""
-        return math.pi * self.modulus * self.amplitude / self.wavelength
-
-    def pressure(self, fraction: Array) -> Array:
-        """Return the mean pressure, Pa, at the fraction 2 a of the surface in contact, from 0 to below 1."""
-        angle = 0.5 * math.pi * np.asarray(fraction, dtype=np.float64)
-        return np.asarray((np.sin(angle) ** 2 - self.parameter * np.sqrt(np.tan(angle))) * self.full_pressure)
-
-    @property
-    def snaps_into_full_contact(self) -> bool:
-        """Whether surfaces that touch without load close: alpha above (27/256)^(1/4) = 0.570."""
-        return bool(self.parameter > (27.0 / 256.0) ** 0.25)
+    def alpha(self) -> float:
+        """Root of the work of adhesion over the elastic energy of full contact, times 2/pi."""
+        energy = math.pi**2 * self.modulus * self.amplitude**2
+        return math.sqrt(2.0 * self.work * self.wavelength / energy)
 
     @property
     def pull_off(self) -> float:
-        """Mean pressure at which partial contact comes off, Pa, negative.
-
-        Raises
-        ------
-        InputError
-            If there is no partial contact in equilibrium.
-        """
-        return float(self.pressure(np.array(self._fold())))
+        """Minimum of the mean pressure, Pa, of a contact that is not full."""
+        return self.mean_pressure(self._folds[0])
 
     @property
-    def zero_load_fraction(self) -> float:
-        """Fraction of the surface in stable contact without load; 1 if it closes."""
-        if self.snaps_into_full_contact:
-            return 1.0
-        from scipy import optimize
+    def pressure_of_full_contact(self) -> float:
+        """Mean pressure from which the strips spread to full contact, Pa; negative: they do so without a load."""
+        return self.mean_pressure(self._folds[1])
 
-        fold = self._fold()
-        # The maximum of sin^(3/2) cos^(1/2) is at 60 degrees: contact beyond is not stable.
-        return float(optimize.brentq(lambda fraction: float(self.pressure(np.array(fraction))), fold, 2.0 / 3.0))
+    def mean_pressure(self, half_width: float) -> float:
+        """Return the mean pressure at half the width of a strip, between zero and half a wavelength, Pa."""
+        a = number(half_width, "Half the width of a strip", "m", above=0.0, at_most=0.5 * self.wavelength)
+        angle = math.pi * a / self.wavelength
+        return self.full_contact_pressure * (math.sin(angle) ** 2 - self.alpha * math.sqrt(math.tan(angle)))
 
-    def _fold(self) -> float:
-        """Return the fraction at which partial contact comes off: where the slope of the pressure vanishes."""
-        from scipy import optimize
+    def half_width(self, mean_pressure: float) -> float:
+        """Return half the width of a strip at a mean pressure, m: the stable one."""
+        low, high = self._folds
+        pressure = number(
+            mean_pressure, "The mean pressure", "Pa", at_least=self.pull_off, at_most=self.pressure_of_full_contact
+        )
+        return _find_root(lambda place: self.mean_pressure(place) - pressure, low, high)
 
-        # The slope 2 sin cos - alpha / (2 cos^2 sqrt(tan)) vanishes where 4 sin^(3/2) cos^(5/2) = alpha.
-        top = math.asin(math.sqrt(0.375))
+    @property
+    def _folds(self) -> tuple[float, float]:
+        """Half widths between which a strip is stable, m."""
+        places = np.linspace(0.0, 0.5, _SAMPLES)[1:-1]
+        rising = np.diff([self.mean_pressure(place * self.wavelength) for place in places]) > 0.0
+        if not rising.any():
+            raise InputError(f"At alpha = {self.alpha:.3g} no strip is stable: the contact is full, or there is none.")
+        stable = places[:-1][rising]
+        low = self._fold(stable[0], 1.0)
+        return low, self._fold(stable[-1], -1.0)
 
-        def excess(angle: float) -> float:
-            return 4.0 * math.sqrt(math.sin(angle) ** 3 * math.cos(angle) ** 5) - self.parameter
-
-        if excess(top) <= 0.0:
-            raise InputError(
-                f"With alpha = {self.parameter:.3g} the wave has no partial contact in equilibrium: it closes."
-            )
-        return 2.0 * float(optimize.brentq(excess, 0.0, top)) / math.pi
+    def _fold(self, place: float, sign: float) -> float:
+        around = place + np.linspace(-2.0, 2.0, 9) / _SAMPLES
+        around = self.wavelength * around[(around > 0.0) & (around < 0.5)]
+        return _minimize(lambda half: sign * self.mean_pressure(half), around)
 
 
 @guarded
-def stickiness(rms_slope: float, rms_curvature: float, work: float, reach: float, modulus: float) -> float:
-    r"""Return how strongly a rough surface sticks by the criterion of Pastewka and Robbins: above 1 it does.
+@attrs.frozen
+class PastewkaRobbins:
+    r"""Whether rough surfaces stick: the criterion of Pastewka and Robbins.
 
-    It is the ratio of attraction and repulsion of contact patches of the width :math:`d = 4 h'/h''`, with the tension
-    :math:`w/\rho` around each up to the gap :math:`\rho`, whose width follows from the gap of a contact without
-    adhesion, :math:`\tfrac43 h' s^{3/2}/\sqrt d` at a distance s of its edge:
+    At the edges of contact patches of mean diameter :math:`d = 4h'/h''` the gap opens with the power 3/2 of the
+    distance. Where it is below the range :math:`\Delta r` the surfaces attract each other with :math:`w/\Delta r`, and
+    they stick if that is more than what carries the patches, :math:`E^* h'/\kappa` with :math:`\kappa = 2`:
 
-    .. math:: \kappa\,\pi \frac{w}{E^* h' \rho}\left(\frac{3 \rho}{4 h' d}\right)^{2/3}, \quad \kappa = 2
+    .. math:: \frac{E^* h' \Delta r}{\kappa w}\left[\frac{h' d}{4\Delta r}\right]^{2/3}
+              < \pi\left(\tfrac{3}{16}\right)^{2/3}
+
+    It holds for a range that is short beside the heights, and weak adhesion: patches keep their form.
 
     Parameters
     ----------
     rms_slope
-        Root mean square of the slope h'.
+        Root mean square h' of the gradient.
     rms_curvature
-        Root mean square of the Laplacian of the heights h'', 1/m: of a ball two over its radius.
-    work
-        Work of adhesion w, J/m2.
-    reach
-        Range of the attraction rho, m: the work over the strength.
+        Root mean square h'' of half the Laplacian, 1/m.
     modulus
         Contact modulus E*, Pa.
+    work
+        Work of adhesion w, J/m2.
+    range
+        Range of the attraction, m: the work over the strength.
 
     References
     ----------
-    Pastewka, Robbins, PNAS 111 (2014) 3298-3303, https://doi.org/10.1073/pnas.1320846111
+    Pastewka, Robbins, Proc. Natl. Acad. Sci. 111 (2014) 3298-3303, https://doi.org/10.1073/pnas.1320846111
+
+    Examples
+    --------
+    >>> from roughcontact.reference import PastewkaRobbins
+    >>> rubber = PastewkaRobbins(rms_slope=0.1, rms_curvature=1e6, modulus=1e6, work=0.05, range=1e-9)
+    >>> rubber.sticks, PastewkaRobbins(0.1, 1e6, modulus=100e9, work=0.05, range=1e-9).sticks
+    (True, False)
     """
-    slope = _positive(rms_slope, "")
-    width = 4.0 * slope / _positive(rms_curvature, "1/m")
-    reach = _length(reach)
-    length = _positive(work, "J/m2") / _positive(modulus, "Pa")
-    scaled = _KAPPA * math.pi * length / (slope * reach)
-    return float(scaled * (0.75 * reach / (slope * width)) ** (2 / 3))
+
+    rms_slope: float = attrs.field(converter=_slope)
+    rms_curvature: float = attrs.field(converter=_curvature)
+    modulus: float = attrs.field(converter=_pascal)
+    work: float = attrs.field(converter=_work)
+    range: float = attrs.field(converter=_length)
+
+    @property
+    def patch_diameter(self) -> float:
+        """Mean diameter of a contact patch without adhesion, m."""
+        return 4.0 * self.rms_slope / self.rms_curvature
+
+    @property
+    def ratio(self) -> float:
+        """What carries the patches over what attracts them: below one the surfaces stick."""
+        pressure = self.modulus * self.rms_slope / _AREA_COEFFICIENT
+        width = math.cbrt((0.25 * self.rms_slope * self.patch_diameter / self.range) ** 2)
+        return pressure * self.range / self.work * width / (math.pi * math.cbrt(9.0 / 256.0))
+
+    @property
+    def sticks(self) -> bool:
+        """Whether a finite force is needed to separate the surfaces."""
+        return self.ratio < 1.0
 
 
-@final
 @attrs.frozen
 class FullContactEnergies:
-    """The energies of two surfaces pressed into full contact, per nominal area, J/m2.
+    """The energies of two surfaces pressed into full contact, per nominal area.
 
     Attributes
     ----------
     elastic
-        Elastic energy of closing all gaps.
+        Elastic energy of closing all gaps, J/m2.
     released
-        Work of adhesion less the elastic energy: what full contact releases, or takes if negative. It is the effective
-        work of adhesion of Persson and Tosatti, without the increase of the area by the roughness.
+        Work of adhesion less the elastic energy, J/m2: what full contact releases, or costs if it is negative. It is
+        the effective work of adhesion of Persson and Tosatti without the area that the roughness adds.
     """
 
     elastic: float
@@ -473,8 +481,18 @@ def full_contact_energies(heights: Array, grid: Grid, work: float, modulus: floa
     References
     ----------
     Persson, Tosatti, J. Chem. Phys. 115 (2001) 5597-5610, https://doi.org/10.1063/1.1398300
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.reference import full_contact_energies
+    >>> grid = rc.Grid((64, 64), 64e-6)
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=32e-6).heights(grid)
+    >>> energies = full_contact_energies(wave, grid, work=0.05, modulus=1e6)
+    >>> print(f"{energies.elastic:.4f} J/m2 of 0.05 J/m2")
+    0.0491 J/m2 of 0.05 J/m2
     """
     waves = list_waves(heights, grid, periodic=True)
     strain = waves.sum(np.sqrt(waves.square)) * waves.height**2 / waves.cell
-    elastic = 0.25 * _positive(modulus, "Pa") * strain
-    return FullContactEnergies(elastic, _positive(work, "J/m2") - elastic)
+    elastic = 0.25 * _pascal(modulus) * strain
+    return FullContactEnergies(elastic, _work(work) - elastic)

@@ -8,12 +8,13 @@ import attrs
 import numpy as np
 from scipy import special
 
-from roughcontact._base.checks import Array, Pair, number, pair
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.checks import number, pair
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Ratio of two radii beyond which the ellipse of contact is too slender to be found.
-_SLENDER = 1e24
+# Maximum ratio of two radii: the ellipse of contact is too slender beyond.
+_MAX_RADIUS_RATIO = 1e24
 
 
 def _positive(value: float, unit: str) -> float:
@@ -117,7 +118,7 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     ----------
     Johnson, Contact Mechanics (1985), eq. 4.24 to 4.26, https://doi.org/10.1017/CBO9781139171731
     """
-    # Imported here: theory beside a solution needs this package, and no optimizer.
+    # Imported here, because most uses of this package need no optimizer.
     from scipy import optimize
 
     force = _positive(force, "N")
@@ -127,8 +128,10 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     sharp = min(radii)
     if blunt == sharp:
         return hertz_sphere(force, blunt, modulus)
-    if blunt > _SLENDER * sharp:
-        raise InputError(f"The radii {radii} differ by more than {_SLENDER:g} times: take a contact of cylinders.")
+    if blunt > _MAX_RADIUS_RATIO * sharp:
+        raise InputError(
+            f"The radii {radii} differ by more than {_MAX_RADIUS_RATIO:g} times: take a contact of cylinders."
+        )
 
     def mismatch(log_ratio: float) -> float:
         shallow, steep = _curvature_integrals(math.exp(log_ratio))

@@ -8,23 +8,24 @@ import attrs
 import numpy as np
 from scipy import special
 
-from roughcontact._base.checks import Array, number, read_only
+from roughcontact._base.arrays import Array, read_only
+from roughcontact._base.checks import number
 from roughcontact._base.units import outlined, si
 from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.reference.waves import Waves, list_waves
+from roughcontact.reference.roughness import Waves, list_waves
 
 # Correction of the elastic energy of a partial contact, no unit.
 _GAMMA = 0.45
 # Bands of wave numbers, and pressures at which the energy is evaluated; four times as many change the gap by less than
 # 1e-4 of the rms height.
-_BANDS = 256
-_PRESSURES = 512
-# Pressures, over the smallest and largest rms pressure of full contact, beyond which the energy is proportional to the
-# pressure, and constant.
-_LIGHT = 1e-3
-_FULL = 8.0
+_WAVE_BANDS = 256
+_PRESSURE_NODES = 512
+# Pressure, over the smallest rms pressure of full contact, below which the energy is proportional to it, and over the
+# largest, above which the energy is constant.
+_LIGHT_PRESSURE_RATIO = 1e-3
+_FULL_PRESSURE_RATIO = 8.0
 
 
 @guarded
@@ -122,9 +123,9 @@ def evaluate_persson(waves: Waves, modulus: float, pressures: Array) -> PerssonC
     energy, variance = _list_bands(waves)
     p = np.atleast_1d(pressures) / unit
     area = special.erf(p / math.sqrt(2.0 * variance[-1]))
-    light = _LIGHT * math.sqrt(variance[0])
-    full = _FULL * math.sqrt(variance[-1])
-    nodes = np.unique(np.concatenate((np.geomspace(light, full, _PRESSURES), p[(p > light) & (p < full)])))
+    light = _LIGHT_PRESSURE_RATIO * math.sqrt(variance[0])
+    full = _FULL_PRESSURE_RATIO * math.sqrt(variance[-1])
+    nodes = np.unique(np.concatenate((np.geomspace(light, full, _PRESSURE_NODES), p[(p > light) & (p < full)])))
     slope = _slope_of_energy(nodes, energy, variance)
     steps = 0.5 * (slope[1:] + slope[:-1]) * np.diff(np.log(nodes))
     above = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
@@ -137,15 +138,15 @@ def evaluate_persson(waves: Waves, modulus: float, pressures: Array) -> PerssonC
 
 
 def _list_bands(waves: Waves) -> tuple[Array, Array]:
-    """Return of each band of wave numbers the elastic energy and, up to its end, the variance of the pressure."""
+    """Return for each band of wave numbers its elastic energy, and the variance of the pressure up to its end."""
     square = waves.square
     power = waves.count * waves.power
     q = np.sqrt(square)
     low = float(q.min())
     high = float(q.max())
-    width = math.log(high / low) / _BANDS or 1.0
-    band = np.minimum((np.log(q / low) / width).astype(np.intp), _BANDS - 1)
-    energy, variance = (0.25 * np.bincount(band, weight * power, _BANDS) for weight in (q, square))
+    width = math.log(high / low) / _WAVE_BANDS or 1.0
+    band = np.minimum((np.log(q / low) / width).astype(np.intp), _WAVE_BANDS - 1)
+    energy, variance = (0.25 * np.bincount(band, weight * power, _WAVE_BANDS) for weight in (q, square))
     # A band without waves adds nothing.
     filled = energy > 0.0
     return np.asarray(energy[filled], dtype=np.float64), np.cumsum(variance[filled], dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Spectral moments of heights, and what follows from them about summits."""
+"""Bearing area, discrete power spectrum and spectral moments of heights, and what follows about summits."""
 
 from __future__ import annotations
 
@@ -6,12 +6,177 @@ import math
 
 import attrs
 import numpy as np
+import scipy.fft
 
-from roughcontact._base.checks import Array, heights_array
-from roughcontact._base.units import Estimate
+from roughcontact._base.arrays import Array, read_only, sum_of_products
+from roughcontact._base.checks import MIN_MAGNITUDE, flag, heights_array, numbers
+from roughcontact._base.units import Estimate, outlined
 from roughcontact._parts.grid import Grid
+from roughcontact._parts.surfaces import HANN_DEPENDENCE
+from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.reference.waves import Waves, list_waves
+
+# Power of rounding, over the power of the strongest wave.
+_MIN_RELATIVE_POWER = 1e-28
+# Parts along each side of a map, whose differences give the sampling error.
+_PARTS_PER_SIDE = 4
+
+
+@attrs.frozen(eq=False)
+class Waves:
+    """The waves of heights, without their mean, in cells along x and units of `height`; -q is counted with q.
+
+    Attributes
+    ----------
+    qx, qy
+        Wave numbers, shape (waves,), rad a cell along x.
+    power
+        Mean square of the mode q or -q, shape (waves,).
+    count
+        Number of modes of each entry, two or one, shape (waves,).
+    height, cell
+        Units of the heights and lengths, m.
+    dependent
+        Modes per independent mode.
+    """
+
+    qx: Array
+    qy: Array
+    power: Array
+    count: Array
+    height: float
+    cell: float
+    dependent: float
+
+    @property
+    def square(self) -> Array:
+        """Squared wave numbers, shape (waves,)."""
+        return np.asarray(self.qx**2 + self.qy**2)
+
+    def sum(self, weight: Array | float) -> float:
+        """Return the sum over all modes of weight times power."""
+        return float(np.sum(self.count * weight * self.power))
+
+    def spread(self, weight: Array | float) -> float:
+        r"""Return the standard deviation of the weighted sum over surfaces of the same spectrum.
+
+        The power of a pair of modes of a Gaussian surface is exponentially distributed: the variance of the sum is the
+        sum of the squared expected parts of the pairs, and the squares found are on average twice as large.
+        """
+        return math.sqrt(self.dependent * float(np.sum(self.count * (weight * self.power) ** 2)))
+
+
+def list_waves(heights: Array, grid: Grid, periodic: bool) -> Waves:
+    """Return the waves of heights, shape `grid.shape`, m; heights that do not repeat are windowed (Hann)."""
+    if not isinstance(grid, Grid):
+        raise InputError.about("The grid", grid, "a Grid(shape, size)")
+    heights = heights_array(heights)
+    if heights.shape != grid.shape:
+        raise InputError.about("The heights", heights, f"of the shape of the grid, {grid.shape}")
+    return transform_waves(heights, grid, flag(periodic, "periodic="))
+
+
+def transform_waves(heights: Array, grid: Grid, periodic: bool = True) -> Waves:
+    """Return the waves of heights that have been checked; see `list_waves`."""
+    largest = max(float(heights.max()), -float(heights.min()))
+    if largest < MIN_MAGNITUDE:
+        raise InputError(f"The heights are below {MIN_MAGNITUDE:g} m: there is no roughness.")
+    scaled = heights / largest
+    scaled -= scaled.mean()
+    unit = max(float(scaled.max()), -float(scaled.min()))
+    if unit <= 16.0 * float(np.finfo(np.float64).eps):
+        raise InputError("All heights are equal: there is no roughness.")
+    scaled /= unit
+    modes = scipy.fft.rfft2(scaled if periodic else _window(scaled), norm="forward")
+    power = modes.real**2
+    power += modes.imag**2
+    power[0, 0] = 0.0
+    # Most modes of a band-limited surface are rounding.
+    i, j = np.nonzero(power > _MIN_RELATIVE_POWER * power.max())
+    nx, ny = grid.shape
+    ratio = grid.spacing[0] / grid.spacing[1]
+    qx = 2.0 * np.pi * scipy.fft.fftfreq(nx)[i]
+    qy = 2.0 * np.pi * ratio * scipy.fft.rfftfreq(ny)[j]
+    count = np.where((j == 0) | (2 * j == ny), 1.0, 2.0)
+    return Waves(qx, qy, power[i, j], count, unit * largest, grid.spacing[0], 1.0 if periodic else HANN_DEPENDENCE)
+
+
+def _window(heights: Array) -> Array:
+    """Return heights times a Hann window of mean square one, without their mean."""
+    windows = [np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2 if n > 1 else np.ones(1) for n in heights.shape]
+    window = windows[0][:, np.newaxis] * windows[1][np.newaxis, :]
+    window /= np.sqrt(np.mean(window**2))
+    return np.asarray((heights - np.sum(heights * window) / np.sum(window)) * window)
+
+
+def _column(values: object) -> Array:
+    return read_only(numbers(values, "A column of the bearing curve", "numbers"))
+
+
+@guarded
+@attrs.frozen(eq=False)
+class BearingCurve:
+    """The Abbott-Firestone curve.
+
+    Attributes
+    ----------
+    levels
+        Levels above the mean height, shape (n,), m.
+    fractions
+        Fraction of the heights above each level, shape (n,).
+    uncertainties
+        Their sampling error, one standard deviation, shape (n,): from the differences of the 16 parts of the map,
+        which must be larger than its longest waves.
+    """
+
+    levels: Array = attrs.field(converter=_column, repr=outlined)
+    fractions: Array = attrs.field(converter=_column, repr=outlined)
+    uncertainties: Array = attrs.field(converter=_column, repr=outlined)
+
+
+@guarded
+def bearing_area(heights: Array, levels: Array | None = None) -> BearingCurve:
+    """Return the bearing area of heights: the area at which a flat at each level would cut them.
+
+    This overlap takes no account of elasticity: at the same mean gap the elastic contact is several times smaller.
+
+    Parameters
+    ----------
+    heights
+        Heights, shape (nx, ny), m.
+    levels
+        Levels above the mean height, m; None: 101 levels from the lowest height to the highest.
+
+    Raises
+    ------
+    InputError
+        If the heights or the levels are not finite numbers of the right shape.
+
+    References
+    ----------
+    Abbott, Firestone, Mech. Eng. 55 (1933) 569-572
+    """
+    rough = heights_array(heights)
+    rough = rough - rough.mean()
+    what = "The levels"
+    allowed = "a list of finite numbers (m)"
+    at = np.linspace(rough.min(), rough.max(), 101) if levels is None else numbers(levels, what, allowed)
+    if at.ndim != 1 or not np.isfinite(at).all():
+        raise InputError.about(what, levels, allowed)
+    blocks = [
+        part
+        for row in np.array_split(rough, _PARTS_PER_SIDE, axis=0)
+        for part in np.array_split(row, _PARTS_PER_SIDE, axis=1)
+    ]
+    parts = np.array([_find_fractions(part, at) for part in blocks if part.size])
+    spread = np.std(parts, axis=0, ddof=1) / np.sqrt(len(parts)) if len(parts) > 1 else np.zeros(at.size)
+    return BearingCurve(at, _find_fractions(rough, at), spread)
+
+
+def _find_fractions(heights: Array, levels: Array) -> Array:
+    """Return the fraction of the heights above each level."""
+    ordered = np.sort(heights, axis=None)
+    return np.asarray(1.0 - np.searchsorted(ordered, levels, side="right") / ordered.size)
 
 
 @guarded
@@ -19,7 +184,7 @@ from roughcontact.reference.waves import Waves, list_waves
 class Roughness:
     """Spectral moments of heights, and the summits of a Gaussian surface with these moments.
 
-    Each uncertainty is that of sampling: the standard deviation over Gaussian surfaces of the same spectrum and size.
+    The uncertainties are sampling errors: standard deviations over Gaussian surfaces of the same spectrum and size.
 
     Attributes
     ----------
@@ -107,12 +272,12 @@ def roughness(heights: Array, grid: Grid, *, periodic: bool = True) -> Roughness
     relative = [weight / moment for weight, moment in zip(weights, (m0, m2, m4), strict=True)]
 
     def estimate(value: float, powers: tuple[float, float, float], label: str) -> Estimate:
-        """Return a number that depends on the moments by these powers."""
+        """Return the estimate of a product of these powers of the moments."""
         change = sum(power * weight for power, weight in zip(powers, relative, strict=True))
         return Estimate(value, abs(value) * waves.spread(change), label)
 
     alpha = m0 * m4 / m2**2
-    # d ln(deviation) / d ln(alpha); below alpha = 1.5 no isotropic surface lies.
+    # d ln(deviation) / d ln(alpha); isotropic surfaces have alpha >= 1.5.
     broad = max(alpha, 1.5)
     bend = 0.5 * 0.8968 / (broad - 0.8968)
     skewness, kurtosis = find_shape(heights_array(heights))
@@ -139,7 +304,7 @@ def find_shape(heights: Array) -> tuple[float, float]:
     rough /= max(float(rough.max()), -float(rough.min()))
     square = rough**2
     second = float(square.mean())
-    third, fourth = (float(np.einsum("ij,ij->", square, other)) / rough.size for other in (rough, square))
+    third, fourth = (sum_of_products(square, other) / rough.size for other in (rough, square))
     return third / second**1.5, fourth / second**2
 
 

@@ -1,4 +1,4 @@
-"""Conformance tests: what is claimed of every kernel, convolver, solver, material, estimator and other part.
+"""Conformance tests: claims about every kernel, convolver, solver, material, estimator and other part.
 
 For authors of plug-ins; the rest of the package does not need it. The hypothesis strategies are in
 `roughcontact.testing.strategies`, which alone needs hypothesis.
@@ -9,8 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from roughcontact._base.registry import Registry
-from roughcontact._work.reports.stability import stability_gallery
-from roughcontact.testing import convolvers, estimators, inputs, kernels, panels, responses, solvers  # noqa: F401 - claims
+from roughcontact.testing import convolvers, estimators, inputs, interactions, kernels, panels, responses, solvers  # noqa: F401 - claims
 from roughcontact.testing.claim import (
     Claim,
     DoesNotApply,
@@ -22,7 +21,7 @@ from roughcontact.testing.claim import (
     known_kinds,
     require,
 )
-from roughcontact.testing.oracle import Judgement, judge
+from roughcontact.testing.problems import Judgement, judge
 
 KINDS: Mapping[str, Registry[Any]] = MappingProxyType(known_kinds())
 
@@ -38,5 +37,4 @@ __all__ = [
     "judge",
     "kind_of",
     "require",
-    "stability_gallery",
 ]

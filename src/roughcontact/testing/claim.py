@@ -1,4 +1,4 @@
-"""Claims about parts, those about parts of every kind, and the report on one part."""
+"""Claims about parts, the claims about parts of every kind, and the report on one part."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import attrs
 import numpy as np
 
 from roughcontact._base.archive.plain import describe, key_of, missing_classes, rebuild
-from roughcontact._base.checks import RealArray, choice
+from roughcontact._base.arrays import RealArray
+from roughcontact._base.checks import choice
 from roughcontact._base.registry import Registry, registries
 from roughcontact._base.tables import Table
 from roughcontact.errors import InputError
@@ -20,6 +21,7 @@ from roughcontact.plotting import panels
 T = TypeVar("T")
 Test: TypeAlias = Callable[..., str | float | None]
 Cases: TypeAlias = Callable[[Any], Iterable[tuple[Any, ...]]]
+_CLAIMS: dict[str, list[Claim]] = {}
 
 
 class DoesNotApply(Exception):
@@ -75,7 +77,7 @@ class Claim:
     def evaluate(self, part: object) -> Finding:
         """Return the result for a part; nothing is raised."""
         try:
-            # What numpy would print of divisions by zero is in the findings: values that are not finite.
+            # The findings name values that are not finite; numpy need not print warnings of them.
             with np.errstate(all="ignore"):
                 return Finding(self.name, "holds", str(self.test(part) or ""))
         except DoesNotApply as reason:
@@ -85,7 +87,7 @@ class Claim:
             return Finding(self.name, "BROKEN", _reason(error))
 
     def check(self, part: object) -> None:
-        """Raise `AssertionError`, with what was measured, if the claim is broken."""
+        """Raise `AssertionError` with the measured values if the claim is broken."""
         finding = self.evaluate(part)
         require(finding.passed, f"{part!r} breaks the claim {self.name!r}: {finding.detail}")
 
@@ -125,9 +127,6 @@ class Report:
         names = ("verdict", "claim", "detail")
         rows = [(one.verdict, one.claim, one.detail) for one in self.findings]
         return "\n".join((self._headline(), Table.from_rows(names, rows, left=names).to_text(width=None)))
-
-
-_CLAIMS: dict[str, list[Claim]] = {}
 
 
 def claim(kind: str, name: str, cases: Cases | None = None) -> Callable[[Test], Test]:
@@ -170,7 +169,7 @@ def known_kinds() -> dict[str, Registry[Any]]:
 
 
 def claims(kind: str) -> tuple[Claim, ...]:
-    """Return what is claimed of every part of a kind, one of `KINDS`.
+    """Return the claims about every part of a kind, one of `KINDS`.
 
     Examples
     --------

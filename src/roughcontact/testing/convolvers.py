@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array, RealArray
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import BoundKernel, Love
 from roughcontact._solve.convolvers import ConvolutionSetup, Convolver, PreparedConvolution
 from roughcontact.errors import InputError
-from roughcontact.testing.claim import claim, require, require_close, require_equal
-from roughcontact.testing.oracle import displace
+from roughcontact.testing.claim import claim, require, require_close
+from roughcontact.testing.generic import claim_input_unchanged, claim_powers_of_two, claim_repeatable
+from roughcontact.testing.problems import displace
 
 _KERNEL = BoundKernel(Love())
 _GRIDS = (Grid((9, 8), (9.0, 8.0)), Grid((6, 13), (6.0, 26.0)), Grid((1, 10), (1.0, 10.0)), Grid((12, 1), (6.0, 1.0)))
-# Relative error of a displacement that counts as rounding, with three digits to spare.
-_ROUNDING = 1e-11
+# Maximum relative error of a displacement by rounding, with three digits to spare.
+_ROUNDING_ERROR = 1e-11
 
 
 def _cases(convolver: Convolver) -> Iterator[tuple[str, PreparedConvolution, Array, Array]]:
@@ -33,7 +34,7 @@ def _cases(convolver: Convolver) -> Iterator[tuple[str, PreparedConvolution, Arr
             yield f"{grid}, {boundary}", convolution, pressures[0], pressures[1]
 
 
-def _sums(convolution: PreparedConvolution, pressure: Array) -> Array:
+def _sum_plainly(convolution: PreparedConvolution, pressure: Array) -> Array:
     boundary = convolution.setup.boundary
     return displace(_KERNEL.responses(convolution.setup.grid, boundary), pressure, boundary)
 
@@ -56,14 +57,16 @@ def _boundaries(convolver: Convolver) -> str:
 
 @claim("convolver", "sum over all cells", _cases)
 def _sum(_: Convolver, convolution: PreparedConvolution, one: Array, __: Array) -> float:
-    return require_close(convolution.apply(one), _sums(convolution, one), _ROUNDING, "it differs from plain sums")
+    return require_close(
+        convolution.apply(one), _sum_plainly(convolution, one), _ROUNDING_ERROR, "it differs from plain sums"
+    )
 
 
 @claim("convolver", "linear", _cases)
 def _linear(_: Convolver, convolution: PreparedConvolution, one: Array, other: Array) -> float:
     expected = 2.5 * convolution.apply(one) - 0.3 * convolution.apply(other)
     found = convolution.apply(2.5 * one - 0.3 * other)
-    return require_close(found, expected, _ROUNDING, "the displacement by two pressures is not the sum of both")
+    return require_close(found, expected, _ROUNDING_ERROR, "the displacement by two pressures is not the sum of both")
 
 
 @claim("convolver", "reciprocal (Betti)", _cases)
@@ -82,20 +85,20 @@ def _energy(_: Convolver, convolution: PreparedConvolution, one: Array, other: A
     require(convolution.dot(pressure, displacement) >= -rounding, "a pressure has negative energy")
 
 
-@claim("convolver", "input unchanged", _cases)
-def _unchanged(_: Convolver, convolution: PreparedConvolution, one: Array, __: Array) -> None:
+def _prepare_pressure(
+    _: Convolver, convolution: PreparedConvolution, one: Array, __: Array
+) -> tuple[dict[str, Array], Callable[[], RealArray]]:
     given = one.copy()
-    convolution.apply(given)
-    require_equal(given, one, "it writes into the pressure")
+    return {"pressure": given}, lambda: convolution.apply(given)
 
 
-@claim("convolver", "repeatable", _cases)
-def _repeatable(_: Convolver, convolution: PreparedConvolution, one: Array, other: Array) -> None:
-    first = convolution.apply(one)
-    kept = first.copy()
-    convolution.apply(other)
-    require_equal(first, kept, "a later call changes the result of an earlier one")
-    require_equal(convolution.apply(one), kept, "a second call gives another result")
+claim_input_unchanged("convolver", _cases, _prepare_pressure)
+claim_repeatable(
+    "convolver",
+    _cases,
+    lambda _, convolution, one, __: [convolution.apply(one)],
+    lambda _, convolution, __, other: convolution.apply(other),
+)
 
 
 @claim("convolver", "float32 and float64", _cases)
@@ -107,11 +110,13 @@ def _single(_: Convolver, convolution: PreparedConvolution, one: Array, __: Arra
     return require_close(single, double, 1e-5, "in float32 it differs")
 
 
-@claim("convolver", "powers of two change no bit", _cases)
-def _units(_: Convolver, convolution: PreparedConvolution, one: Array, __: Array) -> None:
-    for factor in (2.0**40, 2.0**-60):
-        found = convolution.apply(factor * one)
-        require_equal(found, factor * convolution.apply(one), f"a pressure times {factor:g} changes bits")
+claim_powers_of_two(
+    "convolver",
+    _cases,
+    lambda _, convolution, one, __, factor: [(convolution.apply(factor * one), factor * convolution.apply(one))],
+    ((2.0**40,), (2.0**-60,)),
+    "a pressure times {:g} changes bits",
+)
 
 
 @claim("convolver", "setup")
@@ -125,4 +130,4 @@ def _setup(convolver: Convolver) -> None:
         require(parts == (convolver, _KERNEL, _GRIDS[0], boundary), f"it was not prepared from {setup}")
         expected = displace(_KERNEL.responses(other, boundary), pressure, boundary)
         found = convolution.on(other).apply(pressure)
-        require_close(found, expected, _ROUNDING, f"prepared on another grid, boundary {boundary}, it differs")
+        require_close(found, expected, _ROUNDING_ERROR, f"prepared on another grid, boundary {boundary}, it differs")

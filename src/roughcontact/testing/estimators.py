@@ -5,71 +5,53 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from functools import partial
 
 import attrs
 import numpy as np
 
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution
-from roughcontact._work.processes.flattening import FlatteningModel
-from roughcontact.testing.claim import claim, require, require_close, require_equal
+from roughcontact._work.processes import FlatteningModel
+from roughcontact.testing.claim import claim, require
+from roughcontact.testing.generic import claim_invariant, claim_repeatable, require_array, require_valid
 from roughcontact.testing.problems import (
+    ELASTIC_CONTACTS,
+    PLASTIC_CONTACTS,
+    ChangedContact,
     full_contact,
-    mirror,
+    list_contacts,
+    mirror_images,
     rough_contact,
     scale_units,
-    shift,
+    shifted_copies,
     sphere_contact,
 )
 
 # Mean pressures over E* times the rms slope.
 _LOADS = (0.002, 0.005, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
-# Relative difference of two areas that is rounding.
-_CLOSE = 1e-9
-# Axes along which a contact is mirrored.
-_MIRRORS = ((0,), (1,), (0, 1))
+# Maximum difference of two areas, over the area, by rounding.
+_MAX_AREA_DIFFERENCE = 1e-9
 
 
-def _elastic() -> Iterator[tuple[str, ContactSolution]]:
-    yield "a rough surface", rough_contact(0.05)
-    yield "a rough surface on a free boundary", rough_contact(0.05, Boundary.FREE)
-    yield "a sphere", sphere_contact(5.0, (0.3, 0.1))
-    yield "full contact", full_contact()
+_all_contacts = list_contacts()
+_plastic_contacts = list_contacts(*PLASTIC_CONTACTS)
 
 
-def _plastic() -> Iterator[tuple[str, ContactSolution]]:
-    yield "a plastic rough surface", rough_contact(0.05, Boundary.PERIODIC, True)
-    yield "a plastic rough surface on a free boundary", rough_contact(0.02, Boundary.FREE, True)
-
-
-def _solutions(_: object) -> Iterator[tuple[str, ContactSolution]]:
-    yield from _elastic()
-    yield from _plastic()
-
-
-def _require_same(estimator: AreaEstimator, one: ContactSolution, other: ContactSolution, factor: float = 1.0) -> float:
-    """Require that the area and the uncertainty of the second solution are `factor` times those of the first."""
-    a = estimator.estimate(one)
-    b = estimator.estimate(other)
-    error = max(abs(b.value / factor - a.value), abs(b.uncertainty / factor - a.uncertainty))
-    error /= a.value or one.grid.area
-    require(error <= _CLOSE, f"the area differs by {error:.1e}")
-    return error
-
-
-@claim("area estimator", "valid areas and uncertainties", _solutions)
+@claim("area estimator", "valid areas and uncertainties", _all_contacts)
 def _valid(estimator: AreaEstimator, solution: ContactSolution) -> None:
     area = estimator.estimate(solution)
     nominal = solution.grid.area
     require(isinstance(area, Area), f"it returns a {type(area).__name__}, not an Area")
-    require(0.0 <= area.value <= nominal * (1 + _CLOSE), f"{area.value} m2 of {nominal} m2")
-    consistent = math.isclose(area.fraction, area.value / nominal, rel_tol=_CLOSE)
+    require_valid(area)
+    require(0.0 <= area.value <= nominal * (1 + _MAX_AREA_DIFFERENCE), f"{area.value} m2 of {nominal} m2")
+    consistent = math.isclose(area.fraction, area.value / nominal, rel_tol=_MAX_AREA_DIFFERENCE)
     require(consistent, f"the fraction {area.fraction:g} is not the value over the nominal area")
-    require(0.0 <= area.uncertainty < math.inf, f"an uncertainty of {area.uncertainty} m2")
+    require(area.uncertainty < math.inf, f"an uncertainty of {area.uncertainty} m2")
     require(isinstance(area.estimator, str) and area.estimator, "`estimator` must be its name")
 
 
-@claim("area estimator", "areas of patches", _solutions)
+@claim("area estimator", "areas of patches", _all_contacts)
 def _patches(estimator: AreaEstimator, solution: ContactSolution) -> None:
     area = estimator.estimate(solution)
     if area.patches is not None:
@@ -84,7 +66,7 @@ def _full(estimator: AreaEstimator) -> None:
     require(abs(area.fraction - 1.0) <= 1e-12, f"full contact is {100 * area.fraction:.6g} % of the domain")
 
 
-@claim("area estimator", "no contact", _solutions)
+@claim("area estimator", "no contact", _all_contacts)
 def _empty(estimator: AreaEstimator, solution: ContactSolution) -> None:
     zero = np.zeros_like(solution.pressure)
     approach = -float(np.std(solution.initial_gap))
@@ -124,30 +106,25 @@ def _hertz(estimator: AreaEstimator) -> str:
     return detail
 
 
-@claim("area estimator", "mirror images", _solutions)
-def _mirrored(estimator: AreaEstimator, solution: ContactSolution) -> float:
-    return max(_require_same(estimator, solution, mirror(solution, axes)) for axes in _MIRRORS)
+def _estimate(estimator: AreaEstimator, solution: ContactSolution) -> tuple[float, float]:
+    area = estimator.estimate(solution)
+    return area.value, area.uncertainty
 
 
-@claim("area estimator", "shifted contacts", _solutions)
-def _shifted(estimator: AreaEstimator, solution: ContactSolution) -> float | None:
-    shifts = ((1, 0), (0, 1), (17, 23)) if solution.boundary is Boundary.PERIODIC else ()
-    return max((_require_same(estimator, solution, shift(solution, cells)) for cells in shifts), default=None)
+def _scale(_: object, solution: ContactSolution) -> Iterator[ChangedContact]:
+    for length, stiffness in ((2.0**10, 1.0), (3e-4, 1.0), (1.0, 7e4)):
+        yield ChangedContact(scale_units(solution, length, stiffness), partial(np.multiply, length**-2.0))
 
 
-@claim("area estimator", "scales with units", _solutions)
-def _units(estimator: AreaEstimator, solution: ContactSolution) -> float:
-    return max(
-        _require_same(estimator, solution, scale_units(solution, length, stiffness), length**2)
-        for length, stiffness in ((2.0**10, 1.0), (3e-4, 1.0), (1.0, 7e4))
+for _name, _changes in {
+    "mirror images": lambda _, solution: mirror_images(solution),
+    "shifted contacts": lambda _, solution: shifted_copies(solution, (1, 0), (0, 1), (17, 23)),
+    "scales with units": _scale,
+}.items():
+    claim_invariant(
+        "area estimator", _name, _all_contacts, _estimate, _changes, _MAX_AREA_DIFFERENCE, "the area differs"
     )
-
-
-@claim("area estimator", "repeatable", _solutions)
-def _repeatable(estimator: AreaEstimator, solution: ContactSolution) -> None:
-    one = estimator.estimate(solution)
-    two = estimator.estimate(solution)
-    require((one.value, one.uncertainty) == (two.value, two.uncertainty), "a second call gives another area")
+claim_repeatable("area estimator", _all_contacts, _estimate)
 
 
 @claim("area estimator", "grids of few cells")
@@ -168,21 +145,20 @@ def _small_patches(estimator: AreaEstimator) -> None:
             require(math.isfinite(value), f"{count} cells in contact of {shape} have {value} m2")
 
 
-@claim("flattening model", "shapes and types", _solutions)
+@claim("flattening model", "shapes and types", _all_contacts)
 def _shapes(model: FlatteningModel, solution: ContactSolution) -> None:
     loss = model.height_loss(solution)
-    require(loss.shape == solution.grid.shape, f"an array of shape {loss.shape} on {solution.grid.shape} cells")
-    require(loss.dtype == np.float64, f"numbers of type {loss.dtype} where float64 is needed")
+    require_array(loss, solution.grid.shape)
     require(np.isfinite(loss).all(), "values that are not finite")
 
 
-@claim("flattening model", "no loss in elastic contact", lambda _: _elastic())
+@claim("flattening model", "no loss in elastic contact", list_contacts(*ELASTIC_CONTACTS))
 def _no_loss(model: FlatteningModel, solution: ContactSolution) -> None:
     loss = float(np.abs(model.height_loss(solution)).max())
     require(loss == 0.0, f"a height loss of {loss:.2g} m in an elastic contact")
 
 
-@claim("flattening model", "volume not increased", lambda _: _plastic())
+@claim("flattening model", "volume not increased", _plastic_contacts)
 def _volume(model: FlatteningModel, solution: ContactSolution) -> None:
     loss = model.height_loss(solution)
     rise = -float(loss.mean()) / float(np.abs(loss).max(initial=1e-300))
@@ -191,16 +167,13 @@ def _volume(model: FlatteningModel, solution: ContactSolution) -> None:
     require(deep >= 0.0, f"saturated cells rise by {-deep:.2g} m")
 
 
-@claim("flattening model", "mirrored and shifted contacts", lambda _: _plastic())
-def _moved(model: FlatteningModel, solution: ContactSolution) -> None:
-    loss = model.height_loss(solution)
-    others = [np.flip(model.height_loss(mirror(solution, axes)), axes) for axes in _MIRRORS]
-    if solution.boundary is Boundary.PERIODIC:
-        others.append(np.roll(model.height_loss(shift(solution, (7, 5))), (-7, -5), axis=(0, 1)))
-    for other in others:
-        require_close(other, loss, 1e-12, "the height loss of a mirrored or shifted contact differs")
-
-
-@claim("flattening model", "repeatable", lambda _: _plastic())
-def _model_repeatable(model: FlatteningModel, solution: ContactSolution) -> None:
-    require_equal(model.height_loss(solution), model.height_loss(solution), "a second call gives another height loss")
+claim_invariant(
+    "flattening model",
+    "mirrored and shifted contacts",
+    _plastic_contacts,
+    lambda model, solution: model.height_loss(solution),
+    lambda _, solution: (*mirror_images(solution), *shifted_copies(solution, (7, 5))),
+    1e-12,
+    "the height loss of a mirrored or shifted contact differs",
+)
+claim_repeatable("flattening model", _plastic_contacts, lambda model, solution: [model.height_loss(solution)])

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, number
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import number
 from roughcontact._parts.files import SurfaceReader
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Elastic, Material, Rigid, combined_pressure_limit, contact_modulus
@@ -16,15 +18,16 @@ from roughcontact._parts.surfaces import ParaboloidSurface, Surface
 from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact.errors import InputError
 from roughcontact.testing.claim import DoesNotApply, claim, pickled, require, require_equal
+from roughcontact.testing.generic import claim_repeatable, require_array
 
-_OTHER = Elastic(1e9, 0.3)
+_COUNTERBODY = Elastic(1e9, 0.3)
 
 
 @claim("material", "compliance")
 def _compliance(material: Material) -> str:
     found = number(material.compliance, "The compliance", "1/Pa", at_least=0.0)
     require(material.compliance == found, "a second reading gives another value")
-    stiffer = contact_modulus(material, _OTHER) <= contact_modulus(Rigid(), _OTHER)
+    stiffer = contact_modulus(material, _COUNTERBODY) <= contact_modulus(Rigid(), _COUNTERBODY)
     require(stiffer, "a pair with it is stiffer than one with a rigid body")
     return f"{found:g} 1/Pa" if found else "rigid"
 
@@ -66,11 +69,14 @@ def _contact(material: Material) -> str:
     shape = limit.shape if isinstance(limit, np.ndarray) else (16, 16)
     grid = Grid((shape[0], shape[1]), (shape[0] * 1e-6, shape[1] * 1e-6))
     body = Body(ParaboloidSurface(1e-4), material)
-    other = Body(ParaboloidSurface(1e-3), _OTHER)
+    other = Body(ParaboloidSurface(1e-3), _COUNTERBODY)
     problem = ContactProblem(body, other, grid=grid)
     solution = problem.solve(approach=0.1 * float(problem.initial_gap.max()))
     require((solution.pressure <= limit).all(), "a contact has pressures above the limit")
-    require(problem.plan.modulus == contact_modulus(_OTHER, material), "it depends on the order of the bodies")
+    require(
+        problem.plan.modulus == contact_modulus(_COUNTERBODY, material),
+        "it depends on the order of the bodies",
+    )
     return f"solved at {solution.mean_pressure:.3g} Pa, {np.count_nonzero(solution.saturated)} saturated cells"
 
 
@@ -90,8 +96,7 @@ def _heights(surface: Surface) -> tuple[Grid, Array]:
 @claim("surface", "shapes and types")
 def _shapes(surface: Surface) -> str:
     grid, heights = _heights(surface)
-    require(heights.shape == grid.shape, f"heights of shape {heights.shape} on a grid of {grid.shape} cells")
-    require(heights.dtype == np.float64, f"heights of type {heights.dtype} where float64 is needed")
+    require_array(heights, grid.shape)
     require(np.isfinite(heights).all(), "heights that are not finite")
     mask = surface.non_measured_on(grid)
     boolean = mask is None or (mask.shape == grid.shape and mask.dtype == np.bool_)
@@ -101,13 +106,7 @@ def _shapes(surface: Surface) -> str:
     return f"{np.ptp(heights):.3g} m from peak to valley on {grid}"
 
 
-@claim("surface", "repeatable")
-def _repeatable(surface: Surface) -> None:
-    grid, first = _heights(surface)
-    kept = first.copy()
-    if first.flags.writeable:
-        first[...] = 7.0
-    require_equal(surface.heights(grid), kept, "a second call gives other heights")
+claim_repeatable("surface", None, lambda surface: [_heights(surface)[1]])
 
 
 @claim("surface", "own grid")
@@ -133,8 +132,12 @@ def _parts(surface: Surface) -> str:
     return f"made of {len(surface.parts)}"
 
 
-def _require_similar(found: Surface, grid: Grid, heights: Array) -> None:
-    """Require heights on a grid, within the range of given heights and half of it more."""
+def _require_similar(change: Callable[[], Surface], grid: Grid, heights: Array) -> None:
+    """Require that the changed surface, unless it is refused, has heights within 1.5 times the range of others."""
+    try:
+        found = change()
+    except InputError as error:
+        raise DoesNotApply(str(error)) from error
     others = found.heights(grid)
     require(others.shape == grid.shape and np.isfinite(others).all(), f"no finite heights of shape {grid.shape}")
     margin = 0.5 * float(np.ptp(heights))
@@ -147,21 +150,13 @@ def _resampled(surface: Surface) -> None:
     grid, heights = _heights(surface)
     require_equal(surface.resample_to(grid).heights(grid), heights, "resampled to its own grid it has other heights")
     finer = Grid((2 * grid.shape[0], 2 * grid.shape[1]), grid.size)
-    try:
-        found = surface.resample_to(finer)
-    except InputError as error:
-        raise DoesNotApply(str(error)) from error
-    _require_similar(found, finer, heights)
+    _require_similar(lambda: surface.resample_to(finer), finer, heights)
 
 
 @claim("surface", "shifted by half a cell")
 def _shifted(surface: Surface) -> None:
     grid, heights = _heights(surface)
-    try:
-        found = surface.shift_half_cell(grid, periodic=True)
-    except InputError as error:
-        raise DoesNotApply(str(error)) from error
-    _require_similar(found, grid, heights)
+    _require_similar(lambda: surface.shift_half_cell(grid, periodic=True), grid, heights)
 
 
 @claim("surface", "reseeded")

@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from roughcontact._base.checks import Array, Pair
+from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.kernels import InfluenceKernel, SupportsCoefficients, SupportsSpectrum
-from roughcontact.testing.claim import DoesNotApply, claim, require, require_close, require_equal
-from roughcontact.testing.oracle import displace
+from roughcontact.testing.claim import DoesNotApply, claim, require, require_close
+from roughcontact.testing.generic import claim_input_unchanged, claim_powers_of_two, claim_repeatable, require_array
+from roughcontact.testing.problems import displace
 
-# 1/E* of the trials, 1/Pa: about that of two steel bodies.
+# 1/E* of the trials, 1/Pa: about the value of two steel bodies.
 _COMPLIANCE = 1e-11
 # Shapes and sides of cells, m.
-_CELLS: tuple[tuple[tuple[int, int], Pair], ...] = (
+_GRIDS: tuple[tuple[tuple[int, int], Pair], ...] = (
     ((9, 7), (1e-6, 1e-6)),
     ((6, 8), (1e-6, 2.5e-6)),
     ((1, 12), (3e-7, 2e-7)),
     ((8, 1), (2e-6, 2e-6)),
 )
-# Thick layers are nearly half-spaces: a kernel that scales to this fraction has no length or modulus of its own.
-_SCALES = 1e-9
+# Relative error of scaling up to which a kernel has no length or modulus of its own: thick layers are near half-spaces.
+_MAX_SCALING_ERROR = 1e-9
 
 
 def _cases(_: InfluenceKernel) -> Iterator[tuple[str, tuple[int, int], Pair]]:
-    for shape, spacing in _CELLS:
+    for shape, spacing in _GRIDS:
         yield f"{shape[0]} x {shape[1]} cells", shape, spacing
 
 
@@ -36,7 +37,7 @@ def _waves(shape: tuple[int, int], spacing: Pair) -> tuple[Array, Array]:
     return qx[:, np.newaxis], qy[np.newaxis, :]
 
 
-def _few_waves(shape: tuple[int, int], spacing: Pair) -> tuple[Array, Array]:
+def _waves_off_grid(shape: tuple[int, int], spacing: Pair) -> tuple[Array, Array]:
     """Return wave numbers above zero that no grid has, shapes (nx, 1) and (1, ny), rad/m."""
     qx, qy = (np.pi / step * np.linspace(0.1, 1.0, n) for n, step in zip(shape, spacing, strict=True))
     return qx[:, np.newaxis], qy[np.newaxis, :]
@@ -45,20 +46,19 @@ def _few_waves(shape: tuple[int, int], spacing: Pair) -> tuple[Array, Array]:
 def _answers(
     kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair, compliance: float = _COMPLIANCE
 ) -> list[Array]:
-    """Return the coefficients and the spectrum, or the one of them that the kernel has, as it returns them."""
+    """Return coefficients and spectrum, or whichever the kernel has, as it returns them."""
     found = []
     if isinstance(kernel, SupportsCoefficients):
         found.append(kernel.coefficients(shape, spacing, compliance))
     if isinstance(kernel, SupportsSpectrum):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            found.append(kernel.spectrum(*_waves(shape, spacing), spacing, compliance))
+        found.append(kernel.spectrum(*_waves(shape, spacing), spacing, compliance))
     return found
 
 
 def _responses(
     kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair, compliance: float = _COMPLIANCE
 ) -> list[Array]:
-    """Return copies of the answers, the spectrum without its mean, which is not used."""
+    """Return copies of coefficients and spectrum, with the mean of the spectrum, which is not used, set to zero."""
     found = [np.array(values) for values in _answers(kernel, shape, spacing, compliance)]
     if isinstance(kernel, SupportsSpectrum) and found[-1].shape == shape:
         found[-1][0, 0] = 0.0
@@ -68,7 +68,7 @@ def _responses(
 def _scaled_pairs(
     kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair, length: float, compliance: float
 ) -> Iterator[tuple[Array, Array]]:
-    """Give each response to lengths and a compliance times their factors, and the response times both factors."""
+    """Give each response with lengths and compliance scaled, and the unscaled response times both factors."""
     longer = length * spacing[0], length * spacing[1]
     others = _responses(kernel, shape, longer, compliance * _COMPLIANCE)
     for other, one in zip(others, _responses(kernel, shape, spacing), strict=True):
@@ -98,8 +98,7 @@ def _defined(kernel: InfluenceKernel) -> str:
 @claim("kernel", "shapes and types", _cases)
 def _shapes(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> None:
     for values in _answers(kernel, shape, spacing):
-        require(values.shape == shape, f"an array of shape {values.shape} where {shape} is needed")
-        require(values.dtype == np.float64, f"numbers of type {values.dtype} where float64 is needed")
+        require_array(values, shape)
 
 
 @claim("kernel", "finite", _cases)
@@ -109,31 +108,27 @@ def _finite(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> N
         require(values.max() > 0.0, "no value above zero")
 
 
-@claim("kernel", "repeatable", _cases)
-def _repeatable(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> None:
-    first = _answers(kernel, shape, spacing)
-    kept = [values.copy() for values in first]
-    # A caller may write into the arrays; the kernel must not hand out its own memory.
-    for values in first:
-        if values.flags.writeable:
-            values[...] = 7.0
+def _ask_of_other_cells(kernel: InfluenceKernel, *_: object) -> None:
     _answers(kernel, (3, 4), (1e-6, 1e-6), 2 * _COMPLIANCE)
-    for values, before in zip(_answers(kernel, shape, spacing), kept, strict=True):
-        require_equal(values, before, "a second call gives another result")
 
 
-@claim("kernel", "input unchanged", _cases)
-def _unchanged(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> None:
-    given = _waves(shape, spacing)
-    kept = [q.copy() for q in given]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        _spectrum(kernel).spectrum(*given, spacing, _COMPLIANCE)
-    require(all(map(np.array_equal, given, kept)), "it writes into the wave numbers")
+claim_repeatable("kernel", _cases, _answers, _ask_of_other_cells)
+
+
+def _prepare_waves(
+    kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair
+) -> tuple[dict[str, Array], Callable[[], Array]]:
+    qx, qy = _waves(shape, spacing)
+    given = {"wave numbers along x": qx, "wave numbers along y": qy}
+    return given, lambda: _spectrum(kernel).spectrum(qx, qy, spacing, _COMPLIANCE)
+
+
+claim_input_unchanged("kernel", _cases, _prepare_waves)
 
 
 @claim("kernel", "even in x and y", _cases)
 def _even(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> float:
-    qx, qy = _few_waves(shape, spacing)
+    qx, qy = _waves_off_grid(shape, spacing)
     values, *others = (
         _spectrum(kernel).spectrum(*waves, spacing, _COMPLIANCE)
         for waves in ((qx, qy), (-qx, qy), (qx, -qy), (-qx, -qy))
@@ -150,7 +145,7 @@ def _independent(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair)
         more = kernel.coefficients((shape[0] + 5, shape[1] + 3), spacing, _COMPLIANCE)
         errors.append(require_close(more[: shape[0], : shape[1]], few, 1e-6, detail))
     if isinstance(kernel, SupportsSpectrum):
-        qx, qy = _few_waves((6, 5), spacing)
+        qx, qy = _waves_off_grid((6, 5), spacing)
         few = kernel.spectrum(qx[::2], qy[:, 1:3], spacing, _COMPLIANCE)
         more = kernel.spectrum(qx, qy, spacing, _COMPLIANCE)
         errors.append(require_close(more[::2, 1:3], few, 1e-6, detail))
@@ -175,7 +170,7 @@ def _energy(kernel: InfluenceKernel) -> str:
 
 @claim("kernel", "grows with compliance")
 def _grows(kernel: InfluenceKernel) -> None:
-    shape, spacing = _CELLS[0]
+    shape, spacing = _GRIDS[0]
     softer = _responses(kernel, shape, spacing, 2 * _COMPLIANCE)
     for stiff, soft in zip(_responses(kernel, shape, spacing), softer, strict=True):
         own = (0, 0) if stiff[0, 0] > 0.0 else np.unravel_index(np.argmax(stiff), shape)
@@ -185,18 +180,19 @@ def _grows(kernel: InfluenceKernel) -> None:
 def _half_space_cases(kernel: InfluenceKernel) -> Iterator[tuple[str, tuple[int, int], Pair]]:
     """Give the cases, if lengths and moduli scale the response."""
     for factors in ((1.7, 1.0), (1.0, 1.7)):
-        for other, scaled in _scaled_pairs(kernel, *_CELLS[1], *factors):
-            if np.abs(other - scaled).max() > _SCALES * np.abs(scaled).max():
+        for other, scaled in _scaled_pairs(kernel, *_GRIDS[1], *factors):
+            if np.abs(other - scaled).max() > _MAX_SCALING_ERROR * np.abs(scaled).max():
                 raise DoesNotApply("the kernel has a length or a modulus of its own")
     yield from _cases(kernel)
 
 
-@claim("kernel", "powers of two change no bit", _half_space_cases)
-def _units(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> None:
-    for length, compliance in ((2.0**20, 1.0), (2.0**-30, 1.0), (1.0, 2.0**25), (2.0**-3, 2.0**-40)):
-        for other, scaled in _scaled_pairs(kernel, shape, spacing, length, compliance):
-            detail = f"lengths times {length:g} and compliances times {compliance:g} change bits"
-            require_equal(other, scaled, detail)
+claim_powers_of_two(
+    "kernel",
+    _half_space_cases,
+    _scaled_pairs,
+    ((2.0**20, 1.0), (2.0**-30, 1.0), (1.0, 2.0**25), (2.0**-3, 2.0**-40)),
+    "lengths times {:g} and compliances times {:g} change bits",
+)
 
 
 @claim("kernel", "far field of the half-space", _half_space_cases)
@@ -223,15 +219,10 @@ def _agree(kernel: InfluenceKernel) -> str:
     spacing = (1e-6, 1.5e-6)
     pressure = np.zeros((n, n))
     pressure[n // 2 - 2 : n // 2 + 3, n // 2 - 2 : n // 2 + 3] = np.outer(*[np.array([1.0, -4.0, 6.0, -4.0, 1.0])] * 2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        amplitudes = np.array(spectrum.spectrum(*_waves((n, n), spacing), spacing, _COMPLIANCE))
+    amplitudes = np.array(spectrum.spectrum(*_waves((n, n), spacing), spacing, _COMPLIANCE))
     amplitudes[0, 0] = 0.0
     periodic = np.fft.ifft2(amplitudes * np.fft.fft2(pressure)).real
-    table = coefficients.coefficients((n, n), spacing, _COMPLIANCE)
-    free = np.zeros((n, n))
-    here = np.arange(n)
-    for i, j in zip(*np.nonzero(pressure), strict=True):
-        free += pressure[i, j] * table[np.abs(here - i)[:, np.newaxis], np.abs(here - j)]
+    free = displace(coefficients.coefficients((n, n), spacing, _COMPLIANCE), pressure, Boundary.FREE)
     return f"to {require_close(periodic, free, 1e-6, 'the displacements by a pressure without far field differ'):.0e}"
 
 

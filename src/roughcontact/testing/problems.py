@@ -1,24 +1,34 @@
-"""Small contact problems and solutions that parts are tried on."""
+"""Small contact problems that parts are tried on, and an independent judge of solutions."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
+from typing import TypeAlias
 
 import attrs
 import numpy as np
+import numpy.typing as npt
 
-from roughcontact._base.checks import Array
-from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.load import Load
+from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact._parts.grid import Boundary, Grid, Load
+from roughcontact._parts.kernels import BoundKernel
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import HeightMap, ParaboloidSurface, SelfAffineSurface, WavySurface
-from roughcontact._solve.problem import Body, ContactProblem
+from roughcontact._solve.problem import LOAD_TOLERANCE, Body, ContactProblem
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._solve.solvers import Solver
 from roughcontact.errors import InputError
+
+LongArray: TypeAlias = npt.NDArray[np.longdouble]
+# Rounding error of fields in float64, in units of the last place of their maximum; measured on random problems.
+_FIELD_ROUNDING_ULPS = 64.0
+# The error, over the scale, that the documentation allows a solution which has converged to rounding.
+_MAX_ERROR_OF_ROUNDED = 1e-5
+# Range of the displacement, over the maximum pressure, below which the pressure is uniform up to rounding.
+_UNIFORM_RANGE = 1e-12
 
 # Elastic constants of the trials, Pa and 1; any would do, for the problems are dimensionless inside.
 YOUNG = 1e9
@@ -26,6 +36,122 @@ POISSON = 0.3
 # Contact modulus on a rigid body, Pa.
 MODULUS = YOUNG / (1.0 - POISSON**2)
 ELASTIC = Elastic(YOUNG, POISSON)
+
+
+@attrs.frozen
+class Judgement:
+    """How far a solution is from satisfying the contact conditions.
+
+    Attributes
+    ----------
+    complementarity, penetration
+        As in `Residuals`, over the same scale.
+    load
+        Relative error of the load; zero where the approach was given.
+    bounded
+        Whether 0 <= p <= pressure limit, to the last bit.
+    bound
+        The error that the solver's tolerance, its status and rounding allow.
+    """
+
+    complementarity: float
+    penetration: float
+    load: float
+    bounded: bool
+    bound: float
+
+    @property
+    def error(self) -> float:
+        """The maximum of complementarity and penetration."""
+        return max(self.complementarity, self.penetration)
+
+    @property
+    def holds(self) -> bool:
+        """Whether the solution is as good as its status says."""
+        return self.bounded and self.load <= LOAD_TOLERANCE and self.error <= self.bound
+
+
+def displace(responses: RealArray, pressure: RealArray, boundary: Boundary) -> RealArray:
+    """Return the displacement by plain sums over all cells.
+
+    Parameters
+    ----------
+    responses
+        Displacement by unit pressure at each offset, shape (nx, ny).
+    pressure
+        Pressure, shape (nx, ny).
+    boundary
+        Free: absolute offsets; otherwise offsets to the nearest image.
+    """
+    i, j = (np.abs(np.arange(n)[:, np.newaxis] - np.arange(n)) for n in pressure.shape)
+    if boundary is not Boundary.FREE:
+        i, j = (np.minimum(offsets, len(offsets) - offsets) for offsets in (i, j))
+    rows = responses[:, j]
+    return np.array([np.einsum("ajk,ak->j", rows[offsets], pressure) for offsets in i])
+
+
+def judge(
+    problem: ContactProblem,
+    load: Mapping[str, float],
+    solution: ContactSolution,
+    responses: RealArray | None = None,
+) -> Judgement:
+    """Return how far the pressure of a solution is from satisfying the contact conditions.
+
+    Parameters
+    ----------
+    problem
+        The problem, without non-measured points. The work is the square of the number of cells.
+    load
+        The load by the name of its argument, as in ``solution.origin.load``.
+    solution
+        Its pressure and its status are used, nothing else.
+    responses
+        Displacement by unit pressure at each offset, shape (nx, ny), m/Pa; by default from the kernel.
+    """
+    plan = problem.plan
+    if responses is None:
+        responses = BoundKernel(plan.kernel, 1.0 / plan.modulus).responses(plan.grid, problem.boundary)
+    heights = problem.body.heights(plan.grid) + problem.counterbody.heights(plan.grid)
+    initial_gap = (heights.max() - heights).astype(np.longdouble)
+    pressure = solution.pressure.astype(np.longdouble)
+    saturated = pressure >= plan.pressure_limit
+    displacement = displace(responses, pressure, problem.boundary)
+    level = displacement + initial_gap
+    datum = _datum(level, pressure, saturated)
+    off = 0.0
+    given = Load.of(**load)
+    if given.kind == "approach":
+        datum = np.longdouble(given.value)
+    else:
+        area = plan.grid.area if given.kind == "force" else 1.0
+        off = abs(float(pressure.mean() * area / np.longdouble(given.value)) - 1.0)
+    gap = level - datum
+    rms = float(np.std(initial_gap))
+    bend = float(np.ptp(displacement))
+    bend = bend if bend > _UNIFORM_RANGE * float(pressure.max()) * plan.grid.spacing[0] / plan.modulus else 0.0
+    scale = min(rms, bend) or max(rms, bend)
+    wrong = np.where(saturated, np.maximum(gap, 0.0), np.abs(gap))
+    largest = float(np.abs(displacement).max() + initial_gap.max() + abs(datum))
+    margin = 2.0 * plan.solver.tolerance + _FIELD_ROUNDING_ULPS * float(np.finfo(np.float64).eps) * largest / scale
+    rounded = "rounding" in str(solution.status)
+    return Judgement(
+        complementarity=float(np.sum(pressure * wrong) / pressure.sum()) / scale if pressure.any() else 0.0,
+        penetration=max(0.0, -float(gap[~saturated].min(initial=np.inf))) / scale,
+        load=off,
+        bounded=bool((pressure >= 0.0).all() and (pressure <= plan.pressure_limit).all()),
+        bound=2.0 * _MAX_ERROR_OF_ROUNDED if rounded else min(margin, 2.0 * _MAX_ERROR_OF_ROUNDED),
+    )
+
+
+def _datum(level: LongArray, pressure: LongArray, saturated: Mask) -> np.longdouble:
+    """Return the mean level of the cells in elastic contact, or a level that separates open from saturated cells."""
+    elastic = np.where(saturated, 0.0, pressure)
+    if elastic.any():
+        return np.longdouble(np.sum(elastic * level) / elastic.sum())
+    lower = level[saturated].max(initial=level.min())
+    upper = level[pressure <= 0.0].min(initial=np.inf)
+    return np.longdouble(min(lower, upper))
 
 
 @attrs.frozen(eq=False)
@@ -56,6 +182,10 @@ class Case:
             load=Load(self.load.kind, self.load.value * (length if self.load.kind == "approach" else stiffness)),
             young=stiffness * self.young,
         )
+
+    def solve(self, solver: Solver) -> ContactSolution:
+        """Return the solution, converged or not."""
+        return self.problem(solver).solve(throw=False, **self.load.arguments)
 
     def __str__(self) -> str:
         return f"{self.name}, boundary {self.boundary}"
@@ -124,25 +254,59 @@ def sphere_contact(cells: float, offset: tuple[float, float]) -> ContactSolution
     return ContactProblem(body, grid=grid).solve(force=force)
 
 
+CONTACTS: Mapping[str, Callable[[], ContactSolution]] = {
+    "a rough surface": lambda: rough_contact(0.05),
+    "a rough surface on a free boundary": lambda: rough_contact(0.05, Boundary.FREE),
+    "a sphere": lambda: sphere_contact(5.0, (0.3, 0.1)),
+    "full contact": full_contact,
+    "a plastic rough surface": lambda: rough_contact(0.05, Boundary.PERIODIC, True),
+    "a plastic rough surface on a free boundary": lambda: rough_contact(0.02, Boundary.FREE, True),
+}
+PLASTIC_CONTACTS = tuple(name for name in CONTACTS if "plastic" in name)
+ELASTIC_CONTACTS = tuple(name for name in CONTACTS if "plastic" not in name)
+
+
+def list_contacts(*names: str) -> Callable[[object], Iterator[tuple[str, ContactSolution]]]:
+    """Return the cases of a claim about a part that is asked of solutions: the named contacts, or all."""
+    return lambda _: ((name, CONTACTS[name]()) for name in names or CONTACTS)
+
+
+@attrs.frozen(eq=False)
+class ChangedContact:
+    """A solution moved or scaled, and the function that moves or scales an answer to it back."""
+
+    solution: ContactSolution
+    restore: Callable[[RealArray], RealArray]
+
+
 def _with_fields(solution: ContactSolution, change: Callable[[Array], Array]) -> ContactSolution:
     limit = solution.pressure_limit
     return attrs.evolve(
         solution,
-        pressure=change(solution.pressure),
-        displacement=change(solution.displacement),
-        initial_gap=change(solution.initial_gap),
-        pressure_limit=change(limit) if limit.ndim else limit,
+        pressure=np.ascontiguousarray(change(solution.pressure)),
+        displacement=np.ascontiguousarray(change(solution.displacement)),
+        initial_gap=np.ascontiguousarray(change(solution.initial_gap)),
+        pressure_limit=np.ascontiguousarray(change(limit)) if limit.ndim else limit,
     )
 
 
-def mirror(solution: ContactSolution, axes: tuple[int, ...]) -> ContactSolution:
-    """Return the mirror image of a solution along the axes."""
-    return _with_fields(solution, lambda field: np.ascontiguousarray(np.flip(field, axes)))
+def _restore_fields(move: Callable[[RealArray], RealArray]) -> Callable[[RealArray], RealArray]:
+    """Return a function that moves fields, and leaves numbers as they are."""
+    return lambda values: move(values) if values.ndim == 2 else values
 
 
-def shift(solution: ContactSolution, cells: tuple[int, int]) -> ContactSolution:
-    """Return a periodic solution shifted by a number of cells along x and y."""
-    return _with_fields(solution, lambda field: np.roll(field, cells, axis=(0, 1)))
+def mirror_images(solution: ContactSolution) -> Iterator[ChangedContact]:
+    """Give the mirror images of a solution along x, y and both."""
+    for axes in ((0,), (1,), (0, 1)):
+        mirror = partial(np.flip, axis=axes)
+        yield ChangedContact(_with_fields(solution, mirror), _restore_fields(mirror))
+
+
+def shifted_copies(solution: ContactSolution, *shifts: tuple[int, int]) -> Iterator[ChangedContact]:
+    """Give copies of a periodic solution shifted by numbers of cells along x and y; none of others."""
+    for x, y in shifts if solution.boundary is Boundary.PERIODIC else ():
+        there, back = (partial(np.roll, shift=(sign * x, sign * y), axis=(0, 1)) for sign in (1, -1))
+        yield ChangedContact(_with_fields(solution, there), _restore_fields(back))
 
 
 def scale_units(solution: ContactSolution, length: float, stiffness: float) -> ContactSolution:

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import RealArray
+from roughcontact._base.arrays import RealArray
 from roughcontact._solve.convolvers import ConvolutionSetup, PreparedConvolution
 from roughcontact._solve.problem import LOAD_TOLERANCE, ContactProblem, make_task
 from roughcontact._solve.solution import ContactSolution, Status
 from roughcontact._solve.solvers import Solver
 from roughcontact.errors import InputError
-from roughcontact.testing.claim import DoesNotApply, claim, require, require_equal
-from roughcontact.testing.oracle import judge
-from roughcontact.testing.problems import Case, cases, solve_cases
+from roughcontact.testing.claim import DoesNotApply, claim, require
+from roughcontact.testing.generic import claim_input_unchanged, claim_powers_of_two, claim_repeatable
+from roughcontact.testing.problems import Case, cases, judge, solve_cases
 
-# Convolutions before the displacements turn infinite, and those that a solver may need to notice it.
-_CALLS = 4
-_MORE_CALLS = 20
+# Convolutions before the displacements turn infinite, and the most that a solver may need to notice it.
+_FINITE_CONVOLUTIONS = 4
+_MAX_LATE_CONVOLUTIONS = 20
 
 
 @claim("solver", "tolerance")
@@ -34,7 +35,7 @@ def _serves(solver: Solver) -> str:
     refused = set()
     for case in cases():
         try:
-            case.problem(solver).solve(throw=False, **case.load.arguments)
+            case.solve(solver)
         except InputError as error:
             require(len(str(error).split()) >= 4, f"it refuses {case} with {str(error)!r}, which is not a sentence")
             refused.add(str(error))
@@ -79,30 +80,26 @@ def _bounds(solver: Solver, case: Case, problem: ContactProblem, _: ContactSolut
     require(over <= 0.0, f"a pressure of {over:.1e} above the limit")
 
 
-@claim("solver", "input unchanged", solve_cases)
-def _unchanged(solver: Solver, case: Case, problem: ContactProblem, solution: ContactSolution) -> None:
-    names = ("initial_gap", "pressure_limit", "start")
+def _prepare_task(
+    solver: Solver, case: Case, problem: ContactProblem, solution: ContactSolution
+) -> tuple[dict[str, Any], Callable[[], object]]:
     task = make_task(problem.plan, problem.initial_gap, case.load, solution.pressure)
-    copies: dict[str, Any] = {name: np.array(getattr(task, name)) for name in names if np.ndim(getattr(task, name))}
-    given = attrs.evolve(task, **copies)
-    solver.solve(problem.convolution, given)
-    for name in names:
-        require_equal(getattr(given, name), getattr(task, name), f"it writes into {name}")
+    names = ("initial_gap", "pressure_limit", "start")
+    given: dict[str, Any] = {name: np.array(getattr(task, name)) for name in names if np.ndim(getattr(task, name))}
+    return given, lambda: solver.solve(problem.convolution, attrs.evolve(task, **given))
 
 
-@claim("solver", "repeatable", solve_cases)
-def _repeatable(solver: Solver, case: Case, _: ContactProblem, solution: ContactSolution) -> None:
-    other = case.problem(solver).solve(throw=False, **case.load.arguments)
-    require_equal(solution.pressure, other.pressure, "a second solve gives other bits")
-
-
-@claim("solver", "powers of two change no bit", solve_cases)
-def _units(solver: Solver, case: Case, _: ContactProblem, solution: ContactSolution) -> None:
-    for length, stiffness in ((2.0**20, 1.0), (2.0**-30, 2.0**25)):
-        scaled = case.scaled(length, stiffness)
-        other = scaled.problem(solver).solve(throw=False, **scaled.load.arguments)
-        detail = f"lengths times {length:g} and moduli times {stiffness:g} change bits"
-        require_equal(other.pressure, stiffness * solution.pressure, detail)
+claim_input_unchanged("solver", solve_cases, _prepare_task)
+claim_repeatable("solver", solve_cases, lambda solver, case, *_: [case.solve(solver).pressure])
+claim_powers_of_two(
+    "solver",
+    solve_cases,
+    lambda solver, case, _, solution, length, stiffness: [
+        (case.scaled(length, stiffness).solve(solver).pressure, stiffness * solution.pressure)
+    ],
+    ((2.0**20, 1.0), (2.0**-30, 2.0**25)),
+    "lengths times {:g} and moduli times {:g} change bits",
+)
 
 
 @claim("solver", "any initial guess", solve_cases)
@@ -127,7 +124,7 @@ class _Diverging(PreparedConvolution):
 
     def apply(self, pressure: RealArray) -> RealArray:
         self.calls += 1
-        return np.asarray(self._convolution.apply(pressure) * (np.inf if self.calls > _CALLS else 1.0))
+        return np.asarray(self._convolution.apply(pressure) * (np.inf if self.calls > _FINITE_CONVOLUTIONS else 1.0))
 
 
 @claim("solver", "stops at non-finite values")
@@ -137,14 +134,16 @@ def _stops(solver: Solver) -> str:
             continue
         convolution = _Diverging(problem.convolution)
         try:
-            with np.errstate(all="ignore"):
-                outcome = solver.solve(convolution, make_task(problem.plan, problem.initial_gap, case.load))
+            outcome = solver.solve(convolution, make_task(problem.plan, problem.initial_gap, case.load))
         except Exception as error:
             advice = "a solver must return Status.NOT_FINITE"
             raise AssertionError(f"with infinite displacements it raised {error!r}: {advice}") from error
-        more = convolution.calls - _CALLS
+        more = convolution.calls - _FINITE_CONVOLUTIONS
         if more > 0:
             require(not outcome.status.success, f"{case}: with infinite displacements it is {outcome.status}")
-            require(more <= _MORE_CALLS, f"{case}: it needs {more} more convolutions to notice infinite displacements")
+            require(
+                more <= _MAX_LATE_CONVOLUTIONS,
+                f"{case}: it needs {more} more convolutions to notice infinite displacements",
+            )
             return f"{outcome.status}"
     raise DoesNotApply("the solver needs too few convolutions")

@@ -50,8 +50,8 @@ class Outputs:
             yield partial(self._write_solution, index)
         drawn: list[tuple[Sweep | ContactSolution, str]] = []
         if len(solutions) > 1:
-            drawn += [(self.sweep, name) for name in _panels_of("sweep")]
-        first, *others = drawn + [(largest, name) for name in _panels_of("solution")]
+            drawn += [(self.sweep, name) for name in _panels_of("sweep", largest)]
+        first, *others = drawn + [(largest, name) for name in _panels_of("solution", largest)]
         yield partial(self._draw, *first)
         yield self._write_report
         for subject, name in others:
@@ -105,12 +105,13 @@ def draw(plot: Callable[[], Any], path: Path) -> None:
         pyplot.close(figure)
 
 
-def _panels_of(subject: str) -> list[str]:
+def _panels_of(subject: str, solution: ContactSolution) -> list[str]:
     found = []
     for name in panels:
         # A broken plug-in must not keep the others from being drawn.
         with contextlib.suppress(RoughContactError):
-            if panels.create(name).subject == subject:
+            panel = panels.create(name)
+            if panel.subject == subject and (solution.tension is not None or not panel.needs_adhesion):
                 found.append(name)
     first = [name for name in _FIRST[subject] if name in found]
     return first + [name for name in found if name not in first]

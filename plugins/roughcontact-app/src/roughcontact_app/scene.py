@@ -14,13 +14,17 @@ from roughcontact import (
     ContactProblem,
     Elastic,
     ElasticPerfectlyPlastic,
+    Exponential,
     FlatSurface,
     Grid,
     HeightMap,
+    Interaction,
     Material,
     SelfAffineSurface,
+    ShortRange,
     SphereSurface,
     Surface,
+    VanDerWaals,
     WavySurface,
     examples,
     read_surface,
@@ -95,7 +99,18 @@ def make_problem(settings: Settings, scene: Scene) -> ContactProblem:
     else:
         counterbody = Body(FlatSurface(), _make_material(settings, "counterbody_", "the counterbody"))
     body = Body(scene.surface, _make_material(settings, "", "the body"))
-    return ContactProblem(body, counterbody, grid=scene.grid, boundary=settings["boundary"])
+    adhesion = _make_interaction(settings)
+    return ContactProblem(body, counterbody, grid=scene.grid, boundary=settings["boundary"], adhesion=adhesion)
+
+
+def _make_interaction(settings: Settings) -> Interaction | None:
+    if settings["adhesion"] == "none":
+        return None
+    work = quantity(settings, "work", "The work of adhesion", "work")
+    if settings["adhesion"] == "short-range":
+        return ShortRange(work)
+    reach = quantity(settings, "range", "The range of the adhesion", "length")
+    return Exponential(work, reach) if settings["adhesion"] == "exponential" else VanDerWaals(work, reach)
 
 
 def make_loads(settings: Settings, problem: ContactProblem) -> tuple[Load, ...]:

@@ -18,6 +18,7 @@ UNITS: dict[str, dict[str, int]] = {
     "pressure": {"Pa": 0, "kPa": 3, "MPa": 6, "GPa": 9},
     "force": {"N": 0, "mN": -3, "uN": -6, "kN": 3},
     "approach": {"m": 0, "mm": -3, "um": -6, "nm": -9},
+    "work": {"J/m2": 0, "mJ/m2": -3},
 }
 # The smallest and largest of each kind, in its SI unit: from below an atom to beyond all bodies and what they carry.
 _RANGES = {
@@ -26,6 +27,7 @@ _RANGES = {
     "pressure": (1e-9, 1e18),
     "force": (1e-18, 1e15),
     "approach": (1e-15, 1e3),
+    "work": (1e-9, 1e9),
 }
 # What the form holds at first; each setting has its text here and no other is taken.
 DEFAULTS: dict[str, str] = {
@@ -69,6 +71,11 @@ DEFAULTS: dict[str, str] = {
     "counterbody_poisson": "0.3",
     "counterbody_hardness": "",
     "counterbody_hardness_unit": "GPa",
+    "adhesion": "none",
+    "work": "50",
+    "work_unit": "mJ/m2",
+    "range": "10",
+    "range_unit": "nm",
     "load": "pressure",
     "loads": "100",
     "load_unit": "MPa",
@@ -81,6 +88,7 @@ _CHOICES = {
     "non_measured": ("refuse", "fill", "keep"),
     "form": ("none", "plane", "quadratic", "sphere"),
     "counterbody": ("rigid", "deformable"),
+    "adhesion": ("none", "exponential", "van-der-waals", "short-range"),
     "load": ("force", "pressure", "approach"),
     "boundary": ("free", "periodic", "wrapped"),
     "scheme": ("light", "dark"),
@@ -137,7 +145,8 @@ def load_values(settings: Settings) -> list[float]:
     if len(texts) > _MOST_LOADS:
         raise InputError.about("The number of loads", len(texts), f"at most {_MOST_LOADS}")
     label = "The load" if len(texts) == 1 else "Each load"
-    values = [_quantity(text, label, kind, unit, False) for text in texts]
+    signed = settings["adhesion"] != "none"
+    values = [_quantity(text, label, kind, unit, False, signed=signed) for text in texts]
     if len(set(values)) < len(values):
         raise InputError("A load is given twice: give each load once.")
     return values
@@ -149,14 +158,14 @@ def _unit(settings: Settings, name: str, kind: str) -> str:
     return settings[name]
 
 
-def _quantity(text: str, label: str, kind: str, unit: str, zero: bool) -> float:
+def _quantity(text: str, label: str, kind: str, unit: str, zero: bool, *, signed: bool = False) -> float:
     # In decimals, so that 12.5 um is the number 12.5e-6 of a script to the last bit.
     value = float(_decimal(text, label).scaleb(UNITS[kind][unit]))
     given = f"{text} {unit.replace('u', 'µ')}"
-    if value < 0.0 or (value == 0.0 and not zero):
+    if not signed and (value < 0.0 or (value == 0.0 and not zero)):
         raise InputError(f"{label} must be {'at least' if zero else 'above'} 0, but got {given}.")
     low, high = _RANGES[kind]
-    if value and not low <= value <= high:
+    if value and not low <= abs(value) <= high:
         base = next(iter(UNITS[kind]))
         raise InputError(
             f"{label} must be between {low:g} {base} and {high:g} {base}, but got {given}: check its unit."

@@ -34,7 +34,7 @@ _CORRECTED = (
 Send = Callable[[dict[str, Any]], None]
 
 # The beginnings of settings that the surface does not follow from: they do not make it anew.
-_OF_OTHERS = ("young", "poisson", "hardness", "counterbody", "load", "scheme")
+_OF_OTHERS = ("young", "poisson", "hardness", "counterbody", "adhesion", "work", "range", "load", "scheme")
 
 
 def run(task: dict[str, Any], send: Send) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """A synthetic pair in place of the paper's measured ones, which are not published: a ball on a ground ring.
 
 The domain, the ball, the steel and the loads are the paper's (section 3.2, Table 4). The roughness is that
-of usual ground and lapped steel; docs/trust/paper_pair.md has the sources.
+of usual ground and lapped steel; docs/trust/paper.md has the sources.
 """
 
 from __future__ import annotations

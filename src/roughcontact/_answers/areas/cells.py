@@ -5,23 +5,23 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, extend
 from roughcontact._solve.solution import ContactSolution
 
-# Cells of the smallest patch that may have a sharp edge: in a smaller one three cells in a row rise outward by chance.
-_SHARP_PATCH = 9
-# Cells over which the pressure is compared inwards from a sharp edge, beside the cell itself.
-_INWARD = 2
-# Height of a step over the differences of height before and behind it.
-_STEPPED = 4.0
+# Cells of the smallest patch that may have a sharp edge: in smaller ones the pressure rises outward by chance.
+MIN_SHARP_PATCH_CELLS = 9
+# Cells inwards from an edge with which the pressure of the cell at the edge is compared.
+_INWARD_CELLS = 2
+# Height of a step over the differences of height before and behind it, from which it is sharp.
+_MIN_STEP_RATIO = 4.0
 # Steps, in cells, from a cell to its eight neighbours.
-_NEIGHBOURS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
+_NEIGHBOUR_STEPS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
 @attrs.frozen(eq=False)
-class Surroundings:
-    """The cells around some cells; beyond the border periodic images, or the outermost cells.
+class Neighbourhood:
+    """The cells around chosen cells; beyond the border these are periodic images, or the outermost cells.
 
     Attributes
     ----------
@@ -30,12 +30,12 @@ class Surroundings:
     width
         Cells in a row.
     near
-        Which of them lie near the border, shape (m,).
+        Positions of those near the border in `cells`, shape (m,).
     rows, columns
-        Flat indices of the rows and numbers of the columns from `reach` cells before these to as many behind them,
-        shape (2 reach + 1, m).
+        Flat indices of the rows, and numbers of the columns, from `reach` cells before the cells near the border to
+        `reach` cells behind them, shape (2 reach + 1, m).
     reach
-        Their furthest distance, in cells.
+        Largest distance from a cell along an axis, in cells.
     """
 
     cells: IntArray
@@ -46,8 +46,8 @@ class Surroundings:
     reach: int
 
     @classmethod
-    def of(cls, i: IntArray, j: IntArray, shape: tuple[int, int], boundary: Boundary, reach: int) -> Surroundings:
-        """Return the surroundings of the cells (i, j), shape (n,)."""
+    def of(cls, i: IntArray, j: IntArray, shape: tuple[int, int], boundary: Boundary, reach: int) -> Neighbourhood:
+        """Return the neighbourhood of the cells (i, j), shape (n,)."""
         nx, ny = shape
         near = np.flatnonzero((i < reach) | (i >= nx - reach) | (j < reach) | (j >= ny - reach))
         steps = np.arange(-reach, reach + 1)[:, np.newaxis]
@@ -58,7 +58,7 @@ class Surroundings:
         return cls(i * ny + j, ny, near, ends[0] * ny, ends[1], reach)
 
     def at(self, i: int, j: int) -> IntArray:
-        """Return the flat indices of the cells so many steps from each, shape (n,)."""
+        """Return the flat indices of the cells that are (i, j) cells away from each cell, shape (n,)."""
         found = self.cells + (i * self.width + j)
         found[self.near] = self.rows[self.reach + i] + self.columns[self.reach + j]
         return np.asarray(found)
@@ -89,9 +89,23 @@ def find_cut_cells(solution: ContactSolution) -> Mask:
 
 def find_cut_patches(solution: ContactSolution) -> Mask:
     """Return which patches a free border cuts, shape (count,)."""
-    cut = np.zeros(solution.patches.count + 1, dtype=bool)
-    cut[solution.patches.labels[find_cut_cells(solution)]] = True
-    return cut[1:]
+    return find_patches_of(solution, find_cut_cells(solution))
+
+
+def find_patches_of(solution: ContactSolution, marked: Mask) -> Mask:
+    """Return which patches have marked cells, shape (count,)."""
+    found = np.zeros(solution.patches.count + 1, dtype=bool)
+    found[solution.patches.labels[marked]] = True
+    return found[1:]
+
+
+def count_saturated(solution: ContactSolution) -> IntArray:
+    """Return the number of saturated cells of each patch, shape (count + 1,), from zero for no patch."""
+    patches = solution.patches
+    if not solution.capped:
+        return np.zeros(patches.count + 1, dtype=np.intp)
+    saturated = patches.member_labels[solution.saturated.ravel()[patches.members]]
+    return np.bincount(saturated, minlength=patches.count + 1)
 
 
 def count_crossings(solution: ContactSolution) -> int:
@@ -104,7 +118,7 @@ def count_crossings(solution: ContactSolution) -> int:
 
 
 def count_sides(contact: Mask, boundary: Boundary, of: Mask | None = None) -> int:
-    """Return the number of cell sides between contact and open cells (of some cells only), without a free border."""
+    """Return the number of cell sides between contact and open cells, or of those at the cells `of`."""
     return sum(int(np.count_nonzero(sides)) for sides in _mark_sides(contact, boundary, of))
 
 
@@ -147,10 +161,10 @@ def _mark_sides(contact: Mask, boundary: Boundary, of: Mask | None) -> tuple[Mas
 def find_sharp_edges(solution: ContactSolution) -> Mask:
     """Return the cells of the contact at a sharp edge, as of a flat punch, shape (nx, ny).
 
-    There the pressure does not decay towards the edge over three cells. Along an axis both lateral
-    neighbours must be in contact, along a diagonal both cells beside the outer one must be open:
-    other cells lie beside an edge that runs past them at an angle. The pressure of saturated cells does
-    not depend on the distance from the edge: they are marked where the heights have a step.
+    There the pressure does not decay towards the edge over three cells. Along an axis both lateral neighbours must be
+    in contact, along a diagonal both cells beside the outer one must be open: otherwise the edge passes at an angle.
+    The pressure of saturated cells does not depend on the distance from the edge: they are marked where the heights
+    have a step.
     """
     contact = solution.contact
     patches = solution.patches
@@ -159,16 +173,16 @@ def find_sharp_edges(solution: ContactSolution) -> Mask:
     interior = interior[:, :-2] & interior[:, 1:-1] & interior[:, 2:]
     sharp = np.zeros(contact.size, dtype=bool)
     edge = np.flatnonzero(contact & ~interior)
-    edge = edge[np.concatenate(([False], patches.cells >= _SHARP_PATCH))[patches.labels.ravel()[edge]]]
+    edge = edge[np.concatenate(([False], patches.cells >= MIN_SHARP_PATCH_CELLS))[patches.labels.ravel()[edge]]]
     if edge.size == 0:
         return sharp.reshape(contact.shape)
     saturated = solution.saturated.ravel()[edge] if solution.capped else np.zeros(edge.size, dtype=bool)
     pressure = solution.pressure.ravel()
     touching = contact.ravel()
     gap = solution.initial_gap.ravel() if saturated.any() else pressure
-    near = Surroundings.of(*split(edge, contact.shape[1]), contact.shape, solution.boundary, _INWARD)
-    beside = {step: touching[near.at(*step)] for step in _NEIGHBOURS}
-    for dx, dy in _NEIGHBOURS:
+    near = Neighbourhood.of(*split(edge, contact.shape[1]), contact.shape, solution.boundary, _INWARD_CELLS)
+    beside = {step: touching[near.at(*step)] for step in _NEIGHBOUR_STEPS}
+    for dx, dy in _NEIGHBOUR_STEPS:
         straight = dx == 0 or dy == 0
         sides = beside[dy, dx] & beside[-dy, -dx] if straight else ~(beside[dx, 0] | beside[0, dy])
         facing = np.flatnonzero(sides & ~beside[dx, dy])
@@ -178,7 +192,7 @@ def find_sharp_edges(solution: ContactSolution) -> Mask:
 
 
 def _find_sharp(
-    pressure: Array, gap: Array, near: Surroundings, facing: IntArray, step: tuple[int, int], saturated: Mask
+    pressure: Array, gap: Array, near: Neighbourhood, facing: IntArray, step: tuple[int, int], saturated: Mask
 ) -> Mask:
     """Return which of the cells that face the open side in a direction lie at a sharp edge."""
 
@@ -190,5 +204,5 @@ def _find_sharp(
     if not saturated.any():
         return rising
     before, here, beside, beyond = (take(gap, k) for k in (-1, 0, 1, 2))
-    stepped = beside - here > _STEPPED * np.maximum(np.abs(beyond - beside), np.abs(here - before))
+    stepped = beside - here > _MIN_STEP_RATIO * np.maximum(np.abs(beyond - beside), np.abs(here - before))
     return np.where(saturated, stepped, rising)

@@ -1,44 +1,235 @@
-r"""The edge of the contact between cell centres.
-
-Near a smooth edge, at the distance d, the pressure is :math:`K\sqrt{d}` inside and the gap
-:math:`\tfrac{4K}{3E^*}d^{3/2}` outside, with one K for both. So with the one unknown y = (K/E*)^(-2/3)
-
-.. math:: \varphi = (p/E^*)^2 y^3 \text{ inside}, \quad \varphi = -(3g/4)^{2/3} y \text{ outside}
-
-is the signed distance from the edge on both sides, and y follows from the gradient of a distance,
-which is one. Between the centres of four neighbouring cells (a dual cell) the edge lies where the
-interpolated distance vanishes.
-
-References
-----------
-Johnson, Contact Mechanics (1985), section 5.1, https://doi.org/10.1017/CBO9781139171731, for the edge.
-"""
+"""The edge of the contact between cell centres: polygons in dual cells, traced and corrected."""
 
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 import attrs
 import numpy as np
+import numpy.typing as npt
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.dual_cells import Owners, find_dual_cells
-from roughcontact._answers.areas.polygons import INSIDE, Corners, find_kinds, measure_polygons
-from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._answers.areas.cells import split
+from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution
 
+Corners: TypeAlias = npt.NDArray[np.float64]
+
+# Whether each corner is in contact, shape (4, 16), in the 16 kinds of dual cells: kind k has the bits of k.
+_CORNERS_INSIDE = (np.arange(16) >> np.arange(4)[:, np.newaxis] & 1).astype(bool)
+# Number of corners in contact of each kind, as a floating-point number.
+CORNER_COUNTS = _CORNERS_INSIDE.sum(axis=0).astype(np.float64)
+_TWO_INSIDE = CORNER_COUNTS == 2
+_THREE_INSIDE = CORNER_COUNTS == 3
+_DIAGONAL_INSIDE = (_CORNERS_INSIDE[0] == _CORNERS_INSIDE[2]) & (_CORNERS_INSIDE[1] == _CORNERS_INSIDE[3]) & _TWO_INSIDE
+# The corner at which a polygon begins: the one that differs from the others, or the first of two in contact.
+_ODD_CORNERS = np.where(_THREE_INSIDE, ~_CORNERS_INSIDE, _CORNERS_INSIDE)
+_FIRST_CORNERS = np.where(_ODD_CORNERS[0] & _ODD_CORNERS[3] & _TWO_INSIDE, 3, np.argmax(_ODD_CORNERS, axis=0))
+_EULER_NUMBERS = np.select([CORNER_COUNTS == 1, _THREE_INSIDE, _DIAGONAL_INSIDE], [0.25, -0.25, -0.5], 0.0)
 # Upper bound of the distance at the corners of a dual cell, in cells; at a smooth edge it is below sqrt(2).
-_LONGEST = 16.0
+_MAX_DISTANCE_CELLS = 16.0
 # Distance of the furthest corner, in cells, where no y gives the gradient one, as at saddles: half a diagonal.
-_SADDLE = 0.7
-# Difference up to which edges in two dual cells count as the same, in cells, and the number of such steps in any.
-_ALIKE = 1e-3
-_KEYS = 10_000
-# So that a half of a cell is not a limit between two steps.
-_OFFSET = 0.382
+_SADDLE_DISTANCE_CELLS = 0.7
+# Difference up to which edges in two dual cells count as the same, in cells; the largest number of such steps; and an
+# offset, so that half a cell does not lie at the limit between two steps.
+_KEY_STEP = 1e-3
+_KEY_COUNT = 10_000
+_KEY_OFFSET = 0.382
 # Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
-_NEWTON = 4
-_BRACKETED = 16
+_NEWTON_STEPS = 4
+_BRACKETED_STEPS = 16
+
+
+def find_kinds(contact: Mask) -> npt.NDArray[np.uint8]:
+    """Return the kind of each dual cell, shape (n,), of the contact at its corners."""
+    bits = contact.view(np.uint8)
+    return np.asarray(bits[0] | bits[1] << 1 | bits[2] << 2 | bits[3] << 3)
+
+
+def find_crossings(distance: Corners) -> Corners:
+    """Return where the edge crosses each side, as a fraction of the side from its first corner."""
+    away = np.abs(distance)
+    return _divide(away, away[[1, 2, 3, 0]])
+
+
+def measure_polygons(
+    distance: Corners, contact: Mask, kind: npt.NDArray[np.uint8], size: tuple[float, float]
+) -> tuple[Array, Array, Array]:
+    """Return the area inside (m2), the length (m) and the Euler number of the edge in each dual cell."""
+    away = np.abs(distance).ravel()
+    columns = np.arange(kind.size)
+    n = kind.size
+    kind = kind.astype(np.intp)
+    # Distances at the corner to begin at, the one before it and both behind it.
+    before, here, after, last = (
+        away.take((_FIRST_CORNERS + step & 3).take(kind) * n + columns) for step in (-1, 0, 1, 2)
+    )
+    rest = _divide(here, before)
+    middle = _divide(here, after)
+    end = _divide(after, last)
+    even = _FIRST_CORNERS % 2 == 0
+    along, across = (np.where(even, *sides).take(kind) for sides in (size, size[::-1]))
+    pair = _TWO_INSIDE.take(kind)
+    triangle = 0.5 * rest * middle
+    chord = np.hypot(np.where(pair, 1.0, middle) * along, np.where(pair, end - rest, rest) * across)
+    area = np.where(pair, 0.5 * (rest + end), np.where(_THREE_INSIDE.take(kind), 1.0 - triangle, triangle))
+    area *= size[0] * size[1]
+    diagonal = np.flatnonzero(_DIAGONAL_INSIDE.take(kind))
+    if diagonal.size:
+        saddles = distance[:, diagonal]
+        area[diagonal], chord[diagonal] = _measure_saddles(saddles, contact[:, diagonal], find_crossings(saddles), size)
+    return area, chord, _EULER_NUMBERS.take(kind)
+
+
+def _divide(one: Array, other: Array) -> Array:
+    """Return the fraction of a side from one corner to the edge, for the distances of both corners from the edge."""
+    with np.errstate(invalid="ignore"):
+        part = one / (one + other)
+    np.copyto(part, 0.5, where=np.isnan(part))
+    return np.asarray(part)
+
+
+def _measure_saddles(
+    distance: Corners, contact: Mask, crossing: Corners, size: tuple[float, float]
+) -> tuple[Array, Array]:
+    """Return area and length where opposite corners are inside: connected if the distances have a positive sum."""
+    connected = distance.sum(axis=0) > 0.0
+    area = np.zeros(distance.shape[1])
+    chord = np.zeros(distance.shape[1])
+    for corner in range(4):
+        # Separate corners inside have a triangle each; if they are connected, each corner outside has one instead.
+        one = 1.0 - crossing[corner - 1]
+        other = crossing[corner]
+        triangle = contact[corner] != connected
+        area += np.where(triangle, 0.5 * one * other, 0.0)
+        before, after = (size[1], size[0]) if corner % 2 == 0 else (size[0], size[1])
+        chord += np.where(triangle, np.hypot(one * before, other * after), 0.0)
+    area = np.where(connected, 1.0 - area, area) * (size[0] * size[1])
+    return area, chord
+
+
+@attrs.frozen(eq=False)
+class DualCells:
+    """Dual cells, numbered by their lower left corners.
+
+    Attributes
+    ----------
+    stride
+        Distance of the corners, in cells.
+    before
+        Number of dual cells before the first cell along each axis.
+    weights
+        Fraction of each dual cell that lies in the domain, along x and along y.
+    rows, columns
+        Row and column of the cells at the lower and the upper corner, shape (2, number along the axis).
+    """
+
+    stride: int
+    before: int
+    weights: tuple[Array, Array]
+    rows: IntArray
+    columns: IntArray
+
+    def count_inside(self, contact: Mask) -> npt.NDArray[np.uint8]:
+        """Return the number of corners in contact of each dual cell."""
+        s = self.stride
+        extended = np.pad(contact.view(np.uint8), (self.before, s), mode="edge" if self.before else "wrap")
+        rows = extended[:-s] + extended[s:]
+        return np.asarray(rows[:, :-s] + rows[:, s:])
+
+    def find_edge(self, contact: Mask) -> tuple[IntArray, IntArray]:
+        """Return rows and columns of the dual cells that have corners in contact and open corners."""
+        return split(np.flatnonzero((self.count_inside(contact) - np.uint8(1)) < 3), self.columns.shape[1])
+
+    def corners(self, i: IntArray, j: IntArray) -> IntArray:
+        """Return the flat indices of the cells at the corners of dual cells, in order around them, shape (4, n)."""
+        m, n = (self.rows.shape[1], self.columns.shape[1])
+        s = self.stride
+        ny = n - self.before
+        steps = np.array((0, s * ny, s * ny + s, s))[:, np.newaxis]
+        found = (i - self.before) * ny + (j - self.before) + steps
+        border = np.flatnonzero((i < self.before) | (j < self.before) | (i >= m - s) | (j >= n - s))
+        low, high = self.rows[:, i[border]] * ny
+        left, right = self.columns[:, j[border]]
+        found[:, border] = low + left, high + left, high + right, low + right
+        return np.asarray(found)
+
+    def cover(self, solution: ContactSolution) -> Array:
+        """Return the number of dual cells in each patch, a quarter for each corner, shape (count + 1,)."""
+        patches = solution.patches
+        if self.before == 0:
+            return np.concatenate(([0.0], patches.cells))
+        i, j = np.divmod(patches.members, self.columns.shape[1] - self.before)
+        along, across = (
+            0.5 * np.bincount(corners.ravel(), weights=np.tile(weights, 2))
+            for corners, weights in zip((self.rows, self.columns), self.weights, strict=True)
+        )
+        weights = along[i] * across[j]
+        return np.bincount(patches.member_labels, weights=weights, minlength=patches.count + 1).astype(np.float64)
+
+
+@attrs.frozen(eq=False)
+class CellOwners:
+    """The patches to which dual cells belong; a dual cell with corners in several patches is divided among them.
+
+    Attributes
+    ----------
+    cell, patch, fraction
+        Dual cells (all, if none is divided), their patches, and the fraction of the dual cell that belongs to the
+        patch, shape (m,).
+    count
+        Number of patches.
+    """
+
+    cell: IntArray | slice
+    patch: IntArray
+    fraction: Array
+    count: int
+
+    @classmethod
+    def find(cls, label: IntArray, kind: npt.NDArray[np.uint8], count: int) -> CellOwners:
+        """Return the owners of dual cells from the labels at their corners, shape (4, n)."""
+        highest = label.max(axis=0)
+        divided = ((label != highest) & (label > 0)).any(axis=0)
+        if not divided.any():
+            return cls(slice(None), highest, np.ones(1), count)
+        alone = np.flatnonzero(~divided)
+        several = np.flatnonzero(divided)
+        which, corner = np.nonzero(label[:, several].T)
+        cell = several[which]
+        patch = label[corner, several[which]]
+        return cls(
+            np.concatenate((alone, cell)),
+            np.concatenate((highest[alone], patch)),
+            np.concatenate((np.ones(alone.size), 1.0 / CORNER_COUNTS[kind[cell]])),
+            count,
+        )
+
+    def sum(self, values: Array) -> Array:
+        """Return the sum of values of the dual cells over each patch, shape (count + 1,)."""
+        weights = values[self.cell] * self.fraction
+        return np.bincount(self.patch, weights=weights, minlength=self.count + 1).astype(np.float64)
+
+
+def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
+    """Return the dual cells whose corners are `stride` cells apart."""
+    before = stride if solution.boundary is Boundary.FREE else 0
+    weights = []
+    corners = []
+    for n in solution.grid.shape:
+        first = np.arange(-before, n)
+        both = np.stack((first, first + stride))
+        if before == 0:
+            weights.append(np.ones(n))
+            corners.append(both % n)
+            continue
+        # The domain ends half a cell beyond the outermost centres.
+        inside = np.minimum(both[1], n - 0.5) - np.maximum(both[0], -0.5)
+        weights.append(np.clip(inside, 0.0, stride) / stride)
+        corners.append(np.clip(both, 0, n - 1))
+    return DualCells(stride, before, (weights[0], weights[1]), corners[0], corners[1])
 
 
 @attrs.frozen(eq=False)
@@ -54,7 +245,7 @@ class Contour:
     sharp
         Fraction of the edge that is sharp.
     alike
-        Mean number of dual cells whose edge is the same as that of one.
+        Mean number of dual cells with the same edge as one of them.
     meeting
         Number of dual cells in which the edge of the contact meets non-measured points.
     """
@@ -70,8 +261,8 @@ class Contour:
 def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
     """Return the edge of each patch between neighbouring cells, or between cells `stride` apart.
 
-    With a stride it is the mean over all choices of cells. At the cells of sharp edges, shape (nx, ny), the
-    cells are counted.
+    With a stride it is the mean over all choices of cells. At the cells `sharp` of sharp edges, shape (nx, ny), cells
+    are counted instead.
     """
     dual = find_dual_cells(solution, stride)
     patches = solution.patches
@@ -81,7 +272,7 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     label = patches.labels.ravel().take(k)
     touching = label > 0
     kind = find_kinds(touching)
-    inside = INSIDE[kind]
+    inside = CORNER_COUNTS[kind]
     jagged = sharp.ravel().take(k).any(axis=0) if sharp.any() else np.zeros(kind.size, dtype=bool)
     beside, meeting = _find_non_measured(solution, k, touching)
     # Beside non-measured points the contact ends with the cells.
@@ -94,22 +285,22 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     # Each of stride^2 choices of cells covers all of the contact.
     weight = dual.weights[0][i] * dual.weights[1][j] / stride**2
     smooth = weight * ~counted
-    owners = Owners.find(label, kind, patches.count)
+    owners = CellOwners.find(label, kind, patches.count)
     total = owners.sum(weight)
-    # The dual cells inside the patches, with quarters of those at the edge, which their polygons replace.
+    # At the edge the area of the polygon replaces the quarters of the corners in contact.
     area = cell * dual.cover(solution) + owners.sum((parts - inside / 4.0 * (size[0] * size[1])) * weight)
     return Contour(
         area=area,
         length=owners.sum(chords * smooth),
         euler=owners.sum(euler * smooth),
-        sharp=_divide(owners.sum(jagged * weight), total, 0.0),
-        alike=_divide(owners.sum(alike * weight), total, 1.0),
+        sharp=_divide_or(owners.sum(jagged * weight), total, 0.0),
+        alike=_divide_or(owners.sum(alike * weight), total, 1.0),
         meeting=owners.sum(meeting * weight),
     )
 
 
 def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -> tuple[Mask, Mask]:
-    """Mark the dual cells with non-measured corners, and those of them that have open ones too, shape (n,)."""
+    """Return which dual cells have non-measured corners, and which of these have open corners too, shape (n,)."""
     if solution.non_measured is None:
         none = np.zeros(k.shape[1], dtype=bool)
         return none, none
@@ -118,7 +309,7 @@ def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -
     return beside, np.asarray(beside & ~(unknown | touching).all(axis=0))
 
 
-def _divide(sums: Array, counts: Array, otherwise: float) -> Array:
+def _divide_or(sums: Array, counts: Array, otherwise: float) -> Array:
     return np.divide(sums, counts, out=np.full_like(sums, otherwise), where=counts > 0.0)
 
 
@@ -129,8 +320,8 @@ def _count_alike(parts: Array, chords: Array, distance: Corners) -> Array:
     """
     highest = np.abs(distance).max(axis=0)
     highest = highest / np.maximum(highest.max(initial=0.0), np.finfo(float).tiny)
-    first, second, third = (np.floor(part / _ALIKE + _OFFSET) for part in (parts, chords, highest))
-    keys = (first * _KEYS + second) * _KEYS + third
+    first, second, third = (np.floor(part / _KEY_STEP + _KEY_OFFSET) for part in (parts, chords, highest))
+    keys = (first * _KEY_COUNT + second) * _KEY_COUNT + third
     order = np.argsort(keys)
     ends = np.flatnonzero(np.diff(keys[order], append=np.inf)) + 1
     counts = np.diff(ends, prepend=0)
@@ -160,7 +351,7 @@ def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: 
     cubic = ax * ax + ay * ay
     square = -2.0 * (ax * bx + ay * by)
     linear = bx * bx + by * by
-    longest = _LONGEST * step
+    longest = _MAX_DISTANCE_CELLS * step
     with np.errstate(divide="ignore"):
         highest = np.minimum(np.cbrt(longest / inside.max(axis=0)) ** 2, (longest / outside.max(axis=0)) ** 2)
     highest = np.where(np.isfinite(highest), highest, 1.0)
@@ -169,7 +360,7 @@ def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: 
     if rootless.any():
         top = inside[:, rootless].max(axis=0), outside[:, rootless].max(axis=0)
         # The square of P y^3 + G y is a cubic in w too.
-        saddle = (_SADDLE * step) ** 2
+        saddle = (_SADDLE_DISTANCE_CELLS * step) ** 2
         w[rootless] = _find_root(top[0] ** 2, 2 * top[0] * top[1], top[1] ** 2, highest[rootless], saddle)
     y = np.sqrt(w)
     return np.asarray(inside * (w * y) - outside * y)
@@ -185,9 +376,9 @@ def _differentiate(values: Corners, size: tuple[float, float]) -> tuple[Array, A
 def _find_root(cubic: Array, square: Array, linear: Array, highest: Array, value: float = 1.0) -> Array:
     """Return w in [0, highest] where the polynomial reaches a value, by Newton's method."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        # Each term alone reaches the value at the inverse of one of these; all together near that of their norm.
+        # Each term alone reaches the value at the inverse of one of these; their sum near the inverse of the norm.
         w = 1.0 / np.sqrt(np.cbrt(cubic / value) ** 2 + square / value + (linear / value) ** 2)
-        for _ in range(_NEWTON):
+        for _ in range(_NEWTON_STEPS):
             excess = ((cubic * w + square) * w + linear) * w - value
             w = w - excess / ((3.0 * cubic * w + 2.0 * square) * w + linear)
     wild = (square < 0.0) | ~((w >= 0.0) & (w < np.inf))
@@ -200,7 +391,7 @@ def _find_bracketed_root(cubic: Array, square: Array, linear: Array, highest: Ar
     low = np.zeros_like(highest)
     high = highest.copy()
     w = 0.5 * highest
-    for _ in range(_BRACKETED):
+    for _ in range(_BRACKETED_STEPS):
         excess = ((cubic * w + square) * w + linear) * w - value
         above = excess > 0.0
         np.copyto(high, w, where=above)

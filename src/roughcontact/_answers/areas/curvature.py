@@ -7,60 +7,57 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from roughcontact._answers.areas.cells import Surroundings, split
-from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._answers.areas.cells import Neighbourhood, split
+from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution, heal
 
 # Weights of the central second difference of eighth order at the offsets 0 to 4: 0.7 % too small at four cells a wave.
-_SECOND = (-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0)
+_SECOND_DIFFERENCE = (-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0)
 # Offset of the outermost cell of that difference, in cells.
-_REACH = len(_SECOND) - 1
-# What was measured on solutions that still exist: several estimates ask for it.
-_MEASURED: WeakKeyDictionary[ContactSolution, tuple[float, float, float]] = WeakKeyDictionary()
-# Number of cells that suffice for the mean squares of differences: to 1 % or so.
-_SAMPLE = 100_000
+_DIFFERENCE_REACH = len(_SECOND_DIFFERENCE) - 1
+# Resolution, rim and lay ratio of solutions that still exist: several estimates ask for them.
+_RATIOS_OF_SOLUTIONS: WeakKeyDictionary[ContactSolution, tuple[float, float, float]] = WeakKeyDictionary()
+# Number of cells that give the mean squares of differences to about 1 %.
+_SAMPLE_CELLS = 100_000
 # Cells below which a patch does not show how the curvature varies under it, so that the cells around it are used.
-_TINY = 9
+_TINY_PATCH_CELLS = 9
 # Mean square distance from the centre along an axis: of three by three cells, cell^2 ...
-_AROUND = 2.0 / 3.0
+_SQUARE_VARIANCE = 2.0 / 3.0
 # ... and of a circle of radius one, weighted by Hertz's pressure (exact).
-_BENEATH = 1.0 / 5.0
-# Fewest cells that show whether heights are linear between points, and the part of them without a kink beside it.
-_FEWEST = 24
-_KINKLESS = 0.3
-# Part of the differences that differ from each other, to these digits; a kink between two cells is seen from both.
-_DISTINCT = 0.35
-_DIGITS = 6
-# Mean product of second differences of neighbours, negative, from which heights have steps, over the mean square.
-_STEPPED = 0.1
-# Differences that count as alike, and as the same but for rounding, over their rms.
-_ALIKE = 1e-3
-_EXACT = 1e-6
+_CIRCLE_VARIANCE = 1.0 / 5.0
+# Smallest number of cells that show whether heights are linear between points.
+_MIN_LINEAR_CELLS = 24
+# Fraction of them that then has no kink.
+_KINKLESS_FRACTION = 0.3
+# Smallest fraction of the differences that are distinct to these digits; a kink between two cells counts at both.
+_MIN_DISTINCT_FRACTION = 0.35
+_DISTINCT_DIGITS = 6
+# Mean product of second differences of neighbours over their mean square, negative, from which heights have steps.
+_MIN_STEP_CORRELATION = 0.1
+# Largest differences, over their rms, that count as alike, and as equal up to rounding.
+_ALIKE_DIFFERENCE = 1e-3
+_EXACT_DIFFERENCE = 1e-6
 
 
-def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array]:
-    """Return the curvature of the initial gap under each patch, averaged by the pressure over the chosen cells.
+def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array, Array]:
+    """Return the curvature of the initial gap under each patch, averaged over the chosen cells weighted by pressure.
 
-    That is half the sum of the principal curvatures, 1/m, positive at a summit, half their difference, 1/m, and the
-    standard deviation of all components over the patch, relative to the first; shape (count + 1,).
+    These are half the sum of the principal curvatures, 1/m, positive at a summit; half their difference, 1/m; the
+    standard deviation of all components over the patch, relative to the first; and half the sum of the second
+    differences along x and y, m; each of shape (count + 1,).
     """
-    return average_differences(solution, chosen)[:3]
-
-
-def average_differences(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array, Array]:
-    """Return what `average_curvature` does, and half the second differences along x and y together, m, by patch."""
     patches = solution.patches
     label = patches.labels.ravel()[chosen]
     weights = solution.pressure.ravel()[chosen]
     cells = np.concatenate(([0], patches.cells))
-    tiny = chosen[cells[label] < _TINY]
+    tiny = chosen[cells[label] < _TINY_PATCH_CELLS]
     around, owner = _find_neighbours(solution, tiny)
     hessian = _find_hessian(solution, np.concatenate((chosen, around)))
     mean, variance = _average([part[: chosen.size] for part in hessian], label, weights, patches.count)
     _, beyond = _average([part[chosen.size :] for part in hessian], owner, np.ones(around.size), patches.count)
-    reach = _BENEATH * cells / np.pi / (_AROUND + cells / (4.0 * np.pi))
-    variance = np.maximum(variance, np.where(cells < _TINY, beyond * reach, 0.0))
+    reach = _CIRCLE_VARIANCE * cells / np.pi / (_SQUARE_VARIANCE + cells / (4.0 * np.pi))
+    variance = np.maximum(variance, np.where(cells < _TINY_PATCH_CELLS, beyond * reach, 0.0))
     middle = 0.5 * (mean[0] + mean[1])
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = np.sqrt(variance) / np.abs(middle)
@@ -74,45 +71,45 @@ def is_linear(solution: ContactSolution, chosen: IntArray) -> bool:
 
     The second difference is then zero at many cells, or the same at two neighbours: there is no kink between them.
     """
-    if chosen.size < _FEWEST:
+    if chosen.size < _MIN_LINEAR_CELLS:
         return False
-    chosen = chosen[:: max(1, chosen.size // _SAMPLE)]
+    chosen = chosen[:: max(1, chosen.size // _SAMPLE_CELLS)]
     lines = _find_differences(solution, chosen)
     here, after = max(lines, key=lambda line: float(np.sum((line[1] - line[0]) ** 2)))
     second = math.sqrt(float(np.mean(here**2)))
     third = math.sqrt(float(np.mean((after - here) ** 2)))
     # A step bends the line one way before it and the other way behind it.
-    steps = float(np.mean(here * after)) < -_STEPPED * second**2
-    if steps or second == 0.0 or third <= _EXACT * second:
+    steps = float(np.mean(here * after)) < -_MIN_STEP_CORRELATION * second**2
+    if steps or second == 0.0 or third <= _EXACT_DIFFERENCE * second:
         return False
-    if not _are_distinct(here[np.abs(here) > _ALIKE * second] / second):
+    if not _are_distinct(here[np.abs(here) > _ALIKE_DIFFERENCE * second] / second):
         return False
     kinked = np.minimum(np.abs(here) / second, np.abs(after - here) / third)
-    return bool(np.quantile(kinked, _KINKLESS) < _ALIKE)
+    return bool(np.quantile(kinked, _KINKLESS_FRACTION) < _ALIKE_DIFFERENCE)
 
 
 def find_filled(solution: ContactSolution, chosen: IntArray) -> Mask:
-    """Return which of the chosen cells have the mean height of their four neighbours, as filled ones have."""
+    """Return which of the chosen cells have the mean height of their four neighbours, as filled points have."""
     (along_x, _), (along_y, _) = _find_differences(solution, chosen)
     size = math.sqrt(float(np.mean(along_x**2 + along_y**2))) if chosen.size else 0.0
-    filled = (np.abs(along_x + along_y) < _EXACT * size) & (np.abs(along_x) > _EXACT * size)
+    filled = (np.abs(along_x + along_y) < _EXACT_DIFFERENCE * size) & (np.abs(along_x) > _EXACT_DIFFERENCE * size)
     if not filled.any() or not _are_distinct(along_x / size):
         return np.zeros(chosen.shape, dtype=bool)
     return np.asarray(filled)
 
 
 def _are_distinct(differences: Array) -> bool:
-    """Return whether few differences are the same, as of summits that lie alike on the grid or of rounded heights."""
-    return np.unique(np.round(differences, _DIGITS)).size >= _DISTINCT * differences.size
+    """Return whether few differences are equal: many are if summits lie alike on the grid, or heights are rounded."""
+    return np.unique(np.round(differences, _DISTINCT_DIGITS)).size >= _MIN_DISTINCT_FRACTION * differences.size
 
 
 def _find_differences(solution: ContactSolution, chosen: IntArray) -> list[tuple[Array, Array]]:
-    """Return the second differences of the initial gap at cells and behind them along x and y, m."""
+    """Return the second differences of the initial gap at cells and at the next cells along x and y, m."""
     nx, ny = solution.grid.shape
     i, j = split(chosen, ny)
     if solution.boundary is Boundary.FREE:
         i, j = (np.clip(k, 2, n - 3) if n > 4 else k for k, n in ((i, nx), (j, ny)))
-    near = Surroundings.of(i, j, solution.grid.shape, solution.boundary, 2)
+    near = Neighbourhood.of(i, j, solution.grid.shape, solution.boundary, 2)
     heights = solution.initial_gap.ravel()
     found = []
     for a, b in ((1, 0), (0, 1)):
@@ -124,14 +121,14 @@ def _find_differences(solution: ContactSolution, chosen: IntArray) -> list[tuple
 def curvature_resolution(solution: ContactSolution) -> float:
     """Return the resolution ratio (q h)^2 of the heights under the contact: small where the grid resolves them.
 
-    The rms of the fourth differences over that of the second, equal to (q h)^2 for one wave of wave
+    The rms of the fourth differences over the rms of the second differences, equal to (q h)^2 for one wave of wave
     number q on cells of size h.
     """
     return _measure_heights(solution)[0]
 
 
 def rim_ratio(solution: ContactSolution) -> float:
-    """Return the mean curvature of the heights along the edge of the contact over that inside it; zero without inside.
+    """Return the mean curvature of the heights along the edge of the contact over the mean inside; zero without inside.
 
     Summits have less curvature along the edge, sharp rims of flats that were run in have more.
     """
@@ -149,14 +146,14 @@ def lay_ratio(solution: ContactSolution) -> float:
 def _measure_heights(solution: ContactSolution) -> tuple[float, float, float]:
     """Return resolution, rim ratio and lay ratio."""
     solution = heal(solution)
-    if solution not in _MEASURED:
-        _MEASURED[solution] = _find_ratios(solution)
-    return _MEASURED[solution]
+    if solution not in _RATIOS_OF_SOLUTIONS:
+        _RATIOS_OF_SOLUTIONS[solution] = _find_ratios(solution)
+    return _RATIOS_OF_SOLUTIONS[solution]
 
 
 def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
     chosen = np.flatnonzero(solution.contact)
-    chosen = chosen[:: max(1, chosen.size // _SAMPLE)]
+    chosen = chosen[:: max(1, chosen.size // _SAMPLE_CELLS)]
     if chosen.size == 0:
         return 0.0, 0.0, 1.0
     *lines, rising, falling = _gather_lines(solution, chosen, 2, 4)
@@ -176,7 +173,7 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
 
 
 def _find_lay(xx: Array, xy: Array, yy: Array) -> float:
-    """Return the lay ratio of these second derivatives: from the mean square of their matrix, shape (2, 2)."""
+    """Return the lay ratio for these second derivatives, from the mean square of their 2 x 2 matrix."""
     along_x = float(np.mean(xx**2 + xy**2))
     along_y = float(np.mean(xy**2 + yy**2))
     middle = 0.5 * (along_x + along_y)
@@ -189,7 +186,7 @@ def _find_inner(solution: ContactSolution, chosen: IntArray) -> Mask:
     nx, ny = solution.grid.shape
     contact = solution.contact.ravel()
     # The outermost cells of any domain have neighbours beyond its border.
-    near = Surroundings.of(*split(chosen, ny), (nx, ny), Boundary.PERIODIC, 1)
+    near = Neighbourhood.of(*split(chosen, ny), (nx, ny), Boundary.PERIODIC, 1)
     return np.asarray(np.logical_and.reduce([contact[near.at(*step)] for step in ((1, 0), (-1, 0), (0, 1), (0, -1))]))
 
 
@@ -220,8 +217,9 @@ def _find_hessian(solution: ContactSolution, chosen: IntArray) -> tuple[Array, A
     """Return the xx, yy and xy derivatives of the initial gap at cells, 1/m."""
     dx, dy = solution.grid.spacing
     along_x, along_y, rising, falling = (
-        _SECOND[0] * here + sum(factor * pair for factor, pair in zip(_SECOND[1:], pairs, strict=True))
-        for here, pairs in _gather_lines(solution, chosen, _REACH, 4)
+        _SECOND_DIFFERENCE[0] * here
+        + sum(factor * pair for factor, pair in zip(_SECOND_DIFFERENCE[1:], pairs, strict=True))
+        for here, pairs in _gather_lines(solution, chosen, _DIFFERENCE_REACH, 4)
     )
     # Second differences along both diagonals differ by four mixed ones.
     return along_x / dx**2, along_y / dy**2, (rising - falling) / (4.0 * dx * dy)
@@ -232,14 +230,14 @@ def _gather_lines(
 ) -> list[tuple[Array, list[Array]]]:
     """Return the gap at cells, with the sums of both neighbours at each distance, along x, y and both diagonals.
 
-    Only for the first so many of these lines.
+    `lines` is the number of these lines.
     """
     nx, ny = solution.grid.shape
     i, j = split(chosen, ny)
     if solution.boundary is Boundary.FREE:
         # At a free border the stencil is moved inside.
         i, j = (np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k for k, n in ((i, nx), (j, ny)))
-    near = Surroundings.of(i, j, solution.grid.shape, solution.boundary, reach)
+    near = Neighbourhood.of(i, j, solution.grid.shape, solution.boundary, reach)
     heights = solution.initial_gap.ravel()
     here = heights.take(near.at(0, 0))
     steps = range(1, reach + 1)

@@ -1,4 +1,4 @@
-"""The traced edges of all patches: areas inside them, their corrections and standard deviations."""
+"""The traced edges of all patches: areas inside them, standard deviations, and their total."""
 
 from __future__ import annotations
 
@@ -8,43 +8,57 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import find_cut_cells, find_sharp_edges, find_straight_rows
+from roughcontact._answers.areas.cells import count_saturated, find_cut_cells, find_sharp_edges, find_straight_rows
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
 from roughcontact._answers.areas.curvature import curvature_resolution, find_filled, lay_ratio, rim_ratio
-from roughcontact._base.checks import Array
-from roughcontact._parts.grid import Boundary, grow
-from roughcontact._solve.solution import ContactSolution
+from roughcontact._base.arrays import Array
+from roughcontact._base.units import ContactWarning
+from roughcontact._parts.grid import Boundary, extend, grow
+from roughcontact._solve.solution import Area, ContactSolution, Estimate
 
-# Area between a smooth convex edge and its chords, in cells around each piece: a chord of length l cuts off
-# curvature * l^3 / 12, and the mean chords of the unit square are <l> = pi / 4 and <l^3> = 3 / 4.
-_CHORDS = 0.5
-# Sides of cells along an edge over its length in cells: mean over all directions.
-_SIDES = 4.0 / np.pi
+# Area that polygons lack inside a smooth convex edge, in cells around each piece: at corners, and beside the chords. A
+# chord of length l cuts off curvature * l^3 / 12, and the mean chords of the unit square are <l> = pi / 4 and
+# <l^3> = 3 / 4, which gives 1/2.
+CUT_OFF_CELLS = 0.5 + calibration.PIECE_AREA_DEFICIT
+# Mean number of cell sides along an edge over its length in cells, of all directions.
+_SIDES_PER_LENGTH = 4.0 / np.pi
 # Number of cells from which a patch whose topology differs between both strides is not resolved.
-_LARGE = 12
-# Standard deviation on single spheres over that on rough contacts, where Hertz's areas take part.
-_ALONE = 1.6
-# Factor by which the standard deviation of a sharp edge is larger, one less.
-_STAIRS = 2.0
+_MIN_TOPOLOGY_CELLS = 12
+# Standard deviation of the area of single spheres over its value on rough contacts, where Hertz's areas take part.
+_SINGLE_CONTACT_FACTOR = 1.6
+# Relative increase of the standard deviation where all of the edge is sharp.
+_SHARP_STD_FACTOR = 2.0
 # Ratio of a patch's cells to its width, in cells of a disc, up to which it is compact.
-_ROUND = 2.0
-# Ratio of the width of a patch, in cells of a disc, to its cells, below which the width counts.
-_SLENDER = 0.35
-# Width, in cells of a disc, from which the edges of a slender patch are known better.
-_WIDE = 50.0
-# Standard deviation of an excess that has been subtracted, over it.
-UNSURE = 0.3
-# Number of cells below which a patch has no cell that is surrounded by contact.
-_FEW = 4
-# Maximum excess over the area: above it the linear law of the excess does not hold.
-_LARGEST_EXCESS = 0.3
-# Sum of squares over sum of the lengths of the rows of sides below which a long edge is a diagonal of the grid, sides.
-_DIAGONAL = 1.9
-# The same where the heights are ridges of one direction, with a lay ratio below the second.
-_OBLIQUE = 8.0
-STRAIGHT = 0.03
-# Cell sides for each patch from which an edge is long: that of a disc of six cells radius.
-_LONG = 48
+_MAX_COMPACT_RATIO = 2.0
+# Ratio of the width of a patch, in cells of a disc, to its cells, below which its size is the width.
+_MAX_SLENDER_RATIO = 0.35
+# Width, in cells of a disc, of a slender patch whose edges have half the additional standard deviation.
+_WIDE_PATCH_WIDTH = 50.0
+# Standard deviation of an excess that has been subtracted, over the excess.
+SUBTRACTED_EXCESS_STD = 0.3
+# Number of cells below which no cell of a patch is surrounded by contact.
+_MIN_SURROUNDED_CELLS = 4
+# Maximum excess over the area, above which the linear law of the excess does not hold.
+_MAX_EXCESS_FRACTION = 0.3
+# Mean length of the rows of sides, weighted by their length, below which a long edge is a diagonal of the grid, sides.
+_MAX_DIAGONAL_ROW = 1.9
+# The same for an oblique edge where the heights are ridges of one direction.
+_MAX_OBLIQUE_ROW = 8.0
+# Lay ratio below which the heights are ridges of one direction.
+MAX_RIDGE_LAY = 0.03
+# Cell sides of each patch from which an edge is long, as of a disc of six cells radius.
+_LONG_EDGE_SIDES = 48
+# Fraction of the counted area in patches of fewer than four cells above which the grid does not resolve the contact ...
+_MAX_SMALL_FRACTION = 0.2
+# ... unless the resolution ratio is below this (six cells a shortest wave), when load and curvature determine the area.
+_MAX_SMOOTH_RATIO = 0.4
+# Cells of the waves that dominate the curvature below which the grid does not resolve it; self-affine surfaces come
+# below with three cells a shortest wave, where areas err by up to 3 % (benchmarks/rough_constants.py).
+_MIN_WAVE_CELLS = 5.5
+# Logarithm of the change of E* over two octaves of wavelength above which the edge is uncertain by 0.03 cells.
+_MAX_MODULUS_CHANGE = 0.3
+# Relative uncertainty above which two standard deviations are more than 10 %.
+_MAX_RELATIVE_STD = 0.05
 
 
 @attrs.frozen(eq=False)
@@ -56,11 +70,11 @@ class TracedEdges:
     area, refined
         Area inside the edge between neighbouring cells, and extrapolated from that between every second cell, m2.
     length, sharp
-        Length of the edge, m, and the fraction of it that is sharp.
+        Length of the edge, m, and the fraction of the edge that is sharp.
     std
         Standard deviation of either area, m2.
     alike
-        Factor of its square, for the parts of the edge of each patch, and of others, that err alike.
+        Factor of the square of `std`, for the parts of this and of other edges that have the same error.
     strip
         Area of a strip along the edge, one cell wide, m2.
     curvature_resolution
@@ -80,15 +94,15 @@ class TracedEdges:
     border
         Standard deviation where edges meet a free border or filled points, all patches together, m2.
     topology
-        One cell for each piece or hole of the larger patches that the edge has at only one of both strides, m2.
+        One cell for each piece or hole of the larger patches that is found at only one of both strides, m2.
     shift
         Standard deviation of the position of the edges, together, in cells.
     slender
         Standard deviation of the position of the edges of slender patches, together, in cells.
     oblong
-        Longer side of the cells over their mean side: edges err by parts of the former.
+        Longer side of the cells over their mean side: the error of an edge is a part of the former.
     pieces
-        Number of pieces of all edges that err by themselves where the grid hardly resolves the heights, at least one:
+        Number of pieces of all edges with independent errors where the grid hardly resolves the heights, at least one:
         each is as long as a wave, and longer in a lay.
     """
 
@@ -117,28 +131,26 @@ class TracedEdges:
 
     @property
     def alone_std(self) -> Array:
-        """Standard deviation of either area by itself, m2: of single contacts too, and of parts that err alike."""
-        shift = calibration.SHIFT * self.strip
-        return np.asarray(_ALONE * self.oblong * (self.std * np.sqrt(self.alike) + shift))
+        """Standard deviation of either area by itself, m2, also for single contacts and parts with the same error."""
+        shift = calibration.EDGE_POSITION_STD * self.strip
+        return np.asarray(_SINGLE_CONTACT_FACTOR * self.oblong * (self.std * np.sqrt(self.alike) + shift))
 
     @property
     def blended_std(self) -> Array:
-        """Standard deviation of either area beside Hertz's areas, m2, and of parts that err alike."""
-        return np.asarray(self.oblong * self.std * np.sqrt(calibration.BLENDED**2 - 1.0 + self.alike))
+        """Standard deviation of either area where Hertz's areas take part, m2, also for parts with the same error."""
+        return np.asarray(self.oblong * self.std * np.sqrt(calibration.BLENDED_STD_FACTOR**2 - 1.0 + self.alike))
 
     def find_excess(self, extrapolated: Array) -> Array:
         """Return the excess of areas that are extrapolated by a fraction, shape (count + 1,), m2."""
         first, second = calibration.EXCESS_HALF
         cells = first * self.curvature_resolution + second * self.curvature_resolution**2
-        half = np.minimum(cells * self.strip, _LARGEST_EXCESS * self.area)
-        none = self.excess
-        full = self.excess_refined
-        below = 2.0 * extrapolated * half + (1.0 - 2.0 * extrapolated) * none
-        above = 2.0 * (1.0 - extrapolated) * half + (2.0 * extrapolated - 1.0) * full
+        half = np.minimum(cells * self.strip, _MAX_EXCESS_FRACTION * self.area)
+        below = 2.0 * extrapolated * half + (1.0 - 2.0 * extrapolated) * self.excess
+        above = 2.0 * (1.0 - extrapolated) * half + (2.0 * extrapolated - 1.0) * self.excess_refined
         return np.where(extrapolated < 0.5, below, above)
 
     def average_excess(self, excess: Array) -> float:
-        """Return the standard deviation of a total that excess was subtracted from, m2: one wave has more, one less."""
+        """Return the standard deviation of the total of the excess of all edges, m2, as it varies from wave to wave."""
         return calibration.EXCESS_STD * float(np.sum(excess)) / math.sqrt(self.pieces)
 
     def common_std(self, excess_std: float, fraction: float | Array = 1.0) -> float:
@@ -161,74 +173,74 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     oblong = math.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
     # The edge of a patch varies at least as half the edge of a disc of as many cells.
     half_disc = np.sqrt(np.pi * cell * np.concatenate(([0], cells)))
-    std = calibration.WANDER * np.sqrt(_SIDES * np.maximum(one.length, half_disc) / step) * cell
+    std = calibration.EDGE_AREA_STD * np.sqrt(_SIDES_PER_LENGTH * np.maximum(one.length, half_disc) / step) * cell
     ratio = curvature_resolution(solution)
     lay = lay_ratio(solution)
     strip = step * one.length
     waves = math.sqrt(ratio) / (2.0 * math.pi)
-    position = calibration.SHIFT * (1.0 + calibration.LAY_SHIFT * (1.0 - lay))
-    position += calibration.LAYERED_SHIFT * find_modulus_change(solution)
+    position = calibration.EDGE_POSITION_STD * (1.0 + calibration.LAY_POSITION_FACTOR * (1.0 - lay))
+    position += calibration.LAYERED_POSITION_STD * find_modulus_change(solution)
     counted = np.concatenate(([1.0], cells))
     width = _measure_width(fine, one.length, cell, counted)
-    small = 1.0 + (calibration.SMALL_PATCH / width) ** 2
-    narrow = np.where(width < _SLENDER * counted, width, counted) < _FEW
+    small = 1.0 + (calibration.SMALL_PATCH_WIDTH / width) ** 2
+    narrow = np.where(width < _MAX_SLENDER_RATIO * counted, width, counted) < _MIN_SURROUNDED_CELLS
     meeting = cell * one.meeting
     met = step * one.meeting
-    few = calibration.FLUCTUATION * ratio * fine / counted**1.5
-    places = calibration.NON_MEASURED_PLACE * cell * np.sqrt(one.meeting)
+    few = calibration.SMALL_PATCH_STD * ratio * fine / counted**1.5
+    places = calibration.NON_MEASURED_PLACE_STD * cell * np.sqrt(one.meeting)
     return TracedEdges(
-        area=np.maximum(fine - calibration.NON_MEASURED * meeting, 0.0),
-        refined=(4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED * meeting,
+        area=np.maximum(fine - calibration.NON_MEASURED_EXCESS * meeting, 0.0),
+        refined=(4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED_EXCESS * meeting,
         length=one.length + calibration.NON_MEASURED_LENGTH * met,
         untraced_std=calibration.NON_MEASURED_LENGTH_STD * met,
         sharp=one.sharp,
-        std=np.hypot(np.hypot(std * (small + _STAIRS * one.sharp), few), places),
-        alike=_count(one.alike) * (calibration.OBLIQUE if lay < STRAIGHT and is_diagonal(solution, lay) else 1.0),
+        std=np.hypot(np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), few), places),
+        alike=_count_equal_errors(one.alike)
+        * (calibration.OBLIQUE_PARTS_FACTOR if lay < MAX_RIDGE_LAY and is_diagonal(solution, lay) else 1.0),
         strip=strip,
         curvature_resolution=ratio,
-        excess=np.minimum(calibration.EXCESS * ratio * strip, _LARGEST_EXCESS * fine),
-        excess_refined=np.minimum(calibration.EXCESS_REFINED * ratio**2 * strip, _LARGEST_EXCESS * fine),
-        saturated=calibration.SATURATED * _saturated_weight(solution) * strip,
-        unseen=np.where(narrow, calibration.UNSEEN * ratio**2 * fine, 0.0),
+        excess=np.minimum(calibration.EXCESS * ratio * strip, _MAX_EXCESS_FRACTION * fine),
+        excess_refined=np.minimum(calibration.EXCESS_REFINED * ratio**2 * strip, _MAX_EXCESS_FRACTION * fine),
+        saturated=calibration.SATURATED_POSITION_STD * _saturated_weight(solution) * strip,
+        unseen=np.where(narrow, calibration.UNSEEN_STD * ratio**2 * fine, 0.0),
         meeting=calibration.NON_MEASURED_STD * meeting,
         width=width,
         roundness=_measure_roundness(width, counted),
         border=math.hypot(oblong * _border_std(solution), _find_filled_std(solution)) * cell,
-        topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _LARGE))) * cell,
-        shift=calibration.SHIFT * (1.0 + calibration.LAY_SHIFT * (1.0 - lay))
-        + calibration.LAYERED_SHIFT * find_modulus_change(solution)
-        + _measure_rims(solution),
-        slender=_slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE),
+        topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _MIN_TOPOLOGY_CELLS))) * cell,
+        shift=position + _measure_rims(solution),
+        slender=_slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH),
         oblong=oblong,
-        pieces=max(1.0, lay**calibration.LAY_PIECES * float(np.sum(one.length / one.alike)) * waves / step),
+        pieces=max(1.0, lay**calibration.LAY_PIECES_EXPONENT * float(np.sum(one.length / one.alike)) * waves / step),
     )
 
 
 def _slender_std(lay: float) -> float:
-    """Return the standard deviation of the edges of very slender patches, in cells: those of a lay err alike."""
-    along, merged = calibration.SLENDER
+    """Return the standard deviation of the position of the edges of very slender patches, in cells."""
+    along, merged = calibration.SLENDER_POSITION_STD
     return along * (1.0 - lay) + merged * lay
 
 
 def _measure_rims(solution: ContactSolution) -> Array:
     """Return the standard deviation of edges at sharp rims, cells, shape (count + 1,)."""
-    first, highest, std = calibration.RIM
+    first, highest, std = calibration.RIM_POSITION_TERMS
     sharpness = min(max(rim_ratio(solution) - first, 0.0), highest)
     return np.asarray(std * sharpness * (1.0 - _saturated_weight(solution)))
 
 
 def _measure_roundness(width: Array, cells: Array) -> Array:
-    slenderness = np.maximum(cells / (_ROUND * width), 1.0) - 1.0
-    return np.asarray(1.0 / (1.0 + slenderness / (1.0 + (width / _WIDE) ** 2)))
+    """Return one for compact patches, and less the more slender they are."""
+    slenderness = np.maximum(cells / (_MAX_COMPACT_RATIO * width), 1.0) - 1.0
+    return np.asarray(1.0 / (1.0 + slenderness / (1.0 + (width / _WIDE_PATCH_WIDTH) ** 2)))
 
 
-def _count(alike: Array) -> Array:
-    """Return the number of errors that add up, for a number of parts of the edge that are the same."""
-    return 1.0 + calibration.ALIKE * (alike - 1.0)
+def _count_equal_errors(alike: Array) -> Array:
+    """Return the number of equal errors that add up, for the number of parts of the edge that are the same."""
+    return 1.0 + calibration.ALIKE_PARTS_FACTOR * (alike - 1.0)
 
 
 def _measure_width(area: Array, length: Array, cell: float, cells: Array) -> Array:
-    """Return the number of cells of discs with the same ratio of area to edge, at most that of the patch."""
+    """Return the number of cells of discs with the same ratio of area to edge, at most the cells of the patch."""
     with np.errstate(divide="ignore", invalid="ignore"):
         width = np.pi * (2.0 * area / length) ** 2 / cell
     return np.where((length > 0.0) & (area > 0.0), np.clip(width, 0.5, cells), cells)
@@ -237,7 +249,7 @@ def _measure_width(area: Array, length: Array, cell: float, cells: Array) -> Arr
 def _correct(solution: ContactSolution, edge: Contour, stride: int) -> Array:
     """Return the areas inside the smooth edges whose chords are the sides of the polygons."""
     step = np.sqrt(solution.grid.cell_area)
-    cut_off = (_CHORDS + calibration.EULER) * stride**2 * edge.euler * solution.grid.cell_area
+    cut_off = CUT_OFF_CELLS * stride**2 * edge.euler * solution.grid.cell_area
     return np.asarray(np.maximum(edge.area + solution.edge_shift * step * edge.length + cut_off, 0.0))
 
 
@@ -251,29 +263,107 @@ def _border_std(solution: ContactSolution) -> float:
         for field in (contact, solution.saturated, find_cut_cells(solution))
     )
     ended = np.count_nonzero(contact & ~saturated & ~cut)
-    return calibration.BORDER * np.count_nonzero(cut) + calibration.UNCUT_BORDER * ended
+    return calibration.CUT_BORDER_STD * np.count_nonzero(cut) + calibration.UNCUT_BORDER_STD * ended
 
 
 def _find_filled_std(solution: ContactSolution) -> float:
     """Return the standard deviation at points beside the edge whose heights were filled in, in cells."""
     beside = grow(solution.contact, 1, solution.boundary) & grow(~solution.contact, 1, solution.boundary)
     filled = np.count_nonzero(find_filled(solution, np.flatnonzero(beside)))
-    return calibration.FILLED * math.sqrt(filled)
+    return calibration.FILLED_POINT_STD * math.sqrt(filled)
 
 
 def _saturated_weight(solution: ContactSolution) -> Array:
     """Return the weight of the saturated error in each patch, shape (count + 1,): one from half its cells saturated."""
-    patches = solution.patches
-    if not solution.capped:
-        return np.zeros(patches.count + 1)
-    saturated = patches.member_labels[solution.saturated.ravel()[patches.members]]
-    saturated = np.bincount(saturated, minlength=patches.count + 1)
-    return np.minimum(2.0 * saturated / np.concatenate(([1], patches.cells)), 1.0)
+    return np.minimum(2.0 * count_saturated(solution) / np.concatenate(([1], solution.patches.cells)), 1.0)
 
 
 def is_diagonal(solution: ContactSolution, lay: float) -> bool:
     """Return whether long edges run along a diagonal of the grid, or straight ones in any oblique direction."""
     rows = find_straight_rows(solution.contact, solution.boundary).astype(np.float64)
-    long = rows.sum() > _LONG * solution.patches.count
-    oblique = _OBLIQUE if lay < STRAIGHT else _DIAGONAL
+    long = rows.sum() > _LONG_EDGE_SIDES * solution.patches.count
+    oblique = _MAX_OBLIQUE_ROW if lay < MAX_RIDGE_LAY else _MAX_DIAGONAL_ROW
     return bool(long and np.sum(rows**2) < oblique * rows.sum())
+
+
+def total_area(
+    solution: ContactSolution, values: Array, stds: Array, common: float, edges: TracedEdges, name: str
+) -> Area:
+    """Return the area of the contact from the areas of the patches; exactly zero or nominal without or in full contact.
+
+    `values` and `stds` are the areas and their independent standard deviations, shape (count + 1,), m2; `common` is
+    their common standard deviation, m2.
+    """
+    grid = solution.grid
+    patches = solution.patches
+    cells = int(patches.cells.sum())
+    if cells in (0, solution.contact.size):
+        fraction = float(cells > 0)
+        parts = np.full(int(fraction), grid.area)
+        hidden = _count_hidden_gaps(solution) * grid.cell_area
+        return Area(fraction * grid.area, fraction, hidden, name, perimeter=0.0, patches=parts)
+    total = float(values.sum())
+    value = min(total, grid.area)
+    values = values * (value / total if total > 0.0 else 1.0)
+    uncertainty = math.sqrt(float(np.sum(stds**2)) + common**2 + edges.border**2)
+    warnings = list_warnings(solution, edges.curvature_resolution)
+    warnings = _judge_uncertainty("the area", value, uncertainty, warnings)
+    return Area(
+        value,
+        value / grid.area,
+        uncertainty,
+        name,
+        perimeter=float(edges.length.sum()),
+        patches=values[1:],
+        warnings=warnings,
+    )
+
+
+def _count_hidden_gaps(solution: ContactSolution) -> float:
+    """Return the cells in full contact beside which the pressure, extrapolated, vanishes before the next centre."""
+    pressure = solution.pressure
+    extended = extend(pressure, 1, solution.boundary)
+    around = (extended[:-2, 1:-1], extended[2:, 1:-1], extended[1:-1, :-2], extended[1:-1, 2:])
+    steepest = np.max([np.abs(neighbour - pressure) for neighbour in around], axis=0)
+    return float(np.count_nonzero((pressure > 0.0) & (2.0 * pressure < steepest)))
+
+
+def warn_if_uncertain(value: float, std: float, unit: str, warnings: tuple[str, ...]) -> Estimate:
+    """Return an estimate, with a warning if it has no other and two of its standard deviations are more than 10 %."""
+    if value != 0.0:
+        warnings = _judge_uncertainty("this number", value, std, warnings)
+    return Estimate(value, std, unit, warnings)
+
+
+def _judge_uncertainty(what: str, value: float, std: float, warnings: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the warnings; if there are none and two standard deviations are more than 10 %, a warning about that."""
+    if warnings or std <= _MAX_RELATIVE_STD * abs(value):
+        return warnings
+    text = f"the grid hardly determines {what}, whose uncertainty is above 5 %: refine the grid"
+    return (ContactWarning(text, "uncertainty", std / abs(value) if value else math.inf),)
+
+
+def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tuple[str, ...]:
+    """Return why an area from this solution must not be trusted, in sentences."""
+    warnings = []
+    waves = 2.0 * math.pi / math.sqrt(curvature_resolution) if curvature_resolution > 0.0 else math.inf
+    if waves < _MIN_WAVE_CELLS:
+        text = (
+            f"the shortest waves have about {waves:.2g} cells; the area needs about 8 "
+            "(a finer grid of a measured map adds no heights)"
+        )
+        warnings.append(ContactWarning(text, "resolution", waves))
+    small = solution.patches.small_fraction
+    if small > _MAX_SMALL_FRACTION and curvature_resolution > _MAX_SMOOTH_RATIO:
+        text = f"{100 * small:.3g} % of the counted area is in patches of fewer than four cells"
+        warnings.append(ContactWarning(text, "small patches", small))
+    change = find_modulus_change(solution)
+    if change > _MAX_MODULUS_CHANGE:
+        text = (
+            f"the modulus changes by a factor of {math.exp(change):.2g} between wavelengths of about a cell, as on a "
+            "thin layer: refine the grid"
+        )
+        warnings.append(ContactWarning(text, "layer", math.exp(change)))
+    if not solution.status.success:
+        warnings.append(ContactWarning("the solution is not converged", "convergence"))
+    return tuple(warnings)

@@ -9,27 +9,26 @@ import numpy as np
 
 from roughcontact._answers.areas.cells import count_sides, find_straight_rows, measure_sides
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.areas.edges import UNSURE, TracedEdges, trace_edges
+from roughcontact._answers.areas.edges import SUBTRACTED_EXCESS_STD, TracedEdges, list_warnings, total_area, trace_edges
 from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact._answers.areas.outline import contours, outline
-from roughcontact._answers.areas.total import list_warnings, total_area
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution
 
 # Mean excess of the count, in cells per side, over all positions and directions of a straight edge (Yastrebov 2017).
-_OVERSHOOT = (math.pi - 1.0 + math.log(2.0)) / 24.0
+_COUNT_EXCESS = (math.pi - 1.0 + math.log(2.0)) / 24.0
 # Fraction of that correction in one standard deviation: two hold all from no correction (sharp edges) to twice it.
 _CORRECTION_STD = 0.5
 # Position of an edge within its cell, in cells: standard deviation of a uniform distribution.
 _POSITION_STD = 1.0 / math.sqrt(12.0)
-# Widths, in cells of a disc, between which the first and the second half of the extrapolation of the traced area set
-# in: narrow patches have too small an area inside their edges, and too large a one where it is extrapolated.
-_FIRST_HALF = (1.5, 3.0)
-_SECOND_HALF = (6.0, 60.0)
-# Standard deviation of an excess that is not subtracted, over it.
-_NOT_SUBTRACTED = 1.3
+# Widths, in cells of a disc, between which the two halves of the extrapolation of the traced area set in: in narrow
+# patches the area inside the edge is too small, and the extrapolated area too large.
+_FIRST_HALF_WIDTHS = (1.5, 3.0)
+_SECOND_HALF_WIDTHS = (6.0, 60.0)
+# Standard deviation of an excess that is not subtracted, over the excess.
+_KEPT_EXCESS_STD = 1.3
 # Fraction of its edge that may look sharp in a smooth patch, times the resolution ratio where that is above one.
-_SHARP = 0.1
+_MAX_SHARP_FRACTION = 0.1
 
 
 @attrs.frozen
@@ -54,7 +53,7 @@ class CellCount(AreaEstimator):
         """Return the counted area; see `AreaEstimator.estimate`."""
         count = int(np.count_nonzero(solution.contact))
         cell = solution.grid.cell_area
-        excess = _OVERSHOOT * count_sides(solution.contact, solution.boundary) * cell
+        excess = _COUNT_EXCESS * count_sides(solution.contact, solution.boundary) * cell
         return _counted_area(solution, count * cell, count / solution.contact.size, excess, "cell-count")
 
 
@@ -91,9 +90,9 @@ class Perimeter(AreaEstimator):
         rows = find_straight_rows(contact, solution.boundary)
         elastic = int(rows.sum()) - count_sides(contact, solution.boundary, solution.saturated)
         needed = float(np.add.reduce(solution.pressure / solution.pressure_limit, axis=None))
-        value = max(int(np.count_nonzero(contact)) - _OVERSHOOT * elastic, needed) * cell
+        value = max(int(np.count_nonzero(contact)) - _COUNT_EXCESS * elastic, needed) * cell
         position = _POSITION_STD * math.sqrt(float(np.sum(rows.astype(np.float64) ** 2)))
-        uncertainty = (_CORRECTION_STD * _OVERSHOOT * elastic + position) * cell
+        uncertainty = (_CORRECTION_STD * _COUNT_EXCESS * elastic + position) * cell
         return _counted_area(solution, value, value / solution.grid.area, uncertainty, "perimeter")
 
 
@@ -129,7 +128,7 @@ class LevelSet(AreaEstimator):
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the area inside the traced edge; see `AreaEstimator.estimate`."""
         edges = trace_edges(solution)
-        common = edges.common_std(_NOT_SUBTRACTED * float(np.sum(edges.excess)))
+        common = edges.common_std(_KEPT_EXCESS_STD * float(np.sum(edges.excess)))
         return total_area(solution, edges.area, edges.alone_std, common, edges, "level-set")
 
     def outline(self, solution: ContactSolution) -> Array:
@@ -169,7 +168,7 @@ class LevelSetRichardson(AreaEstimator):
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the extrapolated area; see `AreaEstimator.estimate`."""
         edges = trace_edges(solution)
-        common = edges.common_std(_NOT_SUBTRACTED * float(np.sum(edges.excess_refined)))
+        common = edges.common_std(_KEPT_EXCESS_STD * float(np.sum(edges.excess_refined)))
         # On grids of a few cells the extrapolation may leave nothing of a patch.
         values = np.where(edges.refined > 0.0, edges.refined, edges.area)
         return total_area(solution, values, edges.alone_std, common, edges, "level-set-richardson")
@@ -198,6 +197,8 @@ class Hertz(AreaEstimator):
     >>> print(problem.solve(force=1.0).area("hertz"))
     (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [hertz]
     """
+
+    with_adhesion = "refused"
 
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the sum of Hertz's areas; see `AreaEstimator.estimate`."""
@@ -238,18 +239,20 @@ class Blend(AreaEstimator):
     (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [blend]
     """
 
+    with_adhesion = "refused"
+
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the weighted area; see `AreaEstimator.estimate`."""
         edges = trace_edges(solution)
-        smooth = edges.sharp <= _SHARP * max(1.0, edges.curvature_resolution)
+        smooth = edges.sharp <= _MAX_SHARP_FRACTION * max(1.0, edges.curvature_resolution)
         step = np.where(smooth, _extrapolate(edges), 0.0)
         excess = np.where(smooth, edges.find_excess(step), 0.0)
         traced = step * edges.refined + (1.0 - step) * edges.area - excess
         traced = np.maximum(traced, _smallest_areas(solution))
-        traced_std = np.hypot(edges.std, UNSURE * excess + edges.saturated)
+        traced_std = np.hypot(edges.std, SUBTRACTED_EXCESS_STD * excess + edges.saturated)
         summits = hertz_areas(solution)
         known = smooth & np.isfinite(summits.error)
-        # Only the load determines a contact far smaller than a cell; else the larger area is the safer scale.
+        # Only the load determines a contact far smaller than a cell; otherwise the larger area is the safer scale.
         tiny = summits.area < solution.grid.cell_area
         scale = np.where(tiny, summits.area, np.maximum(summits.area, traced))
         hertz_std = np.where(known, summits.error, 1.0) * scale
@@ -267,7 +270,7 @@ class Blend(AreaEstimator):
 
 def _extrapolate(edges: TracedEdges) -> Array:
     """Return how far the traced area of each patch is extrapolated, from 0 to 1."""
-    halves = zip((edges.width, edges.width * edges.roundness), (_FIRST_HALF, _SECOND_HALF), strict=True)
+    halves = zip((edges.width, edges.width * edges.roundness), (_FIRST_HALF_WIDTHS, _SECOND_HALF_WIDTHS), strict=True)
     return np.asarray(sum(0.5 * np.interp(np.log(width), np.log(ends), (0.0, 1.0)) for width, ends in halves))
 
 

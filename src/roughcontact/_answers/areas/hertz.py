@@ -1,4 +1,4 @@
-"""Hertz's area of each patch, from its load and its curvature."""
+"""Hertz's area of each patch, from its curvature and its load or the common approach."""
 
 from __future__ import annotations
 
@@ -8,83 +8,293 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import split
+from roughcontact._answers.areas.cells import Neighbourhood, count_saturated, split
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.areas.sharing import Sharing, share_load
 from roughcontact._answers.areas.spline import Spline
-from roughcontact._answers.areas.summits import Summits, find_summits
-from roughcontact._base.checks import Array, IntArray
-from roughcontact._parts.grid import extend
+from roughcontact._answers.areas.summits import (
+    MIN_CURVATURE_RATIO,
+    Summits,
+    find_axes_ratio,
+    find_depth,
+    find_summits,
+    points_of_punch,
+    solve_for_area,
+    unwrap,
+)
+from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._parts.grid import Boundary, extend, grow
+from roughcontact._parts.kernels import Love
 from roughcontact._solve.solution import ContactSolution
 
+# Cells of the largest patch whose load is corrected: the load of larger ones is right.
+_MAX_CORRECTED_CELLS = 36
+# Spread of the curvature up to which a contact is taken for one summit.
+_MAX_EVEN_SPREAD = 0.25
+# Accuracy of the common approach, over the largest approach that is tried.
+_APPROACH_TOLERANCE = 1e-14
+# Newton steps to a summit between the cell centres.
+_NEWTON_STEPS = 3
+# Largest gap at the nearest cell of a summit that touches, over curvature times the square of a cell's diagonal:
+# 1/8 for a summit in the corner of a cell; the sharpest summit may be sharper than those in contact.
+_HIDDEN_GAP_FACTOR = 0.25
 # Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.
-_UNLIMITED = 1e150
-_FOUND: WeakKeyDictionary[ContactSolution, HertzAreas] = WeakKeyDictionary()
+_NO_PRESSURE_LIMIT = 1e150
+# Results for solutions that still exist: area and maximum pressure ask for the same.
+_AREAS_OF_SOLUTIONS: WeakKeyDictionary[ContactSolution, HertzAreas] = WeakKeyDictionary()
+
+
+@attrs.frozen(eq=False)
+class LoadCorrection:
+    """The correction of the loads on the patches by their common approach.
+
+    Attributes
+    ----------
+    factor, error
+        Factors of the forces on the patches, and the relative standard deviations of the areas by them, shape (count,).
+    hidden
+        Areas of contacts that have no cell, m2.
+    """
+
+    factor: Array
+    error: Array
+    hidden: Array
+
+
+def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -> LoadCorrection:
+    """Return the correction of the load of each patch by the common approach; the sum remains the solution's load."""
+    from scipy import optimize
+
+    patches = solution.patches
+    even = (
+        summits.known
+        & (summits.spread < _MAX_EVEN_SPREAD)
+        & (patches.cells <= _MAX_CORRECTED_CELLS)
+        & (count_saturated(solution)[1:] == 0)
+    )
+    # The load of a single patch is known.
+    unknown = np.asarray(calibration.LOAD_ERROR / patches.cells**1.5 * (patches.count > 1), dtype=np.float64)
+    none = LoadCorrection(np.ones(patches.count), unknown, np.zeros(0))
+    # The displacement of a patch by its own pressure is known for uniform pressure on the cells of a half-space (Love).
+    if solution.moduli is not None or solution.edge_shift == 0.0 or not even.any():
+        return none
+    flat = find_depth(patches.forces, summits.semi_axis, summits.axes_ratio, solution.modulus)
+    # The approach of the discrete solution is too small, because the gap vanishes at the centres of the cells only.
+    curved = np.where(summits.known, summits.curvature, np.median(summits.curvature[even]))
+    lacking = curved * solution.grid.cell_area * calibration.APPROACH_DEFICIT
+    excess = np.where(even, _find_excess(solution, summits, spline, even) - flat, -lacking)
+    stiffness = 2.0 * solution.modulus * np.sqrt(np.where(summits.known, summits.area, patches.areas) / np.pi)
+    depth, unit_depth, unit_area = _find_hidden(solution, spline, float(summits.curvature[even].max()))
+
+    def loads(shift: float) -> tuple[Array, Array]:
+        # A paraboloid's load grows as depth^(3/2); a large patch is stiff as a flat punch of its area.
+        small = patches.forces * _raise_to_three_halves(1.0 + (excess + shift) / (1.5 * flat))
+        large = np.maximum(patches.forces + stiffness * (excess + shift), 0.0)
+        return np.where(even, small, large), _raise_to_three_halves((depth + shift) / unit_depth)
+
+    def surplus(shift: float) -> float:
+        return float(sum(part.sum() for part in loads(shift)) - patches.forces.sum())
+
+    far = 3.0 * float(flat[even].max()) + float(np.abs(excess).max())
+    if surplus(-far) * surplus(far) > 0.0:
+        return none
+    carried, hidden = loads(
+        far * float(optimize.brentq(lambda part: surplus(part * far), -1.0, 1.0, xtol=_APPROACH_TOLERANCE))
+    )
+    factor = np.where(even, carried / patches.forces, 1.0)
+    others = float(patches.forces[~even].sum() / patches.forces.sum())
+    error = calibration.APPROACH_DEFICIT_STD * np.median(curved) * solution.grid.cell_area * others / (1.5 * flat)
+    error = np.where(even, np.minimum(error, unknown), unknown)
+    return LoadCorrection(factor, error, unit_area[hidden > 0.0] * hidden[hidden > 0.0] ** (2.0 / 3.0))
+
+
+def _raise_to_three_halves(depth: Array) -> Array:
+    """Return depth^(3/2), zero for negative depths; faster than a power."""
+    positive = np.maximum(depth, 0.0)
+    return np.asarray(positive * np.sqrt(positive))
+
+
+def _find_excess(solution: ContactSolution, summits: Summits, spline: Spline, chosen: Mask) -> Array:
+    """Return approach less initial gap and displacement by other patches, averaged over flat punches, (count,), m."""
+    dx, dy = solution.grid.spacing
+    far = summits.far
+    u, v, flat = points_of_punch()
+    x, y = summits.place(u, v)
+    gap = spline.derivatives(summits.row[:, np.newaxis] + x / dx, summits.column[:, np.newaxis] + y / dy, 0)[0] @ flat
+    moments, displaced = _average_cells(solution, summits, chosen)
+    squares = np.stack([(part * flat).sum(axis=1) for part in (x * x, x * y, y * y)])
+    # From the mean over the cells, weighted by their pressure, to the mean over the flat punch around the centre.
+    step = np.sum(far.slope * -moments[:2], axis=0)
+    bend = far.curvature * (squares - moments[2:])
+    return np.asarray(solution.approach - gap - displaced - step - 0.5 * (bend[0] + bend[2]) - bend[1])
+
+
+def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) -> tuple[Array, Array]:
+    """Return means over the cells of chosen patches, weighted by their pressure, shapes (5, count) and (count,).
+
+    They are x, y, x^2, x y and y^2 from the centre of the patch, m and m2, and the displacement by other patches, m.
+    """
+    patches = solution.patches
+    nx, ny = solution.grid.shape
+    label = patches.member_labels - 1
+    which = np.flatnonzero(chosen[label])
+    which = which[np.argsort(label[which], kind="stable")]
+    members = patches.members[which]
+    label = label[which]
+    i, j = np.divmod(members, ny)
+    x = unwrap(i - summits.row[label], nx, solution.boundary) * solution.grid.spacing[0]
+    y = unwrap(j - summits.column[label], ny, solution.boundary) * solution.grid.spacing[1]
+    pressure = solution.pressure.ravel()[members]
+    total = np.bincount(label, weights=pressure, minlength=patches.count)
+    total[~chosen] = 1.0
+
+    def mean(values: Array, of: IntArray = label) -> Array:
+        return np.asarray(np.bincount(of, weights=values, minlength=patches.count) / total)
+
+    one, other = _pair_cells(label)
+    # A patch across the border is one piece.
+    di = np.abs(unwrap(i[one] - i[other], nx, solution.boundary)).astype(np.intp)
+    dj = np.abs(unwrap(j[one] - j[other], ny, solution.boundary)).astype(np.intp)
+    reach = int(di.max()) + 1, int(dj.max()) + 1
+    love = Love().coefficients(reach, solution.grid.spacing, 1.0 / solution.modulus)
+    own = mean(love[di, dj] * pressure[one] * pressure[other], label[one])
+    displaced = mean(pressure * solution.displacement.ravel()[members]) - own
+    return np.stack([mean(pressure * part) for part in (x, y, x * x, x * y, y * y)]), displaced
+
+
+def _pair_cells(label: IntArray) -> tuple[IntArray, IntArray]:
+    """Return all ordered pairs of cells with the same label; labels ascend."""
+    counts = np.bincount(label)[label]
+    first = np.searchsorted(label, label)
+    one = np.repeat(np.arange(label.size), counts)
+    return one, np.repeat(first, counts) + np.arange(one.size) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> tuple[Array, Array, Array]:
+    """Return the overlap of summits between open cells, m, and their approach, m, and area, m2, under 1 N."""
+    chosen = _find_low_cells(solution, sharpest)
+    if chosen.size == 0:
+        return np.zeros(0), np.ones(0), np.zeros(0)
+    ny = solution.grid.shape[1]
+    dx, dy = solution.grid.spacing
+    i, j = np.divmod(chosen, ny)
+    nx = solution.grid.shape[0]
+    u = solution.displacement
+    along_x = (u[(i + 1) % nx, j] - u[i - 1, j]) / (2.0 * dx)
+    along_y = (u[i, (j + 1) % ny] - u[i, j - 1]) / (2.0 * dy)
+    x = np.zeros(i.size)
+    y = np.zeros(i.size)
+    for _ in range(_NEWTON_STEPS):
+        gx, gy, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 1, 2)
+        determinant = xx * yy - xy**2
+        summit = (determinant > 0.0) & (xx + yy > 0.0)
+        determinant = np.where(summit, determinant, 1.0)
+        gx = gx + along_x
+        gy = gy + along_y
+        x = np.where(summit, np.clip(x - (yy * gx - xy * gy) / determinant, -dx, dx), x)
+        y = np.where(summit, np.clip(y - (xx * gy - xy * gx) / determinant, -dy, dy), y)
+    value, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 0, 2)
+    middle = 0.5 * (xx + yy)
+    difference = np.hypot(0.5 * (xx - yy), xy)
+    summit = middle - difference > MIN_CURVATURE_RATIO * (middle + difference)
+    overlap = solution.approach - value - solution.displacement.ravel()[chosen] - along_x * x - along_y * y
+    overlap = overlap[summit]
+    middle = middle[summit]
+    difference = difference[summit]
+    ratio = (middle - difference) / (middle + difference)
+    area, _ = solve_for_area(solution, np.ones(ratio.size), middle, ratio)
+    axes_ratio = find_axes_ratio(ratio)
+    depth = 1.5 * find_depth(np.ones(ratio.size), np.sqrt(area * axes_ratio / np.pi), axes_ratio, solution.modulus)
+    return overlap, depth, area
+
+
+def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
+    """Return open cells without lower neighbours or neighbours in contact, beside which a summit may touch."""
+    nx, ny = solution.grid.shape
+    dx, dy = solution.grid.spacing
+    low = (solution.gap < sharpest * (dx * dx + dy * dy) * _HIDDEN_GAP_FACTOR) & ~solution.contact
+    if solution.non_measured is not None:
+        low &= ~grow(solution.non_measured, 2, solution.boundary)
+    if solution.boundary is Boundary.FREE:
+        low[:2] = low[-2:] = False
+        low[:, :2] = low[:, -2:] = False
+    chosen = np.flatnonzero(low)
+    near = Neighbourhood.of(*split(chosen, ny), (nx, ny), solution.boundary, 1)
+    gap = solution.gap.ravel()
+    contact = solution.contact.ravel()
+    lowest = np.ones(chosen.size, dtype=bool)
+    here = gap[chosen]
+    for i in (-1, 0, 1):
+        for j in (-1, 0, 1):
+            beside = near.at(i, j)
+            # Equal neighbours have one summit between them: only the first counts.
+            higher = gap[beside] > here if (i, j) < (0, 0) else gap[beside] >= here
+            lowest &= higher & ~contact[beside]
+    return chosen[lowest]
 
 
 @attrs.frozen(eq=False)
 class HertzAreas:
-    """Areas of the patches after Hertz, shape (count + 1,), m2, their relative standard deviations, and their origin.
+    """Hertz's areas of the patches, shape (count + 1,), m2, their relative standard deviations, and their origin.
 
-    The first entry stands for the contacts at summits that have no cell. Where a patch has no summit the area is
-    zero and the error infinite. `tip` is a further standard deviation, for summits sharper than the cells show: no
-    estimate tells more of them.
+    The first entry is the sum of the contacts at summits without a cell. Where a patch has no summit the area is zero
+    and the error infinite. `tip` is a further relative standard deviation, for summits sharper than the cells show.
     """
 
     area: Array
     error: Array
     tip: Array
     summits: Summits
-    sharing: Sharing
+    correction: LoadCorrection
 
     def common_std(self, areas: Array) -> float:
-        """Return the standard deviation that these areas share, m2: similar summits err alike."""
+        """Return the common standard deviation of these areas, m2: similar summits have the same error."""
         known = np.isfinite(self.error)
-        return calibration.HERTZ_COMMON * float(np.sum(np.minimum(self.error[known], 1.0) * areas[known]))
+        return calibration.HERTZ_COMMON_FRACTION * float(np.sum(np.minimum(self.error[known], 1.0) * areas[known]))
 
 
 def hertz_areas(solution: ContactSolution) -> HertzAreas:
     """Return Hertz's areas of the patches, from their summits between the cell centres and the common approach."""
-    # Area and maximum pressure ask for the same.
-    if solution not in _FOUND:
-        # Lengths and loads near the ends of float64 leave it; such areas are not known.
+    if solution not in _AREAS_OF_SOLUTIONS:
+        # Very large or small lengths and loads leave the range of float64; such areas are not known.
         with np.errstate(all="ignore"):
-            _FOUND[solution] = _find_areas(solution)
-    return _FOUND[solution]
+            _AREAS_OF_SOLUTIONS[solution] = _find_areas(solution)
+    return _AREAS_OF_SOLUTIONS[solution]
 
 
 def _find_areas(solution: ContactSolution) -> HertzAreas:
     patches = solution.patches
     spline = Spline.through_gap(solution)
     summits = find_summits(solution, spline)
-    sharing = share_load(solution, summits, spline)
-    shared = sharing.factor ** (2.0 / 3.0)
+    correction = correct_loads(solution, summits, spline)
+    shared = correction.factor ** (2.0 / 3.0)
     area = summits.area * shared * (1.0 + _find_uneven_deficit(summits.spread))
-    growth = _plastic_growth(solution, patches.forces * sharing.factor, area)
+    growth = _plastic_growth(solution, patches.forces * correction.factor, area)
     area = area * growth
     constant, square, fourth = calibration.HERTZ_ERROR
-    # Positions err with the longer side of a cell.
+    # The error of positions grows with the longer side of a cell.
     oblong = (max(solution.grid.spacing) / min(solution.grid.spacing)) ** 0.25
-    slight = constant * oblong * summits.spread / (summits.spread + calibration.EVEN)
-    error = calibration.EXACT + slight + square * summits.spread**2 + fourth * summits.spread**4
-    error = error + calibration.HERTZ_LAYERED * summits.change + calibration.SHARED * np.abs(1.0 - shared)
-    unresolved, large = calibration.HERTZ_RESOLUTION
-    error = error + sharing.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
-    common, single = calibration.PLASTIC
+    slight = constant * oblong * summits.spread / (summits.spread + calibration.EVEN_SPREAD)
+    error = calibration.MIN_HERTZ_ERROR + slight + square * summits.spread**2 + fourth * summits.spread**4
+    error = (
+        error + calibration.HERTZ_LAYERED_ERROR * summits.change + calibration.SHARED_LOAD_ERROR * np.abs(1.0 - shared)
+    )
+    unresolved, large = calibration.HERTZ_RESOLUTION_ERROR
+    error = error + correction.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
+    common, single = calibration.PLASTIC_ERROR
     error = error + np.where(growth > 1.0, common + single / patches.cells, 0.0)
     known = summits.known & np.isfinite(area) & (area > 0.0) & np.isfinite(error)
-    hidden = float(sharing.hidden.sum())
+    hidden = float(correction.hidden.sum())
     return HertzAreas(
         np.concatenate(([hidden if np.isfinite(hidden) else 0.0], np.where(known, area, 0.0))),
-        np.concatenate(([calibration.HIDDEN], np.where(known, error, np.inf))),
+        np.concatenate(([calibration.HIDDEN_AREA_ERROR], np.where(known, error, np.inf))),
         np.concatenate(([0.0], _find_tip_error(solution))),
         summits,
-        sharing,
+        correction,
     )
 
 
 def _find_uneven_deficit(spread: Array) -> Array:
-    """Return by how much Hertz's area is too small where the curvature spreads, relative to it."""
+    """Return the relative deficit of Hertz's area where the curvature varies over the patch."""
     first, even, large = calibration.HERTZ_DEFICIT
     square = spread**2
     return np.asarray(first * square**2 / ((even + square) * (1.0 + large * square)))
@@ -93,12 +303,12 @@ def _find_uneven_deficit(spread: Array) -> Array:
 def _find_tip_error(solution: ContactSolution) -> Array:
     """Return the relative standard deviation for tips between the cell centres, shape (count,)."""
     patches = solution.patches
-    members = np.flatnonzero(np.concatenate(([False], patches.cells <= calibration.TIP_CELLS))[patches.labels])
+    members = np.flatnonzero(np.concatenate(([False], patches.cells <= calibration.MAX_TIP_CELLS))[patches.labels])
     label = patches.labels.ravel()[members] - 1
     order = np.lexsort((solution.initial_gap.ravel()[members], label))
     lowest = order[np.flatnonzero(np.diff(label[order], prepend=-1))]
     sharpness = find_sharpness(solution, members[lowest])
-    first, most = calibration.TIP
+    first, most = calibration.TIP_ERROR
     error = np.zeros(patches.count)
     error[label[lowest]] = np.where(np.isfinite(sharpness), np.minimum(first * sharpness**4, most), most)
     return error
@@ -130,7 +340,7 @@ def _plastic_growth(solution: ContactSolution, force: Array, area: Array) -> Arr
         return np.ones_like(area)
     if limit.ndim:
         patches = solution.patches
-        finite = np.where(np.isfinite(limit), limit, _UNLIMITED)
+        finite = np.where(np.isfinite(limit), limit, _NO_PRESSURE_LIMIT)
         limit = patches.sum(finite) / patches.cells
     with np.errstate(divide="ignore", invalid="ignore"):
         overload = np.where(area > 0.0, 1.5 * force / (area * limit), 0.0)

@@ -1,4 +1,4 @@
-"""The edge of the contact as lines for figures, closed: both dual cells beside a side share one point on it."""
+"""The edge of the contact as closed lines for figures: both dual cells beside a side share one point on it."""
 
 from __future__ import annotations
 
@@ -6,20 +6,35 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._answers.areas.cells import find_sharp_edges
-from roughcontact._answers.areas.contour import find_distances
-from roughcontact._answers.areas.dual_cells import DualCells, find_dual_cells
-from roughcontact._answers.areas.polygons import Corners, find_crossings, find_kinds, measure_polygons
-from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._answers.areas.contour import (
+    Corners,
+    DualCells,
+    find_crossings,
+    find_distances,
+    find_dual_cells,
+    find_kinds,
+    measure_polygons,
+)
+from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution, heal
 
 # Corners of a dual cell in the order around it, in cells from its lower left one.
-_CORNERS = np.array(((0, 0), (1, 0), (1, 1), (0, 1)))
+_CORNER_OFFSETS = np.array(((0, 0), (1, 0), (1, 1), (0, 1)))
 
 
 def outline(solution: ContactSolution) -> Array:
     """Return the edge of the contact as straight pieces: their ends (x, y), shape (n, 2, 2), m; contact on the left."""
     return _trace(solution)[0]
+
+
+def _find_edge(solution: ContactSolution) -> tuple[DualCells, IntArray, IntArray, IntArray, Mask, Corners]:
+    """Return the dual cells of a solution and, of those at the edge, row, column, corners, contact and distance."""
+    dual = find_dual_cells(solution, 1)
+    i, j = dual.find_edge(solution.contact)
+    k = dual.corners(i, j)
+    touching = solution.contact.ravel()[k]
+    return dual, i, j, k, touching, find_distances(solution, k, touching, solution.grid.spacing)
 
 
 def edge_law(solution: ContactSolution) -> float:
@@ -29,14 +44,10 @@ def edge_law(solution: ContactSolution) -> float:
     :math:`(2 p / A_0) \oint ds / K^2`, along the edge and over the nominal area.
     """
     solution = heal(solution)
-    dual = find_dual_cells(solution, 1)
     grid = solution.grid
-    i, j = dual.find_edge(solution.contact)
-    k = dual.corners(i, j)
-    touching = solution.contact.ravel()[k]
-    distance = find_distances(solution, k, touching, grid.spacing)
+    dual, i, j, k, touching, distance = _find_edge(solution)
     pressure = np.where(solution.saturated.ravel()[k], 0.0, solution.pressure.ravel()[k])
-    # In a dual cell all distances follow from one K: that of the corner furthest inside.
+    # In a dual cell all distances follow from one K: the K of the corner furthest inside.
     deepest = np.argmax(pressure, axis=0)
     each = np.arange(i.size)
     square = pressure[deepest, each] ** 2
@@ -50,8 +61,8 @@ def edge_law(solution: ContactSolution) -> float:
 def contours(solution: ContactSolution) -> list[Array]:
     """Return the edges of the contact as lines, (x, y) of shape (n, 2), m, the contact on their left.
 
-    The last point of a closed line is its first; where a line runs around a periodic domain it is the image of
-    the first. Lines that cross a periodic border go on beyond it; lines that reach a free border end there.
+    The last point of a closed line is its first, or the image of the first if the line runs around a periodic domain.
+    Lines that cross a periodic border continue beyond it; lines that reach a free border end there.
     """
     pieces, start, end = _trace(solution)
     if not len(pieces):
@@ -67,14 +78,14 @@ def contours(solution: ContactSolution) -> list[Array]:
             steps = np.diff(line, axis=0)
             line[1:] = line[0] + np.cumsum(steps - size * np.round(steps / size), axis=0)
         if closed:
-            # Up to rounding it is there already.
+            # This only removes rounding.
             line[-1] = line[0] + np.round((line[-1] - line[0]) / size) * size
         lines.append(line)
     return lines
 
 
 def _chain(following: IntArray) -> list[tuple[IntArray, bool]]:
-    """Return the pieces one behind the other, and whether the last leads to the first."""
+    """Return the lines as pieces in order, and whether the last piece leads to the first."""
     after = following.tolist()
     seen = bytearray(following.size)
     chains = []
@@ -97,12 +108,8 @@ def _chain(following: IntArray) -> list[tuple[IntArray, bool]]:
 def _trace(solution: ContactSolution) -> tuple[Array, IntArray, IntArray]:
     """Return the pieces of the edge, and the sides of dual cells where each begins and ends."""
     solution = heal(solution)
-    dual = find_dual_cells(solution, 1)
     grid = solution.grid
-    i, j = dual.find_edge(solution.contact)
-    k = dual.corners(i, j)
-    touching = solution.contact.ravel()[k]
-    distance = find_distances(solution, k, touching, grid.spacing)
+    dual, i, j, k, touching, distance = _find_edge(solution)
     sides = _number_sides(dual, i, j)
     crossing = find_crossings(distance)
     # At sharp edges and beside non-measured points the contact ends with the cells.
@@ -112,8 +119,8 @@ def _trace(solution: ContactSolution) -> tuple[Array, IntArray, IntArray]:
     ends_with_cells = counted.ravel()[k]
     crossing[ends_with_cells | np.roll(ends_with_cells, -1, axis=0)] = 0.5
     fraction = _share(crossing, sides, touching)
-    ways = _CORNERS[[1, 2, 3, 0]] - _CORNERS
-    points = _CORNERS[:, np.newaxis] + fraction[..., np.newaxis] * ways[:, np.newaxis]
+    ways = _CORNER_OFFSETS[[1, 2, 3, 0]] - _CORNER_OFFSETS
+    points = _CORNER_OFFSETS[:, np.newaxis] + fraction[..., np.newaxis] * ways[:, np.newaxis]
     cell, leaving, entering = _pair_sides(touching, distance)
     first = (np.stack((i, j), axis=-1) - dual.before)[cell][:, np.newaxis]
     ends = first + np.stack((points[leaving, cell], points[entering, cell]), axis=1)
@@ -134,7 +141,7 @@ def _number_sides(dual: DualCells, i: IntArray, j: IntArray) -> IntArray:
 
 
 def _share(crossing: Corners, sides: IntArray, touching: Mask) -> Corners:
-    """Return where the edge crosses each side, from its first corner: the mean of both dual cells beside it."""
+    """Return where the edge crosses each side, from its first corner: the mean over both dual cells beside it."""
     # The upper and the left side run against the axes.
     along = np.where(np.array((False, False, True, True))[:, np.newaxis], 1.0 - crossing, crossing)
     crossed = touching != np.roll(touching, -1, axis=0)
@@ -147,14 +154,14 @@ def _share(crossing: Corners, sides: IntArray, touching: Mask) -> Corners:
 def _pair_sides(
     touching: Mask, distance: Corners
 ) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-    """Return the dual cell of each piece, the side where it begins and the one where it ends.
+    """Return the dual cell of each piece, the side where it begins and the side where it ends.
 
-    Around the dual cell, the contact is left on the one and entered on the other.
+    Around the dual cell, the contact is left on the first and entered on the second.
     """
     following = np.roll(touching, -1, axis=0)
     cell, leaving = np.nonzero((touching & ~following).T)
     entered = (~touching & following).T
     saddle = np.count_nonzero(entered, axis=1)[cell] == 2
-    # At saddles, corners outside are cut off where those inside are connected, else those inside.
+    # At saddles, pieces cut off the corners outside where the corners inside are connected, else the corners inside.
     around = np.where(distance.sum(axis=0)[cell] > 0.0, leaving + 1, leaving - 1) % 4
     return cell, leaving, np.where(saddle, around, np.argmax(entered, axis=1)[cell])

@@ -8,39 +8,37 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import quantity_calibration as calibration
-from roughcontact._answers.areas.cells import find_cut_patches
+from roughcontact._answers.areas.approach import TIP_REACH, fit_hyperboloid
+from roughcontact._answers.areas.cells import MIN_SHARP_PATCH_CELLS, find_cut_patches
 from roughcontact._answers.areas.curvature import curvature_resolution
+from roughcontact._answers.areas.edges import warn_if_uncertain
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
 from roughcontact._answers.areas.quantities import Quantity
-from roughcontact._answers.areas.rise import BESIDE, fit_hyperboloid
 from roughcontact._answers.areas.summits import Summits
-from roughcontact._answers.areas.total import warn_if_uncertain
-from roughcontact._base.checks import Array, IntArray, Mask
-from roughcontact._base.warnings import ContactWarning
+from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import Boundary, extend, grow
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, responses
 
 # Change of the maximum pressure over 3 F / 2A of a summit c2 r^2 + c4 r^4, times c4 a^2 / c2: (32/9 - 32/5) / 4.
-_QUARTIC = -32.0 / 45.0
+_QUARTIC_FACTOR = -32.0 / 45.0
 # Largest ratio of the bends of p^2 along both axes on a straight strip.
-_EVEN = 0.002
-# Cells of a patch from which a maximum at a step of its heights is that of a sharp edge.
-_SHARP_PATCH = 9
-# Largest change of the heights over two cells inward over that of a step.
-_FLAT = 0.25
-# Cells from a free border within which the spline through the heights is less certain.
-_BORDER = 3.0
-# Third difference, of five cells.
-_THIRD = np.array((-0.5, 1.0, 0.0, -1.0, 0.5))
-# Largest change by that term for which it is a small one.
-_LARGEST_CHANGE = 0.2
+_MAX_STRIP_BEND_RATIO = 0.002
+# Largest change of the heights over two cells inward from a step, over the height of the step.
+_MAX_FLAT_RATIO = 0.25
+# Distance from a free border, in cells, within which the spline through the heights is less certain.
+_BORDER_CELLS = 3.0
+# Weights of five cells in the third difference.
+_THIRD_DIFFERENCE = np.array((-0.5, 1.0, 0.0, -1.0, 0.5))
+# Largest relative change by the fourth-order term of a summit for which the term is small.
+_MAX_QUARTIC_CHANGE = 0.2
 # Distance of the maximum from the centre of the highest cell, in cells along an axis: half the diagonal.
-_FURTHEST = 0.71
-_SHARP = ContactWarning(
+_MAX_OFFSET_CELLS = 0.71
+_SHARP_EDGE_WARNING = ContactWarning(
     "the maximum lies at a sharp edge or at the border, where the pressure is unbounded: its value depends on the grid",
     "sharp edge",
 )
-_HOLES = ContactWarning(
+_NON_MEASURED_WARNING = ContactWarning(
     "points inside the contact were not measured: beside them the pressure is unbounded, and depends on the grid",
     "non-measured points",
 )
@@ -68,7 +66,7 @@ class PeakPressure(Quantity):
         highest = _find_highest(solution)
         limit = np.broadcast_to(solution.pressure_limit, solution.grid.shape)
         if solution.saturated.any():
-            return Estimate(float(limit[solution.saturated].max()), 0.0, "Pa", _list_warnings(solution, area, None))
+            return Estimate(float(limit[solution.saturated].max()), 0.0, "Pa", area.warnings)
         sharpness = _find_sharpness(solution, highest)
         quadratic, quadratic_std = _fit_quadratics(solution, highest, sharpness)
         with np.errstate(all="ignore"):
@@ -80,17 +78,13 @@ class PeakPressure(Quantity):
         std = np.hypot(std, value * _find_tip_error(patches.cells, sharpness))
         top = int(np.argmax(value))
         peak = float(value[top])
-        sharp = patches.cells[top] >= _SHARP_PATCH and _lies_at_step(solution, highest[top : top + 1])
+        sharp = patches.cells[top] >= MIN_SHARP_PATCH_CELLS and _lies_at_step(solution, highest[top : top + 1])
         sharp = sharp or bool(_find_cut(solution, highest[top])) or bool(find_cut_patches(solution).any())
-        more = _HOLES if _meets_holes(solution) else _SHARP if sharp else None
+        more = _NON_MEASURED_WARNING if _meets_non_measured(solution) else _SHARP_EDGE_WARNING if sharp else None
         pointed = peak * _find_point_error(solution, highest[top : top + 1], int(patches.cells[top]))
         uncertainty = math.hypot(float(std[top]), pointed) if more is None else peak
         peak = min(peak, float(limit.max()))
-        return warn_if_uncertain(peak, uncertainty, "Pa", _list_warnings(solution, area, more))
-
-
-def _list_warnings(solution: ContactSolution, area: Area, more: str | None) -> tuple[str, ...]:
-    return area.warnings if more is None else (*area.warnings, more)
+        return warn_if_uncertain(peak, uncertainty, "Pa", area.warnings if more is None else (*area.warnings, more))
 
 
 def _find_highest(solution: ContactSolution) -> IntArray:
@@ -105,22 +99,22 @@ def _find_highest(solution: ContactSolution) -> IntArray:
 def _find_sharpness(solution: ContactSolution, highest: IntArray) -> Array:
     """Return sharpness over resolution ratio, no unit: a quarter on waves, zero on paraboloids, more on tips."""
     return np.nan_to_num(find_sharpness(solution, highest)) / (
-        curvature_resolution(solution) + calibration.SMALLEST_RATIO
+        curvature_resolution(solution) + calibration.MIN_RESOLUTION_RATIO
     )
 
 
 def _find_tip_error(cells: IntArray, sharpness: Array) -> Array:
-    """Return the relative error for the pressure at a tip, which rises between the cells, shape (count,)."""
-    first, certain, most = calibration.PEAK_TIP
+    """Return the relative error of the pressure at a tip, which rises between the cells, shape (count,)."""
+    first, certain, most = calibration.TIP_PEAK_ERROR
     part = np.clip((sharpness - first) / (certain - first), 0.0, 1.0)
     return np.asarray(most * part * cells**-0.25)
 
 
 def _find_point_error(solution: ContactSolution, highest: IntArray, cells: int) -> float:
-    """Return the relative error for the pressure at a tip that its gap shows, whose pressure shows no more."""
-    near = _gather(solution.initial_gap, solution.boundary, highest, BESIDE)
+    """Return the relative error of the pressure at a tip that only its gap shows."""
+    near = _gather(solution.initial_gap, solution.boundary, highest, TIP_REACH)
     pointed = fit_hyperboloid(near[..., 0])[1]
-    certain, first, steep = calibration.PEAK_POINT
+    certain, first, steep = calibration.POINTED_PEAK_ERROR
     sharp = certain * min(pointed / first, 1.0) + steep * max(pointed - first, 0.0)
     return float(sharp * cells**-0.25)
 
@@ -139,31 +133,31 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     determinant = fxx * fyy - fxy**2
     peaked = (fxx < 0.0) & (fyy < 0.0) & (determinant > 0.0)
     safe = np.where(peaked, determinant, 1.0)
-    # Along a ridge that hardly bends, or rises, the maximum across it.
+    # Along a ridge that hardly bends, or rises, take the maximum across it.
     x = -fx / np.where(fxx < np.minimum(fyy, 0.0), fxx, -np.inf)
     y = -fy / np.where(fyy < np.minimum(fxx, 0.0), fyy, -np.inf)
-    x = np.clip(np.where(peaked, (fxy * fy - fyy * fx) / safe, x), -_FURTHEST, _FURTHEST)
-    y = np.clip(np.where(peaked, (fxy * fx - fxx * fy) / safe, y), -_FURTHEST, _FURTHEST)
+    x = np.clip(np.where(peaked, (fxy * fy - fyy * fx) / safe, x), -_MAX_OFFSET_CELLS, _MAX_OFFSET_CELLS)
+    y = np.clip(np.where(peaked, (fxy * fx - fxx * fy) / safe, y), -_MAX_OFFSET_CELLS, _MAX_OFFSET_CELLS)
     top = here + 0.5 * (fx * x + fy * y)
     # Uniform pressure on each cell makes the discrete pressure too peaked, as it moves the edge.
-    bend = np.minimum(-(fxx + fyy) / here, calibration.LARGEST_BEND)
+    bend = np.minimum(-(fxx + fyy) / here, calibration.MAX_PEAK_BEND)
     excess = calibration.PEAK_EXCESS * solution.edge_shift * bend * here
-    # Across a ridge the fit is at its worst. The third difference says how far p^2 is from even.
+    # The error of the fit is largest across a ridge. The third difference tells how far p^2 is from even.
     mean = -0.5 * (fxx + fyy) / here
     difference = np.hypot(0.5 * (fxx - fyy), fxy) / here
     across = np.abs(mean + difference)
-    skew = np.hypot(_THIRD @ along_x, _THIRD @ along_y) / here
+    skew = np.hypot(_THIRD_DIFFERENCE @ along_x, _THIRD_DIFFERENCE @ along_y) / here
     first, second, third, fourth = calibration.PEAK_ERROR
-    blunt = calibration.PEAK_BLUNT * np.clip(-sharpness / calibration.BLUNT, 0.0, 1.0)
-    # Along a straight strip all cells err alike; of an oblique ridge the highest cell lies nearer its crest.
-    alike = np.minimum(np.abs(fxx), np.abs(fyy)) < _EVEN * np.maximum(np.abs(fxx), np.abs(fyy))
+    blunt = calibration.BLUNT_PEAK_ERROR * np.clip(-sharpness / calibration.BLUNT_SHARPNESS, 0.0, 1.0)
+    # Along a straight strip all cells have the same error; on an oblique ridge the highest cell lies nearer its crest.
+    alike = np.minimum(np.abs(fxx), np.abs(fyy)) < _MAX_STRIP_BEND_RATIO * np.maximum(np.abs(fxx), np.abs(fyy))
     oblique = np.where(peaked, fxy**2 / np.where(peaked, fxx * fyy, 1.0), 0.0)
     uneven = (second + blunt) * across + third * skew + fourth * across**3
-    error = across * (np.where(alike, calibration.PEAK_ALIKE, 1.0) * first + (1.0 - 0.5 * oblique) * uneven)
+    error = across * (np.where(alike, calibration.STRIP_PEAK_FACTOR, 1.0) * first + (1.0 - 0.5 * oblique) * uneven)
     inner = np.minimum.reduce([along_x[1], along_x[3], along_y[1], along_y[3]]) > 0.0
     inner &= ~_find_cut(solution, highest)
     # A parabola through an open cell is too low.
-    compact, ridge, single = calibration.PEAK_OPEN
+    compact, ridge, single = calibration.OPEN_NEIGHBOUR_ERROR
     slender = 1.0 - np.clip((mean - difference) / np.where(across > 0.0, across, 1.0), 0.0, 1.0)
     row = (np.maximum(along_x[1], along_x[3]) == 0.0) | (np.maximum(along_y[1], along_y[3]) == 0.0)
     lacking = compact + ridge * slender * np.where(row, 2.0, 1.0) + single / solution.patches.cells
@@ -174,13 +168,13 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
 def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:
     """Return which cells lie at a free border, which cuts the contact there."""
     nx, ny = solution.grid.shape
-    i, j = np.divmod(cells, solution.grid.shape[1])
+    i, j = np.divmod(cells, ny)
     outermost = (i == 0) | (i == nx - 1) | (j == 0) | (j == ny - 1)
     return np.asarray(outermost & (solution.boundary is Boundary.FREE))
 
 
 def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
-    """Return whether a step of the heights bounds the contact beside this cell, on whose other side they are flat."""
+    """Return whether the contact ends at a step of the heights beside this cell, and the heights inward are flat."""
     contact, gap = (
         _gather(field, solution.boundary, cell, 2)[..., 0] for field in (solution.contact, solution.initial_gap)
     )
@@ -190,13 +184,13 @@ def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
             if (
                 touching[::outward][:2].all()
                 and not touching[2 + outward]
-                and np.abs(rises[:2]).max() < _FLAT * rises[3]
+                and np.abs(rises[:2]).max() < _MAX_FLAT_RATIO * rises[3]
             ):
                 return True
     return False
 
 
-def _meets_holes(solution: ContactSolution) -> bool:
+def _meets_non_measured(solution: ContactSolution) -> bool:
     """Return whether non-measured points that would touch lie beside the contact."""
     return solution.non_measured is not None and bool(
         (grow(solution.non_measured, 1, solution.boundary) & solution.contact).any()
@@ -204,13 +198,13 @@ def _meets_holes(solution: ContactSolution) -> bool:
 
 
 def _find_summits(solution: ContactSolution, area: Area, highest: IntArray) -> tuple[Array, Array]:
-    """Return the maximum pressure of each patch as one summit, and its relative error; infinite where it is none."""
+    """Return the maximum pressure of each patch as one summit, and its relative error; infinite without a summit."""
     patches = solution.patches
     if area.patches is None or solution.capped:
         return np.zeros(patches.count), np.full(patches.count, np.inf)
     found = hertz_areas(solution)
     mean = found.summits.curvature
-    factor = found.sharing.factor
+    factor = found.correction.factor
     single = np.isfinite(found.error[1:])
     areas = np.where(single, found.area[1:], solution.grid.area)
     near = _gather(solution.initial_gap, solution.boundary, highest, 2)
@@ -220,12 +214,12 @@ def _find_summits(solution: ContactSolution, area: Area, highest: IntArray) -> t
     bilaplacian = np.tensordot(fourth, near[:, 2], 1) / dx**4 + np.tensordot(fourth, near[2], 1) / dy**4
     bilaplacian += 2.0 * np.einsum("i,j,ijk", second, second, near[1:4, 1:4]) / (dx * dy) ** 2
     with np.errstate(divide="ignore", invalid="ignore"):
-        change = _QUARTIC * bilaplacian * areas / np.pi / (32.0 * mean)
-        error = calibration.SUMMIT_EXACT + calibration.SUMMIT_ERROR * found.error[1:]
-        error = error + calibration.SUMMIT_BORDER * np.clip(
-            1.0 - _measure_room(solution, found.summits) / _BORDER, 0.0, 1.0
+        change = _QUARTIC_FACTOR * bilaplacian * areas / np.pi / (32.0 * mean)
+        error = calibration.MIN_SUMMIT_ERROR + calibration.SUMMIT_ERROR_FACTOR * found.error[1:]
+        error = error + calibration.BORDER_SUMMIT_ERROR * np.clip(
+            1.0 - _measure_room(solution, found.summits) / _BORDER_CELLS, 0.0, 1.0
         )
-    known = single & (np.abs(change) < _LARGEST_CHANGE)
+    known = single & (np.abs(change) < _MAX_QUARTIC_CHANGE)
     pressure = 1.5 * patches.forces * factor / areas * (1.0 + np.where(known, change, 0.0))
     return pressure, np.where(known & np.isfinite(pressure), error, np.inf)
 

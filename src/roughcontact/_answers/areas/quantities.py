@@ -9,21 +9,17 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import quantity_calibration as calibration
-from roughcontact._answers.areas.calibration import EULER
+from roughcontact._answers.areas.approach import find_cut_shift, find_hidden_rise, find_rise, find_shift, measure_bend
 from roughcontact._answers.areas.cells import (
     count_crossings,
     find_cut_patches,
     measure_sides,
 )
 from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, lay_ratio
-from roughcontact._answers.areas.edges import is_diagonal, trace_edges
-from roughcontact._answers.areas.ellipse import find_axes_ratio
+from roughcontact._answers.areas.edges import CUT_OFF_CELLS, is_diagonal, trace_edges, warn_if_uncertain
 from roughcontact._answers.areas.hertz import hertz_areas
-from roughcontact._answers.areas.rise import find_rise
-from roughcontact._answers.areas.shift import find_cut_shift, find_hidden_rise, find_shift, measure_bend
-from roughcontact._answers.areas.summits import find_near_holes, is_elliptic
-from roughcontact._answers.areas.total import warn_if_uncertain
-from roughcontact._base.checks import Array
+from roughcontact._answers.areas.summits import find_axes_ratio, find_beside_non_measured, is_elliptic
+from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import (
     DEFAULT_AREA,
@@ -37,14 +33,12 @@ from roughcontact._solve.solution import (
     responses,
 )
 
-# Area that polygons lack inside a smooth convex edge, which `trace_edges` adds, cells: chords and corners.
-_CUT_OFF = 0.5 + EULER
-# Cells of a patch from which its traced length needs no correction.
-_LARGE = 100
-# Patches of fewer cells may be parts of others, or others may be missing beside them.
-_SMALL = (4, 9)
-# Slope outward at the border, half a cell from the first of three centres, to second order.
-_OUTWARD = np.array((2.0, -3.0, 1.0))
+# Cells of a patch from which its traced length is not corrected.
+_LARGE_PATCH_CELLS = 100
+# Numbers of cells below which a patch may be a part of another one, or other patches may be missing beside it.
+_SMALL_PATCH_CELLS = (4, 9)
+# Weights of the three outermost centres in the outward slope at the border, to second order.
+_BORDER_SLOPE_WEIGHTS = np.array((2.0, -3.0, 1.0))
 
 
 @attrs.frozen
@@ -85,42 +79,46 @@ class EdgeLength(Quantity):
         # Nothing of an edge is traced around cells that touch at their corners alone.
         if area.patches is None or area.value == 0.0:
             length = measure_sides(solution) * math.pi / 4.0
-            return Estimate(length, calibration.COUNTED_LENGTH * length, "m", area.warnings)
+            return Estimate(length, calibration.COUNTED_LENGTH_ERROR * length, "m", area.warnings)
         edges = trace_edges(solution)
         cell = solution.grid.cell_area
-        mean, difference, spread = (part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact)))
+        mean, difference, spread, _ = (
+            part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact))
+        )
         # Single summits have the ellipse of their curvature, others the shape of their traced edge.
         even = is_elliptic(mean, difference, spread)
-        # Edges at a border and beside points that were not measured are not counted: the area does not give the length.
-        cut_off = find_near_holes(solution) | find_cut_patches(solution)
-        single = np.where(even & ~cut_off, 1.0 / (1.0 + (spread / calibration.UNEVEN) ** 4), 0.0)
+        # For edges at a border and beside non-measured points the area does not give the length.
+        cut_off = find_beside_non_measured(solution) | find_cut_patches(solution)
+        single = np.where(even & ~cut_off, 1.0 / (1.0 + (spread / calibration.UNEVEN_SPREAD) ** 4), 0.0)
         # Large patches may have holes or span the domain, so that no smooth convex edge bounds their quotient.
-        large = solution.patches.cells >= _LARGE
-        inside = np.maximum(edges.area[1:] - np.where(large, 0.0, _CUT_OFF) * cell, 0.3 * cell)
+        large = solution.patches.cells >= _LARGE_PATCH_CELLS
+        inside = np.maximum(edges.area[1:] - np.where(large, 0.0, CUT_OFF_CELLS) * cell, 0.3 * cell)
         traced = np.maximum(edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large | cut_off, 0.0, 1.0))
         around = 2.0 * np.sqrt(np.pi * area.patches)
         lobed = (1.0 - single) * np.sqrt(traced) * around
-        # Contacts at summits between the cells, which all together make up the rest of the area.
-        hidden = 2.0 * np.sqrt(np.pi * hertz_areas(solution).sharing.hidden)
+        # Contacts at summits between the cells have the rest of the area.
+        hidden = 2.0 * np.sqrt(np.pi * hertz_areas(solution).correction.hidden)
         lost = calibration.LOST_LENGTH * edges.curvature_resolution**1.5 * float(np.sum(lobed))
         length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
         length += float(np.sum(hidden))
-        uneven = calibration.UNEVEN_LENGTH * edges.curvature_resolution + calibration.LOBED_LENGTH
+        uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution + calibration.LOBED_LENGTH_ERROR
         uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
         lay = lay_ratio(solution)
-        along, all_round = calibration.NARROW_LENGTH
-        narrow = float(np.sum(lobed / (1.0 + edges.width[1:] / calibration.NARROW)))
+        along, all_round = calibration.NARROW_LENGTH_ERROR
+        narrow = float(np.sum(lobed / (1.0 + edges.width[1:] / calibration.NARROW_PATCH_WIDTH)))
         narrow = (along * (1.0 - lay) + all_round * lay) * edges.curvature_resolution * narrow
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = 0.0
         if length > 0.0 and is_diagonal(solution, lay):
             width = 2.0 * min(area.value, solution.grid.area - area.value) / (length * math.sqrt(cell))
-            diagonal = calibration.ZIGZAG * length * (1.0 + calibration.ZIGZAG_WIDTH / max(width, 1.0))
+            diagonal = (
+                calibration.DIAGONAL_LENGTH_ERROR * length * (1.0 + calibration.DIAGONAL_STRIP_WIDTH / max(width, 1.0))
+            )
         untraced = float(edges.untraced_std.sum())
         crossings = count_crossings(solution) * math.sqrt(cell)
-        length += calibration.CUT_LENGTH[0] * crossings
-        untraced += calibration.CUT_LENGTH[1] * crossings
-        unseen = calibration.HIDDEN_LENGTH * float(np.sum(hidden))
+        length += calibration.UNTRACED_CUT_LENGTH[0] * crossings
+        untraced += calibration.UNTRACED_CUT_LENGTH[1] * crossings
+        unseen = calibration.HIDDEN_LENGTH_ERROR * float(np.sum(hidden))
         std = math.hypot(relative * length, uneven, narrow, diagonal, untraced, unseen)
         return warn_if_uncertain(length, std, "m", area.warnings)
 
@@ -140,15 +138,17 @@ class PatchCount(Quantity):
             return Estimate(0.0, 0.0, "")
         bend = measure_bend(solution)
         cells = patches.cells
-        uneven = bend.spread > calibration.UNEVEN
-        small, few = (int(np.count_nonzero(uneven & (cells < limit))) for limit in _SMALL)
+        uneven = bend.spread > calibration.UNEVEN_SPREAD
+        small, few = (int(np.count_nonzero(uneven & (cells < limit))) for limit in _SMALL_PATCH_CELLS)
         many = int(np.count_nonzero(uneven))
         ratio = min(curvature_resolution(solution), 2.0)
-        hidden = hertz_areas(solution).sharing.hidden.size
-        each, unresolved, of_all = calibration.MISSING_PATCHES
-        ridges = calibration.MISSING_RIDGE * (1.0 - lay_ratio(solution)) * min(many, 1)
+        hidden = hertz_areas(solution).correction.hidden.size
+        each, unresolved, of_all = calibration.MISSING_PATCH_TERMS
+        ridges = calibration.RIDGE_PATCH_VARIANCE * (1.0 - lay_ratio(solution)) * min(many, 1)
         variance = ridges + each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
-        unsure = math.hypot(calibration.HIDDEN_PATCH * hidden, calibration.LINEAR_PATCH * patches.count * bend.linear)
+        unsure = math.hypot(
+            calibration.HIDDEN_PATCH_STD * hidden, calibration.LINEAR_PATCH_STD * patches.count * bend.linear
+        )
         std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many, unsure)
         return Estimate(float(patches.count + hidden), std, "", area.warnings)
 
@@ -159,14 +159,13 @@ class SummitApproach(Quantity):
     """Approach of the bodies since the first touch of the summits between the cells, m.
 
     The attribute `approach` of a solution counts from the highest cell. Added are the height of the summit above that
-    cell and what uniform pressure on each cell subtracts: see `MeanGap`.
+    cell and the deficit by uniform pressure on each cell: see `MeanGap`.
     """
 
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the approach; see `Quantity.find`."""
-        healed = heal(solution)
-        linear = healed.patches.count > 0 and measure_bend(healed).linear
-        rise, rise_std = find_rise(healed.initial_gap, solution.boundary, solution.non_measured, linear=linear)
+        linear = solution.patches.count > 0 and measure_bend(solution).linear
+        rise, rise_std = find_rise(solution.initial_gap, solution.boundary, solution.non_measured, linear=linear)
         shift, shift_std = find_shift(solution)
         hidden = find_hidden_rise(solution)
         warnings = area.warnings if solution.status.success else (str(solution.status),)
@@ -187,31 +186,35 @@ class MeanGap(Quantity):
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the mean gap; see `Quantity.find`."""
         shift, std = find_shift(solution)
-        gap, holes_std = fill_gap(solution)
+        gap, non_measured_std = fill_gap(solution)
         # Where cells are saturated the bodies flow instead of overlapping.
         gap = np.where(solution.saturated, 0.0, gap)
         beyond = _correct_mean(gap, solution.boundary)
         outside = 1.0 if solution.boundary is not Boundary.FREE else 1.0 - area.fraction
         cut, cut_std = find_cut_shift(solution)
-        part = (1.0 - area.fraction) ** calibration.CUT_GAP
+        part = (1.0 - area.fraction) ** calibration.CUT_GAP_EXPONENT
         value = float(np.mean(gap)) + beyond - shift * outside + cut * part
-        uncertainty = math.hypot(std * outside, holes_std, cut_std * part, calibration.MEAN_ERROR * beyond)
+        uncertainty = math.hypot(
+            std * outside, non_measured_std, cut_std * part, calibration.MEAN_CORRECTION_ERROR * beyond
+        )
         if solution.contact.all():
-            # What is left of the gap is the error of the solve.
+            # The rest of the gap is the error of the solve.
             return Estimate(max(value, 0.0), math.hypot(uncertainty, float(np.ptp(gap))), "m", area.warnings)
         return warn_if_uncertain(max(value, 0.0), uncertainty, "m", area.warnings)
 
 
 def _correct_mean(gap: Array, boundary: Boundary) -> float:
-    """Return what the mean over cell centres lacks on a free domain, m: after Euler and Maclaurin."""
+    """Return the deficit of the mean over cell centres on a free domain, m: after Euler and Maclaurin."""
     if boundary is not Boundary.FREE:
         return 0.0
     lacking = 0.0
     for axis, cells in enumerate(gap.shape):
-        if cells < len(_OUTWARD):
+        if cells < len(_BORDER_SLOPE_WEIGHTS):
             continue
         along = np.moveaxis(gap, axis, 0)
-        slopes = _OUTWARD @ (along[: -len(_OUTWARD) - 1 : -1] + along[: len(_OUTWARD)])
+        slopes = _BORDER_SLOPE_WEIGHTS @ (
+            along[: -len(_BORDER_SLOPE_WEIGHTS) - 1 : -1] + along[: len(_BORDER_SLOPE_WEIGHTS)]
+        )
         lacking += float(np.mean(slopes)) / (24.0 * cells)
     return lacking
 

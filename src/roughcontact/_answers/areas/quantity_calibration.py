@@ -1,120 +1,121 @@
 """The constants of maximum pressure, perimeter, patches, approach and mean gap: meaning and unit.
 
-Fitted to the tuned classes of `benchmarks/quantity_classes.py`, which judges them again on those held out. The
-resolution ratio is `curvature_resolution`'s; a bend is less the laplacian of p^2 over itself, in cells.
+Fitted to the tuned classes of `benchmarks/quantity_classes.py`, which judges them again on the classes held out. The
+ratio is the resolution ratio of `curvature_resolution`; the bend of p^2 is -h^2 times its laplacian over p^2.
 """
 
-# Excess of the square of the discrete maximum pressure for its bend (less h^2 times its laplacian over itself), over
-# the shift of the edge, cells. Measured: 0.027 for Love's kernel, whose shift is 0.018, and none for "fourier".
+# Relative excess of the square of the discrete maximum pressure over its bend and over the shift of the edge, 1/cells.
+# Measured: 0.027 for Love's kernel, whose shift is 0.018, and none for "fourier".
 PEAK_EXCESS = 1.5
-# Largest bend in that, no unit: beyond it a parabola through the cells has no meaning.
-LARGEST_BEND = 1.0
+# Largest bend in that product, no unit: beyond it a parabola through the cells has no meaning.
+MAX_PEAK_BEND = 1.0
 # Terms a, b, c, d of the relative standard deviation w (a + b w + c s + d w^3) of a quadratic through p^2 of the larger
 # principal bend w and the third difference s, both over p^2, no unit.
 PEAK_ERROR = (0.005, 0.009, 0.036, 0.006)
-# What is added to b at blunt summits, and the sharpness below zero from which it is added whole, no unit.
-PEAK_BLUNT = 0.05
-BLUNT = 0.1
-# Factor of a along straight strips, whose cells err alike, no unit.
-PEAK_ALIKE = 3.0
-# The same where a neighbour is open: of compact patches, added on ridges (twice on rows of single cells), and times one
-# over the number of cells; no unit.
-PEAK_OPEN = (0.1, 0.12, 4.0)
-# Relative standard deviation for tips: the sharpness from which it is added, that from which it is added whole, and its
-# size, times the fourth root of the number of cells; no unit. Set on r^1.5.
-PEAK_TIP = (0.3, 0.36, 0.45)
-# The same for tips that the gap shows: its size up to a measure of how pointed they are, that measure, and its slope
-# beyond it. Set on r^1.25, r^1.5 and r^1.75.
-PEAK_POINT = (0.4, 0.4, 6.0)
-# What is added to the resolution ratio under the sharpness, so that rounding does not count.
-SMALLEST_RATIO = 0.01
-# Relative standard deviation of a summit's maximum pressure: the lower bound, over that of its area, and at a free
-# border; no unit.
-SUMMIT_EXACT = 2e-5
-SUMMIT_ERROR = 0.9
-SUMMIT_BORDER = 4e-4
+# Increase of b at blunt summits, and the negative sharpness from which all of it is added, no unit.
+BLUNT_PEAK_ERROR = 0.05
+BLUNT_SHARPNESS = 0.1
+# Factor of a along straight strips, whose cells have the same error, no unit.
+STRIP_PEAK_FACTOR = 3.0
+# Smallest relative standard deviation where a neighbour is open: of compact patches; its increase on ridges (twice on
+# rows of single cells); and its increase times the number of cells; no unit.
+OPEN_NEIGHBOUR_ERROR = (0.1, 0.12, 4.0)
+# Relative standard deviation for tips: the sharpness from which a part of it is added, the sharpness from which all of
+# it is added, and its size times the fourth root of the number of cells; no unit. Set on r^1.5.
+TIP_PEAK_ERROR = (0.3, 0.36, 0.45)
+# The same for tips that only the gap shows: its size where they are as pointed (`fit_hyperboloid`) as the second
+# number, and its slope beyond. Set on r^1.25, r^1.5 and r^1.75.
+POINTED_PEAK_ERROR = (0.4, 0.4, 6.0)
+# Number that is added to the ratio by which the sharpness is divided, so that rounding does not count.
+MIN_RESOLUTION_RATIO = 0.01
+# Relative standard deviation of a summit's maximum pressure: its smallest value, its ratio to that of the area, and its
+# increase at a free border; no unit.
+MIN_SUMMIT_ERROR = 2e-5
+SUMMIT_ERROR_FACTOR = 0.9
+BORDER_SUMMIT_ERROR = 4e-4
 # Length lost along an edge of several summits, relative, times the resolution ratio to the power 3/2; half of it is
 # uncertain.
 LOST_LENGTH = 0.05
 # Relative standard deviation of the length of smooth edges, and of edges of several summits times the ratio, no unit.
 LENGTH_ERROR = 0.003
-UNEVEN_LENGTH = 0.025
-# The same of edges of several summits whatever the ratio, no unit.
-LOBED_LENGTH = 0.007
+UNEVEN_LENGTH_ERROR = 0.025
+# The same of edges of several summits, independent of the ratio, no unit.
+LOBED_LENGTH_ERROR = 0.007
 # Relative standard deviation of the length of narrow patches over the ratio: on ridges of one direction, and on
 # isotropic surfaces, no unit. Set on rough contacts with a lay and without.
-NARROW_LENGTH = (0.3, 0.04)
-# Width of patches, in cells of a disc, that halves it. Set on the same.
-NARROW = 100.0
+NARROW_LENGTH_ERROR = (0.3, 0.04)
+# Width of patches, in cells of a disc, that halves it. Set on the same contacts.
+NARROW_PATCH_WIDTH = 100.0
 # Relative standard deviation of the length of an edge along the diagonals of the grid, no unit.
-ZIGZAG = 0.045
+DIAGONAL_LENGTH_ERROR = 0.045
 # Width of strips in contact or open between them that doubles it, cells. Set on oblique strips.
-ZIGZAG_WIDTH = 2.0
+DIAGONAL_STRIP_WIDTH = 2.0
 # Relative standard deviation of the length by the sides of cells, no unit.
-COUNTED_LENGTH = 0.1
+COUNTED_LENGTH_ERROR = 0.1
 # Spread of the curvature above which a patch may be part of another one, no unit.
-UNEVEN = 0.3
+UNEVEN_SPREAD = 0.3
 # Number of patches, no unit: variance for each of fewer than nine cells; standard deviation for each of fewer than four
 # cells and for each of all, times the resolution ratio.
-MISSING_PATCHES = (0.15, 0.2, 0.1)
+MISSING_PATCH_TERMS = (0.15, 0.2, 0.1)
 # The same: variance on ridges of one direction, whose contacts may be narrower than a cell; standard deviation for each
-# contact at a summit between the cells. And the relative one of the length of the edges of these contacts.
-MISSING_RIDGE = 0.5
-HIDDEN_PATCH = 0.2
-HIDDEN_LENGTH = 0.1
+# contact at a summit between the cells. Relative standard deviation of the length of the edges of these contacts.
+RIDGE_PATCH_VARIANCE = 0.5
+HIDDEN_PATCH_STD = 0.2
+HIDDEN_LENGTH_ERROR = 0.1
 # Standard deviation of the number of patches for each of them on maps that are linear between points. Set on such maps.
-LINEAR_PATCH = 0.06
+LINEAR_PATCH_STD = 0.06
 # Excess of the mean gap over h^2 times the mean curvature under the contact, over the shift of the edge, 1/cells.
-SHIFT_OF_GAP = 1.7
+GAP_EXCESS = 1.7
 # Cells of a patch that has half of that excess.
-SHIFTED_CELLS = 10.0
-# Standard deviation of the mean gap over h^2 times that curvature: of all patches, of one, of one times the root of its
-# cells, and times the resolution ratio; no unit.
-COMMON_GAP = 0.002
-GAP_ERROR = 0.012
-SMALL_PATCH_GAP = 0.15
-UNRESOLVED_GAP = 0.008
-# The same of one patch times the square of the fraction of the load on saturated cells and the fourth root of its
-# cells, with which an edge between whole cells errs, no unit.
-SATURATED_GAP = 0.08
-# The same where the edge runs along whole rows of cells, which err alike, and where it is straight in an oblique
-# direction, no unit. Set on strips.
-ALIGNED_GAP = 0.07
-OBLIQUE_GAP = 0.02
+HALF_EXCESS_CELLS = 10.0
+# Standard deviation of the mean gap over h^2 times that curvature: common to all patches; of one patch; of one patch,
+# times the root of its cells; and over the ratio; no unit.
+COMMON_GAP_STD = 0.002
+PATCH_GAP_STD = 0.012
+SMALL_PATCH_GAP_STD = 0.15
+UNRESOLVED_GAP_STD = 0.008
+# The same of one patch over the square of the fraction of the load on saturated cells and over the fourth root of its
+# cells, as the error of an edge between whole cells grows, no unit.
+SATURATED_GAP_STD = 0.08
+# The same where the edge runs along whole rows of cells, which have the same error, and where it is straight in an
+# oblique direction, no unit. Set on strips.
+ALIGNED_GAP_STD = 0.07
+OBLIQUE_GAP_STD = 0.02
 # Rim ratios between which the rims of flats that were run in become sharp.
-RIM = (1.5, 2.5)
-# Excess of the mean gap over h^2 times the curvature at sharp rims, times the resolution ratio and the fourth root of
-# the cells of a patch, and its standard deviation, no unit. Set on surfaces that were run in.
-RIM_GAP = (-0.013, 0.014)
-# The same of heights that are linear between points, and times the fraction of the load on cells that were filled
-# (the root of it for the standard deviation).
-LINEAR_GAP = (-0.09, 0.015)
-FILLED_GAP = (-1.5, 0.2)
-# That excess near full contact: the factor of the open part of the domain up to one, and the smallest factor of its
+RIM_RATIOS = (1.5, 2.5)
+# Excess of the mean gap over h^2 times the curvature at sharp rims, over the ratio and over the fourth root of the
+# cells of a patch, and its standard deviation, no unit. Set on surfaces that were run in.
+RIM_GAP_EXCESS = (-0.013, 0.014)
+# The same for heights that are linear between points, and over the fraction of the load on filled cells (the standard
+# deviation over the root of this fraction).
+LINEAR_GAP_EXCESS = (-0.09, 0.015)
+FILLED_GAP_EXCESS = (-1.5, 0.2)
+# Ratio, up to one, of that excess near full contact to the open part of the domain, and the smallest such ratio for its
 # standard deviation, no unit. Set on a wave and a rough surface at 35 to 97 % contact.
-FADING_GAP = 2.2
-SMALLEST_FADING = 0.3
+FADING_FACTOR = 2.2
+MIN_FADING = 0.3
 # Excess of the approach where the contact is cut, by a free border and by points that were not measured, over the sum
 # of p^2 h^2 b / (E* F) over the sides of cells there, h across and b along them, and its standard deviation; no unit.
 # Set on rough contacts: 0.09 to 0.34 at borders, 0.02 to 0.07 at single points, 0.03 to 0.14 at groups of them.
-CUT_BORDER = (0.2, 0.07)
-CUT_HOLES = (0.06, 0.03)
+CUT_BORDER_EXCESS = (0.2, 0.07)
+CUT_NON_MEASURED_EXCESS = (0.06, 0.03)
 # Length of the edge that is not traced where it meets a border that cuts the contact, cells for each such place, and
 # its standard deviation. Set on rough contacts.
-CUT_LENGTH = (0.9, 0.6)
-# Power of the open part of the domain with which the same changes the mean gap, no unit.
-CUT_GAP = 1.5
-# Relative standard deviation of what the mean over cell centres lacks on a free domain. Set on balls.
-MEAN_ERROR = 0.1
-# Standard deviation of the height of a summit over the difference of that by polynomials of sixth and eighth order, no
-# unit, and that of the height of a tip over itself.
+UNTRACED_CUT_LENGTH = (0.9, 0.6)
+# Power of the open part of the domain in the change of the mean gap by a cut, no unit.
+CUT_GAP_EXPONENT = 1.5
+# Relative standard deviation of the deficit of the mean over cell centres on a free domain. Set on balls.
+MEAN_CORRECTION_ERROR = 0.1
+# Standard deviation of the height of a summit over the difference of its heights by polynomials of sixth and eighth
+# order, and relative standard deviation of the height of a tip, no unit.
 RISE_ERROR = 1.5
-POINTED_RISE = 0.03
-# What polynomials lack of the height of a tip between a cone and a paraboloid, over how pointed it is: the part of the
-# second differences that is added to the height, and the standard deviation over it. Set on tips r^1.25 to r^1.75.
-SHARP_RISE = (0.06, 0.4)
+TIP_RISE_ERROR = 0.03
+# Deficit of the height of a tip between a cone and a paraboloid by polynomials, over how pointed it is: the fraction of
+# the second differences that is added to the height, and the relative standard deviation of the deficit. Set on tips
+# r^1.25 to r^1.75.
+TIP_RISE_DEFICIT = (0.06, 0.4)
 # Resolution ratios between which the summits between the cells are lost.
-UNRESOLVED = (1.4, 2.0)
+UNRESOLVED_RATIOS = (1.4, 2.0)
 # Standard deviation of the height of the highest summit over h^2 times the curvature under the contact: where they are
-# lost, at sharp rims as above, and times the root of the fraction of the load on cells that were filled, no unit.
-HIDDEN_RISE = (0.05, 0.014, 0.5)
+# lost, at sharp rims as above, and over the root of the fraction of the load on filled cells, no unit.
+HIDDEN_RISE_STD = (0.05, 0.014, 0.5)

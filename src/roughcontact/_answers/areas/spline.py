@@ -8,17 +8,17 @@ from typing import Literal
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Pair
+from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution
 
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
 _DEGREE: Literal[5] = 5
-# Centres before and behind a point whose B-splines cover it, the one before it included.
-_BEFORE = 3
-_BEHIND = 3
-# The pieces of the quintic B-spline there, in powers of the fraction of a cell, with first and second derivatives.
-_PIECES = (
+# Number of centres before and behind a point whose B-splines cover the point.
+_CENTRES_BEFORE = 3
+_CENTRES_BEHIND = 3
+# The pieces of the quintic B-spline at these centres, in powers of the fraction of a cell.
+_SPLINE_PIECES = (
     np.array(
         (
             (1.0, -5.0, 10.0, -10.0, 5.0, -1.0),
@@ -31,16 +31,17 @@ _PIECES = (
     )
     / 120.0
 )
-# Cells by which values are continued beyond a free border, where a spline that is mirrored would bend: the bend of
-# the continued one is felt over as many cells.
-BEYOND = 8
-_SLOPES = np.pad(_PIECES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
-_BENDS = np.pad(_SLOPES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
-_FACTORS = np.concatenate((_PIECES, _SLOPES, _BENDS))
-# The B-spline at the centres from 0 to 2 cells from its own.
-_CENTRES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
+# Their first and second derivatives, and all three together.
+_PIECE_SLOPES = np.pad(_SPLINE_PIECES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
+_PIECE_BENDS = np.pad(_PIECE_SLOPES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
+_PIECE_FACTORS = np.concatenate((_SPLINE_PIECES, _PIECE_SLOPES, _PIECE_BENDS))
+# Cells by which values are continued beyond a free border: a mirrored spline bends at the border, and the bend has an
+# effect over as many cells.
+CONTINUED_CELLS = 8
+# Values of the B-spline at 0, 1 and 2 cells from its centre.
+_CENTRE_VALUES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
 # Points at a time: their coefficients stay in a core's cache.
-_CHUNK = 1024
+_POINTS_PER_CHUNK = 1024
 
 
 @attrs.frozen(eq=False)
@@ -50,7 +51,7 @@ class Spline:
     Attributes
     ----------
     coefficients
-        Of the B-splines, with those beyond the border whose B-splines cover points inside it.
+        Coefficients of the B-splines, also of those beyond the border that cover points inside it.
     spacing
         Distances of the centres, m.
     periodic
@@ -72,7 +73,7 @@ class Spline:
     @classmethod
     def through(cls, values: Array, spacing: Pair, boundary: Boundary) -> Spline:
         """Return the spline through values of shape (nx, ny)."""
-        ends = (_BEFORE - 1, _BEHIND)
+        ends = (_CENTRES_BEFORE - 1, _CENTRES_BEHIND)
         if boundary is not Boundary.FREE:
             return cls(np.pad(_solve_periodic(values), ends, mode="wrap"), spacing, True, (0, 0))
         from scipy import ndimage
@@ -85,7 +86,7 @@ class Spline:
     def derivatives(self, i: Array, j: Array, *degrees: int) -> Array:
         """Return derivatives at points given in cells from the first centre.
 
-        Those of degree 0 are the value, of degree 1 along x and y, of degree 2 along xx, xy and yy.
+        Degree 0 is the value, degree 1 has the derivatives along x and y, degree 2 those along xx, xy and yy.
         """
         dx, dy = self.spacing
         orders = [(degree - n, n) for degree in degrees for n in range(degree + 1)]
@@ -101,15 +102,15 @@ class Spline:
         first = np.floor(at)
         fraction = at - first
         i, j = first.astype(np.intp)
-        nx, ny = (n - (_BEFORE - 1) - _BEHIND for n in self.coefficients.shape)
+        nx, ny = (n - (_CENTRES_BEFORE - 1) - _CENTRES_BEHIND for n in self.coefficients.shape)
         # A free domain is continued by more cells than an ellipse inside it needs.
         cell = (i % nx) * width + j % ny if self.periodic else np.clip(i, 0, nx - 1) * width + np.clip(j, 0, ny - 1)
-        around = np.arange(_BEFORE + _BEHIND)
+        around = np.arange(_CENTRES_BEFORE + _CENTRES_BEHIND)
         around = (around[:, np.newaxis] * width + around)[..., np.newaxis]
         highest = max(degrees)
         sums = np.empty((sum(degree + 1 for degree in degrees), cell.size))
-        for begin in range(0, cell.size, _CHUNK):
-            part = slice(begin, begin + _CHUNK)
+        for begin in range(0, cell.size, _POINTS_PER_CHUNK):
+            part = slice(begin, begin + _POINTS_PER_CHUNK)
             along_x, along_y = _weigh(fraction[:, part], highest)
             lines = np.einsum("man,abn->mbn", along_x, flat.take(cell[part] + around))
             row = 0
@@ -121,12 +122,12 @@ class Spline:
 
 
 def _weigh(fraction: Array, highest: int) -> Array:
-    """Return the factors of the B-splines around points, shape (2, n), by derivative: (2, orders, centres, n)."""
+    """Return the factors of the B-splines around points, shape (2, n), as an array (2, orders, centres, n)."""
     powers = np.ones((_DEGREE + 1, fraction.size))
     for degree in range(_DEGREE):
         np.multiply(powers[degree], fraction.ravel(), out=powers[degree + 1])
-    factors = _FACTORS[: (highest + 1) * len(_PIECES)] @ powers
-    return factors.reshape(highest + 1, len(_PIECES), 2, -1).transpose(2, 0, 1, 3)
+    factors = _PIECE_FACTORS[: (highest + 1) * len(_SPLINE_PIECES)] @ powers
+    return factors.reshape(highest + 1, len(_SPLINE_PIECES), 2, -1).transpose(2, 0, 1, 3)
 
 
 def _solve_periodic(values: Array) -> Array:
@@ -134,7 +135,7 @@ def _solve_periodic(values: Array) -> Array:
     from scipy import fft
 
     nx, ny = values.shape
-    own, first, second = _CENTRES
+    own, first, second = _CENTRE_VALUES
     angles = 2.0 * np.pi * np.arange(nx) / nx, 2.0 * np.pi * np.arange(ny // 2 + 1) / ny
     rows, columns = (1.0 / (own + 2.0 * first * np.cos(one) + 2.0 * second * np.cos(2.0 * one)) for one in angles)
     spectrum = fft.rfft2(values)
@@ -148,8 +149,8 @@ def continue_beyond(values: Array) -> Array:
     widest = (len(values) - 1) // 2
     if widest == 0:
         return values
-    k = np.arange(1, BEYOND + 1)
-    # A parabola through three points as far apart as the place that it gives, on small domains as they have.
+    k = np.arange(1, CONTINUED_CELLS + 1)
+    # A parabola through three points, as far apart as the new point from the border, or as the domain allows.
     step = np.minimum(k, widest)
     ahead = (k / step)[:, np.newaxis]
     first = 0.5 * (ahead + 1.0) * (ahead + 2.0)

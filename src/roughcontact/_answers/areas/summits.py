@@ -1,32 +1,187 @@
-"""The summits under the patches: place, curvature and contact ellipse of each, from the heights between the cells."""
+"""The summits under the patches: place, curvature and contact ellipse of each, beside the other contacts."""
 
 from __future__ import annotations
 
+import math
+from functools import lru_cache
+
 import attrs
 import numpy as np
+from scipy import special
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import split
-from roughcontact._answers.areas.ellipse import find_area_factor, find_axes_ratio, points_of_hertz
-from roughcontact._answers.areas.far_field import FarField, find_far_field
+from roughcontact._answers.areas.cells import find_patches_of, split
 from roughcontact._answers.areas.spline import Spline
-from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, grow
 from roughcontact._solve.solution import ContactSolution
 
+# Ratio of the axes up to which contacts are tabulated, and the number of ratios.
+_MAX_AXES_RATIO = 30.0
+_TABLE_ENTRIES = 600
+# Number of angles of the points in an ellipse, which have the symmetry of the grid.
+_POINT_ANGLES = 8
+# Number of contacts around each one that are summed as point loads; beyond, the load is spread over the plane.
+_NEAR_CONTACTS = 24
+# Distance of two contacts, over the radius that is searched, below which they are one and the same.
+_IMAGE_DISTANCE = 1e-6
 # Smallest ratio of the principal curvatures of a summit: longer contacts are not elliptic on a rough surface.
-SLENDEREST = 0.05
-# Rounds of place and ellipse, and the one from which the far field is known.
-_ROUNDS = 3
-_FAR = 1
-# Rounds of the fixed point for the modulus at the size of a contact: each halves the logarithmic error at least.
+MIN_CURVATURE_RATIO = 0.05
+# The same where the curvature varies by less than the smaller principal curvature, as on rollers.
+_MIN_EVEN_CURVATURE_RATIO = 0.01
+# Rounds of place and ellipse, and the round from which the far field is known.
+_ELLIPSE_ROUNDS = 3
+_FAR_FIELD_ROUND = 1
+# Rounds of the fixed point for the modulus at the size of a contact: each at least halves the logarithmic error.
 _MODULUS_ROUNDS = 20
-# Smallest ratio where the curvature varies less than the smaller one, as on rollers.
-_SLENDEREST_EVEN = 0.01
-# Cells between an ellipse and the outermost centres at a free border.
-_MARGIN = 0.0
 # Cells between a patch and a non-measured point, which the spline needs.
-_REACH = 3
+_SPLINE_REACH = 3
+
+
+def find_area_factor(ratio: Array) -> Array:
+    """Return the area of an elliptic contact over the area of the circular one with the same mean curvature."""
+    logarithms, factors, _ = _tabulate()
+    return np.asarray(np.interp(np.log(ratio), logarithms, factors))
+
+
+def find_axes_ratio(ratio: Array) -> Array:
+    """Return the ratio of the axes, at least one, for ratios of the curvatures, at most one."""
+    logarithms, _, axes = _tabulate()
+    return np.asarray(np.interp(np.log(ratio), logarithms, axes))
+
+
+def find_depth(force: Array, semi_axis: Array, axes_ratio: Array, modulus: float) -> Array:
+    """Return F K(e) / (pi E* a), m: the depth of a flat punch on an ellipse of major semi-axis a, m.
+
+    It is two thirds of the approach of a paraboloid with the same contact.
+    """
+    return np.asarray(force * special.ellipk(1.0 - 1.0 / axes_ratio**2) / (np.pi * modulus * semi_axis))
+
+
+@lru_cache(maxsize=1)
+def _tabulate() -> tuple[Array, Array, Array]:
+    r"""Return logarithms of the ratio of curvatures, the factors of the area and the ratios k of the axes.
+
+    kappa_1 / kappa_2 = (k^2 E - K) / (K - E), factor = k^(1/3) (2 E / pi)^(2/3), e^2 = 1 - 1 / k^2;
+    Johnson, Contact Mechanics (1985), eqs. 4.26 to 4.28, https://doi.org/10.1017/CBO9781139171731.
+    """
+    k = np.geomspace(1.0 + 1e-4, _MAX_AXES_RATIO, _TABLE_ENTRIES)
+    m = 1.0 - 1.0 / k**2
+    first = special.ellipk(m)
+    second = special.ellipe(m)
+    logarithms = -np.log((k**2 * second - first) / (first - second))
+    factors = k ** (1.0 / 3.0) * (2.0 * second / np.pi) ** (2.0 / 3.0)
+    return (
+        np.concatenate((logarithms[::-1], [0.0])),
+        np.concatenate((factors[::-1], [1.0])),
+        np.concatenate((k[::-1], [1.0])),
+    )
+
+
+@lru_cache(maxsize=1)
+def points_of_hertz() -> tuple[Array, Array, Array]:
+    """Return points in the unit circle and their weights for a mean by Hertz's pressure, exact to degree 5."""
+    return _place_points(2.0 / 5.0, 8.0 / 35.0)
+
+
+@lru_cache(maxsize=1)
+def points_of_punch() -> tuple[Array, Array, Array]:
+    """Return points in the unit circle and their weights for a mean by a flat punch's pressure, exact to degree 5."""
+    return _place_points(2.0 / 3.0, 8.0 / 15.0)
+
+
+def _place_points(square: float, fourth: float) -> tuple[Array, Array, Array]:
+    """Return points and weights for a pressure over which the means of r^2 and r^4 are these."""
+    angles = np.arange(_POINT_ANGLES) * (2.0 * np.pi / _POINT_ANGLES)
+    radius = math.sqrt(fourth / square)
+    around = square**2 / fourth
+    weights = np.append(np.full(_POINT_ANGLES, around / _POINT_ANGLES), 1.0 - around)
+    return np.append(radius * np.cos(angles), 0.0), np.append(radius * np.sin(angles), 0.0), weights
+
+
+@attrs.frozen(eq=False)
+class FarField:
+    """Slope, (2, count), and xx, xy and yy curvature, (3, count), 1/m, of the displacement by the other patches."""
+
+    slope: Array
+    curvature: Array
+
+    @classmethod
+    def zero(cls, count: int) -> FarField:
+        """Return the far field of contacts without others."""
+        return cls(np.zeros((2, count)), np.zeros((3, count)))
+
+
+def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
+    r"""Return the far field at contacts in (x, y), m, that carry the forces of the solution's patches.
+
+    A point load displaces the surface by F / (pi E* r), whose second derivatives are
+    F (3 x^2 / r^5 - 1 / r^3) / (pi E*) and the like (Johnson, Contact Mechanics, section 3.2,
+    https://doi.org/10.1017/CBO9781139171731).
+    """
+    forces = solution.patches.forces
+    count = x.size
+    if solution.moduli is not None or count == 0:
+        return FarField.zero(count)
+    radius = math.sqrt(_NEAR_CONTACTS * solution.grid.area / (np.pi * count))
+    one, other, dx, dy = _pair_contacts(solution, x, y, radius)
+    square = dx * dx + dy * dy
+    cube = 1.0 / (np.pi * solution.modulus * square * np.sqrt(square))
+    parts = (-dx, -dy, 3.0 * dx * dx / square - 1.0, 3.0 * dx * dy / square, 3.0 * dy * dy / square - 1.0)
+    sums = np.zeros((len(parts), count))
+    # Each pair counts from both sides; from the other one the slope has the opposite sign.
+    for here, there, sign in ((one, other, 1.0), (other, one, -1.0)):
+        load = forces[there] * cube
+        for k, part in enumerate(parts):
+            sums[k] += np.bincount(here, load * part, minlength=count) * (sign if k < 2 else 1.0)
+    if solution.boundary is Boundary.PERIODIC:
+        # A uniform pressure outside of a circle bends the surface alike in all directions.
+        sums[2::2] += solution.mean_pressure / (radius * solution.modulus)
+    return FarField(sums[:2], sums[2:])
+
+
+def _pair_contacts(
+    solution: ContactSolution, x: Array, y: Array, radius: float
+) -> tuple[IntArray, IntArray, Array, Array]:
+    """Return the pairs of contacts within a radius, with periodic images: both numbers, dx and dy, m."""
+    from scipy.spatial import cKDTree
+
+    size = np.array(solution.grid.size)
+    points = np.stack((x, y), axis=1)
+    periodic = solution.boundary is Boundary.PERIODIC
+    if periodic:
+        points = points % size
+        # Rounding may leave the size itself.
+        points = np.where(points < size, points, 0.0)
+    if periodic and 2.0 * radius >= size.min():
+        return _pair_images(points, size, radius)
+    pairs = cKDTree(points, boxsize=size if periodic else None).query_pairs(radius, output_type="ndarray")
+    one, other = np.ascontiguousarray(pairs.T)
+    dx, dy = (at[one] - at[other] for at in np.ascontiguousarray(points.T))
+    if periodic:
+        dx, dy = (step - side * np.round(step / side) for step, side in zip((dx, dy), size, strict=True))
+    apart = np.maximum(np.abs(dx), np.abs(dy)) > _IMAGE_DISTANCE * radius
+    return (one, other, dx, dy) if apart.all() else (one[apart], other[apart], dx[apart], dy[apart])
+
+
+def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
+    """Return the pairs of the few contacts of a small domain, which may have several images within the radius."""
+    from scipy.spatial import cKDTree
+
+    reach = [range(-math.ceil(radius / side), math.ceil(radius / side) + 1) for side in size]
+    shifts = size * np.array([(i, j) for i in reach[0] for j in reach[1]])
+    places = (points + shifts[:, np.newaxis]).reshape(-1, 2)
+    near = np.flatnonzero(((places >= -radius) & (places <= size + radius)).all(axis=1))
+    pairs = cKDTree(points).sparse_distance_matrix(cKDTree(places[near]), radius, output_type="ndarray")
+    pairs = pairs[pairs["v"] > _IMAGE_DISTANCE * radius]
+    one = pairs["i"]
+    image = near[pairs["j"]]
+    other = image % len(points)
+    shift = image // len(points)
+    # Each pair once; of the images of a contact itself, those on one side.
+    once = (one < other) | ((one == other) & (shift > len(shifts) // 2))
+    step = (points[one] - places[image])[once]
+    return one[once], other[once], step[:, 0], step[:, 1]
 
 
 @attrs.frozen(eq=False)
@@ -40,7 +195,7 @@ class Summits:
     row, column
         Centre, in cells from the first centre of a cell.
     area
-        Contact area, m2; of no meaning where `known` is false, as all that follows.
+        Contact area, m2; without meaning where `known` is false, as all other attributes.
     axes_ratio, angle
         Ratio of the axes, at least one, and angle of the longer one from the x axis, rad.
     curvature
@@ -91,9 +246,8 @@ class Summits:
 def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     """Return the summits of all patches.
 
-    The curvature of the initial gap and of the far field is averaged over the ellipse with Hertz's pressure as
-    weight, which is exact to first order for summits that are not paraboloids, and the centre lies where the slopes
-    balance.
+    The curvature of the initial gap and of the far field is averaged over the ellipse with Hertz's pressure as weight,
+    which is exact to first order for summits that are not paraboloids. The mean slope at the centre is zero.
     """
     patches = solution.patches
     dx, dy = solution.grid.spacing
@@ -103,11 +257,11 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     far = FarField.zero(patches.count)
     found = Summits(ones > 0.0, row, column, patches.areas, ones, zeros, ones, zeros, zeros, far)
     u, v, weights = points_of_hertz()
-    for turn in range(_ROUNDS):
-        if turn == _FAR:
+    for turn in range(_ELLIPSE_ROUNDS):
+        if turn == _FAR_FIELD_ROUND:
             found = attrs.evolve(found, far=find_far_field(solution, found.row * dx, found.column * dy))
         x, y = found.place(u, v)
-        last = turn == _ROUNDS - 1
+        last = turn == _ELLIPSE_ROUNDS - 1
         degrees = (2,) if last else (2, 1)
         parts = spline.derivatives(found.row[:, None] + x / dx, found.column[:, None] + y / dy, *degrees)
         mean = parts @ weights
@@ -120,7 +274,7 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     found = attrs.evolve(found, spread=np.sqrt(variance) / found.curvature)
     xx, xy, yy = curvature
     known = found.known & is_elliptic(found.curvature, np.hypot(0.5 * (xx - yy), xy), found.spread)
-    return attrs.evolve(found, known=known & ~_near_border(solution, found) & ~find_near_holes(solution))
+    return attrs.evolve(found, known=known & ~_find_near_border(solution, found) & ~find_beside_non_measured(solution))
 
 
 def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
@@ -152,7 +306,7 @@ def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) ->
     xx, xy, yy = curvature
     middle = 0.5 * (xx + yy)
     difference = np.hypot(0.5 * (xx - yy), xy)
-    known = found.known & (middle > 0.0) & (middle - difference > _SLENDEREST_EVEN * (middle + difference))
+    known = found.known & (middle > 0.0) & (middle - difference > _MIN_EVEN_CURVATURE_RATIO * (middle + difference))
     middle = np.where(known, middle, 1.0)
     difference = np.where(known, difference, 0.0)
     ratio = (middle - difference) / (middle + difference)
@@ -171,16 +325,16 @@ def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) ->
 def is_elliptic(mean: Array, difference: Array, spread: Array) -> Mask:
     """Return which summits have elliptic contacts, by half the sum and difference of their principal curvatures.
 
-    The curvature of the longer ones may vary by the smaller principal one at most; `spread` is relative to the mean.
+    In long contacts the curvature may vary by the smaller principal one at most; `spread` is relative to the mean.
     """
     smaller = mean - difference
     larger = mean + difference
-    even = (smaller > _SLENDEREST_EVEN * larger) & (spread * mean < smaller)
-    return np.asarray((mean > 0.0) & ((smaller > SLENDEREST * larger) | even))
+    even = (smaller > _MIN_EVEN_CURVATURE_RATIO * larger) & (spread * mean < smaller)
+    return np.asarray((mean > 0.0) & ((smaller > MIN_CURVATURE_RATIO * larger) | even))
 
 
 def _move(found: Summits, slope: Array, curvature: Array, spacing: tuple[float, float]) -> Summits:
-    """Move the centres to where the slopes would balance, by one semi-axis at most."""
+    """Return the summits with centres where the mean slope vanishes, moved by one semi-axis at most."""
     xx, xy, yy = curvature
     determinant = np.where(found.known, xx * yy - xy**2, 1.0)
     x, y = (
@@ -206,20 +360,19 @@ def solve_for_area(solution: ContactSolution, force: Array, curvature: Array, ra
     return area, np.asarray(change)
 
 
-def _near_border(solution: ContactSolution, found: Summits) -> Mask:
-    """Mark the ellipses that a free border cuts, or nearly so."""
+def _find_near_border(solution: ContactSolution, found: Summits) -> Mask:
+    """Return which ellipses reach beyond the outermost cell centres at a free border."""
     near = np.zeros(found.known.shape, dtype=bool)
     if solution.boundary is Boundary.FREE:
         rows = zip((found.row, found.column), found.extents, solution.grid.shape, solution.grid.spacing, strict=True)
         for at, extent, n, step in rows:
-            reach = extent / step + _MARGIN
+            reach = extent / step
             near |= (at < reach) | (at > n - 1 - reach)
     return near
 
 
-def find_near_holes(solution: ContactSolution) -> Mask:
-    """Mark the patches beside non-measured points, whose heights are not known there, shape (count,)."""
-    near = np.zeros(solution.patches.count + 1, dtype=bool)
-    if solution.non_measured is not None:
-        near[solution.patches.labels[grow(solution.non_measured, _REACH, solution.boundary)]] = True
-    return near[1:]
+def find_beside_non_measured(solution: ContactSolution) -> Mask:
+    """Return which patches lie beside non-measured points, shape (count,): their heights are not known there."""
+    if solution.non_measured is None:
+        return np.zeros(solution.patches.count, dtype=bool)
+    return find_patches_of(solution, grow(solution.non_measured, _SPLINE_REACH, solution.boundary))

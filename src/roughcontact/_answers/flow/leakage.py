@@ -1,31 +1,156 @@
-"""The flow of a liquid through the gap."""
+"""The flow of a liquid through the gap, and its critical throat."""
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import attrs
 import numpy as np
 
-from roughcontact._answers.flow.flow_network import FlowNetwork, find_paths, make_network
-from roughcontact._answers.flow.flow_solvers import solve_network
-from roughcontact._answers.flow.flow_uncertainty import estimate_uncertainty
-from roughcontact._answers.flow.throats import Throat, find_throat
-from roughcontact._base.checks import Array, Mask, integer, number, read_only
-from roughcontact._base.units import Estimate, si
-from roughcontact._base.warnings import ContactWarning
+from roughcontact._answers.flow.network import (
+    FlowNetwork,
+    estimate_uncertainty,
+    find_paths,
+    make_network,
+    solve_network,
+)
+from roughcontact._base.arrays import Array, Mask, Pair, RealArray, read_only
+from roughcontact._base.checks import integer, number
+from roughcontact._base.units import ContactWarning, Estimate, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError, NotConverged
 
-# Cells across a throat below which it is not resolved, and the fraction of the drop from which it matters.
-_CELLS = 3.0
-_FRACTION = 0.1
+# Number of cells, by decreasing loss, that are tried as the centre of the critical throat.
+_MAX_THROAT_CANDIDATES = 50
+# Cells across a throat below which the grid does not resolve it.
+_MIN_THROAT_CELLS = 3.0
+# Fraction of the pressure drop in a throat from which its resolution matters.
+_MIN_LOSS_FRACTION = 0.1
 # Relative uncertainty above which flows may err by more than 10 %: 92 % of the errors are below the uncertainty, and
 # none is above 9.8 % in 141 contacts without this warning (benchmarks/response_classes.py, three times its cases).
-_UNCERTAIN = 0.1
+_MAX_RELATIVE_STD = 0.1
 # Gap below which a liquid does not flow as a continuum, m: some molecules of water.
-_MOLECULES = 1e-9
+_MOLECULAR_GAP = 1e-9
+
+
+@attrs.frozen
+class Throat:
+    """The place where the flow through a gap loses most power for its width: a square as wide as the gap is there.
+
+    Attributes
+    ----------
+    place
+        Centre (x, y) of its cell, m; the origin is the centre of the domain.
+    gap
+        Gap there, m.
+    width
+        Width between the contacts on both sides, m: the shortest of four directions through the cell.
+    cells
+        The width in cells.
+    fraction
+        Fraction of the power, and so of the pressure drop of this path, that is lost in the square.
+    """
+
+    place: Pair
+    gap: float
+    width: float
+    cells: float
+    fraction: float
+
+    def __str__(self) -> str:
+        x, y = (si(value, "m", 3) for value in self.place)
+        return (
+            f"throat at ({x}, {y}), gap {si(self.gap, 'm', 3)}, {self.cells:.3g} cells across, "
+            f"{100 * self.fraction:.2g} % of the loss"
+        )
+
+
+def find_throat(
+    network: FlowNetwork, lost: Array, open_cells: Mask, grid: Grid, axis: int, *, periodic: bool
+) -> Throat:
+    """Return the critical throat: the cell around which a square as wide as the gap loses most power for its width.
+
+    Parameters
+    ----------
+    network, lost
+        The network, and the power lost in each of its cells.
+    open_cells
+        Cells that are not in contact, shape (along, across) the flow.
+    grid, axis
+        The grid, and the axis of the flow.
+    periodic
+        Whether the gap repeats across the flow.
+    """
+    along, across = grid.spacing if axis == 0 else grid.spacing[::-1]
+    field = np.zeros(network.shape)
+    field.reshape(-1)[network.cells] = lost
+    left = field.copy()
+    total = float(lost.sum())
+    best = (-1.0, 0.0, (0, 0), 0.0, 0.0)
+    for _ in range(_MAX_THROAT_CANDIDATES):
+        i, j = divmod(int(np.argmax(left)), network.shape[1])
+        width, cells = _measure_width(open_cells, (i, j), along, across, periodic=periodic)
+        square = _square_around((i, j), math.ceil(0.5 * cells), network.shape, periodic=periodic)
+        fraction = float(field[square].sum()) / total
+        best = max(best, (fraction / width, fraction, (i, j), width, cells))
+        left[square] = 0.0
+    _, fraction, (i, j), width, cells = best
+    place = (i, j) if axis == 0 else (j, i)
+    position = int(np.searchsorted(network.cells, i * network.shape[1] + j))
+    return Throat(
+        place=(float(grid.x[place[0], 0]), float(grid.y[0, place[1]])),
+        gap=float(network.film[position]) * network.widest,
+        width=width,
+        cells=cells,
+        fraction=fraction,
+    )
+
+
+def _measure_width(
+    open_cells: Mask, at: tuple[int, int], along: float, across: float, *, periodic: bool
+) -> tuple[float, float]:
+    """Return the length of the shortest of four lines through a cell from contact to contact, m and cells."""
+    diagonal = math.hypot(along, across)
+    widths = []
+    for step, length, cells in (
+        ((1, 0), along, 1.0),
+        ((0, 1), across, 1.0),
+        ((1, 1), diagonal, math.sqrt(2.0)),
+        ((1, -1), diagonal, math.sqrt(2.0)),
+    ):
+        both = step, (-step[0], -step[1])
+        count = 1 + sum(_count_open(open_cells, at, one, periodic=periodic) for one in both)
+        # Around a periodic domain a cell is met from both sides.
+        count = min(count, max(open_cells.shape))
+        widths.append((count * length, count * cells))
+    return min(widths)
+
+
+def _square_around(
+    at: tuple[int, int], reach: int, shape: tuple[int, int], *, periodic: bool
+) -> tuple[RealArray, RealArray]:
+    """Return the indices of the cells up to `reach` cells away."""
+    rows = np.arange(max(at[0] - reach, 0), min(at[0] + reach + 1, shape[0]))
+    columns = np.arange(at[1] - reach, at[1] + reach + 1)
+    columns = np.unique(columns % shape[1]) if periodic else columns[(columns >= 0) & (columns < shape[1])]
+    return rows[:, np.newaxis], columns
+
+
+def _count_open(open_cells: Mask, start: tuple[int, int], step: tuple[int, int], *, periodic: bool) -> int:
+    """Return the number of open cells from a cell along a direction, without the cell itself."""
+    nx, ny = open_cells.shape
+    i, j = start
+    count = 0
+    while count < max(nx, ny):
+        i = i + step[0]
+        j = j + step[1]
+        j = j % ny if periodic else j
+        if not (0 <= i < nx and 0 <= j < ny and open_cells[i, j]):
+            break
+        count += 1
+    return count
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -37,17 +162,17 @@ class Leakage(Estimate):
     value
         Volume flow, m3/s; exactly zero if no open path joins both sides.
     uncertainty
-        One standard deviation, m3/s, of what the cells do not resolve.
+        One standard deviation, m3/s, because the cells do not resolve the gap everywhere.
     unit
         ``"m3/s"``.
     connected
         Whether an open path joins both sides.
     flow_factor
-        The flow over that of a parallel gap of the same mean gap.
+        The flow over the flow through a parallel gap with the same mean gap.
     throat
         The critical throat; None if no path is open.
     inflow, outflow
-        Flow in at the one side and out at the other, m3/s: they differ by the error of the linear solve.
+        Flow in at one side and out at the other, m3/s: they differ by the error of the linear solve.
     grid, axis
         The cells, and the axis along which the liquid flows.
     viscosity, pressure_drop
@@ -74,7 +199,7 @@ class Leakage(Estimate):
 
     @cached_property
     def fluid_pressure(self) -> Array:
-        """Pressure of the liquid above that of the outlet, shape `grid.shape`, Pa; nan where nothing flows."""
+        """Pressure of the liquid above the pressure at the outlet, shape `grid.shape`, Pa; nan where nothing flows."""
         field = np.full(self.grid.shape, np.nan)
         if self._network is not None and self._pressure is not None:
             oriented = field if self.axis == 0 else field.T
@@ -131,14 +256,16 @@ class GapFlow(Response[Leakage]):
     Parameters
     ----------
     axis
-        0: from the side of smallest x to the opposite one; 1: along y.
+        0: from the side of smallest x to the opposite side; 1: along y.
     viscosity
         Dynamic viscosity, Pa s.
     pressure_drop
-        Pressure at the inlet minus that at the outlet, Pa.
+        Pressure at the inlet minus pressure at the outlet, Pa.
     """
 
+    with_adhesion = "total pressure"
     depends_on_place = True
+    with_adhesion = "total pressure"
 
     axis: int = attrs.field(default=0, converter=require_axis)
     viscosity: float = attrs.field(converter=_viscosity)
@@ -187,7 +314,7 @@ class GapFlow(Response[Leakage]):
         )
         throat = find_throat(network, lost, open_cells, grid, self.axis, periodic=periodic)
         warnings = (*_list_warnings(solution), *_judge_throat(throat, min(grid.shape)))
-        if not warnings and relative > _UNCERTAIN:
+        if not warnings and relative > _MAX_RELATIVE_STD:
             text = "The grid hardly determines the flow, whose uncertainty is above 10 %: refine the grid."
             warnings = (ContactWarning(text, "uncertainty", relative),)
         unit = flow_unit(self.viscosity, self.pressure_drop, network.widest)
@@ -233,10 +360,10 @@ def _list_warnings(solution: ContactSolution) -> tuple[str, ...]:
 def _judge_throat(throat: Throat, cells: int) -> tuple[str, ...]:
     """Return why the flow through a throat must not be trusted; cells is the shorter side of the domain."""
     warnings = []
-    if throat.cells < min(_CELLS, cells) and throat.fraction >= _FRACTION:
-        text = f"The critical throat is {throat.cells:.3g} cells across, below {_CELLS:g}: refine the grid."
+    if throat.cells < min(_MIN_THROAT_CELLS, cells) and throat.fraction >= _MIN_LOSS_FRACTION:
+        text = f"The critical throat is {throat.cells:.3g} cells across, below {_MIN_THROAT_CELLS:g}: refine the grid."
         warnings.append(ContactWarning(text, "resolution", throat.cells))
-    if throat.gap < _MOLECULES:
+    if throat.gap < _MOLECULAR_GAP:
         text = f"The gap in the critical throat is {si(throat.gap, 'm', 3)}, of molecular size."
         warnings.append(ContactWarning(text, "molecular gap", throat.gap))
     return tuple(warnings)

@@ -8,29 +8,28 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.flow.flow_network import find_paths
 from roughcontact._answers.flow.leakage import find_open_cells, require_axis
+from roughcontact._answers.flow.network import find_paths
 from roughcontact._base.checks import number
 from roughcontact._base.units import si
-from roughcontact._parts.grid import Boundary
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure
 from roughcontact._solve.solution import ContactSolution, Estimate
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Mean pressure over E* times the rms slope at which a rough contact has about two fifths of the nominal area, the
-# factor from one load to the next while only one side of the closing is known, and the range of these loads.
-_GUESS = 0.25
-_FACTOR = 1.5
-_RANGE = 1e6
-# Relative distance of two loads at which the search for other widths of paths ends.
-_COARSE = 0.01
-# The standard deviation of the load over the distance of those that close paths of blocks of cells and of corners, and
-# over the curvature resolution.
-_WIDTHS = 0.5
-_RESOLUTION = 0.1
+# First mean pressure over E* times the rms slope: a rough contact then has about two fifths of the nominal area.
+_FIRST_PRESSURE_RATIO = 0.25
+# Factor from one load to the next until both an open and a closed contact are known, and the largest over the first.
+_LOAD_STEP_FACTOR = 1.5
+_MAX_LOAD_FACTOR = 1e6
+# Relative distance of two loads at which the search ends for paths as wide as two cells or as narrow as a corner.
+_WIDTH_TOLERANCE = 0.01
+# Standard deviation of the load over the distance of the loads that close these two paths.
+_WIDTH_STD = 0.5
+# Relative standard deviation of the load over the resolution ratio of the heights.
+_RESOLUTION_STD = 0.1
 # Widths of paths: two cells, one cell, and one point.
 _BLOCKS, _SIDES, _CORNERS = range(3)
 
@@ -63,10 +62,10 @@ class Percolation:
 
 @guarded
 def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 0.01) -> Percolation:
-    """Find the load at which the last open path between two opposite sides closes.
+    """Return the load at which the last open path between two opposite sides closes.
 
-    Liquid passes through sides of cells. Paths that are two cells wide close at a lighter load, those through corners
-    at a heavier one: the distance of these loads is what the grid leaves open.
+    Liquid passes through sides of cells. Paths that are two cells wide close at a lighter load, paths through corners
+    at a heavier one: the distance of these loads gives the uncertainty by the grid.
 
     Parameters
     ----------
@@ -101,28 +100,28 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
     within = number(within, "within=", above=0.0, at_most=1.0)
     first, last = _enclose(problem, axis)
     low, high = _bisect(problem, axis, first, last, within, _SIDES)
-    coarse = max(within, _COARSE)
+    coarse = max(within, _WIDTH_TOLERANCE)
     narrowed, _ = _bisect(problem, axis, first, low, coarse, _BLOCKS)
     _, passed = _bisect(problem, axis, high, last, coarse, _CORNERS)
     value = math.sqrt(low.mean_pressure * high.mean_pressure)
-    unresolved = _RESOLUTION * curvature_resolution(low)
-    std = math.hypot(_WIDTHS * (passed.mean_pressure - narrowed.mean_pressure), unresolved * value)
+    unresolved = _RESOLUTION_STD * curvature_resolution(low)
+    std = math.hypot(_WIDTH_STD * (passed.mean_pressure - narrowed.mean_pressure), unresolved * value)
     areas = [solution.area() for solution in (narrowed, low, high, passed)]
     fraction = 0.5 * (areas[1].fraction + areas[2].fraction)
     own = areas[1].uncertainty / low.grid.area
-    spread = math.hypot(_WIDTHS * (areas[3].fraction - areas[0].fraction), unresolved * fraction, own)
+    spread = math.hypot(_WIDTH_STD * (areas[3].fraction - areas[0].fraction), unresolved * fraction, own)
     warnings = tuple(dict.fromkeys(text for area in areas for text in area.warnings))
     return Percolation(Estimate(value, std, "Pa"), Estimate(fraction, spread, "", warnings), low, high, axis)
 
 
 def _enclose(problem: ContactProblem, axis: int) -> tuple[ContactSolution, ContactSolution]:
-    """Return a solution with an open path through sides, and one at a larger load without any, of corners neither."""
+    """Return a solution with an open path through sides, and one at a larger load without any, not even by corners."""
     maximum = maximum_pressure(problem.plan)
     slope = rms_slope(problem.initial_gap, problem.plan.grid)
-    guess = pressure = min(_GUESS * problem.plan.modulus * slope, 0.5 * maximum)
+    guess = pressure = min(_FIRST_PRESSURE_RATIO * problem.plan.modulus * slope, 0.5 * maximum)
     low: ContactSolution | None = None
     high: ContactSolution | None = None
-    while guess / _RANGE < pressure < min(guess * _RANGE, maximum):
+    while guess / _MAX_LOAD_FACTOR < pressure < min(guess * _MAX_LOAD_FACTOR, maximum):
         solution = _solve(problem, pressure, [one for one in (low, high) if one is not None])
         if _is_open(solution, axis, _SIDES):
             low = solution
@@ -130,10 +129,12 @@ def _enclose(problem: ContactProblem, axis: int) -> tuple[ContactSolution, Conta
             high = solution
         if low is not None and high is not None:
             return low, high
-        pressure = pressure * _FACTOR if high is None else pressure / _FACTOR
+        pressure = pressure * _LOAD_STEP_FACTOR if high is None else pressure / _LOAD_STEP_FACTOR
     if low is None:
-        raise InputError(f"No path joins the two sides even at a mean pressure of {si(pressure * _FACTOR, 'Pa')}.")
-    raise InputError(f"The two sides are joined even at a mean pressure of {si(pressure / _FACTOR, 'Pa')}.")
+        raise InputError(
+            f"No path joins the two sides even at a mean pressure of {si(pressure * _LOAD_STEP_FACTOR, 'Pa')}."
+        )
+    raise InputError(f"The two sides are joined even at a mean pressure of {si(pressure / _LOAD_STEP_FACTOR, 'Pa')}.")
 
 
 def _bisect(

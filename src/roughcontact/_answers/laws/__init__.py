@@ -1,7 +1,6 @@
-"""Laws of an interface: what its contact does, over the load, in a form that other programs read."""
+"""Laws of an interface: properties of its contact over the load, in a form that other programs read."""
 
-from roughcontact._answers.laws.fits import PowerFit
-from roughcontact._answers.laws.law import InterfaceLaw, LawColumn
+from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, PowerFit
 from roughcontact._answers.laws.run import interface_law
 
 __all__ = ["InterfaceLaw", "LawColumn", "PowerFit", "interface_law"]

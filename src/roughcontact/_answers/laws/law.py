@@ -1,7 +1,8 @@
-"""A law of an interface: columns over the load, each with its uncertainty."""
+"""A law of an interface: columns over the load, each with its uncertainty, and power laws where they hold."""
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -9,14 +10,98 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._answers.laws import abaqus, calculix, moose
-from roughcontact._answers.laws.fits import PowerFit, fit_power
+from roughcontact._answers.laws import formats
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
-from roughcontact._base.checks import Array, read_only
+from roughcontact._base.arrays import Array, Pair, read_only
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, counted, outlined, si
 from roughcontact.errors import InputError
+
+# Misfit that is allowed whatever the uncertainties, both over the value and over its change in the range.
+_ALLOWED_MISFIT = 0.01
+# Smallest number of loads of a power law, and smallest ratio of the last to the first: in a shorter range a power law
+# fits any smooth curve.
+_MIN_FITTED_LOADS = 4
+_MIN_LOAD_RANGE = 10.0
+
+
+@attrs.frozen
+class PowerFit:
+    """A power law of the pressure, value = `factor` (pressure / `pivot`)^`exponent`, and where it holds.
+
+    Attributes
+    ----------
+    exponent, exponent_std
+        The exponent and its standard deviation, from the uncertainties of the values and the misfit.
+    factor
+        The value at the pivot, in the unit of the column.
+    pivot
+        The geometric mean of the loads that were fitted, Pa.
+    pressures
+        The lowest and highest load of the range, Pa, in which the law is within the uncertainties or 1 %.
+    loads
+        Loads in it.
+    misfit
+        Maximum relative misfit in it.
+    """
+
+    exponent: float
+    exponent_std: float
+    factor: float
+    pivot: float
+    pressures: Pair
+    loads: int
+    misfit: float
+
+    def __str__(self) -> str:
+        low, high = (si(pressure, "Pa") for pressure in self.pressures)
+        exponent = f"pressure^({self.exponent:.3f} +- {self.exponent_std:.1g})"
+        return f"{exponent} from {low} to {high}, within {100.0 * self.misfit:.1g} %"
+
+
+def fit_power(pressures: Array, values: Array, uncertainties: Array) -> PowerFit | None:
+    """Return the power law over the widest range of neighbouring loads in which it holds; None without one.
+
+    It holds where every value is within its uncertainty of the weighted least-squares line of the logarithms, or within
+    1 % of the value and of its change over the range.
+    """
+    usable = np.isfinite(values) & (values > 0.0) & np.isfinite(uncertainties)
+    best: PowerFit | None = None
+    widest = 0.0
+    for first in range(pressures.size):
+        for last in range(pressures.size, first + _MIN_FITTED_LOADS - 1, -1):
+            chosen = slice(first, last)
+            ratio = float(pressures[last - 1] / pressures[first])
+            if ratio < _MIN_LOAD_RANGE * (1.0 - 1e-9) or ratio <= widest or not usable[chosen].all():
+                continue
+            found = _fit(pressures[chosen], values[chosen], uncertainties[chosen] / values[chosen])
+            if found is not None:
+                best = found
+                widest = ratio
+                break
+    return best
+
+
+def _fit(pressures: Array, values: Array, relative: Array) -> PowerFit | None:
+    """Return the line through the logarithms of all these values; None if one of them is off."""
+    x = np.log(pressures)
+    y = np.log(values)
+    allowed = np.maximum(relative, _ALLOWED_MISFIT)
+    weights = 1.0 / allowed**2
+    pivot, level = (float(np.average(each, weights=weights)) for each in (x, y))
+    spread = float(np.sum(weights * (x - pivot) ** 2))
+    exponent = float(np.sum(weights * (x - pivot) * (y - level))) / spread
+    misfit = y - level - exponent * (x - pivot)
+    change = min(1.0, abs(exponent) * float(x[-1] - x[0]))
+    if (np.abs(misfit) > np.maximum(relative, _ALLOWED_MISFIT * change)).any():
+        return None
+    variance = relative**2 + float(np.sum(misfit**2)) / (x.size - 2)
+    std = math.sqrt(float(np.sum((weights * (x - pivot)) ** 2 * variance))) / spread
+    middle = float(np.mean(x))
+    factor = math.exp(level + exponent * (middle - pivot))
+    ends = float(pressures[0]), float(pressures[-1])
+    return PowerFit(exponent, std, factor, math.exp(middle), ends, x.size, float(np.abs(misfit).max()))
 
 
 @attrs.frozen(eq=False)
@@ -41,7 +126,7 @@ class LawColumn:
 
 @attrs.frozen(eq=False)
 class InterfaceLaw:
-    """What a nominally flat interface does, over the nominal mean pressure.
+    """The properties of a nominally flat interface over the nominal mean pressure.
 
     Attributes
     ----------
@@ -136,7 +221,7 @@ class InterfaceLaw:
         units
             ``"SI"``, or ``"mm"``: mm, N, tonne, s, K, in which a pressure is in MPa.
         """
-        _write(path, abaqus.write_interaction(self, name, conductance, electrical, units))
+        _write(path, formats.write_abaqus(self, name, conductance, electrical, units))
 
     def to_calculix(
         self,
@@ -150,7 +235,7 @@ class InterfaceLaw:
 
         A row whose overclosure is less than 1e-10 above the one before is omitted: CalculiX would change it.
         """
-        _write(path, calculix.write_interaction(self, name, conductance, units))
+        _write(path, formats.write_calculix(self, name, conductance, units))
 
     def to_moose(
         self,
@@ -179,7 +264,7 @@ class InterfaceLaw:
         target = checks.path(path, "The table")
         if target.suffix != ".csv":
             raise InputError.about("The table of MOOSE", str(target), "a file that ends in .csv")
-        table, blocks = moose.write_function(self, target.name, name, conductance, min_gap, units)
+        table, blocks = formats.write_moose(self, target.name, name, conductance, min_gap, units)
         _write(target, table)
         _write(target.with_suffix(".i"), blocks)
 

@@ -10,20 +10,19 @@ import numpy as np
 
 from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, interpolation_warning
 from roughcontact._base.units import si
-from roughcontact._parts.grid import Boundary
-from roughcontact._parts.load import FIRST_LOADING, Load
+from roughcontact._parts.grid import FIRST_LOADING, Boundary, Load
 from roughcontact._solve.problem import ContactProblem, order_of_solving, predict_pressure
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Units of what is in proportion to the nominal area, and of its ratio to it.
-_PER_AREA = {"N/m": "Pa/m", "W/K": "W/(m2 K)", "S": "S/m2"}
-# Units of the responses that do not say it, by their registered names.
-_UNITS = {"conductance": "W/K", "leakage": "m3/s"}
+# Units of numbers in proportion to the nominal area, and their units per area.
+_UNITS_PER_AREA = {"N/m": "Pa/m", "W/K": "W/(m2 K)", "S": "S/m2"}
+# Units of responses whose results have no unit, by registered name.
+_UNITS_OF_RESPONSES = {"conductance": "W/K", "leakage": "m3/s"}
 _OWN_COLUMNS = ("pressure", "area", "mean_gap")
 # Ratio of neighbouring loads up to which a straight line between them is within 1 % of powers of 1/3 to 1.
-_LARGEST_RATIO = 1.6
+_MAX_LOAD_RATIO = 1.6
 
 Rows = dict[str, list[Estimate]]
 
@@ -73,7 +72,7 @@ def interface_law(
     if problem.boundary is not Boundary.PERIODIC:
         raise InputError(
             f"A law per area needs boundary='periodic', but got '{problem.boundary}': mean gap and stiffness of a "
-            "cut-out are those of the cut. A map that does not repeat can be mirrored at its borders."
+            "cut-out depend on where it is cut. A map that does not repeat can be mirrored at its borders."
         )
     asked = _name_columns(responses)
     loads = Load.sequence(pressure=pressure)
@@ -83,7 +82,7 @@ def interface_law(
     problem.require_load(pressure=values[-1])
     rows, texts = _solve(problem, [Load("pressure", value) for value in values], asked)
     columns = {name: _make_column(name, row, problem.plan.grid.area) for name, row in rows.items()}
-    warnings = *interpolation_warning(np.array(values), _LARGEST_RATIO), *_collect(texts)
+    warnings = *interpolation_warning(np.array(values), _MAX_LOAD_RATIO), *_collect(texts)
     return InterfaceLaw(np.array(values), columns, _describe(problem), warnings)
 
 
@@ -134,19 +133,19 @@ def _solve(
 
 
 def _read_estimate(found: object, name: str, response: Response[Any]) -> Estimate:
-    """Return the number that a response has found: its value, uncertainty and warnings, and their unit."""
+    """Return the result of a response as an estimate, with its unit."""
     value, spread = (getattr(found, part, None) for part in ("value", "uncertainty"))
     if not isinstance(value, (int, float)) or not isinstance(spread, (int, float)) or math.isnan(value):
         raise InputError(f"The response {name!r} is not a number with an uncertainty, and cannot be a column of a law.")
-    unit = getattr(found, "unit", None) or _UNITS.get(responses.name_of(type(response)) or "", "")
+    unit = getattr(found, "unit", None) or _UNITS_OF_RESPONSES.get(responses.name_of(type(response)) or "", "")
     return Estimate(float(value), float(spread), unit, tuple(getattr(found, "warnings", ())))
 
 
 def _make_column(name: str, row: list[Estimate], nominal: float) -> LawColumn:
     unit = row[0].unit
-    scale = 1.0 / nominal if unit in _PER_AREA else 1.0
+    scale = 1.0 / nominal if unit in _UNITS_PER_AREA else 1.0
     values, spread = (np.array([getattr(one, part) * scale for one in row]) for part in ("value", "uncertainty"))
-    return LawColumn(name, _PER_AREA.get(unit, unit), values, spread)
+    return LawColumn(name, _UNITS_PER_AREA.get(unit, unit), values, spread)
 
 
 def _collect(texts: list[tuple[float, tuple[str, ...]]]) -> tuple[str, ...]:

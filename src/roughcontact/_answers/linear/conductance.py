@@ -8,16 +8,22 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 
-from roughcontact._answers.linear.edge_correction import correct_edges
-from roughcontact._answers.linear.stiffness import describe_full_contact, list_warnings, require_mean_gap, sum_of
+from roughcontact._answers.linear.stiffness import (
+    correct_edges,
+    describe_full_contact,
+    list_warnings,
+    require_mean_gap,
+    sum_answer,
+)
 from roughcontact._answers.linear.tangent import LinearSolution, Tangent
-from roughcontact._base.checks import Array, Pair, number, pair, read_only
+from roughcontact._base.arrays import Array, Pair, read_only
+from roughcontact._base.checks import number, pair
 from roughcontact._base.units import Estimate, outlined, si
 from roughcontact._solve.solution import Area, ContactSolution, Response, responses
 from roughcontact.errors import InputError
 
-# Relative residual: the conductance errs by its square, the currents of the patches by itself.
-_TOLERANCE = 1e-3
+# Relative residual: the error of the conductance is its square; of the currents of the patches, the residual itself.
+_RESIDUAL_TOLERANCE = 1e-3
 
 
 def _conductivity(value: float | Sequence[float]) -> Pair:
@@ -44,15 +50,15 @@ class Conductance(Estimate):
     per_area
         `value` over the nominal area, W/(m2 K) or S/m2.
     patches
-        What flows through each of the solution's patches at a unit difference, shape (count,), W/K or S.
+        Flow through each of the solution's patches at a unit difference, shape (count,), W/K or S.
     constriction
-        Constriction resistance of each patch by itself, shape (count,), K/W or Ohm: that of the disc of its area,
-        which no other shape exceeds.
+        Constriction resistance of each patch by itself, shape (count,), K/W or Ohm: of a disc with its area, the
+        largest of all shapes.
     film
         Resistance of the film on each patch, shape (count,), K/W or Ohm.
     interaction
-        What the total resistance exceeds that of the patches in parallel without each other, K/W or Ohm; from discs,
-        so that slender patches may make it negative.
+        Excess of the total resistance over independent patches in parallel, K/W or Ohm. The patches count as discs, so
+        that slender ones may make it negative.
     warnings
         Why the value must not be trusted, in sentences; empty without a reason.
     """
@@ -100,9 +106,9 @@ class ContactConductance(Response[Conductance]):
        R = \frac{2\, r_f}{E^* (1/k_1 + 1/k_2)}
 
     with the conductivities k of the bodies and the film resistance r_f. E* cancels. On a periodic boundary G is the
-    gap conductance of a model of the bodies: its inverse is the resistance in excess of that of perfect contact. On a
-    free boundary it contains the spreading into two infinite half-spaces. Conduction through the gap, by gas or
-    radiation, is not contained.
+    gap conductance of a model of the bodies: its inverse is the excess resistance over perfect contact. On a free
+    boundary it contains the spreading into two infinite half-spaces. Conduction through the gap, by gas or radiation,
+    is not contained.
 
     Parameters
     ----------
@@ -117,6 +123,8 @@ class ContactConductance(Response[Conductance]):
     Greenwood, Brit. J. Appl. Phys. 17 (1966) 1621-1632, https://doi.org/10.1088/0508-3443/17/12/310
     """
 
+    with_adhesion = "contact pressure"
+
     conductivity: Pair = attrs.field(converter=_conductivity)
     film_resistance: float = attrs.field(default=0.0, converter=_film)
 
@@ -125,7 +133,7 @@ class ContactConductance(Response[Conductance]):
         require_mean_gap(solution, "conductance")
         if solution.moduli is not None:
             raise InputError(
-                "The conductance follows from the stiffness of two half-spaces, but this kernel is that of a layer, "
+                "The conductance follows from the stiffness of two half-spaces, but this kernel is of a layer, "
                 "which conducts otherwise than it deforms: choose kernel='love'."
             )
         area = solution.area()
@@ -146,7 +154,7 @@ class ContactConductance(Response[Conductance]):
             currents = np.zeros(0)
             std = 0.0
         else:
-            answer = tangent.solve(np.ones(solution.grid.shape), _TOLERANCE)
+            answer = tangent.solve(np.ones(solution.grid.shape), _RESIDUAL_TOLERANCE)
             currents, std = _find_currents(solution, answer, tangent, area, compliance)
             currents = analogy * currents
             std = analogy * std
@@ -166,5 +174,5 @@ def _find_currents(
     """Return the stiffness of each patch and the standard deviation of their sum, N/m."""
     correction = correct_edges(solution, answer.values, tangent.cells, area, film)
     parts = solution.patches.sum(answer.values) * solution.grid.cell_area
-    total = sum_of(answer.values, answer.residual) * solution.grid.cell_area
+    total = sum_answer(answer.values, answer.residual) * solution.grid.cell_area
     return parts * (total / float(parts.sum())) + correction.patches, correction.uncertainty

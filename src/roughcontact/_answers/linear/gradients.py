@@ -1,4 +1,4 @@
-"""Gradients of a solved contact by the adjoint: all heights, the modulus or the load for one or two linear answers."""
+"""Gradients of a solved contact by the adjoint: heights, modulus or load, for one or two linear answers."""
 
 from __future__ import annotations
 
@@ -8,23 +8,193 @@ from typing import TypeAlias
 import attrs
 import numpy as np
 
-from roughcontact._answers.linear.sensitivities import SENSITIVITIES, Sensitivity, mark_summit
 from roughcontact._answers.linear.tangent import Tangent
-from roughcontact._base.checks import Array, callback, choice, numbers, read_only
+from roughcontact._base.arrays import Array, IntArray, read_only
+from roughcontact._base.checks import callback, choice, numbers
+from roughcontact._parts.grid import Boundary
+from roughcontact._solve.problem import computing, problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
 from roughcontact.errors.door import outside, warn
 
 PressureDerivative: TypeAlias = Callable[[Array], Array]
 
+# Power of the force with which a Hertzian area grows.
+_HERTZ_EXPONENT = 2.0 / 3.0
+# Relative residual of the answer to a unit approach, whose moments need no more.
+_MOMENT_TOLERANCE = 1e-3
+# Ratio of the load of a patch by its virial to its actual load, or the inverse, from which it has several summits.
+_MAX_SUMMIT_LOAD_RATIO = 2.0
+# Area of Hertzian spots of one size over (sum p)^2 / sum p^2: the mean of the square of their pressure.
+_PARTICIPATION_FACTOR = 9.0 / 8.0
 # Relative residual of the linear answers: the gradient is linear in it.
-_TOLERANCE = 1e-10
-_WITH_RESPECT_TO = ("heights", "modulus", "load")
-_OF_EDGE = ("stiffness", "conductance")
-_HARDLY_CHANGES = (
+_ADJOINT_TOLERANCE = 1e-10
+_VARIABLES = ("heights", "modulus", "load")
+_EDGE_RESPONSES = ("stiffness", "conductance")
+_AREA_WARNING = (
     "under a given load the gradient of the area is a small difference of large parts, and even its sign may be wrong: "
-    "that of the participation is exact"
+    "the gradient of the participation is exact"
 )
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Sensitivity:
+    """Partial derivatives of a number J(p, position, heights, modulus) of the contact.
+
+    Attributes
+    ----------
+    pressure
+        With respect to the pressure of each cell, shape () or (nx, ny), 1/Pa times the unit of J.
+    position
+        With respect to the position of the bodies, positive as they approach, 1/m times the unit of J.
+    heights
+        With respect to the heights, shape () or (nx, ny), 1/m times the unit of J.
+    modulus
+        With respect to the contact modulus E*, 1/Pa times the unit of J.
+    """
+
+    pressure: Array = attrs.field(factory=lambda: np.zeros(()))
+    position: float = 0.0
+    heights: Array = attrs.field(factory=lambda: np.zeros(()))
+    modulus: float = 0.0
+
+
+def mark_summit(solution: ContactSolution) -> Array:
+    """Return one at the highest cell, whose first touch is the zero of the approach, and zero elsewhere."""
+    summit = np.zeros(solution.grid.shape)
+    summit.flat[np.argmin(solution.initial_gap)] = 1.0
+    return summit
+
+
+def _of_force(solution: ContactSolution) -> Sensitivity:
+    return Sensitivity(pressure=np.asarray(solution.grid.cell_area))
+
+
+def _of_approach(solution: ContactSolution) -> Sensitivity:
+    return Sensitivity(position=1.0, heights=mark_summit(solution))
+
+
+def _of_mean_gap(solution: ContactSolution) -> Sensitivity:
+    if solution.non_measured is not None:
+        raise InputError("The mean gap has no gradient where points were not measured: there the gap is not known.")
+    size = float(solution.pressure.size)
+    sensitivity = Sensitivity(position=-1.0, heights=np.asarray(-1.0 / size))
+    if solution.boundary is Boundary.PERIODIC:
+        # Pressure does not change the mean displacement.
+        return sensitivity
+    problem = problem_of(solution)
+    unit = solution.grid.spacing[0] / solution.modulus
+    with computing(problem):
+        convolution = problem.convolution
+        uniform = convolution.from_numpy(np.full(solution.grid.shape, unit / size))
+        by_pressure = convolution.to_numpy(convolution.apply(uniform))
+    by_modulus = -float(np.mean(solution.displacement)) / solution.modulus
+    return attrs.evolve(sensitivity, pressure=by_pressure, modulus=by_modulus)
+
+
+def _of_participation(solution: ContactSolution) -> Sensitivity:
+    # Squares of very large or small pressures leave the range of float64.
+    largest = float(solution.pressure.max())
+    if largest == 0.0:
+        raise InputError("The participation has no gradient where nothing is in contact.")
+    relative = solution.pressure / largest
+    total = float(relative.sum())
+    square = float(np.einsum("ij,ij->", relative, relative))
+    factor = 2.0 * _PARTICIPATION_FACTOR * solution.grid.cell_area * total / square
+    return Sensitivity(pressure=factor * (1.0 - total / square * relative) / largest)
+
+
+def _of_area(solution: ContactSolution) -> Sensitivity:
+    patches = solution.patches
+    area = solution.area()
+    # Contact everywhere has no edge that could move.
+    if patches.count == 0 or solution.contact.all():
+        return Sensitivity()
+    areas = patches.areas if area.patches is None else area.patches
+    growth = _HERTZ_EXPONENT * areas / patches.forces * solution.grid.cell_area
+    return Sensitivity(
+        pressure=np.concatenate(([0.0], growth))[patches.labels],
+        heights=_find_sharpening(solution, _HERTZ_EXPONENT * areas),
+        modulus=-_HERTZ_EXPONENT * float(np.sum(areas)) / solution.modulus,
+    )
+
+
+def _find_sharpening(solution: ContactSolution, weights: Array) -> Array:
+    r"""Return the derivative of the weighted sum of log(1/V) over the patches with respect to the heights.
+
+    V is the virial :math:`\sum q\, x \cdot \nabla g` of the initial gap g, over the centre x = 0 of the answer q to a
+    unit approach: the load that presses a round tip by itself to the size of the patch. Patches that carry another load
+    have several summits and are omitted.
+    """
+    labels = solution.patches.labels
+    shape = solution.grid.shape
+    tangent = Tangent(solution)
+    answer = tangent.solve(np.ones(shape), _MOMENT_TOLERANCE).values
+    cells = np.flatnonzero(answer)
+    members = labels.ravel()[cells] - 1
+    stiffness = answer.ravel()[cells]
+    moments = []
+    for axis in (0, 1):
+        place = np.unravel_index(cells, shape)[axis]
+        offset = _center(solution, place, members, stiffness, axis)
+        low, high, width = _find_neighbours(solution, cells, place, axis)
+        moments.append((low, high, np.where(width > 0.0, stiffness * offset / np.maximum(width, 1e-300), 0.0)))
+    gap = solution.initial_gap.ravel()
+    count = solution.patches.count
+    virial = sum(np.bincount(members, moment * (gap[high] - gap[low]), count) for low, high, moment in moments)
+    round_load = virial * solution.grid.cell_area / solution.patches.forces
+    trusted = (round_load > 1.0 / _MAX_SUMMIT_LOAD_RATIO) & (round_load < _MAX_SUMMIT_LOAD_RATIO)
+    scale = np.where(trusted, weights / np.where(trusted, virial, 1.0), 0.0)[members]
+    found = np.zeros(gap.size)
+    for low, high, moment in moments:
+        found += np.bincount(high, scale * moment, gap.size) - np.bincount(low, scale * moment, gap.size)
+    return found.reshape(shape)
+
+
+def _center(solution: ContactSolution, place: IntArray, members: IntArray, stiffness: Array, axis: int) -> Array:
+    """Return the distance of cells along an axis from the centre of the answer of their patch, m."""
+    size = solution.grid.shape[axis]
+    count = solution.patches.count
+    distance = place.astype(np.float64)
+    if solution.boundary is not Boundary.FREE:
+        # A patch may cross the border: distances are the shorter way to the mean direction on a circle.
+        angle = 2.0 * np.pi / size * distance
+        sine, cosine = (np.bincount(members, stiffness * part, count) for part in (np.sin(angle), np.cos(angle)))
+        distance -= size / (2.0 * np.pi) * np.arctan2(sine, cosine)[members]
+        distance = (distance + 0.5 * size) % size - 0.5 * size
+    weight = np.maximum(np.bincount(members, stiffness, count), 1e-300)
+    middle = np.bincount(members, stiffness * distance, count) / weight
+    return np.asarray((distance - middle[members]) * solution.grid.spacing[axis])
+
+
+def _find_neighbours(
+    solution: ContactSolution, cells: IntArray, place: IntArray, axis: int
+) -> tuple[IntArray, IntArray, Array]:
+    """Return the neighbours of cells along an axis (the cells themselves where not measured) and their distance, m."""
+    shape = solution.grid.shape
+    stride = shape[1] if axis == 0 else 1
+    sides = []
+    for step in (-1, 1):
+        moved = place + step
+        if solution.boundary is Boundary.FREE:
+            moved = np.clip(moved, 0, shape[axis] - 1)
+        other = cells + (moved % shape[axis] - place) * stride
+        if solution.non_measured is not None:
+            unknown = solution.non_measured.ravel()[other]
+            moved = np.where(unknown, place, moved)
+            other = np.where(unknown, cells, other)
+        sides.append((moved, other))
+    (before, low), (behind, high) = sides
+    return low, high, np.asarray((behind - before) * solution.grid.spacing[axis], dtype=np.float64)
+
+
+SENSITIVITIES: dict[str, Callable[[ContactSolution], Sensitivity]] = {
+    "approach": _of_approach,
+    "area": _of_area,
+    "force": _of_force,
+    "mean-gap": _of_mean_gap,
+    "participation": _of_participation,
+}
 
 
 def _number(value: str | PressureDerivative) -> str | PressureDerivative:
@@ -32,7 +202,7 @@ def _number(value: str | PressureDerivative) -> str | PressureDerivative:
         if callback(value, "of=", "pressure") is None:
             raise InputError.about("of=", value, "a name or a function of the pressure")
         return value
-    if value in _OF_EDGE:
+    if value in _EDGE_RESPONSES:
         raise InputError(
             f"The {value} changes only as the edge of the contact moves from cell to cell, so that it has no gradient "
             "on a grid: take the difference of two solves."
@@ -43,7 +213,7 @@ def _number(value: str | PressureDerivative) -> str | PressureDerivative:
 
 
 def _variable(value: str) -> str:
-    return choice(value, "with_respect_to=", _WITH_RESPECT_TO)
+    return choice(value, "with_respect_to=", _VARIABLES)
 
 
 @responses.register("gradient")
@@ -94,7 +264,7 @@ class Gradient(Response[Array]):
         else:
             adjoint = _Adjoint.under_load(tangent, sensitivity)
             if self.of == "area" and self.with_respect_to == "heights":
-                warn(_HARDLY_CHANGES)
+                warn(_AREA_WARNING)
         if self.with_respect_to == "load":
             units = {"pressure": float(solution.pressure.size), "force": 1.0 / solution.grid.cell_area, "approach": 1.0}
             return read_only(np.asarray(adjoint.load * units[kind]))
@@ -125,7 +295,7 @@ class _Adjoint:
     surface
         With respect to heights at a position that does not move with them, shape (nx, ny); zero outside the contact.
     summit
-        With respect to the height of the highest cell besides.
+        With respect to the height of the highest cell, in addition to `surface`.
     load
         With respect to the sum of the pressure, or to the approach.
     """
@@ -149,18 +319,18 @@ class _Adjoint:
         if not tangent.cells.any():
             raise InputError("All cells in contact are at the pressure limit: how they share a change of load is open.")
         if tangent.is_rigid:
-            shares = np.full(tangent.cells.shape, 1.0 / tangent.cells.size)
+            fractions = np.full(tangent.cells.shape, 1.0 / tangent.cells.size)
             compliance = 0.0
         else:
             uniform = _solve(tangent, np.ones(()))
             compliance = 1.0 / float(uniform.sum())
-            shares = uniform * compliance
-        # What a uniform change of the derivative by the pressure adds is the change of the load, which is zero.
-        mean = float(np.sum(shares * sensitivity.pressure))
-        surface = _solve(tangent, sensitivity.pressure - mean) - sensitivity.position * shares
+            fractions = uniform * compliance
+        # A constant added to the derivative by the pressure counts the change of the load, which is zero.
+        mean = float(np.sum(fractions * sensitivity.pressure))
+        surface = _solve(tangent, sensitivity.pressure - mean) - sensitivity.position * fractions
         return cls(surface, 0.0, mean + sensitivity.position * compliance)
 
 
 def _solve(tangent: Tangent, right: Array) -> Array:
-    """Return the pressure on the cells in contact by a right side, shape () or (nx, ny)."""
-    return tangent.solve(np.broadcast_to(right, tangent.cells.shape), _TOLERANCE).values
+    """Return the pressure on the cells in contact for a right side of shape () or (nx, ny)."""
+    return tangent.solve(np.broadcast_to(right, tangent.cells.shape), _ADJOINT_TOLERANCE).values

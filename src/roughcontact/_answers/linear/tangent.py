@@ -15,7 +15,7 @@ from functools import cached_property
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask, RealArray, read_only
+from roughcontact._base.arrays import Array, Mask, RealArray, read_only
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._solve.problem import computing, problem_of
@@ -23,15 +23,16 @@ from roughcontact._solve.solution import ContactSolution
 from roughcontact._solve.solvers import ActiveCells, MaskedCells, Preconditioner, active_cells, dot, total
 from roughcontact.errors import NotConverged
 
-# Relative residuals from here on are reached in float32, whose rounding is 6e-8 of the right side for each product.
-_SINGLE = 1e-4
-# Iterations after which a solve is given up, and those without a smaller residual after which only rounding is left.
-_ITERATIONS = 400
-_IDLE = 15
+# Relative residual from which float32 is used: its rounding is 6e-8 of the right side for each product.
+_FLOAT32_TOLERANCE = 1e-4
+# Iterations after which a solve is given up, and iterations without a smaller residual that mean only rounding is left.
+_MAX_ITERATIONS = 400
+_MAX_IDLE_ITERATIONS = 15
 # Relative residual that counts as solved where rounding prevents a smaller one.
-_ROUNDING = 1e-8
-# Singular values of the products of two pressures, over the larger, below which they are one; float32 has 1e-7.
-_DISTINCT = 1e-6
+_ROUNDING_RESIDUAL = 1e-8
+# Smallest singular value of the products of two pressures, over the larger one, for which they count as independent;
+# rounding in float32 gives 1e-7.
+_MIN_SINGULAR_RATIO = 1e-6
 
 
 @attrs.frozen(eq=False)
@@ -45,7 +46,7 @@ class LinearSolution:
     residual
         The right side less K q, shape (nx, ny), zero outside the cells, in the unit of the right side.
     error
-        Norm of the residual over that of the right side.
+        Norm of the residual over the norm of the right side.
     iterations, products
         Iterations, and applications of the kernel and of its approximate inverse.
     """
@@ -67,7 +68,7 @@ class Tangent:
     saturated
         Whether cells at the pressure limit belong to it: they do not under further load, and they do in unloading.
     compliance
-        Displacement of each cell by its own pressure beside that of the kernel, m/Pa, such as that of a film.
+        Displacement of each cell by its own pressure, in addition to the kernel, m/Pa, as by a film.
 
     Raises
     ------
@@ -87,12 +88,12 @@ class Tangent:
     def is_rigid(self) -> bool:
         """Whether uniform pressure displaces nothing: all cells of a periodic domain are in contact, without film.
 
-        A right side then determines the solution up to a constant only, and its mean has none.
+        A right side then determines the solution up to a constant only, and no solution exists for its mean.
         """
         return self._solution.boundary is Boundary.PERIODIC and self._diagonal == 0.0 and bool(self.cells.all())
 
     def solve(self, right: Array, tolerance: float = 1e-12) -> LinearSolution:
-        """Solve for a right side by conjugate gradients, preconditioned by the inverse kernel.
+        """Return the solution for a right side by conjugate gradients, preconditioned by the inverse kernel.
 
         Where `is_rigid`, the mean of the right side is omitted and the solution has the mean zero.
 
@@ -101,7 +102,7 @@ class Tangent:
         right
             Right side, shape (nx, ny), m; only its values on `cells` count.
         tolerance
-            Norm of the residual over that of the right side at which it ends; from 1e-4 on in float32.
+            Norm of the residual over the norm of the right side at which it ends; from 1e-4 on in float32.
 
         Raises
         ------
@@ -116,7 +117,7 @@ class Tangent:
             return LinearSolution(np.zeros_like(right), np.zeros_like(right), 0.0, 0, 0)
         with computing(self._problem):
             found = self._solve(right / size, tolerance)
-        if not found.error <= max(tolerance, _ROUNDING):
+        if not found.error <= max(tolerance, _ROUNDING_RESIDUAL):
             raise NotConverged(
                 f"The linear answer of the contact was not found: after {found.iterations} iterations the residual is "
                 f"{found.error:.1e} of the right side.",
@@ -125,9 +126,9 @@ class Tangent:
         return attrs.evolve(found, values=found.values * (size / self._unit), residual=found.residual * size)
 
     def _solve(self, right: Array, tolerance: float) -> LinearSolution:
-        """Solve in dimensionless variables: lengths in cells, E* = 1."""
+        """Return the solution in dimensionless variables: lengths in cells, E* = 1."""
         operator = self._operator
-        dtype = np.float32 if tolerance >= _SINGLE else np.float64
+        dtype = np.float32 if tolerance >= _FLOAT32_TOLERANCE else np.float64
         flat = operator.from_numpy(right).astype(dtype).ravel()
         mask = operator.from_numpy(self.cells.astype(np.float64)).ravel() > 0.0
         active = active_cells(flat, lambda tile: mask[tile])
@@ -198,8 +199,9 @@ class _System:
         idle = 0
         iterations = 0
         goal = tolerance**2 * _square(right)
-        while iterations < _ITERATIONS and (square := _square(residual)) > goal and idle < _IDLE:
-            best, idle = min(best, square), 0 if square < best else idle + 1
+        while iterations < _MAX_ITERATIONS and (square := _square(residual)) > goal and idle < _MAX_IDLE_ITERATIONS:
+            idle = 0 if square < best else idle + 1
+            best = min(best, square)
             image = self._precondition(weights, residual, math.sqrt(square / right.size))
             image = space.correct(image, residual)
             # The preconditioner changes a little from step to step: the next direction is made conjugate to the last.
@@ -220,7 +222,7 @@ class _System:
         return values, residual, iterations, products
 
     def _find_space(self, weights: RealArray) -> _Space:
-        """Return the pressures that move the surface as a whole: under a flat punch and, if most touch, uniform."""
+        """Return the pressures that move the surface as a whole: of a flat punch and, if most cells touch, uniform."""
         vectors = [weights]
         if isinstance(self.active, MaskedCells):
             vectors.append(self.active.ones.astype(weights.dtype))
@@ -246,7 +248,7 @@ class _Space:
         self.vectors = vectors
         self._images = images
         products = [[_dot(one, other) for other in images] for one in vectors]
-        self._inverse = np.linalg.pinv(products, rcond=_DISTINCT) if vectors else np.zeros((0, 0))
+        self._inverse = np.linalg.pinv(products, rcond=_MIN_SINGULAR_RATIO) if vectors else np.zeros((0, 0))
 
     def start(self, right: RealArray) -> tuple[RealArray, RealArray]:
         """Return the solution in the space, and its residual."""

@@ -2,7 +2,6 @@
 
 from roughcontact._answers.subsurface.field import StressField
 from roughcontact._answers.subsurface.first_yield import FirstYield, YieldPoint
-from roughcontact._answers.subsurface.maximum import StressMaximum
-from roughcontact._answers.subsurface.stress import Stress, StressBelow
+from roughcontact._answers.subsurface.stress import Stress, StressBelow, StressMaximum
 
 __all__ = ["FirstYield", "Stress", "StressBelow", "StressField", "StressMaximum", "YieldPoint"]

@@ -6,28 +6,28 @@ import math
 
 import attrs
 
-from roughcontact._answers.subsurface.maximum import StressMaximum
-from roughcontact._answers.subsurface.stress import StressBelow, body_name
+from roughcontact._answers.subsurface.stress import StressBelow, StressMaximum, body_name
 from roughcontact._base.checks import number
 from roughcontact._base.units import si
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
 
 # Relative distance from the yield stress at which the search ends, and number of solves in it.
-_CLOSE = 1e-4
-_MAXIMUM_TRIES = 25
-# Slope of the stress over the load, both logarithmic: of a ball, and the smallest that is used.
-_SLOPE = 1.0 / 3.0
-_FLATTEST = 0.05
-# Largest step of the load, and relative width of a bracket in which the stress jumps from cell to cell, both
-# logarithmic; distance of two loads from which their slope is used.
-_STEP = math.log(300.0)
-_NARROW = 1e-4
-_APART = 1e-2
-# Largest part of the load that the bodies can carry.
-_CARRIED = 0.999
+_STRESS_TOLERANCE = 1e-4
+_MAX_SOLVES = 25
+# Slope of the logarithm of the stress over the logarithm of the load: of a ball, and the smallest that is used.
+_BALL_SLOPE = 1.0 / 3.0
+_MIN_SLOPE = 0.05
+# Largest step of the logarithm of the load.
+_MAX_LOAD_STEP = math.log(300.0)
+# Width of a bracket of logarithmic loads below which the stress jumps across the yield stress from cell to cell.
+_MIN_BRACKET_WIDTH = 1e-4
+# Distance of two logarithmic loads from which their slope is used.
+_MIN_LOAD_DISTANCE = 1e-2
+# Largest load that is tried, over the load that the bodies can carry.
+_MAX_LOAD_FRACTION = 0.999
 
 
 @attrs.frozen(eq=False)
@@ -39,7 +39,7 @@ class YieldPoint:
     force
         The normal force, N.
     maximum
-        The von Mises stress at its maximum there, with the place.
+        The maximum von Mises stress at that load, with its place.
     solution
         The elastic contact at that load.
     """
@@ -76,8 +76,8 @@ class FirstYield(Response[YieldPoint]):
     r"""Load at which the maximum von Mises stress below a surface reaches the yield stress; the contact is elastic.
 
     On a ball :math:`F_Y = \pi^3 R^2 p_0^3 / 6 E^{*2}` with :math:`p_0 = 1.61\,Y` for :math:`\nu = 0.3`. The load is
-    searched by a secant over the logarithms of load and stress. Its relative uncertainty is that of the stress over
-    their slope, a third for a ball, less for rough surfaces.
+    searched by a secant over the logarithms of load and stress. Its relative uncertainty is the uncertainty of the
+    stress over their slope, a third for a ball, less for rough surfaces.
 
     Parameters
     ----------
@@ -95,23 +95,25 @@ class FirstYield(Response[YieldPoint]):
     body: str = attrs.field(default="body", converter=body_name)
 
     def respond(self, solution: ContactSolution) -> YieldPoint:
-        """Return the load of first yield, searched from that of the solution; see `Response.respond`."""
+        """Return the load of first yield, searched from the load of the solution; see `Response.respond`."""
         problem = problem_of(solution)
         trials = [self._measure(solution)]
         carried = maximum_pressure(problem.plan) * solution.grid.area
-        heaviest = math.log(_CARRIED * carried) if math.isfinite(carried) else math.inf
+        heaviest = math.log(_MAX_LOAD_FRACTION * carried) if math.isfinite(carried) else math.inf
         while not trials[-1].close:
             load = _choose_load(trials, heaviest)
             if load is None:
                 break
-            if len(trials) == _MAXIMUM_TRIES or (trials[-1].load >= heaviest - _NARROW and trials[-1].excess < 0.0):
+            if len(trials) == _MAX_SOLVES or (
+                trials[-1].load >= heaviest - _MIN_BRACKET_WIDTH and trials[-1].excess < 0.0
+            ):
                 raise InputError(
                     f"No load was found at which the von Mises stress reaches {si(self.yield_stress, 'Pa')}: "
                     f"at {si(trials[-1].solution.force, 'N')} it is {si(trials[-1].maximum.value, 'Pa')}."
                 )
             trials.append(self._measure(_solve(problem, trials, load)))
         last = min(trials, key=lambda one: abs(one.excess))
-        slope = max(_find_slope(trials), _FLATTEST)
+        slope = max(_find_slope(trials), _MIN_SLOPE)
         relative = math.hypot(last.maximum.uncertainty / last.maximum.value, last.excess) / slope
         force = last.solution.force * math.exp(-last.excess / slope)
         warnings = last.maximum.warnings
@@ -124,7 +126,7 @@ class FirstYield(Response[YieldPoint]):
 
 @attrs.frozen(eq=False)
 class _Trial:
-    """A load that was tried, its maximum stress, and the logarithm of that over the yield stress."""
+    """A load that was tried, its maximum stress, and the logarithm of this stress over the yield stress."""
 
     solution: ContactSolution
     maximum: StressMaximum
@@ -137,7 +139,7 @@ class _Trial:
 
     @property
     def close(self) -> bool:
-        return abs(self.excess) <= _CLOSE
+        return abs(self.excess) <= _STRESS_TOLERANCE
 
 
 def _solve(problem: ContactProblem, trials: list[_Trial], load: float) -> ContactSolution:
@@ -149,22 +151,22 @@ def _solve(problem: ContactProblem, trials: list[_Trial], load: float) -> Contac
 
 
 def _find_slope(trials: list[_Trial]) -> float:
-    """Return the slope through the last load and the nearest one apart from it; a ball's where there is none."""
+    """Return the slope through the last load and the nearest other one; the slope of a ball if there is none."""
     last = trials[-1]
-    apart = [one for one in trials if abs(one.load - last.load) >= _APART]
+    apart = [one for one in trials if abs(one.load - last.load) >= _MIN_LOAD_DISTANCE]
     if not apart:
-        return _SLOPE
+        return _BALL_SLOPE
     other = min(apart, key=lambda one: abs(one.load - last.load))
     return (last.excess - other.excess) / (last.load - other.load)
 
 
 def _choose_load(trials: list[_Trial], heaviest: float) -> float | None:
-    """Return the logarithm of the next force to try, up to one; None where the stress jumps across the yield stress."""
+    """Return the logarithm of the next force to try; None where the stress jumps across the yield stress."""
     last = trials[-1]
-    step = -last.excess / max(_find_slope(trials), _FLATTEST)
-    load = min(last.load + min(max(step, -_STEP), _STEP), heaviest)
+    step = -last.excess / max(_find_slope(trials), _MIN_SLOPE)
+    load = min(last.load + min(max(step, -_MAX_LOAD_STEP), _MAX_LOAD_STEP), heaviest)
     low = max((one.load for one in trials if one.excess < 0.0), default=-math.inf)
     high = min((one.load for one in trials if one.excess > 0.0), default=math.inf)
-    if 0.0 <= high - low <= _NARROW:
+    if 0.0 <= high - low <= _MIN_BRACKET_WIDTH:
         return None
     return load if low < load < high or high < low else 0.5 * (low + high)

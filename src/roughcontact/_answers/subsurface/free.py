@@ -1,28 +1,108 @@
-"""Stress below a domain beyond which nothing lies: tables of Love's cells, transformed by their parity."""
+"""Stress below a pressure on a free domain: tables of Love's cells, transformed by their parity."""
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact._answers.subsurface.cells import COMPONENTS, ODD_IN_X, ODD_IN_Y, Depth, cell_stress
-from roughcontact._answers.subsurface.planes import StressPlanes, coarsen
-from roughcontact._base.checks import Pair, RealArray, Waves
+from roughcontact._answers.subsurface.field import StressPlanes, coarsen
+from roughcontact._base.arrays import Pair, RealArray, Waves
 from roughcontact._base.machine import map_tiles, split, threads_for
 
+# The components of the stress, in Voigt's order.
+COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
+# Which components are odd in x, and in y; all others are even.
+ODD_IN_X = (False, False, False, False, True, True)
+ODD_IN_Y = (False, False, False, True, False, True)
+# Values of a table that are computed at a time.
+_TILE_VALUES = 2**16
 # Columns that are multiplied and transformed at a time, and rows: few enough for the cache.
-_COLUMNS = 32
-_ROWS = 64
-# Square of the depth over the area of a cell from which the corners of a cell cancel too much for float32.
-_FAR = 256.0
+_COLUMNS_PER_TILE = 32
+_ROWS_PER_TILE = 64
+# Square of the depth over the area of a cell above which the corners of a cell cancel too much for float32.
+_MAX_FLOAT32_DEPTH_SQUARE = 256.0
+
+
+def cell_stress(z: float, poisson: float, shape: tuple[int, int], sides: Pair, dtype: type[Any]) -> RealArray:
+    r"""Return the stress by unit pressure on one cell, tension positive, shape (6, nx, ny), in the order `COMPONENTS`.
+
+    With the corners :math:`X = x \pm a, Y = y \pm b` of the cell seen from the point, :math:`R^2 = X^2 + Y^2 + z^2`,
+    :math:`V = -\arctan(XY / zR)` and :math:`C = \arctan(Y/X) - \arctan(zY / XR)`,
+
+    .. math:: 2\pi\sigma_{xx} = \sum \pm [2\nu V - (1 - 2\nu) C - z V_{xx}], \quad
+              2\pi\sigma_{zz} = \sum \pm [V + z (V_{xx} + V_{yy})], \ldots
+
+    Parameters
+    ----------
+    z
+        Depth, in sides of a cell along x.
+    poisson
+        Poisson's ratio of the body.
+    shape
+        Offsets (nx, ny) of the point from the centre of the cell: 0 .. nx-1 cells along x, 0 .. ny-1 along y.
+    sides
+        Sides of the cell.
+    dtype
+        Precision of the table: float32 or float64.
+
+    References
+    ----------
+    Love, Phil. Trans. R. Soc. A 228 (1929) 377-420, https://doi.org/10.1098/rsta.1929.0009
+    """
+    # One corner more than there are cells, from half a cell before the centre of the first cell.
+    x = ((np.arange(shape[0] + 1) - 0.5) * sides[0]).astype(dtype)[:, np.newaxis]
+    y = ((np.arange(shape[1] + 1) - 0.5) * sides[1]).astype(dtype)[np.newaxis, :]
+    table = np.empty((len(COMPONENTS), *shape), dtype=dtype)
+
+    def work(rows: slice) -> None:
+        for place, corners in enumerate(_sum_corners(x[rows.start : rows.stop + 1], y, dtype(z), poisson)):
+            across = np.subtract(corners[1:], corners[:-1])
+            np.subtract(across[:, 1:], across[:, :-1], out=table[place, rows])
+
+    map_tiles(work, split(shape[0], max(1, _TILE_VALUES // shape[1])))
+    return table
+
+
+def _sum_corners(x: RealArray, y: RealArray, z: Any, poisson: float) -> tuple[RealArray, ...]:
+    """Return the terms of one corner for each component; those that depend on x or on y alone are omitted."""
+    scale = 0.5 / math.pi
+    shear = 1.0 - 2.0 * poisson
+    xx = x * x
+    yy = y * y
+    xy = x * y
+    square = xx + yy
+    r = np.sqrt(square + z * z)
+    # At the surface the quotient is infinite and its arc tangent a right angle.
+    with np.errstate(divide="ignore", over="ignore"):
+        v = np.arctan(xy / (z * r))
+    beyond = r + z
+    # The difference of both arc tangents as one of them, R - z without cancellation.
+    c = np.arctan(xy * (square / beyond) / (xx * r + z * yy))
+    along_x = 1.0 / (r * (xx + z * z))
+    along_y = 1.0 / (r * (yy + z * z))
+    bend_x = (z * scale) * xy * along_x
+    bend_y = (z * scale) * xy * along_y
+    v *= scale
+    c *= scale * shear
+    # V_xx + V_yy and both C together follow from Laplace's equation.
+    return (
+        bend_x - 2.0 * poisson * v - c,
+        bend_y - v + c,
+        -(v + bend_x + bend_y),
+        (z * z * scale) * x * along_y,
+        (z * z * scale) * y * along_x,
+        -scale * (shear * np.log(beyond) + z / r),
+    )
 
 
 @attrs.frozen(eq=False)
 class FreePlanes(StressPlanes):
-    """Linear convolution on a padded grid, as `DCFFT` does for displacements.
+    """The stress below a free domain, by linear convolution on a padded grid, as the displacement by `DCFFT`.
 
     Attributes
     ----------
@@ -31,7 +111,7 @@ class FreePlanes(StressPlanes):
     sides
         Sides of a cell.
     common
-        The largest steps that will be asked for.
+        The largest steps along x and y for which `at` is called.
     """
 
     pressure: RealArray
@@ -59,8 +139,8 @@ class FreePlanes(StressPlanes):
         nx, ny = (n // step for n, step in zip(self.pressure.shape, steps, strict=True))
         sides = steps[0] * self.sides[0], steps[1] * self.sides[1]
         waves = coarsen(coarsen(self.waves, self.padded[1], steps[1], 1), self.padded[0], steps[0], 0)
-        precision = np.float64 if z * z > _FAR * sides[0] * sides[1] else np.float32
-        tables = cell_stress(Depth(z, poisson), (mx // 2 + 1, my // 2 + 1), sides, precision).astype(np.float32)
+        precision = np.float64 if z * z > _MAX_FLOAT32_DEPTH_SQUARE * sides[0] * sides[1] else np.float32
+        tables = cell_stress(z, poisson, (mx // 2 + 1, my // 2 + 1), sides, precision).astype(np.float32)
         stress = np.empty((len(COMPONENTS), nx, ny), dtype=np.float32)
         for place, table in enumerate(tables):
             symbol = _transform(table, ODD_IN_X[place], ODD_IN_Y[place])
@@ -107,6 +187,6 @@ def _multiply(
     def transform_rows(rows: slice) -> None:
         field[rows] = scipy.fft.irfft(kept[rows], n=length, axis=1, overwrite_x=True)[:, : shape[1]]
 
-    map_tiles(transform_columns, split(waves.shape[1], _COLUMNS))
-    map_tiles(transform_rows, split(shape[0], _ROWS))
+    map_tiles(transform_columns, split(waves.shape[1], _COLUMNS_PER_TILE))
+    map_tiles(transform_rows, split(shape[0], _ROWS_PER_TILE))
     return field

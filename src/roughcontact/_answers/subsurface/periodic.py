@@ -1,4 +1,4 @@
-"""Stress below a domain that repeats without end: a factor for each wave of the pressure, with all its aliases."""
+"""Stress below a pressure on a periodic domain: a factor for each wave of the pressure, with all its aliases."""
 
 from __future__ import annotations
 
@@ -11,34 +11,34 @@ import numpy as np
 import scipy.fft
 from numpy.polynomial import chebyshev
 
-from roughcontact._answers.subsurface.cells import COMPONENTS, ODD_IN_X, ODD_IN_Y
-from roughcontact._answers.subsurface.planes import StressPlanes, coarsen
-from roughcontact._base.checks import Array, IntArray, Pair, RealArray, Waves
+from roughcontact._answers.subsurface.field import StressPlanes, coarsen
+from roughcontact._answers.subsurface.free import COMPONENTS, ODD_IN_X, ODD_IN_Y
+from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves
 from roughcontact._base.machine import threads_for
 
-# Depth, in sides of a cell, from which aliases have died: exp(-4 pi) = 3e-6.
-_NO_ALIASES = 4.0
-# Aliases on each side, averages of neighbouring partial sums (Euler's method), and Chebyshev nodes of their sum in the
-# square of the phase: with half as many of each the stress changes by 1e-6 of the pressure.
-_ALIASES = 16
-_AVERAGES = 8
-_NODES = 14
-# Depth in sides of a cell, times the order, from which an alias has died: exp(-2 pi 3) = 6e-9.
-_REACH = 3.0
+# Depth, in sides of a cell, from which aliases have decayed: exp(-4 pi) = 3e-6.
+_ALIAS_FREE_DEPTH = 4.0
+# Highest order of the aliases, number of averages of neighbouring partial sums (Euler's method), and Chebyshev nodes of
+# their sum in the square of the phase: with half as many of each the stress changes by 1e-6 of the pressure.
+_MAX_ALIAS_ORDER = 16
+_EULER_AVERAGES = 8
+_CHEBYSHEV_NODES = 14
+# Depth in sides of a cell, times the order, from which an alias has decayed: exp(-2 pi 3) = 6e-9.
+_ALIAS_DEPTH = 3.0
 # Terms of a sum that are added at a time.
-_TERMS = 2**20
+_TERMS_PER_TILE = 2**20
 
 
 @attrs.frozen(eq=False)
 class PeriodicPlanes(StressPlanes):
-    r"""Waves of the pressure, multiplied; the pressure is constant on each cell.
+    r"""The stress below a periodic pressure, which is constant on each cell: a factor for each of its waves.
 
     With :math:`k = (1 - 2\nu)/q^2 - z/q` a wave of unit amplitude gives
 
     .. math:: \sigma_{zz} = -(1 + qz) e^{-qz}, \quad \sigma_{xx} = -(2\nu + k q_x^2) e^{-qz}, \quad
               \sigma_{xy} = -k q_x q_y e^{-qz}, \quad \sigma_{xz} = i z q_x e^{-qz}.
 
-    The mean pressure has no such limit: the body is confined, :math:`\sigma_{xx} = \sigma_{yy} =
+    The mean pressure is not the limit of such waves: the body is confined, :math:`\sigma_{xx} = \sigma_{yy} =
     -\nu/(1-\nu) \langle p \rangle`.
 
     Attributes
@@ -83,7 +83,7 @@ def _phases(frequencies: RealArray) -> Array:
 
 
 def find_symbols(phases: tuple[Array, Array], sides: Pair, z: float, poisson: float) -> list[RealArray]:
-    """Return the real factors of all waves for each component, without the i of those odd in x or y alone; float32.
+    """Return the factors of all waves for each component, float32; components odd in x or y alone lack the factor i.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def find_symbols(phases: tuple[Array, Array], sides: Pair, z: float, poisson: fl
     none = np.zeros(1, dtype=np.intp)
     terms = [_Axis(phase.astype(np.float32), side, none) for phase, side in zip(phases, sides, strict=True)]
     sums = _sum_terms(terms[0], terms[1], z, poisson)
-    if z < _NO_ALIASES * max(sides):
+    if z < _ALIAS_FREE_DEPTH * max(sides):
         for one, aliases in zip(sums, _sum_aliases(phases, sides, z, poisson), strict=True):
             one += aliases
     trace, xx, zz, yz, xz, xy = sums
@@ -147,8 +147,8 @@ class _Axis:
     @property
     def _weights(self) -> RealArray:
         """Alternating signs, and Euler's weights of the last terms."""
-        sums = np.tri(_ALIASES + 1)
-        for _ in range(_AVERAGES):
+        sums = np.tri(_MAX_ALIAS_ORDER + 1)
+        for _ in range(_EULER_AVERAGES):
             sums = 0.5 * (sums[1:] + sums[:-1])
         order = np.abs(self.orders)
         return np.asarray(sums[-1][order] * (1.0 - 2.0 * (order % 2))).astype(self.phase.dtype)
@@ -157,11 +157,11 @@ class _Axis:
 def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float) -> list[RealArray]:
     """Return the sums over all orders for the trace, xx, zz, yz, xz and xy, shape (n, m) each.
 
-    Those that are odd along an axis are over the sine of half the phase.
+    Components that are odd along an axis are divided by the sine of half the phase.
     """
     kind = along_x.phase.dtype.type
     sums = [np.zeros((along_x.phase.size, along_y.phase.size), dtype=kind) for _ in COMPONENTS]
-    step = max(1, _TERMS // sums[0].size)
+    step = max(1, _TERMS_PER_TILE // sums[0].size)
     pairs = [(m, n) for m in range(along_x.orders.size) for n in range(along_y.orders.size)]
     for start in range(0, len(pairs), step):
         m, n = (np.array(side) for side in zip(*pairs[start : start + step], strict=True))
@@ -190,9 +190,9 @@ def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float) -> list
 
 
 def _sum_aliases(phases: tuple[Array, Array], sides: Pair, z: float, poisson: float) -> Sequence[Array]:
-    """Return the sums over all aliases: smooth and even in the phase along each axis that is aliased."""
+    """Return the sums over all aliases, which are smooth and even in the phase along each aliased axis."""
     none = np.zeros(1, dtype=np.intp)
-    nodes = 0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES))
+    nodes = 0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_CHEBYSHEV_NODES) + 0.5) / _CHEBYSHEV_NODES))
     vandermonde = np.linalg.inv(_vandermonde(nodes))
     to_x, to_y = (_vandermonde(phase**2) @ vandermonde for phase in phases)
     exact = [_Axis(np.abs(phase), side, none) for phase, side in zip(phases, sides, strict=True)]
@@ -207,10 +207,10 @@ def _sum_aliases(phases: tuple[Array, Array], sides: Pair, z: float, poisson: fl
 
 
 def _list_aliases(depth: float) -> IntArray:
-    """Return the orders of the aliases that have not died at a depth, in sides of a cell."""
-    most = _ALIASES if depth * _ALIASES <= _REACH else math.ceil(_REACH / depth)
+    """Return the orders of the aliases that have not decayed at a depth, in sides of a cell."""
+    most = _MAX_ALIAS_ORDER if depth * _MAX_ALIAS_ORDER <= _ALIAS_DEPTH else math.ceil(_ALIAS_DEPTH / depth)
     return np.array([order for order in range(-most, most + 1) if order != 0], dtype=np.intp)
 
 
 def _vandermonde(square: Array) -> Array:
-    return np.asarray(chebyshev.chebvander(2.0 * square / math.pi**2 - 1.0, _NODES - 1))
+    return np.asarray(chebyshev.chebvander(2.0 * square / math.pi**2 - 1.0, _CHEBYSHEV_NODES - 1))

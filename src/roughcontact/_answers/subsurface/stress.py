@@ -1,55 +1,201 @@
-"""The stress below the surface of a body in contact, a depth at a time."""
+"""The stress below the surface of a body in contact, one depth at a time, and its maximum between the depths."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import Any
 
 import attrs
 import numpy as np
 
-from roughcontact._answers.subsurface.cells import COMPONENTS
-from roughcontact._answers.subsurface.field import StressField, von_mises
-from roughcontact._answers.subsurface.free import FreePlanes
-from roughcontact._answers.subsurface.maximum import (
-    PlanePeak,
-    StressMaximum,
-    find_maximum,
-    find_shear,
-    find_von_mises,
+from roughcontact._answers.subsurface.field import (
+    StressField,
+    StressPlanes,
+    common_step,
+    find_steps,
+    maximum_shear,
+    shear_invariant,
+    von_mises,
 )
+from roughcontact._answers.subsurface.free import COMPONENTS, FreePlanes
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
-from roughcontact._answers.subsurface.planes import StressPlanes, common_step, find_steps
-from roughcontact._base.checks import Array, choice, frozen_array, numbers, read_only
+from roughcontact._base.arrays import Array, RealArray, frozen_array, read_only
+from roughcontact._base.checks import choice, numbers
 from roughcontact._base.machine import require_memory, use_threads
-from roughcontact._base.units import outlined, si
-from roughcontact._base.warnings import ContactWarning
+from roughcontact._base.units import ContactWarning, Estimate, outlined, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.problem import problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
 
-# Depths by default: from half a cell, each so many times the last, to two radii of the largest patch, at least some
-# cells and at most half a side of the domain.
-_FIRST = 0.5
-_RATIO = 1.15
-_RADII = 2.0
-_FEWEST = 4.0
-_LAST = 0.5
+# Factors of 1/n^2 and 1/n^4 in the relative error of the maximum at a depth of n cells: set on Hertz's balls and on
+# rough surfaces, and judged on others by docs/studies/stress.py.
+_GRID_ERROR_TERMS = (0.012, 0.004)
+# Error by the distance of the depths, over the rise of the parabola above the largest value at a depth.
+_INTERPOLATION_ERROR = 0.3
+# Smallest relative error: by float32 and by the tolerance of the solver.
+_MIN_RELATIVE_ERROR = 2e-4
+# Depth in cells below which the stress depends on the shape of the cells at the edges of the contact.
+_MIN_DEPTH_CELLS = 2.0
+# Default depths: the first, in cells; the ratio of each to the one before; the last, in radii of the largest patch, and
+# its bounds, in cells and in sides of the domain.
+_FIRST_DEPTH_CELLS = 0.5
+_DEPTH_RATIO = 1.15
+_LAST_DEPTH_RADII = 2.0
+_MIN_LAST_DEPTH_CELLS = 4.0
+_MAX_LAST_DEPTH_SIDES = 0.5
 # Largest depth, in sides of the domain, for which the stress is computed.
-_DEEPEST = 100.0
-_SHARP = ContactWarning(
+_MAX_DEPTH_SIDES = 100.0
+_SHARP_EDGE_WARNING = ContactWarning(
     "the contact has a sharp edge or reaches the border, where the stress is unbounded: it depends on the grid",
     "sharp edge",
 )
-_DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1e60"
+_ALLOWED_DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1e60"
+
+
+@attrs.frozen
+class StressMaximum(Estimate):
+    """The maximum of a stress below a surface, and its place.
+
+    Attributes
+    ----------
+    value
+        The maximum, Pa.
+    uncertainty
+        One standard deviation, Pa.
+    unit
+        ``"Pa"``.
+    x, y, depth
+        Its place, m; the origin is the centre of the domain at the surface.
+    warnings
+        Why the value must not be trusted, in sentences; empty without a reason.
+    """
+
+    value: float
+    uncertainty: float
+    x: float
+    y: float
+    depth: float
+    unit: str = attrs.field(default="Pa", init=False)
+    warnings: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        relative = 100.0 * self.uncertainty / self.value if self.value > 0.0 else 0.0
+        place = f"x = {si(self.x, 'm')}, y = {si(self.y, 'm')}, depth {si(self.depth, 'm')}"
+        return f"{si(self.value, 'Pa', 5)} +- {relative:.2g} % at {place}{self._reasons}"
+
+
+@attrs.frozen
+class PlanePeak:
+    """The maximum in a plane, in its scale, and its place, m."""
+
+    value: float
+    x: float
+    y: float
+
+
+def find_von_mises(field: StressField, boundary: Boundary) -> PlanePeak:
+    """Return the maximum of the von Mises stress in a plane, between the points by a parabola along each axis."""
+    return _find_peak(field, boundary, von_mises(field.values), von_mises)
+
+
+def find_shear(field: StressField, boundary: Boundary) -> PlanePeak:
+    """Return the largest of the maximum shear stresses in a plane, between the points by a parabola along each axis."""
+    # The shear stress lies between sqrt(3)/2 and 1 of this root, so that few points need the angle.
+    root = np.sqrt(shear_invariant(field.values))
+    shear = math.sqrt(0.75) * root
+    near = np.nonzero(root >= float(shear.max()))
+    shear[near] = maximum_shear(field.values[:, near[0], near[1]])
+    return _find_peak(field, boundary, shear, maximum_shear)
+
+
+def _find_peak(
+    field: StressField, boundary: Boundary, stress: RealArray, measure: Callable[[RealArray], RealArray]
+) -> PlanePeak:
+    i, j = (int(place) for place in np.unravel_index(int(np.argmax(stress)), stress.shape))
+    value = float(stress[i, j])
+    offsets = []
+    for axis, place in enumerate((i, j)):
+        count = stress.shape[axis]
+        beside = np.array((place - 1, place + 1))
+        if boundary is Boundary.PERIODIC:
+            beside %= count
+        if count < 3 or beside[0] < 0 or beside[1] >= count:
+            offsets.append(0.0)
+            continue
+        points = (beside, j) if axis == 0 else (i, beside)
+        left, right = measure(field.values[:, *points])
+        shift, rise = _fit_parabola(float(left), float(stress[i, j]), float(right))
+        offsets.append(shift)
+        value += rise
+    grid = field.grid
+    return PlanePeak(
+        value,
+        float(grid.x[i, 0]) + offsets[0] * grid.spacing[0],
+        float(grid.y[0, j]) + offsets[1] * grid.spacing[1],
+    )
+
+
+def _fit_parabola(left: float, middle: float, right: float) -> tuple[float, float]:
+    """Return where a parabola through three points has its maximum, in steps from the middle, and its rise above it."""
+    bend = left - 2.0 * middle + right
+    slope = 0.5 * (right - left)
+    if bend >= 0.0:
+        return 0.0, 0.0
+    shift = min(max(-slope / bend, -0.5), 0.5)
+    return shift, shift * (slope + 0.5 * bend * shift)
+
+
+def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: float) -> StressMaximum:
+    """Return the maximum over all depths, between them by a parabola over the logarithm of the depth.
+
+    Parameters
+    ----------
+    depths
+        Depths, m, ascending.
+    peaks
+        The maximum at each of them.
+    scale
+        The unit of the peaks, Pa.
+    cell
+        The larger side of a cell, m.
+    """
+    values = np.array([peak.value for peak in peaks])
+    top = int(np.argmax(values))
+    value = float(values[top])
+    depth = float(depths[top])
+    rise = 0.0
+    warnings = []
+    inside = 0 < top < values.size - 1 and depths[top - 1] > 0.0
+    if inside:
+        place = np.log(depths[top - 1 : top + 2] / depths[top])
+        coefficients = np.polyfit(place, values[top - 1 : top + 2], 2)
+        if coefficients[0] < 0.0:
+            shift = float(np.clip(-0.5 * coefficients[1] / coefficients[0], place[0], place[2]))
+            rise = float(np.polyval(coefficients, shift)) - value
+            value = value + rise
+            depth = depth * math.exp(shift)
+    else:
+        end = "the smallest" if top == 0 else "the largest"
+        text = f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
+        warnings.append(ContactWarning(text, "depths", depth))
+    cells = depth / cell
+    if cells < _MIN_DEPTH_CELLS:
+        text = f"the maximum lies only {cells:.2g} cells below the surface, where it depends on the grid"
+        warnings.append(ContactWarning(text, "resolution", cells))
+    inverse = 1.0 / max(cells, 1e-3) ** 2
+    relative = math.hypot(
+        _MIN_RELATIVE_ERROR, min(_GRID_ERROR_TERMS[0] * inverse + _GRID_ERROR_TERMS[1] * inverse**2, 1.0)
+    )
+    uncertainty = math.hypot(relative * value, _INTERPOLATION_ERROR * rise)
+    return StressMaximum(value * scale, uncertainty * scale, peaks[top].x, peaks[top].y, depth, tuple(warnings))
 
 
 @attrs.frozen(eq=False)
 class Stress:
-    """The stress below the surface of a body: computed when asked for, a depth at a time but for `components`.
+    """The stress below the surface of a body, computed on access: one depth at a time, except for `components`.
 
     Iteration, `len` and ``stress[i]`` give a `StressField` for each depth.
 
@@ -92,20 +238,12 @@ class Stress:
     @cached_property
     def components(self) -> Array:
         """The components xx, yy, zz, yz, xz, xy at all depths, shape (depths, 6, nx, ny), Pa; tension is positive."""
-        stress = self._allocate((len(self), len(COMPONENTS), *self._grid.shape))
-        for place, depth in enumerate(self.depths):
-            stress[place] = self._field(float(depth), (1, 1)).values
-            stress[place] *= self._scale
-        return read_only(stress)
+        return self._stack((len(COMPONENTS),), lambda values: values)
 
     @cached_property
     def von_mises(self) -> Array:
         """Von Mises equivalent stress at all depths, shape (depths, nx, ny), Pa."""
-        stress = self._allocate((len(self), *self._grid.shape))
-        for place, depth in enumerate(self.depths):
-            stress[place] = von_mises(self._field(float(depth), (1, 1)).values)
-            stress[place] *= self._scale
-        return read_only(stress)
+        return self._stack((), von_mises)
 
     @property
     def maximum(self) -> StressMaximum:
@@ -127,7 +265,7 @@ class Stress:
         peaks = [peak[measure] for peak in self._peaks]
         found = find_maximum(np.unique(self.depths), peaks, self._scale, max(self._grid.spacing))
         if self._reaches_border or (found.warnings and self._has_sharp_edge):
-            found = attrs.evolve(found, uncertainty=found.value, warnings=(*found.warnings, _SHARP))
+            found = attrs.evolve(found, uncertainty=found.value, warnings=(*found.warnings, _SHARP_EDGE_WARNING))
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
 
     @property
@@ -139,7 +277,7 @@ class Stress:
 
     @cached_property
     def _has_sharp_edge(self) -> bool:
-        # Such a maximum of the pressure is as uncertain as it is large.
+        # The uncertainty of the maximum pressure at a sharp edge is the pressure itself.
         peak = self.solution.peak_pressure()
         return peak.uncertainty >= peak.value
 
@@ -181,10 +319,16 @@ class Stress:
             values = self._planes.at(depth / self._grid.spacing[0], self.poisson, steps)
         return StressField(depth, grid, values, self._scale)
 
-    def _allocate(self, shape: tuple[int, ...]) -> Array:
+    def _stack(self, axes: tuple[int, ...], measure: Callable[[RealArray], RealArray]) -> Array:
+        """Return a measure of the stress, of shape (`axes`, nx, ny), at all depths, Pa."""
+        shape = (len(self), *axes, *self._grid.shape)
         advice = "ask for fewer depths, or go through them one at a time, for field in stress"
         require_memory(8.0 * math.prod(shape), f"The stress at {len(self)} depths", advice)
-        return np.empty(shape)
+        stress = np.empty(shape)
+        for place, depth in enumerate(self.depths):
+            stress[place] = measure(self._field(float(depth), (1, 1)).values)
+            stress[place] *= self._scale
+        return read_only(stress)
 
     def __str__(self) -> str:
         return (
@@ -197,9 +341,9 @@ class Stress:
 def _depths(value: Any) -> Array | None:
     if value is None:
         return None
-    depths = np.atleast_1d(numbers(value, "The depths", _DEPTHS))
+    depths = np.atleast_1d(numbers(value, "The depths", _ALLOWED_DEPTHS))
     if depths.ndim != 1 or depths.size == 0 or not np.all((depths >= 0.0) & (depths <= 1e60)):
-        raise InputError.about("The depths", value, _DEPTHS)
+        raise InputError.about("The depths", value, _ALLOWED_DEPTHS)
     return frozen_array(depths)
 
 
@@ -226,6 +370,8 @@ class StressBelow(Response[Stress]):
     Love, Phil. Trans. R. Soc. A 228 (1929) 377-420, https://doi.org/10.1098/rsta.1929.0009
     """
 
+    with_adhesion = "total pressure"
+
     depths: Array | None = attrs.field(default=None, converter=_depths)
     body: str = attrs.field(default="body", converter=body_name)
 
@@ -233,7 +379,8 @@ class StressBelow(Response[Stress]):
         """Return the stress; see `Response.respond`."""
         if solution.moduli is not None:
             raise InputError(
-                "The stress below the surface is that of a homogeneous half-space; this kernel is of another."
+                "The stress below the surface is known for homogeneous half-spaces only, but this kernel is of a "
+                "layer: choose kernel='love'."
             )
         scale = float(solution.pressure.max())
         if not (math.isfinite(scale) and scale > 0.0):
@@ -250,9 +397,9 @@ class StressBelow(Response[Stress]):
                 f"{what} no stress below its surface: ask for body='{other}', or give it a Poisson's ratio."
             )
         depths = default_depths(solution) if self.depths is None else self.depths
-        deepest = _DEEPEST * max(solution.grid.size)
+        deepest = _MAX_DEPTH_SIDES * max(solution.grid.size)
         if float(depths.max()) > deepest:
-            allowed = f"at most {si(deepest, 'm')}, {_DEEPEST:g} times the side of the domain"
+            allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
             raise InputError.about("A depth", float(depths.max()), allowed, "Depths are in metres.")
         return Stress(solution, depths, float(poisson), threads=problem.plan.thread_choice[0])
 
@@ -262,6 +409,8 @@ def default_depths(solution: ContactSolution) -> Array:
     cell = max(solution.grid.spacing)
     patches = solution.patches
     radius = math.sqrt(float(patches.areas.max()) / math.pi) if patches.count else 0.0
-    last = max(_FEWEST * cell, min(_RADII * radius, _LAST * max(solution.grid.size)))
-    count = math.ceil(math.log(last / (_FIRST * cell)) / math.log(_RATIO)) + 1
-    return np.asarray(np.geomspace(_FIRST * cell, last, count), dtype=np.float64)
+    last = max(
+        _MIN_LAST_DEPTH_CELLS * cell, min(_LAST_DEPTH_RADII * radius, _MAX_LAST_DEPTH_SIDES * max(solution.grid.size))
+    )
+    count = math.ceil(math.log(last / (_FIRST_DEPTH_CELLS * cell)) / math.log(_DEPTH_RATIO)) + 1
+    return np.asarray(np.geomspace(_FIRST_DEPTH_CELLS * cell, last, count), dtype=np.float64)

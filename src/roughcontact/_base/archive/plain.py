@@ -1,51 +1,158 @@
-"""Parts as plain data, and back: what files keep, and what keys are made from.
-
-A part is ``{"kind": ..., "name": ..., "fields": {...}}``. Its name is the one it is registered under, or
-``roughcontact:Grid`` for a public attrs class of this package; only such classes are built, each only where its
-base class is expected. A class that is not registered is named ``module:Class`` and never imported.
-"""
+"""Parts as plain data for files and keys, and parts from plain data."""
 
 from __future__ import annotations
 
+import ast
 import contextlib
-import hashlib
+import functools
+import importlib.metadata
+import inspect
 import json
 import math
 import sys
-from collections.abc import Iterator, Mapping
+import textwrap
+import weakref
+from collections.abc import Iterable, Iterator, Mapping
 from enum import Enum
+from pathlib import Path
+from types import CellType, CodeType, FunctionType
 from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
 
 import attrs
 import numpy as np
 
-from roughcontact._base.archive import digest_of
-from roughcontact._base.archive.sources import programs
-from roughcontact._base.checks import RealArray
+from roughcontact._base.archive import digest_of, short_digest
+from roughcontact._base.arrays import RealArray
 from roughcontact._base.registry import Registry, path_of, registries
 from roughcontact.errors import InputError
 
+# Members of a class that do not belong to its behaviour; the hash by attrs differs between processes.
+_IGNORED_MEMBERS = {"__module__", "__dict__", "__hash__", "__weakref__", "__firstlineno__", "__static_attributes__"}
+_texts: weakref.WeakKeyDictionary[Any, tuple[str, frozenset[str]]] = weakref.WeakKeyDictionary()
 Described: TypeAlias = Any
 _PACKAGE = __name__.partition(".")[0]
-# Maximum length of the text that stands for a field which is not plain data.
-_TEXT = 200
-# Missing classes that are listed.
-_SHOWN = 5
+# Characters of the text by which a field that is not plain data is described.
+_MAX_TEXT_CHARACTERS = 200
+# Missing classes that a message lists.
+_MAX_LISTED_CLASSES = 5
+
+
+def programs(classes: Iterable[type]) -> list[str]:
+    """Return name and version of each distribution that defines one of the classes or their bases, but for this one.
+
+    A class of a script or a notebook gives a digest of its source and of the functions, classes and plain values of its
+    module that it names.
+    """
+    bases = {base for cls in classes for base in cls.__mro__ if not _is_known(base)}
+    return sorted({_distribution(base) or f"{path_of(base)} {_digest(base)}" for base in bases})
+
+
+def _is_known(definition: Any) -> bool:
+    """Return whether a definition belongs to this package or to Python, whose versions are recorded apart."""
+    top = _top(definition)
+    return top == _PACKAGE or top in sys.stdlib_module_names
+
+
+def _top(definition: Any) -> str:
+    return str(definition.__module__).partition(".")[0]
+
+
+@functools.cache
+def _packages() -> Mapping[str, list[str]]:
+    return importlib.metadata.packages_distributions()
+
+
+def _distribution(definition: Any) -> str:
+    """Return the distribution of a class or function with its version; empty without one."""
+    file = getattr(sys.modules.get(definition.__module__), "__file__", None)
+    found = [importlib.metadata.distribution(name) for name in dict.fromkeys(_packages().get(_top(definition), []))]
+    # A folder of the user may have the name of an installed package.
+    return ", ".join(
+        f"{dist.name} {dist.version}"
+        for dist in found
+        if file is None or Path(file).is_relative_to(Path(str(dist.locate_file(""))))
+    )
+
+
+def _digest(definition: Any) -> str:
+    """Return a digest of a class or function and of the definitions in its module that it names."""
+    texts: dict[str, str] = {}
+    waiting = [("", definition)]
+    while waiting:
+        place, value = waiting.pop()
+        if place in texts:
+            continue
+        if not isinstance(value, (type, FunctionType)):
+            texts[place] = repr(value)
+        elif not _is_known(value) and not _distribution(value):
+            texts[place], names = _text_of(value)
+            module = vars(sys.modules.get(value.__module__, object))
+            used = {name: module[name] for name in names if name in module}
+            waiting += [(f"{value.__module__}.{name}", used[name]) for name in used if _is_plain(used[name])]
+    content = "\0".join(f"{place}\0{texts[place]}" for place in sorted(texts))
+    return short_digest(content.replace("__mp_main__", "__main__"))
+
+
+def _is_plain(value: object) -> bool:
+    if isinstance(value, tuple):
+        return all(map(_is_plain, value))
+    return isinstance(value, (type, FunctionType, bool, int, float, complex, str, bytes, type(None)))
+
+
+def _text_of(definition: Any) -> tuple[str, frozenset[str]]:
+    """Return the source of a class or function, as first seen, and the names in it; its code if there is no source."""
+    if definition not in _texts:
+        try:
+            # From CPython 3.13 on, inspect finds other lines for definitions by exec() in `python -c`.
+            if not Path(inspect.getsourcefile(definition) or "").is_file():
+                raise OSError
+            text = textwrap.dedent(inspect.getsource(definition))
+            names = frozenset(node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name))
+        except (OSError, TypeError, SyntaxError):
+            codes = list(_codes_of(definition, set()))
+            text = "\0".join(text for text, _ in codes)
+            names = frozenset(name for _, names in codes for name in names)
+        _texts[definition] = text, names
+    return _texts[definition]
+
+
+def _codes_of(value: Any, seen: set[int]) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Yield the code and the plain values that make up a class or function, each with the names that it uses."""
+    if id(value) in seen:
+        return
+    inner: list[Any] = []
+    if isinstance(value, CodeType):
+        yield repr((value.co_name, value.co_code)), value.co_names
+        inner = list(value.co_consts)
+    elif isinstance(value, (type, FunctionType)):
+        seen.add(id(value))
+        members = vars(value) if isinstance(value, type) else {}
+        inner = [member for name, member in sorted(members.items()) if name not in _IGNORED_MEMBERS]
+        if isinstance(value, FunctionType):
+            cells = [cell.cell_contents for cell in value.__closure__ or () if cell != CellType()]
+            inner = [value.__code__, value.__defaults__, value.__kwdefaults__, *cells]
+    elif isinstance(value, (classmethod, staticmethod, property, functools.cached_property)):
+        inner = [getattr(value, name, None) for name in ("__func__", "fget", "func")]
+    elif isinstance(value, frozenset):
+        # Sorted, to be the same in any process.
+        yield repr(sorted(map(repr, value))), ()
+    elif isinstance(value, (tuple, list, dict)):
+        inner = list(value.values() if isinstance(value, dict) else value)
+    elif _is_plain(value):
+        yield repr(value), ()
+    for item in inner:
+        yield from _codes_of(item, seen)
+
 
 # Classes that plug-ins use in the fields of their parts, such as a layer of a coating.
 parts = Registry(object, "part", "roughcontact.parts")
 
 
 def describe(value: object, arrays: dict[str, RealArray]) -> Described:
-    """Return a value as data that JSON can hold; arrays go into `arrays` under the digest of their content.
+    """Return a value as data for JSON, and put its arrays into `arrays` under the digest of their content.
 
-    Parameters
-    ----------
-    value
-        Numbers, texts, enumerations, arrays, lists, mappings, and parts made of them. The fields of a part
-        that is not an attrs class, or holds anything else, are kept as texts.
-    arrays
-        Receives the arrays.
+    Values are numbers, texts, enumerations, arrays, lists, mappings, and parts made of them. The fields of a part that
+    is not an attrs class, or has a field of another type, are kept as texts.
     """
     if isinstance(value, (Enum, np.generic)):
         return describe(value.value if isinstance(value, Enum) else value.item(), arrays)
@@ -69,24 +176,14 @@ def describe(value: object, arrays: dict[str, RealArray]) -> Described:
     with contextlib.suppress(InputError):
         if attrs.has(cls) or not fields:
             return {**part, "fields": {key: describe(item, arrays) for key, item in fields.items()}}
-    return {**part, "texts": {key: repr(item)[:_TEXT] for key, item in fields.items()}}
+    return {**part, "texts": {key: repr(item)[:_MAX_TEXT_CHARACTERS] for key, item in fields.items()}}
 
 
 def rebuild(described: Described, arrays: Mapping[str, RealArray], bases: tuple[type, ...] | None = None) -> Any:
-    """Return the value that `describe` described.
+    """Return the value of a description and its arrays by `describe`.
 
-    Parameters
-    ----------
-    described, arrays
-        What `describe` returned, and filled.
-    bases
-        Base classes, one of which a part must have; by default those of all registries.
-
-    Raises
-    ------
-    InputError
-        If a class is not registered here, is not derived from the base that its place expects, or does not
-        take its fields.
+    A part must derive from one of the bases, by default those of all registries. `InputError` if a class is not
+    registered, does not derive from the base that its field expects, or does not accept its fields.
     """
     match described:
         case None | bool() | int() | float() | str():
@@ -105,14 +202,14 @@ def rebuild(described: Described, arrays: Mapping[str, RealArray], bases: tuple[
     # A registered class may refuse its fields with an error of any type.
     except Exception as error:
         raise InputError(
-            f"The {described['kind']} {described['name']!r} does not take its fields: {error!s:.{_TEXT}}"
+            f"The {described['kind']} {described['name']!r} does not take its fields: {error!s:.{_MAX_TEXT_CHARACTERS}}"
         ) from error
 
 
 def rebuild_fields(
     described: Described, arrays: Mapping[str, RealArray], bases: tuple[type, ...] | None = None
 ) -> tuple[type, dict[str, Any]]:
-    """Return the class of a part and the arguments to build it with; see `rebuild`."""
+    """Return the class of a part and the arguments for its constructor; see `rebuild`."""
     match described:
         case {"kind": str(kind), "name": str(name), "fields": dict(given)} if len(described) == 3:
             cls = _class_of(kind, name)
@@ -125,13 +222,13 @@ def rebuild_fields(
         expected = " or ".join(base.__name__ for base in bases) or "plain data"
         raise InputError(f"The {kind} {name!r} stands where {expected} must stand.")
     fields = _arguments(cls)
-    # Fields that have been renamed, by the name that they have in older files.
+    # Older files have former names of some fields.
     renamed = {field.metadata["formerly"]: key for key, field in fields.items() if "formerly" in field.metadata}
     given = {renamed.get(key, key): item for key, item in given.items()}
     needed = {key for key, field in fields.items() if field.default is attrs.NOTHING}
     if not needed <= set(given) <= set(fields):
         known = ", ".join(fields) or "nothing"
-        got = f"{', '.join(given)!r:.{_TEXT}}" if given else "nothing"
+        got = f"{', '.join(given)!r:.{_MAX_TEXT_CHARACTERS}}" if given else "nothing"
         raise InputError(f"The fields of the {kind} {name!r} are {known}, but the file gives {got}.")
     hints = _hints(cls)
     bases_of = {key: tuple(_bases_in(hints.get(field.name, Any))) for key, field in fields.items()}
@@ -139,21 +236,24 @@ def rebuild_fields(
 
 
 def missing_classes(described: Described) -> str:
-    """Return in a sentence which classes must be registered to rebuild a part; empty if none must be."""
-    missing = []
+    """Return a sentence that lists the classes to register before a part can be rebuilt; empty if there are none."""
+    missing: dict[str, None] = {}
     for part in _parts_in(described):
         cls = _class_of(part["kind"], part["name"])
-        if "texts" in part:
-            missing.append(f"the {part['kind']} {part['name']} must be an attrs class whose fields are plain data")
-        elif cls is None:
-            missing.append(f"the {part['kind']} {part['name']} must be registered")
-    found = [*dict.fromkeys(missing)]
-    shown = [*found[:_SHOWN], f"{len(found) - _SHOWN} others as well"] if len(found) > _SHOWN else found
+        if "texts" in part or cls is None:
+            needed = "an attrs class whose fields are plain data" if "texts" in part else "registered"
+            missing[f"the {part['kind']} {part['name']} must be {needed}"] = None
+    found = list(missing)
+    shown = (
+        [*found[:_MAX_LISTED_CLASSES], f"{len(found) - _MAX_LISTED_CLASSES} others as well"]
+        if len(found) > _MAX_LISTED_CLASSES
+        else found
+    )
     return f"To solve it again, {', and '.join(shown)}." if missing else ""
 
 
 def arrays_in(described: Described) -> Iterator[str]:
-    """Yield the name of an array at each place where a value has it."""
+    """Yield the names of the arrays in a description, each as often as it occurs."""
     if isinstance(described, dict):
         if isinstance(described.get("array"), str):
             yield described["array"]
@@ -164,29 +264,22 @@ def arrays_in(described: Described) -> Iterator[str]:
 
 
 def programs_of(value: object) -> list[str]:
-    """Return which programs the parts of a value are, those chosen by a registered name too; see `programs`."""
-    return programs(_classes_in(value), _PACKAGE)
+    """Return the `programs` of the parts of a value, also of parts given by a registered name."""
+    return programs(_classes_in(value))
 
 
 def key_of(value: object, *more: str) -> str:
-    """Return a key that is the same for equal content and programs in any process.
-
-    Raises
-    ------
-    InputError
-        If the content is not known.
-    """
+    """Return a key that is the same for equal content and programs in any process; `InputError` without one."""
     return key_of_description(describe(value, {}), *programs_of(value), *more)
 
 
 def key_of_description(described: Described, *more: str) -> str:
-    """Return the key of what `describe` returned; see `key_of`."""
+    """Return the key of a description by `describe`; see `key_of`."""
     for part in _parts_in(described):
         if "texts" in part or "<locals>" in part["name"]:
             advice = "make it an attrs class at the top level of a module, whose fields are plain data"
             raise InputError(f"The content of the {part['kind']} {part['name']} is not known: {advice}.")
-    text = json.dumps([described, *more], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:32]
+    return short_digest(json.dumps([described, *more], sort_keys=True))
 
 
 def _arguments(cls: Any) -> dict[str, attrs.Attribute[Any]]:
@@ -195,7 +288,7 @@ def _arguments(cls: Any) -> dict[str, attrs.Attribute[Any]]:
 
 
 def _classes_in(value: object, place: str = "") -> Iterator[type]:
-    """Yield the class of every part of a value; a name stands for a class where the field is called after its kind."""
+    """Yield the class of every part of a value; a text in a field named after a kind is a registered name."""
     inner: Mapping[str, object] = {}
     if isinstance(value, str) and place in registries() and value in registries()[place]:
         yield registries()[place][value]
@@ -227,9 +320,9 @@ def _kind_and_name(cls: type) -> dict[str, str]:
 
 
 def _class_of(kind: str, name: str) -> type | None:
-    """Return the class of a part; None if it is of a plug-in and is not registered here or cannot be loaded."""
-    if len(kind + name) > 2 * _TEXT or not (kind + name).isprintable():
-        raise InputError(f"The name of a part must be at most {2 * _TEXT} printable characters.")
+    """Return the class of a part; None if it belongs to a plug-in that is not registered or cannot be loaded."""
+    if len(kind + name) > 2 * _MAX_TEXT_CHARACTERS or not (kind + name).isprintable():
+        raise InputError(f"The name of a part must be at most {2 * _MAX_TEXT_CHARACTERS} printable characters.")
     registry = registries().get(kind)
     package, _, own = name.partition(":")
     if registry is None or (package == _PACKAGE and own):
@@ -256,13 +349,13 @@ def _plug_in_bases() -> tuple[type, ...]:
 def _hints(cls: type) -> dict[str, Any]:
     try:
         return get_type_hints(cls)
-    # Names that are imported for type checkers only: then a field may hold any plug-in.
+    # Some names are imported for type checkers only: then a field may hold any plug-in.
     except Exception:
         return {}
 
 
 def _bases_in(hint: Any) -> Iterator[type]:
-    """Yield the classes that an annotation names; those of all plug-ins where it does not say which."""
+    """Yield the classes in an annotation; the bases of all plug-ins if it names none."""
     if hint is Any or hint is object or getattr(hint, "_is_protocol", False):
         yield from _plug_in_bases()
     elif get_origin(hint) is None:

@@ -22,7 +22,7 @@ class Command(ABC):
     Attributes
     ----------
     epilog
-        What stands at the end of its help: examples.
+        Examples at the end of its help.
     """
 
     epilog: ClassVar[str] = ""
@@ -35,8 +35,8 @@ class Command(ABC):
     def run(self, options: argparse.Namespace) -> int:
         """Return the exit status: 0, 1 if something failed that is not an error of the user, or `DOUBTFUL`.
 
-        An error of `roughcontact.errors` becomes one sentence. What takes long to import is imported
-        here, so that ``--help`` does not wait for it.
+        An error of `roughcontact.errors` becomes one sentence. Slow imports belong here, so that ``--help`` does not
+        wait for them.
         """
 
 

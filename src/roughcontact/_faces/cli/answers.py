@@ -1,4 +1,4 @@
-"""The answers of a solve as text, as JSON and as CSV."""
+"""The answers of a solve as text, JSON and CSV, and the files that a solve writes."""
 
 from __future__ import annotations
 
@@ -6,14 +6,20 @@ import io
 import json
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import roughcontact as rc
+from roughcontact._base import checks
 from roughcontact._base.tables import Table
-from roughcontact._base.units import si
-from roughcontact._base.units.text import fit
+from roughcontact._base.units import fit, si
+from roughcontact._faces.panels.figures import save_figure
+from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.problem import Sweep, make_table
-from roughcontact._solve.solution import versions
+from roughcontact._solve.solution import require_netcdf, versions
+
+_RESIDUALS = ("complementarity", "penetration", "load", "tension")
+PICTURES = frozenset({".png", ".svg", ".pdf"})
 
 
 def to_json(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
@@ -38,11 +44,12 @@ def _describe(solution: rc.ContactSolution, estimator: str | None) -> dict[str, 
         "force": _value(solution.force, "N"),
         "mean_pressure": _value(solution.mean_pressure, "Pa"),
         "approach": _value(solution.approach, "m"),
+        **({} if solution.tension is None else {"attractive_area": _area(solution.attractive_area())}),
         "saturated_area": _area(solution.saturated_area()) if solution.capped else None,
         "contact_modulus": _value(solution.modulus, "Pa"),
         "warnings": list(solution.warnings),
         "accuracy": None if accuracy is None else {"met": accuracy.met, "message": str(accuracy)},
-        "residuals": {name: getattr(solution.residuals, name) for name in ("complementarity", "penetration", "load")},
+        "residuals": {name: getattr(solution.residuals, name) for name in _RESIDUALS},
         "grid": {"shape": list(solution.grid.shape), "size": _value(list(solution.grid.size), "m")},
         "boundary": str(solution.boundary),
         "cost": {name: getattr(solution, name) for name in ("iterations", "convolutions", "seconds")},
@@ -63,14 +70,7 @@ def _estimate(found: rc.Estimate) -> dict[str, Any]:
 
 
 def _area(area: rc.Area) -> dict[str, Any]:
-    return {
-        "value": float(area.value),
-        "uncertainty": float(area.uncertainty),
-        "unit": "m2",
-        "fraction": float(area.fraction),
-        "estimator": area.estimator,
-        "warnings": list(area.warnings),
-    }
+    return {**_estimate(area), "fraction": float(area.fraction), "estimator": area.estimator}
 
 
 def _finite(value: Any) -> Any:
@@ -105,7 +105,7 @@ def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None
 
 
 def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
-    """Return the answer for people: that of one load, or a table over several, of at most 80 columns."""
+    """Return the answer for people, of at most 80 columns: of one load, or as a table over several."""
     lines = [str(solutions[0])]
     if len(solutions) > 1:
         texts: dict[str, list[str]] = {}
@@ -121,3 +121,75 @@ def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = Non
 
 def _warnings(solution: rc.ContactSolution) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*solution.warnings, *solution.area().warnings)))
+
+
+def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path], count: int = 1) -> list[Path]:
+    """Return the files to be written; a name without an ending is the name of a folder, which is made.
+
+    `count` solutions get their numbers when they are written.
+
+    Raises
+    ------
+    InputError
+        If a folder is missing, no writer knows an ending, or a height map would be overwritten.
+    MissingPackage
+        If a picture, a report or netCDF is asked for without its packages.
+    """
+    known = {suffix for name in rc.writers for suffix in rc.writers.create(name).suffixes} | PICTURES
+    files = []
+    for text in given:
+        path = checks.path(text, "The output")
+        if path.is_dir() or not path.suffix or text.endswith("/"):
+            path.mkdir(parents=True, exist_ok=True)
+            files += [path / "solution.npz", path / "solution.png"]
+        elif path.suffix in known:
+            files.append(path)
+        else:
+            allowed = f"a folder, or a file that ends in {', '.join(sorted(known))}"
+            raise rc.InputError.about("The output", text, allowed)
+    if report is not None:
+        files.append(checks.path(report, "The report"))
+        if files[-1].suffix != ".html":
+            raise rc.InputError.about("The report", report, "a file that ends in .html")
+    for path in files:
+        if not path.parent.is_dir():
+            raise rc.InputError(f"There is no folder {str(path.parent)!r} to write {path.name!r} into.")
+        for target in (path, *_numbered(path, count)):
+            if target.exists() and any(one.exists() and target.samefile(one) for one in maps):
+                raise rc.InputError(f"The output {str(target)!r} is a height map that is read: give another name.")
+        # A report has figures.
+        if path.suffix in {*PICTURES, ".html"}:
+            require_matplotlib()
+        elif path.suffix == ".nc":
+            require_netcdf()
+    return files
+
+
+def plan_picture(text: str, others: Sequence[str] = ()) -> Path:
+    """Return the file of a picture; `InputError`, which also names the endings `others`, for another ending."""
+    path = checks.path(text, "The output")
+    if path.suffix not in PICTURES:
+        raise rc.InputError.about("The output", text, f"a file that ends in {', '.join((*others, *sorted(PICTURES)))}")
+    require_matplotlib()
+    return path
+
+
+def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.ContactSolution]) -> str:
+    """Return what was written, in words, after writing solutions (several with their numbers), picture and report."""
+    written = []
+    for path in files:
+        if path.suffix in PICTURES or path.suffix == ".html":
+            if path.suffix == ".html":
+                subject.to_html(path)
+            else:
+                save_figure(subject.plot(), path)
+            written.append(path)
+            continue
+        for target, solution in zip(_numbered(path, len(solutions)), solutions, strict=True):
+            solution.save(target)
+            written.append(target)
+    return fit(f"\nWritten: {', '.join(map(str, written))}") if written else ""
+
+
+def _numbered(path: Path, count: int) -> list[Path]:
+    return [path] if count == 1 else [path.with_stem(f"{path.stem}-{number}") for number in range(1, count + 1)]

@@ -1,22 +1,44 @@
-"""A height map in words, and what is doubtful about it."""
+"""``roughcontact info``, ``plot`` and ``surface``: maps and saved solutions in words and pictures, synthetic maps."""
 
 from __future__ import annotations
 
+import argparse
+import contextlib
+import inspect
+import re
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import attrs
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._base.checks import Array
-from roughcontact._base.units.text import fit
-from roughcontact._faces.cli.wording import name_options
+from roughcontact._base import checks
+from roughcontact._base.archive import replacing
+from roughcontact._base.arrays import Array
+from roughcontact._base.units import fit
+from roughcontact._faces.cli import Command
+from roughcontact._faces.cli.answers import plan_picture, to_json, to_text
+from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, name_options, quantity, whole_number
+from roughcontact._faces.cli.problem import read_map
+from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.surfaces import list_facts
 from roughcontact._solve.solution import find_scene
 from roughcontact.reference import roughness
 
-# Fraction of the variance of the heights that is form, above which the spectrum is that of the form.
-_FORM = 0.5
-# Degree of the polynomial that is taken for form: tilt, curvature and twist; and the fewest cells along an axis for it.
-_DEGREE = 2
-_FEWEST = 8
+# Fraction of the variance of the heights that is form, from which on the spectrum shows the form.
+_MIN_FORM_FRACTION = 0.5
+# Degree of the polynomial that is taken for form (tilt, curvature, twist), and the fewest cells along an axis for it.
+_FORM_DEGREE = 2
+_MIN_FORM_CELLS = 8
+# Types of fields, as they are annotated, that an option can give: the converter, and how many values.
+_FIELD_CONVERTERS: dict[str, tuple[Callable[[str], Any], str | None]] = {
+    "float": (NUMBER, None),
+    "int": (whole_number, None),
+    "Pair": (NUMBER, "+"),
+}
 
 
 def describe_map(surface: rc.HeightMap) -> str:
@@ -29,7 +51,7 @@ def describe_map(surface: rc.HeightMap) -> str:
 
 
 def list_warnings(surface: rc.HeightMap) -> list[str]:
-    """Return what is doubtful about a height map, in lines of at most 80 columns: its units, its form, its quality."""
+    """Return the warnings about units, form and quality of a height map, in lines of at most 80 columns."""
     gap = surface.values.max() - surface.values
     units = find_scene(gap, surface.grid, rc.Boundary.FREE, ())[0].warning
     texts = (units, _judge_form(surface), *surface.warnings)
@@ -38,10 +60,10 @@ def list_warnings(surface: rc.HeightMap) -> list[str]:
 
 def _judge_form(surface: rc.HeightMap) -> str:
     heights = _measured(surface)
-    if surface.periodic or min(surface.grid.shape) < _FEWEST or heights.max() == heights.min():
+    if surface.periodic or min(surface.grid.shape) < _MIN_FORM_CELLS or heights.max() == heights.min():
         return ""
-    form = 1.0 - float(_measured(surface.detrend(_DEGREE)).var() / heights.var())
-    if form < _FORM:
+    form = 1.0 - float(_measured(surface.detrend(_FORM_DEGREE)).var() / heights.var())
+    if form < _MIN_FORM_FRACTION:
         return ""
     return (
         f"{100.0 * form:.3g} % of the variance of the heights is tilt and curvature: "
@@ -51,3 +73,187 @@ def _judge_form(surface: rc.HeightMap) -> str:
 
 def _measured(surface: rc.HeightMap) -> Array:
     return surface.values if surface.non_measured is None else np.asarray(surface.values[~surface.non_measured])
+
+
+class Info(Command):
+    """Describe a height map, or a solution that was saved."""
+
+    epilog = """
+examples:
+  roughcontact info map.npz
+  roughcontact info map.csv --size 256um --unit 1um
+  roughcontact info contact.npz --json | jq .area
+"""
+
+    def declare(self, parser: argparse.ArgumentParser) -> None:
+        add_reading(parser)
+        parser.add_argument("--json", action="store_true", help="print a solution as one JSON object, in SI units")
+
+    def run(self, options: argparse.Namespace) -> int:
+        """Print the map or the solution of the file, and return 0."""
+        subject = _read(options)
+        if isinstance(subject, rc.ContactSolution):
+            print((to_json if options.json else to_text)([subject]))
+        elif options.json:
+            raise rc.InputError("--json is for solutions: omit it for a height map.")
+        else:
+            print(describe_map(subject))
+        return 0
+
+
+class Plot(Command):
+    """Draw a height map, or a solution that was saved."""
+
+    epilog = """
+examples:
+  roughcontact plot map.npz -o map.png
+  roughcontact plot contact.npz -o contact.pdf
+  roughcontact plot contact.npz --panel pressure --dark -o pressure.svg
+"""
+
+    def declare(self, parser: argparse.ArgumentParser) -> None:
+        add_reading(parser)
+        parser.add_argument("--panel", metavar="NAME", help=f"one picture ({', '.join(rc.panels)}) instead of all")
+        parser.add_argument("--dark", action="store_true", help="on a dark background")
+        parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture to write: .png, .svg, .pdf")
+
+    def run(self, options: argparse.Namespace) -> int:
+        """Draw the map or the solution of the file, and return 0."""
+        path = plan_picture(options.output)
+        subject = _read(options)
+        save_figure(subject.plot(panel=options.panel, dark=options.dark), path)
+        print(fit(f"Written: {path}"))
+        for text in list_warnings(subject) if isinstance(subject, rc.HeightMap) else ():
+            print(text)
+        return 0
+
+
+def _read(options: argparse.Namespace) -> Any:
+    """Return the solution or the height map of a file."""
+    path = checks.path(options.surface, "The file")
+    return rc.ContactSolution.load(path) if _holds_solution(path) else read_map(options)
+
+
+def _holds_solution(path: Path) -> bool:
+    if path.suffix == ".nc":
+        return True
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return "displacement.npy" in archive.namelist()
+    # Other files are read as height maps, whose readers say what is wrong.
+    except (OSError, zipfile.BadZipFile):
+        return False
+
+
+class MakeSurface(Command):
+    """Make a height map of a synthetic surface."""
+
+    epilog = """
+examples:
+  roughcontact surface self-affine --hurst 0.8 --rms-height 100nm \\
+      --shortest 2um --longest 100um --shape 256 256 --size 100um -o rough.npz
+  roughcontact surface sphere --radius 5mm --shape 64 64 --size 0.2mm \\
+      -o ball.npz
+  roughcontact surface wavy --amplitude 0.5um --wavelength 12.5um \\
+      --shape 128 128 --size 250um --periodic -o wave.npz -o wave.png
+  roughcontact surface self-affine --help
+"""
+
+    def declare(self, parser: argparse.ArgumentParser) -> None:
+        kinds = parser.add_subparsers(dest="kind", required=True, metavar="KIND", help=", ".join(_kinds()))
+        for name, cls in _kinds().items():
+            first = (inspect.getdoc(cls) or "").partition("\n")[0].replace("`", "")
+            own = kinds.add_parser(name, help=first.replace("%", "%%"), description=first)
+            texts = dict(_field_texts(cls))
+            fields = own.add_argument_group("surface")
+            for field, convert, count in _options_of(cls):
+                fields.add_argument(
+                    f"--{str(field.alias).replace('_', '-')}",
+                    dest=f"field_{field.alias}",
+                    type=convert,
+                    nargs=count,
+                    required=field.default is attrs.NOTHING,
+                    metavar="V",
+                    help=texts.get(str(field.alias), "").replace("%", "%%").replace("`", ""),
+                )
+            grid = own.add_argument_group("grid")
+            grid.add_argument("--shape", type=whole_number, nargs=2, required=True, metavar=("NX", "NY"), help="cells")
+            grid.add_argument("--size", type=METRE, nargs="+", required=True, metavar="L", help="sides, one or x y")
+            grid.add_argument("--periodic", action="store_true", help="it repeats, as self-affine does by itself")
+            own.add_argument_group("output").add_argument(
+                "-o",
+                "--output",
+                action="append",
+                default=[],
+                metavar="FILE",
+                help="height map to write, .npz, or a picture, .png, .svg or .pdf; may be repeated",
+            )
+
+    def run(self, options: argparse.Namespace) -> int:
+        """Write the map, print its roughness, and return 0."""
+        files = [_plan(text) for text in options.output]
+        grid = rc.Grid(options.shape, _single(options.size))
+        given = {
+            name.removeprefix("field_"): value
+            for name, value in vars(options).items()
+            if name.startswith("field_") and value is not None
+        }
+        surface = rc.surfaces.create(options.kind, **{name: _single(value) for name, value in given.items()})
+        periodic = options.periodic or bool(getattr(surface, "periodic", False))
+        made = rc.HeightMap(surface.heights(grid), grid.size, periodic=periodic)
+        print(describe_map(made))
+        for path in files:
+            if path.suffix == ".npz":
+                with replacing(path) as partial, partial.open("wb") as file:
+                    np.savez(file, heights=made.values, size=np.array(made.size), periodic=np.array(made.periodic))
+            else:
+                save_figure(made.plot(), path)
+        if files:
+            print(fit(f"\nWritten: {', '.join(map(str, files))}"))
+        return 0
+
+
+def _plan(text: str) -> Path:
+    path = checks.path(text, "The output")
+    return path if path.suffix == ".npz" else plan_picture(text, (".npz",))
+
+
+def _single(value: Any) -> Any:
+    return value[0] if isinstance(value, list) and len(value) == 1 else value
+
+
+def _kinds() -> dict[str, type[Any]]:
+    """Return the registered surfaces that numbers alone describe, by name."""
+    found: dict[str, type[Any]] = {}
+    for name in rc.surfaces:
+        # A broken plug-in leaves the others as they are.
+        with contextlib.suppress(rc.InputError):
+            cls: type[Any] = rc.surfaces[name]
+            given = {field.name for field, _, _ in _options_of(cls)}
+            if attrs.has(cls) and all(
+                field.name in given or field.default is not attrs.NOTHING for field in _fields(cls)
+            ):
+                found[name] = cls
+    return found
+
+
+def _fields(cls: type[Any]) -> tuple[Any, ...]:
+    return tuple(attrs.fields(cls)) if attrs.has(cls) else ()
+
+
+def _options_of(cls: type[Any]) -> Iterator[tuple[Any, Callable[[str], Any], str | None]]:
+    """Yield each field that an option can give, with the converter of its text and the number of values."""
+    for field in _fields(cls):
+        annotation = field.type if isinstance(field.type, str) else getattr(field.type, "__name__", "")
+        kind = _FIELD_CONVERTERS.get(annotation.removesuffix(" | None"))
+        if field.init and kind is not None:
+            convert, count = kind
+            yield field, quantity(field.metadata["unit"]) if "unit" in field.metadata else convert, count
+
+
+def _field_texts(cls: type) -> Iterator[tuple[str, str]]:
+    """Yield the fields that the docstring of a class describes under Parameters, with their descriptions."""
+    section = re.search(r"^Parameters\n-+\n(.*?)(?:\n\n\S|\Z)", inspect.getdoc(cls) or "", re.DOTALL | re.MULTILINE)
+    for names, text in re.findall(r"^(\w[\w, ]*)\n((?:[ ]+.*\n?)+)", section[1] if section else "", re.MULTILINE):
+        for name in names.split(", "):
+            yield name, " ".join(text.split())

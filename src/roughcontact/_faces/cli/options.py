@@ -1,19 +1,48 @@
-"""Options that several commands share, and converters of their texts."""
+"""Options that several commands share, converters of their texts, and sentences in the words of the command line."""
 
 from __future__ import annotations
 
 import argparse
 import contextlib
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
-from roughcontact._base.units.quantities import parse_quantity
-from roughcontact._parts.load import Load
+from roughcontact._base.units import parse_quantity
+from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import TYPICAL
 
-# Characters of a wrong argument that are shown.
-_SHOWN = 80
+# The value of an argument in a sentence: both sides, a text or a number; not in calls, as of numpy.savez.
+_VALUE = r"(?P<value>\((?:x, y|[-+.e0-9, ]+)\)(?:, m\b)?|'[^']*'|-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]+)?)?(?=[\s,.;:)]|$)"
+# "size=(x, y), m (on the command line --size)": what stands in brackets is the option.
+_ASIDE = re.compile(r"\s*\(on the command line (?P<option>--[^()]*)\)")
+# Arguments that are lengths.
+_LENGTHS = ("size", "unit")
+# Most characters of a wrong argument that are shown.
+_MAX_SHOWN_CHARACTERS = 80
+
+
+def name_options(sentence: str, names: Iterable[str]) -> str:
+    """Return a sentence in which arguments such as ``skip_rows=2`` are options, ``--skip-rows 2``.
+
+    `names` are the arguments that are options of the command.
+    """
+    known = "|".join(map(re.escape, names))
+    argument = re.compile(rf"(?<![\w.])(?P<name>{known})={_VALUE}")
+    aside = re.compile(argument.pattern + _ASIDE.pattern)
+    sentence = aside.sub(lambda found: found["option"] if " " in found["option"] else _option(found), sentence)
+    return _ASIDE.sub("", argument.sub(_option, sentence)) if argument.search(sentence) else sentence
+
+
+def _option(found: re.Match[str]) -> str:
+    name = found["name"]
+    value = found["value"] or ""
+    words = value if value[:1] == "'" and not value.strip("'").isalpha() else value.strip("'")
+    if value.startswith("("):
+        words = value.removesuffix(", m").strip("()").replace(",", "").replace("x y", "X Y")
+    if name in _LENGTHS:
+        words = re.sub(r"[0-9]+(?:\.[0-9]*)?(?:[eE]-?[0-9]+)?", r"\g<0>m", words)
+    return f"--{name.replace('_', '-')} {words}".rstrip()
 
 
 def quantity(unit: str) -> Callable[[str], float]:
@@ -31,7 +60,7 @@ def quantity(unit: str) -> Callable[[str], float]:
 def whole_number(text: str) -> int:
     """Return text such as ``256`` as an int, for argparse."""
     if not re.fullmatch(r"[-+]?[0-9]{1,18}", text):
-        raise argparse.ArgumentTypeError(f"{text[:_SHOWN]!r} is not a whole number; write it like 256")
+        raise argparse.ArgumentTypeError(f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a whole number; write it like 256")
     return int(text)
 
 
@@ -45,29 +74,24 @@ def _unit(text: str) -> float:
 
 
 def _load(text: str) -> Load:
-    """Return a load whose unit says what it is, for argparse."""
+    """Return a load, whose kind follows from its unit, for argparse."""
     for kind, unit in (("force", "N"), ("pressure", "Pa"), ("approach", "m")):
         with contextlib.suppress(ValueError):
             value = parse_quantity(text, unit)
             return Load(kind, value)
-    shown = f"{text[:_SHOWN]!r} is not a force, a pressure or an approach"
+    shown = f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a force, a pressure or an approach"
     raise argparse.ArgumentTypeError(f"{shown}; write it like 2.5N, 100MPa or 50nm")
 
 
-# The options of the readers of files, with their converters and what they mean.
+# The options of the readers of files, with their converters and help texts.
 OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
     "separator": (str, "separator in text: , ; tab blank (found)"),
     "decimal": (str, "decimal mark in text: . or , (found)"),
     "skip_rows": (whole_number, "lines of text above the heights (found)"),
-    "rows": (str, "x or y: what a file has a row for each of (x)"),
+    "rows": (str, "x or y: the axis along which the rows of a file follow each other (x)"),
     "variable": (str, "array of a .mat file (heights)"),
     "page": (whole_number, "image of a TIFF file"),
 }
-
-
-def add_output(parser: argparse.ArgumentParser, folder: str) -> None:
-    """Declare the output folder."""
-    parser.add_argument("-o", "--output", default=folder, metavar="FOLDER", help=f"output folder ({folder})")
 
 
 def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None:
@@ -84,6 +108,12 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
         several = "several loads of one kind, each a first loading: 1N 2N 5N"
         load.add_argument("--loads", type=_load, nargs="+", metavar="L", help=several)
     _add_materials(parser, study)
+    parser.add_argument_group("adhesion").add_argument(
+        "--adhesion",
+        nargs="+",
+        metavar=("LAW", "FIELD=VALUE"),
+        help="law by which the surfaces attract each other: exponential work=50mJ/m2 range=2nm (none)",
+    )
     method = parser.add_argument_group("method")
     method.add_argument(
         "--boundary", choices=("free", "periodic", "wrapped"), default="free", help="what lies beyond the domain (free)"
@@ -94,7 +124,7 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
 
 
 def add_accuracy(parser: argparse.ArgumentParser) -> None:
-    """Declare what a solve may aim at."""
+    """Declare the accuracy at which a solve may aim."""
     accuracy = parser.add_argument_group("accuracy, with 95 %")
     for name, what in (("area", "contact area"), ("peak", "maximum pressure")):
         accuracy.add_argument(

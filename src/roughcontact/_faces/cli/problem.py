@@ -1,16 +1,21 @@
-"""The contact problem that the options of a command describe."""
+"""The contact problems and loads that the options of a command describe, or a study file."""
 
 from __future__ import annotations
 
 import argparse
+import inspect
+import re
 from pathlib import Path
 from typing import Any
 
+import attrs
+
 import roughcontact as rc
-from roughcontact._faces.cli.options import OF_READERS
+from roughcontact._base.units import parse_quantity
+from roughcontact._faces.cli.options import OF_READERS, add_problem
 from roughcontact._parts.files import read_raw
 from roughcontact._parts.files.reading import options_of
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import TYPICAL
 from roughcontact._solve.problem import require_memory_of_solve
 
@@ -18,7 +23,8 @@ from roughcontact._solve.problem import require_memory_of_solve
 def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
     """Return the loads that the options state."""
     several = getattr(options, "loads", None)
-    return several or (Load.of(pressure=options.pressure, force=options.force, approach=options.approach),)
+    make = Load.of if options.adhesion is None else Load.signed
+    return several or (make(pressure=options.pressure, force=options.force, approach=options.approach),)
 
 
 def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
@@ -34,7 +40,31 @@ def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
         kernel=options.kernel,
         solver=options.solver,
         threads=options.threads,
+        adhesion=None if options.adhesion is None else _make_interaction(*options.adhesion),
     )
+
+
+def _make_interaction(name: str, *texts: str) -> rc.Interaction:
+    """Return the law with a registered name, its fields from texts such as ``work=50mJ/m2``."""
+    kind: Any = rc.interactions[name]
+    known = {field.alias: field.metadata.get("unit", "") for field in attrs.fields(kind)} if attrs.has(kind) else {}
+    given: dict[str, Any] = {}
+    for text in texts:
+        field, equals, value = text.partition("=")
+        if not equals or field not in known:
+            raise rc.InputError.about(
+                f"A field of --adhesion {name}", text, f"FIELD=VALUE with one of {', '.join(known)}"
+            )
+        try:
+            given[field] = parse_quantity(value, known[field])
+        except ValueError as error:
+            raise rc.InputError(f"--adhesion {name} {field}: {error}.") from error
+    try:
+        inspect.signature(kind).bind(**given)
+    except TypeError as error:
+        raise rc.InputError(f"--adhesion {name} needs FIELD=VALUE for each of its fields ({error}).") from error
+    law: rc.Interaction = kind(**given)
+    return law
 
 
 def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.Grid | None]:
@@ -139,3 +169,64 @@ def _material(options: argparse.Namespace, prefix: str = "", poisson: float = 0.
         return TYPICAL[name]
     poisson = poisson if own is None else own
     return rc.Elastic(young, poisson) if hardness is None else rc.ElasticPerfectlyPlastic(young, poisson, hardness)
+
+
+_LOADS = ("pressure", "force", "approach")
+
+
+@attrs.frozen(eq=False)
+class Scene:
+    """A problem at a load, and a name for it, also of a folder, that is empty if there is only one."""
+
+    name: str
+    problem: rc.ContactProblem
+    load: dict[str, Any]
+
+
+def add_scenes(parser: argparse.ArgumentParser) -> None:
+    """Declare height maps and a load, or a study file."""
+    add_problem(parser, study=True)
+    parser.usage = f"{parser.usage}\n       %(prog)s STUDY.toml [--problem NAME] [options]"
+    parser.add_argument("--problem", metavar="NAME", help="one problem of a study file (all)")
+
+
+def read_scenes(options: argparse.Namespace) -> list[Scene]:
+    """Return what the options describe; of a study file every problem with every seed at every load.
+
+    A load among the options replaces those of the study.
+    """
+    loaded = any(getattr(options, name) is not None for name in _LOADS)
+    if not options.surface.lower().endswith(".toml"):
+        if (options.young is None and options.material is None) or not loaded:
+            raise rc.InputError(
+                "Height maps need --young or --material, and one of --pressure, --force and --approach."
+            )
+        if options.problem is not None:
+            raise rc.InputError("--problem is for a study file: give that instead of maps, or omit the option.")
+        return [Scene("", problem_of(options), loads_of(options)[0].arguments)]
+    from roughcontact._work.studies.toml import read_study
+
+    _refuse_options_of_maps(options)
+    study = read_study(options.surface)
+    if options.problem is not None and options.problem not in study.problems:
+        raise rc.InputError.unknown("problem of the study", options.problem, study.problems)
+    loads = [loads_of(options)[0].arguments] if loaded else [load.arguments for load in study.loads]
+    scenes = []
+    for chain in study.chains():
+        if options.problem in (None, chain.name):
+            problem, seed = (chain.problem, "") if chain.seed is None else (chain.seeded, f"-seed-{chain.seed}")
+            for load in loads:
+                (value,) = load.values()
+                scenes.append(Scene(re.sub(r"[^\w.+-]", "_", f"{chain.name}{seed}-{value:g}"), problem, load))
+    return scenes if len(scenes) > 1 else [attrs.evolve(scenes[0], name="")]
+
+
+def _refuse_options_of_maps(options: argparse.Namespace) -> None:
+    """Refuse what the study file states itself."""
+    plain = argparse.ArgumentParser()
+    add_problem(plain, study=True)
+    defaults = vars(plain.parse_args([options.surface]))
+    for name, default in defaults.items():
+        if name not in _LOADS and getattr(options, name) != default:
+            shown = "A second file" if name == "counterbody" else f"--{name.replace('_', '-')}"
+            raise rc.InputError(f"{shown} is for height maps: a study file states its problems itself.")

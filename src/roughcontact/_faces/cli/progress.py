@@ -1,4 +1,4 @@
-"""What runs, and for how long, in a line on the terminal."""
+"""A line on the terminal that says what runs, and for how long."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TextIO
 from roughcontact._solve.solvers import Step
 
 # Seconds after which the line is shown first, and between two of them.
-_PERIOD = 1.0
+_REDRAW_SECONDS = 1.0
 
 
 @contextmanager
@@ -50,7 +50,7 @@ class _Line:
         self.text = text
 
     def redraw(self, stream: TextIO, done: threading.Event) -> None:
-        while not done.wait(_PERIOD):
+        while not done.wait(_REDRAW_SECONDS):
             width = shutil.get_terminal_size().columns - 1
             shown = f"{time.monotonic() - self.started:.0f} s  {self.text}"[:width]
             stream.write(f"\r{shown:<{self.shown}}")

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
-from typing import Any
 
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
-from roughcontact._base.units.text import fit
+from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
-from roughcontact._faces.cli.options import NUMBER, add_output, whole_number
+from roughcontact._faces.cli.options import NUMBER, whole_number
+from roughcontact._faces.cli.problem import Scene, add_scenes, read_scenes
 from roughcontact._faces.cli.progress import show_progress
-from roughcontact._faces.cli.scenes import Scene, add_scenes, read_scenes
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.solution import DEFAULT_AREA
 from roughcontact._work.reports.error import ErrorReport
-from roughcontact._work.reports.stability import Verdict, stability_gallery
+from roughcontact._work.reports.stability import Verdict
 
 
 class Report(Command):
@@ -42,8 +40,8 @@ examples:
             help="cells along x (an eighth, a quarter, half and all)",
         )
         compared.add_argument("--areas", nargs="+", metavar="NAME", help="area estimators (blend cell-count)")
-        compared.add_argument("--kernels", nargs="+", metavar="NAME", help="kernels (that of --kernel)")
-        compared.add_argument("--solvers", nargs="+", metavar="NAME", help="solvers (that of --solver)")
+        compared.add_argument("--kernels", nargs="+", metavar="NAME", help="kernels (as --kernel)")
+        compared.add_argument("--solvers", nargs="+", metavar="NAME", help="solvers (as --solver)")
         compared.add_argument("--tolerances", type=NUMBER, nargs="+", metavar="T", help="tolerances of the solvers")
         compared.add_argument(
             "--interpolation",
@@ -52,7 +50,8 @@ examples:
             help="interpolation of the maps on other grids (bilinear)",
         )
         compared.add_argument("--repeats", type=whole_number, default=3, metavar="R", help="timed solves per case (3)")
-        add_output(parser, "contact-report")
+        folder = "contact-report"
+        parser.add_argument("-o", "--output", default=folder, metavar="FOLDER", help=f"output folder ({folder})")
 
     def run(self, options: argparse.Namespace) -> int:
         """Solve all cases, print the table and the advice, write CSV, Markdown and picture; return 0."""
@@ -99,13 +98,11 @@ class Stability(Command):
 examples:
   roughcontact stability map.npz --pressure 10MPa --young 210GPa
   roughcontact stability study.toml --problem ball --force 5N
-  roughcontact stability --gallery
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
         add_scenes(parser)
         parser.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
-        parser.add_argument("--gallery", action=_Gallery, help="run the built-in extreme problems instead")
 
     def run(self, options: argparse.Namespace) -> int:
         """Return 0, or 1 if a check of any contact fails."""
@@ -117,22 +114,5 @@ examples:
             print(f"{_heading(scene)}{report}")
             if estimator is not None:
                 print(fit(f"area: {report.solution.area(estimator)}"))
-            status = max(status, _status(report.verdict))
+            status = max(status, int(report.verdict is Verdict.FAIL))
         return status
-
-
-class _Gallery(argparse.Action):
-    """Run the built-in problems and exit: the arguments that describe a problem are not needed."""
-
-    def __init__(self, option_strings: Sequence[str], dest: str, **others: Any) -> None:
-        super().__init__(option_strings, dest, nargs=0, **others)
-
-    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        """Print the table and exit with its status."""
-        gallery = stability_gallery()
-        print(gallery)
-        parser.exit(_status(gallery.verdict))
-
-
-def _status(verdict: Verdict) -> int:
-    return 1 if verdict is Verdict.FAIL else 0

@@ -11,9 +11,7 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
-from roughcontact._base.units import counted
-from roughcontact._base.units.text import fit
-from roughcontact._base.warnings import kind_of
+from roughcontact._base.units import counted, fit, kind_of
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.options import whole_number
 from roughcontact._faces.cli.progress import show_progress
@@ -67,7 +65,7 @@ examples:
 
 
 def list_warnings(result: StudyResult) -> list[str]:
-    """Return each warning once, with the number of solves that have it; those that differ in numbers alone are one."""
+    """Return each warning once, whatever numbers it has, with the number of solves that have it."""
     found: dict[str, list[str]] = {}
     for record in result:
         kinds = {kind_of(text): text for text in record.warnings}
@@ -92,14 +90,14 @@ def _start_workers(count: int) -> Iterator[ProcessPoolExecutor | None]:
     try:
         yield pool
     finally:
-        # One that was killed while it waited for a task has left a lock behind: the others would never end.
+        # A worker that was killed while it waited for a task has left a lock behind: the others would never end.
         for worker in multiprocessing.active_children():
             worker.terminate()
         pool.shutdown(cancel_futures=True)
 
 
 def _end_with_parent() -> None:
-    """Let this worker end with the process that started it: if that is killed, a worker waits for tasks for ever."""
+    """Let this worker end with the process that started it, for whose tasks it would wait for ever."""
     parent = multiprocessing.parent_process()
 
     def follow() -> None:

@@ -11,15 +11,14 @@ import attrs
 
 import roughcontact as rc
 from roughcontact._base import checks
-from roughcontact._base.checks import Array
-from roughcontact._base.units.text import fit
+from roughcontact._base.arrays import Array
+from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
-from roughcontact._faces.cli.answers import to_csv, to_json, to_text
+from roughcontact._faces.cli.answers import plan_outputs, to_csv, to_json, to_text, write_outputs
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
-from roughcontact._faces.cli.outputs import plan_outputs, write_outputs
 from roughcontact._faces.cli.problem import loads_of, problem_of
 from roughcontact._faces.cli.progress import describe_steps, show_progress
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
 from roughcontact._solve.problem import run_sweep
 
@@ -48,10 +47,11 @@ examples:
             nargs="?",
             const=3,
             metavar="N",
-            help="solve on N grids, each twice as fine as the last (3); the answer is that of the finest",
+            help="solve on N grids, each twice as fine as the last (3); the finest gives the answer",
         )
         output = parser.add_argument_group("output")
         output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
+        output.add_argument("--pull-off", action="store_true", help="find the force of pull-off too, with --adhesion")
         shape = output.add_mutually_exclusive_group()
         shape.add_argument("--json", action="store_true", help="print one JSON object, in SI units")
         shape.add_argument("--csv", action="store_true", help="print a header and a row for each load, in SI units")
@@ -70,7 +70,7 @@ examples:
         output.add_argument("--report", metavar="FILE", help="report to write, one page of HTML")
 
     def run(self, options: argparse.Namespace) -> int:
-        """Return 0, or 3 if a solution has warnings, or raise `NotConverged` after writing what was reached."""
+        """Return 0, or 3 if a solution has warnings, or raise `NotConverged` after writing the last iterate."""
         if options.area is not None:
             rc.areas.resolve(options.area)
         piped = options.json or options.csv
@@ -93,6 +93,8 @@ examples:
         if not options.quiet:
             write = to_json if options.json else to_csv if options.csv else to_text
             print(write(solutions, options.area))
+            if options.pull_off:
+                print(f"pull-off       {problem.pull_off()}", file=sys.stderr if piped else None)
         done = write_outputs(files, subject, solutions)
         if done and not piped and not options.quiet:
             print(done)
@@ -100,7 +102,9 @@ examples:
 
 
 def _refuse_for_several(options: argparse.Namespace) -> None:
-    """Refuse what is for one grid or for one load."""
+    """Refuse options that are for one grid, for one load or for surfaces that attract each other."""
+    if options.pull_off and options.adhesion is None:
+        raise rc.InputError("--pull-off is for surfaces that attract each other: give --adhesion too.")
     several = "--refine" if options.refine is not None else "--loads" if options.loads is not None else ""
     for name in ("area_within", "peak_within"):
         if several and getattr(options, name) is not None:
@@ -117,7 +121,7 @@ def _refuse_for_several(options: argparse.Namespace) -> None:
 def _solve(
     options: argparse.Namespace, problem: rc.ContactProblem, loads: tuple[Load, ...], change: Callable[[str], None]
 ) -> tuple[Any, tuple[rc.ContactSolution, ...]]:
-    """Return what there is to be drawn, and the solutions at all loads."""
+    """Return the solution or sweep to be drawn, and the solutions at all loads."""
     if options.refine is None and options.loads is None:
         asked = {name: getattr(options, name) for name in ("area_within", "peak_within", "tolerance")}
         solution = problem.solve(**loads[0].arguments, **asked, throw=False, on_step=describe_steps(change))
@@ -130,6 +134,10 @@ def _solve(
         if not options.quiet:
             print(f"{ladder}\n", file=sys.stderr if options.json or options.csv else None)
         return ladder.solutions[-1], ladder.solutions[-1:]
+
+    if problem.adhesion is not None:
+        sweep = problem.sweep(**{loads[0].kind: [load.value for load in loads]})
+        return sweep, sweep.solutions
 
     def solve(load: Load, start: Array | None) -> rc.ContactSolution:
         steps = describe_steps(change, f"solving at {load}")

@@ -1,23 +1,196 @@
-"""What was solved, and with what, for a report."""
+"""Problem, method and versions of a solution, in words and as a script that solves it again."""
 
 from __future__ import annotations
 
+import hashlib
+import re
+import sys
+from collections.abc import Mapping, Sequence
+from enum import Enum
+from typing import Any, final
+
+import attrs
+import numpy as np
+
 from roughcontact._base.archive import digest_of
-from roughcontact._base.units import si
-from roughcontact._faces.html.elements import escape, quantity
-from roughcontact._faces.html.names import describe_material
-from roughcontact._faces.html.rerun import describe_part, hash_pressure
-from roughcontact._parts.load import Load
-from roughcontact._parts.surfaces import Surface, find_maps
-from roughcontact._solve.problem import ContactProblem, problem_of
+from roughcontact._base.archive.plain import public_class
+from roughcontact._base.arrays import Array
+from roughcontact._base.units import counted, si
+from roughcontact._faces.html.elements import element, escape, quantity
+from roughcontact._parts.grid import Load
+from roughcontact._parts.materials import Material, Rigid
+from roughcontact._parts.surfaces import FlatSurface, HeightMap, Surface, SurfaceSum, find_maps
+from roughcontact._solve.problem import Body, ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, describe_work, key_of_origin, versions
 from roughcontact.errors import RoughContactError
 
+_FROM_FILE = """\
+# The file that solution.save("solution.npz") writes, or 'Fields (.npz)' on the page, holds the heights and all else.
+saved = rc.ContactSolution.load("solution.npz")
+problem = rc.ContactProblem(**saved.origin.problem)"""
+# Where the name of a file stands in the history of a map.
+_FILE_IN_HISTORY = re.compile(r"read from (.+?)(?:, \d+ non-measured.*|: \d+ x .*|)", re.DOTALL)
+_WORD_BORDER = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
+_LAWS = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
 _MEANINGS = {
     "complementarity": "mean of the gap where there is pressure, weighted by it",
     "penetration": "deepest overlap of the bodies outside the saturated cells",
     "load": "relative error of the load",
 }
+
+
+def hash_pressure(solution: ContactSolution) -> str:
+    """Return the SHA-256 of the bytes of the pressure, by which two solutions are compared to the last bit."""
+    return hashlib.sha256(np.ascontiguousarray(solution.pressure).tobytes()).hexdigest()
+
+
+def write_script(solution: ContactSolution, problem: ContactProblem, load: Mapping[str, float]) -> str:
+    """Return a Python script that solves a contact again, made of the parts of its problem or from its npz file."""
+    writer = _Writer()
+    try:
+        made = writer.write_problem(problem)
+        modules = sorted({"hashlib", *writer.modules})
+    except _NotInAScript:
+        made = _FROM_FILE
+        modules = ["hashlib"]
+    imports = "".join(f"import {name}\n" for name in modules)
+    given = ", ".join(f"{kind}={_write_number(value)}" for kind, value in load.items())
+    return (
+        f"{imports}\nimport roughcontact as rc\n\n{made}\nsolution = problem.solve({given})\nprint(solution)\n"
+        "print(hashlib.sha256(solution.pressure.tobytes()).hexdigest())  # of the report:\n"
+        f"# {hash_pressure(solution)}\n"
+    )
+
+
+def describe_part(part: object) -> str:
+    """Return a part of a problem as an expression of a script, or else its repr."""
+    try:
+        return _Writer().write(part)
+    except _NotInAScript:
+        return repr(part)
+
+
+class _NotInAScript(Exception):
+    """A value that no line of a script makes: measured heights, or a part whose class a notebook defines."""
+
+
+@final
+@attrs.frozen
+class _Writer:
+    """Values as Python that makes equal ones, and the modules that it needs beside ``roughcontact as rc``."""
+
+    modules: set[str] = attrs.field(factory=set)
+
+    def write_problem(self, problem: ContactProblem) -> str:
+        """Return the lines that make a problem."""
+        defaults = {field.name: field for field in attrs.fields(ContactProblem)}
+        given = {name: part for name, part in problem.parts.items() if not _is_default(defaults[name], part)}
+        lines = "".join(f"    {name}={self._write_lines(part)},\n" for name, part in given.items())
+        return f"problem = rc.ContactProblem(\n{lines})"
+
+    def _write_lines(self, part: Any) -> str:
+        if not isinstance(part, Body):
+            return self.write(part)
+        return f"rc.Body(\n        {self.write(part.surface)},\n        {self.write(part.material)},\n    )"
+
+    def write(self, value: Any) -> str:
+        """Return a value as an expression."""
+        if isinstance(value, np.generic):
+            value = value.item()
+        if isinstance(value, Enum):
+            return self.write(value.value)
+        if isinstance(value, float):
+            return _write_number(value)
+        if isinstance(value, (bool, int, str, type(None))):
+            return repr(value)
+        if isinstance(value, tuple):
+            return f"({', '.join(map(self.write, value))}{',' if len(value) == 1 else ''})"
+        if isinstance(value, SurfaceSum):
+            return " + ".join(
+                f"({self.write(part)})" if isinstance(part, SurfaceSum) else self.write(part) for part in value.parts
+            )
+        return self._write_call(value)
+
+    def _write_call(self, value: Any) -> str:
+        if not attrs.has(type(value)):
+            raise _NotInAScript
+        fields = ((field, getattr(value, field.name)) for field in attrs.fields(type(value)) if field.init)
+        given = (f"{field.alias}={self.write(item)}" for field, item in fields if not _is_default(field, item))
+        return f"{self._write_class(type(value))}({', '.join(given)})"
+
+    def _write_class(self, cls: type) -> str:
+        if public_class(cls.__name__) is cls:
+            return f"rc.{cls.__name__}"
+        module = cls.__module__
+        if module == "__main__" or getattr(sys.modules.get(module), cls.__name__, None) is not cls:
+            raise _NotInAScript
+        self.modules.add(module)
+        return f"{module}.{cls.__name__}"
+
+
+def _write_number(value: float) -> str:
+    """Return a text from which Python reads exactly the number; exponents are multiples of three."""
+    if not np.isfinite(value):
+        return f'float("{float(value)}")'
+    plain = repr(float(value))
+    if value == 0.0:
+        return plain
+    power = 3 * int(np.floor(np.log10(abs(value)) / 3.0))
+    short = f"{value / 10.0**power:.15g}e{power}"
+    needed = "e" in plain or len(short) < len(plain)
+    return short if needed and float(short) == value else plain
+
+
+def _is_default(field: Any, value: object) -> bool:
+    """Return whether a field has its default; False for arrays, which do not compare."""
+    return type(field.default) is type(value) and not isinstance(value, np.ndarray) and bool(field.default == value)
+
+
+def describe_scene(solution: ContactSolution, problem: ContactProblem | None, loads: Sequence[Load]) -> str:
+    """Return bodies, grid, boundary and loads in a line of text."""
+    bodies = [] if problem is None else [problem.body, problem.counterbody]
+    named = [str(load) for load in loads]
+    if len(named) > 1:
+        named = [f"{counted(len(named), 'load')}, {named[0]} to {named[-1].removeprefix(f'{loads[0].kind} ')}"]
+    texts = [" on ".join(map(_name_body, bodies)), str(solution.grid), f"boundary {solution.boundary}", *named]
+    return ", ".join(filter(None, texts))
+
+
+def describe_material(material: Material) -> str:
+    """Return a material as HTML: its quantities, if all its fields state units, or else an expression of a script."""
+    kind: type = type(material)
+    fields = attrs.fields(kind) if attrs.has(kind) else ()
+    if not all("unit" in field.metadata for field in fields):
+        return element("code", escape(describe_part(material)))
+    texts = [_describe_quantity(field, getattr(material, field.name)) for field in fields]
+    return escape(": ".join(filter(None, (_in_words(material), ", ".join(texts)))))
+
+
+def _describe_quantity(field: attrs.Attribute[object], value: Array) -> str:
+    low = float(np.min(value))
+    high = float(np.max(value))
+    unit = field.metadata["unit"]
+    texts = dict.fromkeys(si(one, unit) if unit else f"{one:.6g}" for one in (low, high))
+    return f"{_LAWS.get(field.name, field.name.replace('_', ' '))} {' to '.join(texts)}"
+
+
+def _name_body(body: Body) -> str:
+    if isinstance(body.surface, FlatSurface) and isinstance(body.material, Rigid):
+        return "a rigid flat"
+    return _name_surface(body.surface)
+
+
+def _name_surface(surface: Surface) -> str:
+    """Return the name of the file that a surface was read from, or its kind."""
+    if isinstance(surface, SurfaceSum):
+        return " + ".join(map(_name_surface, surface.parts))
+    history = surface.history if isinstance(surface, HeightMap) else ()
+    read = _FILE_IN_HISTORY.fullmatch(history[0]) if history else None
+    return read[1] if read else _in_words(surface)
+
+
+def _in_words(part: object) -> str:
+    return _WORD_BORDER.sub(" ", type(part).__name__).lower()
 
 
 def find_problem(solution: ContactSolution) -> tuple[ContactProblem | None, str]:
@@ -29,7 +202,7 @@ def find_problem(solution: ContactSolution) -> tuple[ContactProblem | None, str]
 
 
 def list_inputs(solution: ContactSolution, problem: ContactProblem | None) -> dict[str, str]:
-    """Return what was solved, as HTML by name."""
+    """Return bodies, method, grid, load and digests, as HTML by name."""
     rows = {}
     if problem is not None:
         for name, body in (("Body", problem.body), ("Counterbody", problem.counterbody)):
@@ -74,7 +247,7 @@ def list_versions(solution: ContactSolution) -> dict[str, str]:
 
 
 def _describe_surface(surface: Surface) -> str:
-    """Return a surface, where its heights come from, and the digests of those that are not computed."""
+    """Return a surface, the origin of its heights, and the digests of measured ones."""
     maps = find_maps(surface)
     text = _code(describe_part(surface))
     if surface.provenance and maps:

@@ -1,36 +1,107 @@
-"""Parts of a report that one load and several have: verdict, warnings, figures; and the table of several."""
+"""Parts of a report: verdict, warnings, figures, and the table of several loads."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import base64
+import importlib.util
+import inspect
+import io
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
+
+import attrs
 
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate
 from roughcontact._faces.html.elements import element, escape, grid, items, section, tag
-from roughcontact._faces.html.figures import Picture, draw_panels
-from roughcontact._parts.load import Load
+from roughcontact._faces.panels.figures import make_figure
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import Sweep
 from roughcontact._solve.solution import ContactSolution, gather_warnings, list_quantities, name_load
+from roughcontact.plotting import panels
 
+# Panels that ship, in the order of the page; the panels of plug-ins come last.
+_PANEL_ORDER = {
+    "solution": ("heights", "pressure", "gap", "patches", "profile", "pressure-histogram", "patch-sizes"),
+    "sweep": ("area-load", "load-approach", "stiffness-load"),
+}
+# Dots to an inch: sharp on paper where three pictures stand side by side.
+_DPI = 130
 # The quantity that a load gives.
 _GIVEN = {"pressure": "mean pressure", "force": "force", "approach": "approach"}
 
 
+@attrs.frozen
+class Picture:
+    """One panel, drawn.
+
+    Attributes
+    ----------
+    name
+        The name that the panel is registered under.
+    caption
+        A sentence on what it shows.
+    address
+        The picture as a data: address; empty if it cannot be drawn.
+    refusal
+        Why it cannot be drawn; empty if it is.
+    """
+
+    name: str
+    caption: str
+    address: str = ""
+    refusal: str = ""
+
+
+def can_draw() -> bool:
+    """Return whether the package that draws is installed; it is not imported."""
+    return importlib.util.find_spec("matplotlib") is not None
+
+
+def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture]:
+    """Yield each registered panel of a kind of subject; a panel that refuses or fails says why."""
+    solution = subject if isinstance(subject, ContactSolution) else subject.solutions[0]
+    names = (name for name in panels if _draws(name, kind, solution.tension is not None))
+    first = _PANEL_ORDER[kind]
+    for name in sorted(names, key=lambda name: (first.index(name) if name in first else len(first), name)):
+        caption = (inspect.getdoc(panels[name]) or name).partition("\n\n")[0].replace("\n", " ")
+        try:
+            yield Picture(name, caption, draw_panel(kind, subject, name))
+        # Panels are plug-ins: a report is not lost because of one picture.
+        except Exception as error:
+            yield Picture(name, caption, refusal=" ".join(str(error).split()) or type(error).__name__)
+
+
+def draw_panel(kind: str, subject: ContactSolution | Sweep, name: str) -> str:
+    """Return a panel as a PNG file in a data: address, dark on light as on paper."""
+    content = io.BytesIO()
+    figure: Any = make_figure(kind, subject, name)
+    figure.savefig(content, format="png", dpi=_DPI)
+    return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"
+
+
+def _draws(name: str, kind: str, attracts: bool) -> bool:
+    try:
+        return panels[name].subject == kind and (attracts or not panels[name].needs_adhesion)
+    # A plug-in that cannot be imported.
+    except Exception:
+        return False
+
+
 def note(text: str) -> str:
-    """Return a remark in small letters; nothing of an empty text."""
+    """Return a remark in small letters; empty for an empty text."""
     return element("p", escape(text), class_="note") if text else ""
 
 
 def loads_of(solutions: Iterable[ContactSolution]) -> list[Load]:
-    """Return the loads that were asked for, from the smallest up; those that solutions do not say are missing."""
+    """Return the given loads of the solutions that state them, from the smallest up."""
     origins = [solution.origin for solution in solutions]
     found = [Load(kind, value) for origin in origins if origin is not None for kind, value in origin.load.items()]
     return sorted(found, key=lambda load: load.value)
 
 
 def make_verdict(solutions: Sequence[ContactSolution]) -> str:
-    """Return how the solves ended, those that failed first."""
+    """Return how the solves ended, failed ones first."""
     failed = [solution for solution in solutions if not solution.status.success]
     texts = []
     for status in dict.fromkeys(solution.status for solution in failed or solutions):
@@ -38,7 +109,7 @@ def make_verdict(solutions: Sequence[ContactSolution]) -> str:
         at = [name_load(solution) for solution in failed if solution.status == status]
         where = f" at {', '.join(at)}" if at and len(solutions) > 1 else ""
         texts.append(f"{element('strong', escape(verdict.capitalize() + where) + ':')} {escape(reason)}.")
-    advice = " Do not use these numbers: they are those of the last iteration." if failed else ""
+    advice = " Do not use these numbers: they are from the last iteration." if failed else ""
     return element("p", " ".join(texts) + advice, class_="verdict failed" if failed else "verdict", role="status")
 
 
@@ -62,7 +133,7 @@ def make_rows(sweep: Sweep) -> str:
 
 
 def _choose_columns(solution: ContactSolution, given: set[str]) -> dict[str, Estimate]:
-    """Return the quantities beside the load, the fraction of the area in percent."""
+    """Return the quantities other than the given loads, the fraction of the area in percent."""
     found = list_quantities(solution)[0]
     fraction = found.pop("contact area fraction")
     found = {"% of nominal": Estimate(100.0 * fraction.value, 100.0 * fraction.uncertainty, ""), **found}
@@ -76,7 +147,7 @@ def make_curves(sweep: Sweep) -> str:
 
 
 def make_figures(title: str, pictures: Iterable[Picture], answer: str) -> str:
-    """Return pictures side by side; `answer` is what they show in words, for those who do not see them."""
+    """Return pictures side by side; `answer` says in words what they show, for readers who do not see them."""
     shown = "\n".join(_make_figure(picture, answer) for picture in pictures)
     return section(title, element("div", shown, class_="figures"), class_="pictures")
 

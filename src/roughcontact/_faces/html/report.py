@@ -1,7 +1,9 @@
-"""The report of a solution or a sweep: one self-contained page."""
+"""The report of a solution or a sweep: one self-contained page, and what to cite."""
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Iterable, Sequence
 from datetime import date
 from pathlib import Path
@@ -11,12 +13,19 @@ import attrs
 
 from roughcontact._base.archive import replacing
 from roughcontact._base.units import counted
-from roughcontact._faces.html.citation import list_references, write_bibtex
-from roughcontact._faces.html.elements import element, escape, items, quantity, section, table, tag
-from roughcontact._faces.html.figures import can_draw, draw_panel, draw_panels
-from roughcontact._faces.html.inputs import find_problem, list_certificate, list_inputs, list_versions
-from roughcontact._faces.html.names import describe_scene
+from roughcontact._faces.html.elements import CSS, element, escape, items, quantity, section, table, tag
+from roughcontact._faces.html.inputs import (
+    describe_scene,
+    find_problem,
+    list_certificate,
+    list_inputs,
+    list_versions,
+    write_script,
+)
 from roughcontact._faces.html.parts import (
+    can_draw,
+    draw_panel,
+    draw_panels,
     list_sweep_warnings,
     loads_of,
     make_curves,
@@ -26,9 +35,7 @@ from roughcontact._faces.html.parts import (
     make_warnings,
     note,
 )
-from roughcontact._faces.html.rerun import write_script
-from roughcontact._faces.html.style import CSS
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem, Sweep
 from roughcontact._solve.solution import (
     DEFAULT_AREA,
@@ -45,12 +52,71 @@ from roughcontact._solve.solution import (
     versions,
 )
 
+# As in CITATION.cff (tests/test_html.py compares them); the year as in the licence.
+TITLE = "roughcontact"
+AUTHORS = "The roughcontact developers"
+YEAR = 2026
+ADDRESS = "https://github.com/roughcontact/roughcontact"
+PAPER = "A numerical-analytical approach to determining the real contact area of rough surface contact"
+JOURNAL = "Tribology - Materials, Surfaces & Interfaces"
+PAPER_YEAR = 2020
+PAPER_DOI = "10.1080/17515831.2020.1720382"
+# Where in a book a formula stands.
+_PLACE_IN_BOOK = re.compile(r", (?:sections?|sec\.|eqs?\.) .*")
+_REFERENCES_HEADING = "References\n----------\n"
+_DOI = re.compile(r"https://doi\.org/(10\.[^\s;,]+[^\s;,.)])")
 # Nothing is fetched and nothing runs, whatever a text of the page holds.
-_POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
+_SECURITY_POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
 _NO_FIGURES = "Figures need matplotlib: pip install 'roughcontact[plot]', then write the report again."
 _NOTE = note("Uncertainties are one standard deviation: the true value should lie within two of them.")
 # Cells up to which a notebook shows a picture unasked.
-_SMALL = 2**20
+_MAX_PICTURE_CELLS = 2**20
+
+
+@attrs.frozen
+class Reference:
+    """One thing to cite.
+
+    Attributes
+    ----------
+    text
+        The reference, without its address.
+    address
+        Where it is found.
+    """
+
+    text: str
+    address: str
+
+
+def list_references(version: str, parts: Iterable[object]) -> list[Reference]:
+    """Return the references to cite: the program, its paper, and the DOIs in the docstrings of parts."""
+    found = [
+        Reference(f"{AUTHORS} ({YEAR}). {TITLE} {version} [software].", ADDRESS),
+        Reference(f"{PAPER}. {JOURNAL} ({PAPER_YEAR}).", f"https://doi.org/{PAPER_DOI}"),
+    ]
+    for part in parts:
+        found += _references_in(inspect.getdoc(type(part)) or "")
+    return list({one.address: one for one in reversed(found)}.values())[::-1]
+
+
+def write_bibtex(version: str) -> str:
+    """Return the program as an entry of BibTeX."""
+    fields = {"author": f"{{{AUTHORS}}}", "title": TITLE, "version": version, "year": YEAR, "url": ADDRESS}
+    lines = "".join(f"  {name} = {{{value}}},\n" for name, value in fields.items())
+    return f"@software{{{TITLE},\n{lines}}}"
+
+
+def _references_in(docstring: str) -> list[Reference]:
+    """Return the references of a docstring: the text before each DOI in its section of references."""
+    _, _, section = docstring.partition(_REFERENCES_HEADING)
+    found = []
+    start = 0
+    for doi in _DOI.finditer(section := section.partition("\n\n")[0]):
+        text = _PLACE_IN_BOOK.sub("", " ".join(section[start : doi.start()].split()).strip(" ,;-"))
+        found.append(Reference(f"{text}.", f"https://doi.org/{doi[1]}"))
+        start = doi.end() + 1
+    return found
 
 
 @final
@@ -60,7 +126,7 @@ class HtmlWriter(SolutionWriter):
 
     @property
     def suffixes(self) -> frozenset[str]:
-        """Html."""
+        """The ending of an HTML file."""
         return frozenset({".html"})
 
     def write(self, solution: ContactSolution, path: Path) -> None:
@@ -105,7 +171,7 @@ class HtmlWriter(SolutionWriter):
         )
 
     def table(self, solution: ContactSolution) -> str:
-        """Return answer, verdict and warnings for a notebook, and a picture where it takes a moment only."""
+        """Return answer, verdict and warnings for a notebook, and a picture unless the grid is large."""
         rows = {name: quantity(text) for name, text in list_answers(solution).items()}
         status = {"status": escape(solution.status)}
         rows = rows | status if solution.status.success else status | rows
@@ -115,7 +181,7 @@ class HtmlWriter(SolutionWriter):
         # Notebooks set numbers on the right, which suits no words.
         left = {"style": "text-align: left; vertical-align: top"}
         shown = table(rows, f"{solution.grid}, boundary {solution.boundary}", left)
-        if can_draw() and solution.grid.cells <= _SMALL and solution.contact.any():
+        if can_draw() and solution.grid.cells <= _MAX_PICTURE_CELLS and solution.contact.any():
             picture = draw_panel("solution", solution, "pressure")
             shown += tag("img", src=picture, alt="The contact pressure", style="max-width: 24rem")
         return shown
@@ -124,7 +190,7 @@ class HtmlWriter(SolutionWriter):
 def _make_page(title: str, parts: Iterable[str]) -> str:
     head = (
         '<meta charset="utf-8">\n'
-        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{_SECURITY_POLICY}">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{quantity(f'Contact report: {title}')}</title>\n<style>{CSS}</style>"
     )

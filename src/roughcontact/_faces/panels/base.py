@@ -9,12 +9,14 @@ from roughcontact._base.registry import Registry
 
 
 class Panel(abc.ABC):
-    """One picture, drawn into axes of matplotlib. Subclass it, say what it draws, and define `draw`.
+    """One picture, drawn into axes of matplotlib. Subclass it, state the subject, and define `draw`.
 
     Attributes
     ----------
     subject
-        What it draws: ``"solution"``, ``"surface"`` (then `draw` gets a `SampledSurface`) or ``"sweep"``.
+        The kind of subject: ``"solution"``, ``"surface"`` (then `draw` gets a `SampledSurface`) or ``"sweep"``.
+    needs_adhesion
+        Whether it draws only surfaces that attract each other.
 
     Examples
     --------
@@ -27,6 +29,7 @@ class Panel(abc.ABC):
     """
 
     subject: ClassVar[str] = "solution"
+    needs_adhesion: ClassVar[bool] = False
 
     @abc.abstractmethod
     def draw(self, subject: Any, axes: Any) -> None:

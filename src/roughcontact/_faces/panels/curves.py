@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._faces.panels.theme import plain_logarithms, theme_of
 from roughcontact.errors.door import guarded
 
 # Lowest end of a band over the value, on logarithmic axes.
-_LOWEST = 0.05
-# Characters of a legend that an inch holds, and those that a mark and the blank behind a column take.
-_PER_INCH = 22.0
-_MARK = 10
+_MIN_BAND_FRACTION = 0.05
+# Characters of a legend on an inch, and the space of a mark and of the blank behind a column, in characters.
+_LEGEND_CHARACTERS_PER_INCH = 22.0
+_LEGEND_MARK_CHARACTERS = 10
 
 
 @guarded
@@ -34,7 +34,9 @@ def draw_band(
     color = cycle[len(axes.lines) % len(cycle)] if color is None else color
     (line,) = axes.plot(x, values, marker=marker, linestyle="-", color=color, label=label or "_curve")
     low = (
-        np.maximum(values - 2.0 * deviations, _LOWEST * values) if np.all(values >= 0.0) else values - 2.0 * deviations
+        np.maximum(values - 2.0 * deviations, _MIN_BAND_FRACTION * values)
+        if np.all(values >= 0.0)
+        else values - 2.0 * deviations
     )
     axes.fill_between(x, low, values + 2.0 * deviations, color=color, alpha=0.25, linewidth=0.0)
     return line
@@ -72,9 +74,9 @@ def say(axes: Any, text: str) -> None:
 
 
 def add_key(axes: Any, handles: Sequence[Any] | None = None) -> None:
-    """Add a legend of what is drawn, or of `handles`, above axes, so that it hides nothing."""
+    """Add a legend of the labelled artists, or of `handles`, above axes, so that it hides nothing."""
     shown = axes.get_legend_handles_labels()[0] if handles is None else list(handles)
-    room = _PER_INCH * axes.get_window_extent().width / axes.get_figure(root=True).dpi
+    room = _LEGEND_CHARACTERS_PER_INCH * axes.get_window_extent().width / axes.get_figure(root=True).dpi
     axes.legend(
         handles=shown,
         loc="lower left",
@@ -89,9 +91,9 @@ def add_key(axes: Any, handles: Sequence[Any] | None = None) -> None:
 
 
 def _count_columns(lengths: Sequence[int], room: float) -> int:
-    """Return the number of columns of a legend, filled one after the other, that so many characters have room for."""
+    """Return the number of columns of a legend, filled one after the other, for a width of `room` characters."""
     for count in range(len(lengths), 1, -1):
         columns = np.array_split(np.array(lengths), count)
-        if sum(int(column.max()) + _MARK for column in columns) <= room:
+        if sum(int(column.max()) + _LEGEND_MARK_CHARACTERS for column in columns) <= room:
             return count
     return 1

@@ -20,7 +20,7 @@ class FigureView(Figure):
         super().savefig(fname, **options)
 
     def _ipython_display_(self) -> None:
-        # With figures in line, a notebook shows what a cell returns and then all that pyplot holds: once is enough.
+        # With figures in line, a notebook shows the value of a cell and then all figures of pyplot: once is enough.
         from matplotlib import pyplot
 
         if "inline" in matplotlib.get_backend():

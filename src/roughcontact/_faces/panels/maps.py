@@ -1,4 +1,4 @@
-"""Fields over the plane as images: centred, in true proportions, in one unit."""
+"""Fields over the plane as images, in true proportions, and the sub-grid edge of the contact."""
 
 from __future__ import annotations
 
@@ -7,33 +7,41 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask
+from roughcontact._answers.areas import LevelSet
+from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import prefixed
 from roughcontact._faces.panels.curves import add_key
 from roughcontact._faces.panels.theme import plain_logarithms, theme_of
-from roughcontact._parts.grid import Grid
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._solve.solution import ContactSolution
 from roughcontact.errors.door import guarded
 
 # Ratio of the sides above which a domain is not drawn in true proportions: too narrow to be seen.
-_NARROW = 6.0
+_MAX_TRUE_ASPECT = 6.0
 # Percentiles between which the colours lie if a few pits or spikes would use most of them: where the range of all
-# values is more than so many times that between the percentiles.
-_ENDS = (0.1, 99.9)
-_FAR = 1.3
+# values is more than this ratio times the range between the percentiles.
+_COLOR_PERCENTILES = (0.1, 99.9)
+_MAX_RANGE_RATIO = 1.3
 # Width of a colour bar over the mean side of its map.
-_BAR = 0.05
+_COLORBAR_WIDTH = 0.05
+# Width of the line of the edge over the width of a cell, and its bounds, points.
+_EDGE_WIDTH_CELLS = 0.3
+_MIN_EDGE_POINTS = 0.03
+_MAX_EDGE_POINTS = 1.0
+# Mean width of the contact patches, cells, below which the line is thinner, so that it does not hide them.
+_NARROW_PATCH_CELLS = 8.0
 
 
 def length_scale(grid: Grid) -> tuple[float, str]:
-    """Return what lengths in the plane are multiplied by, and their unit: one for both axes."""
+    """Return the factor of lengths in the plane, and their unit: one for both axes."""
     return prefixed(0.5 * max(grid.size), "m")
 
 
 def proportion(grid: Grid) -> float:
-    """Return width over height of a map as it is drawn."""
+    """Return width over height of a drawn map."""
     lx, ly = grid.size
     ratio = lx / ly
-    return ratio if 1.0 / _NARROW <= ratio <= _NARROW else (2.0 if ratio > 1.0 else 0.5)
+    return ratio if 1.0 / _MAX_TRUE_ASPECT <= ratio <= _MAX_TRUE_ASPECT else (2.0 if ratio > 1.0 else 0.5)
 
 
 def set_plane(axes: Any, grid: Grid) -> tuple[float, float, float, float]:
@@ -75,11 +83,11 @@ def draw_map(
     grid
         The cells.
     label, unit
-        What it is, and the unit, such as ``"µm"``, for the colour bar; an empty unit is omitted.
+        Name of the field and its unit, such as ``"µm"``, for the colour bar; an empty unit is omitted.
     colors
         Name of a colour map.
     limits
-        Values at the ends of the colours, in the same unit; None: those of nearly all values.
+        Values at the ends of the colours, in the same unit; None: the range of nearly all values.
     logarithmic
         Whether the colours follow the logarithm of the values.
     """
@@ -117,9 +125,9 @@ def _find_limits(values: Array, limits: tuple[float, float] | None, logarithmic:
 
 def _spread(known: Array) -> tuple[float, float]:
     """Return the values between which colours lie: all of them, unless few reach far beyond the others."""
-    low, high = np.percentile(known, _ENDS)
+    low, high = np.percentile(known, _COLOR_PERCENTILES)
     full = float(known.min()), float(known.max())
-    return full if full[1] - full[0] <= _FAR * (high - low) else (float(low), float(high))
+    return full if full[1] - full[0] <= _MAX_RANGE_RATIO * (high - low) else (float(low), float(high))
 
 
 def add_colorbar(axes: Any, image: Any, label: str, extend: str) -> None:
@@ -135,7 +143,7 @@ def add_colorbar(axes: Any, image: Any, label: str, extend: str) -> None:
         left, right = axes.get_xlim()
         low, high = axes.get_ylim()
         ratio = (right - left) / (high - low) if axes.get_aspect() == 1.0 else 1.0
-        width = _BAR / ratio**0.5
+        width = _COLORBAR_WIDTH / ratio**0.5
         bar = figure.colorbar(image, cax=axes.inset_axes((1.0 + 0.6 * width, 0.0, width, 1.0)), extend=extend)
     if isinstance(image.norm, LogNorm):
         bar.formatter = bar.minorformatter = plain_logarithms()
@@ -163,6 +171,15 @@ def draw_mask(axes: Any, mask: Mask, color: str) -> None:
     )
 
 
+def mark_non_measured(axes: Any, mask: Mask | None) -> list[tuple[str, str]]:
+    """Draw the non-measured points, if there are any, and return their entry in the legend."""
+    if mask is None or not mask.any():
+        return []
+    color = theme_of(axes).unknown
+    draw_mask(axes, mask, color)
+    return [(color, "non-measured")]
+
+
 def name_colors(axes: Any, named: Sequence[tuple[str, str]]) -> None:
     """Add a legend of colours above axes, so that it hides nothing: pairs of colour and name."""
     from matplotlib.patches import Patch
@@ -170,3 +187,36 @@ def name_colors(axes: Any, named: Sequence[tuple[str, str]]) -> None:
     if named:
         handles = [Patch(facecolor=color, edgecolor="none", label=name) for color, name in named]
         add_key(axes, handles)
+
+
+def draw_edges(axes: Any, solution: ContactSolution, color: str) -> None:
+    """Draw the edge of the contact on axes that show the plane of a solution.
+
+    A line that crosses a periodic border is drawn at both sides of the domain.
+    """
+    from matplotlib.collections import LineCollection
+
+    size = np.array(solution.grid.size)
+    factor, _ = length_scale(solution.grid)
+    lines = []
+    for line in LevelSet().contours(solution):
+        if solution.boundary is Boundary.FREE:
+            lines.append(line)
+            continue
+        first = np.ceil(-0.5 - line.max(axis=0) / size).astype(int)
+        last = np.floor(0.5 - line.min(axis=0) / size).astype(int)
+        shifts = [(i, j) for i in range(first[0], last[0] + 1) for j in range(first[1], last[1] + 1)]
+        lines.extend(line + np.array(shift) * size for shift in shifts)
+    across = 72.0 * axes.get_window_extent().width / axes.get_figure(root=True).dpi
+    finest = min(1.0, _measure_patches(solution) / _NARROW_PATCH_CELLS) * _EDGE_WIDTH_CELLS
+    width = min(max(finest * across / solution.grid.shape[0], _MIN_EDGE_POINTS), _MAX_EDGE_POINTS)
+    axes.add_collection(
+        LineCollection([factor * line for line in lines], colors=color, linewidths=width, joinstyle="round"),
+        autolim=False,
+    )
+
+
+def _measure_patches(solution: ContactSolution) -> float:
+    """Return the mean width of the contact patches, cells: the width of strips of the same area and edge."""
+    area = solution.area()
+    return 2.0 * area.value / (area.perimeter * solution.grid.cell_area**0.5) if area.perimeter > 0.0 else np.inf

@@ -7,9 +7,10 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, flag, number
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import flag, number
 from roughcontact._base.units import prefixed, si
-from roughcontact._faces.panels.layout import title_of
+from roughcontact._faces.panels.figures import title_of
 from roughcontact._faces.panels.theme import DARK, LIGHT, Theme
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import SampledSurface
@@ -17,31 +18,31 @@ from roughcontact._solve.solution import ContactSolution
 from roughcontact.errors import MissingPackage
 
 # Peak to valley of the heights as drawn, over the longer side of the domain, where no exaggeration is given.
-_TALL = 0.12
-# Points along a side that are drawn at most.
-_POINTS = 1024
-# From where the view looks: to the right, to the front and from above, in longer sides of the domain.
-_CAMERA = (1.05, -1.82, 1.43)
+_DRAWN_HEIGHT_RATIO = 0.12
+# Most points along a side that are drawn.
+_MAX_POINTS_A_SIDE = 1024
+# Position of the camera: to the right, to the front and above, in longer sides of the domain.
+_CAMERA_POSITION = (1.05, -1.82, 1.43)
 # Pixels of the window, and sizes of its title and numbers.
-_WINDOW = (1200, 900)
-_TITLE = 12
-_NUMBERS = 10
+_WINDOW_PIXELS = (1200, 900)
+_TITLE_SIZE = 12
+_NUMBER_SIZE = 10
 
 
 @attrs.frozen(eq=False)
 class SurfaceColoring:
-    """What colours a view: a field, shape (nx, ny), NaN where nothing is; its name with the unit, and the colour map.
+    """The colours of a view: a field, shape (nx, ny), NaN where it is not known, its label and the colour map.
 
     Attributes
     ----------
     field, label, colors
-        The field, what stands beside its colour bar, and the name of a colour map of matplotlib.
+        The field, the label of its colour bar with the unit, and the name of a colour map of matplotlib.
     limits
         Values at the ends of the colours.
     nothing
         Name of the colour of `Theme` where the field is NaN.
     above
-        What values above the limits are called; None: they have the last colour.
+        Name of the values above the limits; None: they have the last colour.
     """
 
     field: Array
@@ -66,19 +67,19 @@ def make_view(
     side = max(grid.size)
     times = _choose(grid, raised) if exaggeration is None else number(exaggeration, "exaggeration=", above=0.0)
     # In longer sides, since lengths in metres are too small for clipping planes.
-    steps = tuple(-(-count // _POINTS) for count in grid.shape)
+    steps = tuple(-(-count // _MAX_POINTS_A_SIDE) for count in grid.shape)
     chosen = np.s_[:: steps[0], :: steps[1]]
     across, along = np.broadcast_arrays(grid.x[:: steps[0]] / side, grid.y[:, :: steps[1]] / side)
     mesh = pyvista.StructuredGrid(across, along, times / side * raised[chosen])
     mesh.point_data[coloring.label] = coloring.field[chosen].ravel(order="F")
-    view = pyvista.Plotter(window_size=_WINDOW)
+    view = pyvista.Plotter(window_size=_WINDOW_PIXELS)
     view.set_background(theme.paper)
     _add_heights(view, mesh, coloring, theme)
     sides = " x ".join(si(one, "m", 4) for one in grid.size)
     said = f"{title}\n{sides}; heights drawn {times:g} times as high"
-    view.add_text(said, position="upper_left", font_size=_TITLE, color=theme.ink)
+    view.add_text(said, position="upper_left", font_size=_TITLE_SIZE, color=theme.ink)
     view.add_axes(xlabel="x", ylabel="y", zlabel="z", color=theme.ink)
-    view.camera_position = [_CAMERA, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
+    view.camera_position = [_CAMERA_POSITION, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]
     return view
 
 
@@ -109,18 +110,23 @@ def view_solution(solution: ContactSolution, exaggeration: object, dark: object)
 
 
 def _choose(grid: Grid, raised: Array) -> float:
-    """Return how many times as high heights are drawn: 1, 2 or 5 times a power of ten."""
+    """Return the exaggeration of the heights: 1, 2 or 5 times a power of ten."""
     tallest = float(np.ptp(raised))
     if not tallest > 0.0:
         return 1.0
-    wanted = _TALL * max(grid.size) / tallest
+    wanted = _DRAWN_HEIGHT_RATIO * max(grid.size) / tallest
     power = 10.0 ** np.floor(np.log10(wanted))
     return float(max((one for one in (1.0, 2.0, 5.0) if one * power <= wanted), default=1.0) * power)
 
 
 def _add_heights(view: Any, mesh: Any, coloring: SurfaceColoring, theme: Theme) -> None:
     bar = {"title": coloring.label, "color": theme.ink, "n_labels": 3, "fmt": "%.3g", "vertical": True}
-    bar |= {"title_font_size": 2 * _TITLE, "label_font_size": 2 * _NUMBERS, "position_x": 0.88, "position_y": 0.25}
+    bar |= {
+        "title_font_size": 2 * _TITLE_SIZE,
+        "label_font_size": 2 * _NUMBER_SIZE,
+        "position_x": 0.88,
+        "position_y": 0.25,
+    }
     above = {} if coloring.above is None else {"above_color": theme.limit}
     if coloring.above is not None:
         bar["above_label"] = coloring.above

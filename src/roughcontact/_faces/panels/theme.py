@@ -11,7 +11,7 @@ from roughcontact.errors import MissingPackage
 from roughcontact.errors.door import guarded
 
 # Numbers between these are written without powers on logarithmic axes.
-_PLAIN = (0.99e-4, 1.01e4)
+_PLAIN_NUMBER_RANGE = (0.99e-4, 1.01e4)
 
 
 def require_matplotlib() -> None:
@@ -37,8 +37,8 @@ class Theme:
     body, counterbody
         The two bodies in a cut.
     lines
-        Colours of curves, in order: those of Okabe and Ito, https://jfly.uni-koeln.de/color, of which neighbours differ
-        in lightness too.
+        Colours of curves, in order: the palette of Okabe and Ito, https://jfly.uni-koeln.de/color, in an order in which
+        neighbours differ in lightness too.
     is_dark
         Whether the background is dark.
     """
@@ -120,7 +120,7 @@ def parameters(dark: bool) -> dict[str, Any]:
 
 @guarded
 def style(dark: bool = False) -> Any:
-    """Return a context in which matplotlib draws as the panels do; behind it the parameters are what they were.
+    """Return a context in which matplotlib draws as the panels do; its end restores the parameters.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def style(dark: bool = False) -> Any:
     require_matplotlib()
     from matplotlib import pyplot
 
-    # Loads the backend: that of notebooks sets parameters of its own, which the end of the context would take back.
+    # Loads the backend: in notebooks it sets parameters of its own, which the end of the context would take back.
     pyplot.draw_if_interactive()  # type: ignore[no-untyped-call]
     return apply_theme(dark)
 
@@ -167,6 +167,6 @@ def plain_logarithms() -> Any:
     class PlainLogarithms(LogFormatterSciNotation):
         def __call__(self, x: float, pos: int | None = None) -> str:
             text = str(super().__call__(x, pos))
-            return f"{x:g}" if text and _PLAIN[0] < x < _PLAIN[1] else text
+            return f"{x:g}" if text and _PLAIN_NUMBER_RANGE[0] < x < _PLAIN_NUMBER_RANGE[1] else text
 
     return PlainLogarithms(minor_thresholds=(1.2, 0.5))

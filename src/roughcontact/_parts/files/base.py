@@ -1,16 +1,47 @@
-"""The reader interface."""
+"""The reader interface, and files that hold no height map."""
 
 from __future__ import annotations
 
 import abc
+import contextlib
+import os
 from pathlib import Path
 
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Pair, choice
+from roughcontact._base.archive import SEAL
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.checks import choice
+from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
+
+_PICTURE_ADVICE = "export the heights themselves, as text or TIFF in 32-bit floating point"
+_DOCUMENT_ADVICE = "export the heights themselves, as text"
+# The first bytes of files without heights, their kind, and advice.
+_FOREIGN_KINDS = {
+    b"\x89PNG": ("a PNG picture", _PICTURE_ADVICE),
+    b"\xff\xd8\xff": ("a JPEG picture", _PICTURE_ADVICE),
+    b"GIF8": ("a GIF picture", _PICTURE_ADVICE),
+    b"%PDF": ("a PDF document", _DOCUMENT_ADVICE),
+    b"<!doctype html": ("a page of HTML", _DOCUMENT_ADVICE),
+    b"<html": ("a page of HTML", _DOCUMENT_ADVICE),
+    b"<?xml": ("an XML document", _DOCUMENT_ADVICE),
+    b"<vtkfile": ("image data of VTK", _DOCUMENT_ADVICE),
+}
+# The first bytes of files by their ending; other formats have none of their own.
+_BEGINNINGS = {
+    ".al3d": (b"aliconaimaging\0",),
+    ".gwy": (b"gwyp",),
+    ".opdx": (b"vca data",),
+    ".plux": (b"pk\3\4",),
+    ".sur": (b"digital surf", b"dscompressed"),
+    ".x3p": (b"pk\3\4",),
+}
+# Bytes of a file that are inspected: an XML document names its kind in its second line, and no format begins with so
+# many zeros.
+_INSPECTED_BYTES = 4096
 
 
 @attrs.frozen(eq=False)
@@ -28,11 +59,11 @@ class RawMap:
     metric
         Whether the heights are known to be in metres.
     hint
-        What the file says of its size, in words, where it does not state it; part of the sentence that asks for it.
+        Hints in the file at its size, in words, where it does not state it; for the message that asks for the size.
     needs_unit
         Whether the heights are in an unknown unit, which must be given, as in images.
     needs_rows
-        Whether the file does not say whether its rows are those of x or those of y; they were taken for those of x.
+        Whether the file does not say if it has a row for each x or for each y; a row for each x is assumed.
     """
 
     heights: Array = attrs.field(repr=outlined)
@@ -45,12 +76,17 @@ class RawMap:
 
 
 def check_rows(value: str) -> str:
-    """Return which axis the rows of a file are those of, ``"x"``, ``"y"`` or ``"auto"``, or raise `InputError`."""
+    """Return the axis along which a file has its rows, ``"x"``, ``"y"`` or ``"auto"``, or raise `InputError`."""
     return choice(value, "The axis of the rows in a file", ("auto", "x", "y"))
 
 
+def require_memory_of_map(size: float) -> None:
+    """Refuse a map of so many bytes if there is too little memory for it."""
+    require_memory(size, "it", "cut it, or write it with fewer points")
+
+
 def put_x_first(heights: Array, rows: str) -> Array:
-    """Return heights as they stand in a file, with rows of x or of y, indexed [x, y]."""
+    """Return heights of a file with a row for each x or each y, indexed [x, y]."""
     return np.ascontiguousarray(heights.T) if rows == "y" else heights
 
 
@@ -84,3 +120,32 @@ class SurfaceReader(abc.ABC):
 
 
 readers = Registry(SurfaceReader, "surface reader", "roughcontact.readers")
+
+
+def find_foreign(file: Path) -> str:
+    """Return the kind of a file without a height map, with advice; empty if the kind is not known."""
+    start = b""
+    end = b""
+    with contextlib.suppress(OSError), file.open("rb") as stream:
+        start = stream.read(_INSPECTED_BYTES).lstrip(b"\xef\xbb\xbf \t\r\n").lower()
+        stream.seek(max(0, stream.seek(0, os.SEEK_END) - 2 * len(SEAL)))
+        end = stream.read(2 * len(SEAL))
+    if SEAL[:20] in end:
+        return (
+            f"it is a saved solution, not a height map: ContactSolution.load({file.name!r}) reads it, and the command "
+            f"'roughcontact plot {file.name}' draws it"
+        )
+    if b"<vtkfile" in start:
+        start = b"<vtkfile"
+    # The files of some instruments, and numpy's, are archives too.
+    if start.startswith(b"pk\x03\x04") and file.suffix.lower() == ".zip":
+        return "it is a ZIP archive: unpack it first"
+    for mark, (kind, advice) in _FOREIGN_KINDS.items():
+        if start.startswith(mark.lower()):
+            return f"it is {kind}, not a height map: {advice}"
+    if start and not start.strip(b"\0"):
+        return f"it begins with {len(start)} bytes of zero, so that it is damaged: export the heights again"
+    ending = file.suffix.lower()
+    if not start.startswith(_BEGINNINGS.get(ending, b"")):
+        return f"it does not begin as {ending} files do, so that it is damaged or has another format"
+    return ""

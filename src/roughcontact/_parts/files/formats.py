@@ -11,26 +11,27 @@ import numpy as np
 
 from roughcontact._base.archive import read_npy, read_npz, require_expansion
 from roughcontact._base.checks import choice, integer
-from roughcontact._base.machine import require_memory
-from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, put_x_first
-from roughcontact._parts.files.foreign import find_foreign
-from roughcontact._parts.files.gwyddion import read_header
-from roughcontact._parts.files.layout import SEPARATORS, WORDS
-from roughcontact._parts.files.margins import require_heights
-from roughcontact._parts.files.points import put_on_grid
-from roughcontact._parts.files.text import read_table
+from roughcontact._parts.files.base import (
+    RawMap,
+    SurfaceReader,
+    check_rows,
+    find_foreign,
+    put_x_first,
+    require_memory_of_map,
+)
+from roughcontact._parts.files.text import SEPARATORS, WORDS, put_on_grid, read_header, read_table, require_heights
 from roughcontact._parts.surfaces import read_topography
 from roughcontact.errors import InputError, MissingPackage
 
 # Endings of files that need no instrument's reader.
 _ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .mat"
-# Descriptions in the archives of instruments, and their bytes: elements of XML take twenty times as much memory.
-_TEXTS = (".xml", ".txt")
-_LONGEST_TEXT = 2**22
-# Numbers in a row of a profile x z and of a list of points x y z; and rows from which on a table is one: 3 x 3 points.
+# Endings of descriptions in the archives of instruments, and their maximum bytes: parsed XML takes twenty times more.
+_DESCRIPTION_ENDINGS = (".xml", ".txt")
+_MAX_DESCRIPTION_BYTES = 2**22
+# Numbers in a row of a profile x z and of a list of points x y z, and the minimum rows of such a list: 3 x 3 points.
 _COLUMNS_OF_PROFILES = 2
 _COLUMNS_OF_POINTS = 3
-_ROWS_OF_LISTS = 9
+_MIN_LIST_ROWS = 9
 
 
 @attrs.frozen
@@ -44,7 +45,7 @@ class NpzReader(SurfaceReader):
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
-        _require_memory(path, 2.0)
+        require_memory_of_map(2.0 * path.stat().st_size)
         with path.open("rb") as file:
             data = read_npz(file, {"heights", "size", "periodic"}, deflated=True)
         if "heights" not in data:
@@ -74,7 +75,7 @@ class NpyReader(SurfaceReader):
     Parameters
     ----------
     rows
-        ``"x"`` or ``"y"``: which axis the first index is that of, the smallest first; by default x.
+        ``"x"`` or ``"y"``: the axis of the first index, the smallest first; by default x.
     """
 
     rows: str = attrs.field(default="auto", converter=check_rows)
@@ -86,7 +87,7 @@ class NpyReader(SurfaceReader):
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
-        _require_memory(path, 2.0)
+        require_memory_of_map(2.0 * path.stat().st_size)
         with path.open("rb") as file:
             heights = read_npy(file, path.stat().st_size)
         return RawMap(put_x_first(heights, self.rows), needs_rows=self.rows == "auto")
@@ -115,15 +116,15 @@ class TextReader(SurfaceReader):
     Parameters
     ----------
     separator
-        What separates numbers: ``","``, ``";"``, a tab (or ``"tab"``), white space (``" "`` or ``"blank"``); by default
-        it is found.
+        Separator of the numbers: ``","``, ``";"``, a tab (or ``"tab"``), white space (``" "`` or ``"blank"``); by
+        default it is found.
     decimal
         Decimal mark, ``"."`` or ``","``; by default it is found.
     skip_rows
-        Lines at the beginning of the file that are not heights, where these are not skipped of themselves.
+        Lines at the beginning of the file that are not heights, if they are not skipped automatically.
     rows
-        ``"x"`` or ``"y"``: which axis a table has a row for each point of, the smallest first; by default x. An image
-        with a header, and points x y z, state their axes.
+        ``"x"`` or ``"y"``: whether a table has a row for each x or for each y, the smallest first; by default x. An
+        image with a header, and points x y z, state their axes.
     """
 
     separator: str = attrs.field(default="auto", converter=_separator)
@@ -138,17 +139,17 @@ class TextReader(SurfaceReader):
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
-        # A number takes 25 characters at most, as numpy.savetxt writes it.
-        _require_memory(path, 16.0 / 25.0)
+        # numpy.savetxt writes a number in at most 25 characters; the map is held twice while it is checked.
+        require_memory_of_map(16.0 / 25.0 * path.stat().st_size)
         table = read_table(path, self.separator, self.decimal, self.skip_rows)
         heights = table.numbers
         stated = read_header(table.header)
-        if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] == _COLUMNS_OF_PROFILES:
+        if heights.shape[0] >= _MIN_LIST_ROWS and heights.shape[1] == _COLUMNS_OF_PROFILES:
             raise InputError(
                 f"each of its {heights.shape[0]} rows holds 2 numbers, as in a list of points x z of a profile, but a "
                 "height map has a row for each x and a number for each y"
             )
-        if heights.shape[0] >= _ROWS_OF_LISTS and heights.shape[1] == _COLUMNS_OF_POINTS:
+        if heights.shape[0] >= _MIN_LIST_ROWS and heights.shape[1] == _COLUMNS_OF_POINTS:
             return put_on_grid(heights)
         require_heights(heights)
         if stated.unit is not None:
@@ -162,21 +163,22 @@ class TextReader(SurfaceReader):
         return RawMap(put_x_first(heights[::-1], "y"), stated.size, metric=metric)
 
 
-def _require_memory(path: Path, multiple: float) -> None:
-    """Refuse a file whose map, held twice while it is checked, takes more memory than there is."""
-    require_memory(multiple * path.stat().st_size, "it", "cut it, or write it with fewer points")
-
-
 def _require_bounded_archive(path: Path) -> None:
-    """Refuse an archive that expands to far more than it has bytes: its reader would take the memory unasked."""
+    """Refuse an archive that expands to far more than its bytes: its reader would not check the memory."""
     with path.open("rb") as file:
         if not zipfile.is_zipfile(file):
             return
         with zipfile.ZipFile(file) as archive:
             require_expansion(archive, path.stat().st_size, "export it without compression", deflated=True)
-            texts = [member.file_size for member in archive.infolist() if member.filename.lower().endswith(_TEXTS)]
-    if max(texts, default=0) > _LONGEST_TEXT:
-        raise InputError(f"a description in it has {max(texts)} bytes, more than {_LONGEST_TEXT}: it is damaged")
+            texts = [
+                member.file_size
+                for member in archive.infolist()
+                if member.filename.lower().endswith(_DESCRIPTION_ENDINGS)
+            ]
+    if max(texts, default=0) > _MAX_DESCRIPTION_BYTES:
+        raise InputError(
+            f"a description in it has {max(texts)} bytes, more than {_MAX_DESCRIPTION_BYTES}: it is damaged"
+        )
 
 
 @attrs.frozen
@@ -194,7 +196,7 @@ class InstrumentReader(SurfaceReader):
 
     def read(self, path: Path) -> RawMap:
         """Return the map; raise `MissingPackage` if SurfaceTopography is not installed."""
-        # SurfaceTopography would search all of a file that is none of its formats, for minutes if it is large.
+        # SurfaceTopography searches all of a file of an unknown format, for minutes if it is large.
         if foreign := find_foreign(path):
             raise InputError(foreign)
         _require_bounded_archive(path)

@@ -13,21 +13,21 @@ import attrs
 import numpy as np
 
 from roughcontact._base import checks
-from roughcontact._base.checks import Array, choice, number, pair
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import choice, number, pair
 from roughcontact._base.units import si
-from roughcontact._parts.files.base import RawMap, SurfaceReader, readers
-from roughcontact._parts.files.foreign import find_foreign
+from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, readers
 from roughcontact._parts.surfaces import TREATMENTS, HeightMap, complete
 from roughcontact.errors import InputError, RoughContactError, shorten
 from roughcontact.errors.door import guarded
 
-_FALLBACK = "instrument"
-# Characters of a reader's message that a sentence repeats.
-_REASON = 200
-# A given size agrees with that of the file to this fraction: six digits, as people type them.
-_SAME_SIZE = 1e-6
-# Cells are square to this fraction: sizes are given with three digits.
-_SQUARE = 5e-3
+_FALLBACK_READER = "instrument"
+# Characters of a reader's message that ours repeats.
+_MAX_REASON_CHARACTERS = 200
+# Relative difference between a given size and the size in a file: six digits, as people type them.
+_SIZE_TOLERANCE = 1e-6
+# Relative difference of the sides of square cells: sizes are given with three digits.
+_SQUARE_CELL_TOLERANCE = 5e-3
 
 
 @guarded
@@ -51,23 +51,23 @@ def read_surface(
         Sides of the domain (x, y) or of both, m; needed where the file does not state it, and checked
         where it does.
     non_measured
-        What to do with non-measured points: ``"refuse"`` the file; ``"fill"`` them with the harmonic surface
-        through their neighbours, which makes no new summit; or ``"keep"`` them: they never touch, and do not count
-        when form is fitted.
+        Treatment of non-measured points: ``"refuse"`` the file; ``"fill"`` them with the harmonic surface through
+        their neighbours, which makes no new summit; or ``"keep"`` them: they never touch, and do not count when form
+        is fitted.
     unit
-        What a height of one in the file means, m, where the file does not state it: 1e-6 for micrometres.
+        Unit of the heights, m, where the file does not state it: 1e-6 for micrometres.
     reader
         Registered name or instance; ``"auto"`` chooses by the ending of the file name.
     **options
-        Fields of the reader. Of text files ``separator=``, ``decimal=`` and ``skip_rows=``: what separates the numbers,
-        their decimal mark, and how many lines at the beginning are not heights, where these are not found rightly. Of
-        text, npy and mat files ``rows=``: whether they have a row for each ``"x"``, as is assumed, or for each ``"y"``.
+        Fields of the reader. For text files ``separator=``, ``decimal=`` and ``skip_rows=``: separator and decimal mark
+        of the numbers, and how many lines at the beginning are not heights, if they are not found correctly. For text,
+        npy and mat files ``rows=``: whether they have a row for each ``"x"``, as is assumed, or for each ``"y"``.
 
     Raises
     ------
     InputError
-        If there is no such file, it cannot be read, non-measured points are refused, the size is unknown, or the cells
-        would be square if the rows were those of y, and ``rows=`` is not given.
+        If there is no such file, it cannot be read, non-measured points are refused, the size is unknown, or only a row
+        for each y would make the cells square, and ``rows=`` is not given.
     MissingPackage
         If the package that reads such files is not installed.
 
@@ -95,7 +95,7 @@ def read_surface(
         )
     if size is not None and raw.size is not None:
         sides = pair(size, "The size of the height map", "m", above=0.0)
-        if not np.allclose(sides, raw.size, rtol=_SAME_SIZE, atol=0.0):
+        if not np.allclose(sides, raw.size, rtol=_SIZE_TOLERANCE, atol=0.0):
             raise InputError(
                 f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
                 f"which is not the size given: leave size= out."
@@ -108,7 +108,7 @@ def read_surface(
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
     scale = _unit(raw, unit, file)
     in_units = "" if unit is None else f", heights in units of {si(unit, 'm')}"
-    # The heights as they were read are freed before others are made.
+    # Free the heights of the file before new ones are made.
     del raw, heights
     values = surface.values if unit is None else surface.values * scale
     return attrs.evolve(surface, heights=values, history=(f"read from {file.name}{done}: {surface.grid}{in_units}",))
@@ -116,14 +116,14 @@ def read_surface(
 
 @guarded
 def read_raw(file: str | Path, reader: str | SurfaceReader = "auto", **options: Any) -> RawMap:
-    """Return the map as it stands in a file; see `read_surface`."""
+    """Return the map in a file as it is; see `read_surface`."""
     file = checks.path(file, "The height map")
     if not file.is_file():
         raise InputError(f"There is no file {str(file)!r}{' (it is a folder)' if file.is_dir() else ''}.")
     chosen = _make_reader(_reader_for(file) if reader == "auto" else reader, file, options)
     try:
         raw = chosen.read(file)
-    # Readers fail in as many ways as there are broken files; the user needs one sentence.
+    # Each broken file fails in its own way; the user needs one sentence.
     except Exception as error:
         explained = _explain(error, file)
         if explained is error:
@@ -137,14 +137,16 @@ def read_raw(file: str | Path, reader: str | SurfaceReader = "auto", **options: 
 
 
 def _explain(error: Exception, file: Path) -> Exception:
-    """Return the sentence about a file that its reader could not read."""
+    """Return the error for a file that its reader could not read."""
     foreign = find_foreign(file)
     if foreign or isinstance(error, InputError):
         return InputError(f"The file {file.name} cannot be used: {foreign or str(error).rstrip('.')}.")
     if isinstance(error, RoughContactError):
         return error
     reason = " ".join(str(error).split()) or type(error).__name__
-    return InputError(f"The file {file.name} cannot be read as a height map: {shorten(reason, _REASON).rstrip('.')}.")
+    return InputError(
+        f"The file {file.name} cannot be read as a height map: {shorten(reason, _MAX_REASON_CHARACTERS).rstrip('.')}."
+    )
 
 
 def options_of(file: Path, reader: str = "auto") -> tuple[str, ...]:
@@ -169,20 +171,23 @@ def _reader_for(file: Path) -> str:
     for name in readers:
         # A broken plug-in must not keep others from reading their files.
         with contextlib.suppress(InputError):
-            if name != _FALLBACK and suffix in readers.create(name).suffixes:
+            if name != _FALLBACK_READER and suffix in readers.create(name).suffixes:
                 return name
-    return _FALLBACK
+    return _FALLBACK_READER
 
 
 def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> None:
-    """Ask which axis the rows are those of where only the other one makes the cells square."""
+    """Raise `InputError` if only a row for each y would make the cells square: the user must say which it is."""
     sides = pair(size, "The size of the height map", "m", above=0.0)
     if heights.ndim != 2 or not heights.size or np.size(size) == 1:
         return
     nx, ny = heights.shape
     here = (sides[0] / nx, sides[1] / ny)
     turned = (sides[0] / ny, sides[1] / nx)
-    if abs(here[0] / here[1] - 1.0) > _SQUARE and abs(turned[0] / turned[1] - 1.0) <= _SQUARE:
+    if (
+        abs(here[0] / here[1] - 1.0) > _SQUARE_CELL_TOLERANCE
+        and abs(turned[0] / turned[1] - 1.0) <= _SQUARE_CELL_TOLERANCE
+    ):
         raise InputError(
             f"The file {file.name} has {nx} rows of {ny} numbers: on {si(sides[0], 'm')} x {si(sides[1], 'm')}, a row "
             f"for each x makes cells of {si(here[0], 'm')} x {si(here[1], 'm')}, a row for each y square ones of "

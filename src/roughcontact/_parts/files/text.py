@@ -1,4 +1,4 @@
-"""Height maps in text files, read line by line."""
+"""Height maps in text files: headers, separators, rows and columns beside the heights, and lists of points."""
 
 from __future__ import annotations
 
@@ -8,31 +8,285 @@ import contextlib
 import itertools
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
-from roughcontact._parts.files.layout import Layout, find_layout, holds_heights, is_non_measured
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._parts.files.base import RawMap
 from roughcontact.errors import InputError
 
-# What stands at the beginning of a file in each encoding; the longer one first, because it begins with the shorter.
-_MARKS = {
+# Lines of a header: "# Width: 10.0 µm", "# Height: 5.0 µm", "# Value units: nm".
+_SIDE_LINE = re.compile(r"#?\s*(Width|Height):\s*([0-9]{1,30}(?:[.,][0-9]{1,30})?(?:e[-+]?[0-9]{1,3})?)\s*(\S{1,8})\s*")
+_UNIT_LINE = re.compile(r"#?\s*Value units:\s*(\S{1,20})\s*")
+# Metres in units of length; the two letters for micro, and its byte in Latin-1, read as UTF-8.
+_METRES_PER_UNIT = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "Å": 1e-10}
+_METRES_PER_UNIT |= {"micron": 1e-6, "microns": 1e-6, "inch": 0.0254}
+_MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u"})
+# Separators by the names of those that are awkward to type.
+WORDS = {"tab": "\t", "blank": " "}
+SEPARATORS = (",", ";", "\t", " ")
+# Possible separators of fields, and a number or its part before a decimal comma, before the layout is known.
+_FIELD_SEPARATOR = re.compile(r"[\s,;]")
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+# Fields of a non-measured point, also as the C library of Windows writes them (1.#QNAN).
+_NON_MEASURED = re.compile(
+    r"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)", re.IGNORECASE
+)
+# Lines with a single comma, between digits.
+_SINGLE_COMMA_LINES = re.compile(r"(?:[-+]?[0-9]+,[0-9]+(?:\n|\Z))+")
+# Minimum numbers of a margin: fewer may rise in equal steps by chance.
+_MIN_MARGIN_NUMBERS = 8
+# Rounding of printed positions in a margin, and in a list of points, over the step.
+_STEP_TOLERANCE = 0.01
+_GRID_TOLERANCE = 0.05
+_COUNTING_MARGIN = "count"
+_KEEP_ADVICE = "if they are heights, save the map with numpy.save"
+# Gaps between sorted positions below this fraction of the largest are rounding.
+_MIN_GAP_FRACTION = 0.3
+# A map with both sides below this in its own unit is assumed to be in metres.
+_MAX_METRIC_SIDE = 0.1
+# Maximum position that has differences in float64.
+_MAX_PLACE = 1e300
+# Minimum fraction of the points of a grid that are listed; the others were not measured.
+_MIN_LISTED_FRACTION = 0.5
+# Byte-order mark of each encoding; the longer ones first, because they begin with the shorter.
+_BYTE_ORDER_MARKS = {
     codecs.BOM_UTF8: "utf-8-sig",
     codecs.BOM_UTF32_LE: "utf-32",
     codecs.BOM_UTF32_BE: "utf-32",
     codecs.BOM_UTF16_LE: "utf-16",
     codecs.BOM_UTF16_BE: "utf-16",
 }
-# Characters of a wrong field or line that are shown.
-_SHOWN = 40
-# Lines of heights from which separator and decimal mark are found, and lines of a header that are kept.
-_SAMPLE = 20
-_HEADER = 1000
-# A comment at the end of a line: the numbers of some C libraries hold the mark too, 1.#QNAN.
+# Characters of a wrong field or line that a message repeats.
+_MAX_QUOTED_CHARACTERS = 40
+# Lines of heights from which the layout is found, and lines of a header that are kept.
+_SAMPLE_LINES = 20
+_MAX_HEADER_LINES = 1000
+# A comment at the end of a line, but not the mark in 1.#QNAN.
 _COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#.*", re.DOTALL)
+
+
+def metres(unit: str) -> float | None:
+    """Return the metres in a unit such as µm; None if it is not a known unit of length."""
+    return _METRES_PER_UNIT.get(unit.translate(_MICRO))
+
+
+@attrs.frozen
+class Stated:
+    """Sides (x, y) of an image, m, and the unit of its heights, m; None where a header does not state them."""
+
+    size: Pair | None
+    unit: float | None
+
+
+def read_header(lines: Sequence[str]) -> Stated:
+    """Return size and unit that a header states; `InputError` if its values are not lengths."""
+    sides = {}
+    unit = None
+    for line in lines:
+        if found := _SIDE_LINE.fullmatch(line):
+            length = metres(found[3])
+            sides[found[1]] = None if length is None else float(found[2].replace(",", ".")) * length
+        elif found := _UNIT_LINE.fullmatch(line):
+            unit = metres(found[1])
+            if unit is None:
+                raise InputError(f"its header states values in {found[1]!a}, which is not a known unit of length")
+    width = sides.get("Width")
+    height = sides.get("Height")
+    return Stated((width, height) if width and height else None, unit)
+
+
+def is_non_measured(word: str) -> bool:
+    """Return whether a field stands for a non-measured point."""
+    return not word or _NON_MEASURED.fullmatch(word) is not None
+
+
+def holds_heights(content: str) -> bool | None:
+    """Return whether a line holds heights: it has a number, and begins with one or with a non-measured point.
+
+    None: it may, because all its fields stand for non-measured points.
+    """
+    fields = _FIELD_SEPARATOR.split(content)
+    if all(map(is_non_measured, fields)):
+        # A line of dashes is the rule below a title.
+        return None if len(fields) > 1 else False
+    first = fields[0]
+    return bool(is_non_measured(first) or _NUMBER.fullmatch(first)) and any(map(_NUMBER.fullmatch, fields))
+
+
+@attrs.frozen
+class Layout:
+    """The separator of the numbers, one of `SEPARATORS`, and their decimal mark.
+
+    A blank as separator stands for any white space; then a comma may follow each number with a decimal comma.
+    """
+
+    separator: str
+    decimal: str
+
+    def split(self, content: str) -> list[str]:
+        """Return the fields of a line, with decimal points."""
+        if self.decimal == ",":
+            if self.separator == " ":
+                return [field.removesuffix(",").replace(",", ".") for field in content.split()]
+            content = content.replace(",", ".")
+        return content.split(None if self.separator == " " else self.separator)
+
+    def ends(self, content: str) -> bool:
+        """Return whether a line ends with the separator."""
+        return self.separator != " " and content.endswith(self.separator)
+
+
+def find_layout(lines: Sequence[str], separator: str, decimal: str) -> Layout:
+    """Return the layout of lines of heights; what is given as ``"auto"`` is found.
+
+    `InputError` if commas may be decimal or separate numbers; the message names the options.
+    """
+    separator = WORDS.get(separator, separator)
+    if separator == "auto":
+        separator = _find_separator(lines, decimal)
+    if decimal == "auto":
+        text = "".join(lines)
+        decimal = "," if separator != "," and "," in text and "." not in text else "."
+    if separator == "," == decimal:
+        raise InputError("a comma cannot both separate the numbers and be their decimal mark: give another separator=")
+    return Layout(separator, decimal)
+
+
+def _find_separator(lines: Sequence[str], decimal: str) -> str:
+    # Blanks, and a single tab, at the end of a line separate nothing.
+    stripped = [line.strip(" ") if line.count("\t") > 1 else line.strip() for line in lines]
+    for mark in ";\t":
+        if any(mark in line for line in stripped):
+            return mark
+    if decimal == "," or not any("," in line for line in stripped):
+        return " "
+    if decimal == "." or any("." in line for line in stripped):
+        return ","
+    return _judge_commas(stripped)
+
+
+def _judge_commas(lines: Sequence[str]) -> str:
+    """Return the separator of numbers without points in lines with commas."""
+    text = "\n".join(lines)
+    inside = re.search(r"[0-9],[0-9]", text)
+    beside = re.search(r", | ,", text)
+    if not inside or (not beside and not _SINGLE_COMMA_LINES.fullmatch(text) and " " not in text):
+        return ","
+    if not beside and " " in text:
+        return " "
+    found = "commas, some of them beside blanks," if beside else "one comma in each line"
+    raise InputError(
+        f"it has {found} and no points, so that the commas may be decimal or separate numbers: give decimal=',' or "
+        "decimal='.'"
+    )
+
+
+def require_heights(table: Array) -> None:
+    """Refuse a table, shape (rows, numbers in a row), that is a list, or has a margin of positions or counts.
+
+    A margin is a first row or column that rises in equal steps, unlike the row or column beside it.
+    """
+    if min(table.shape) < 2 and table.size >= _MIN_MARGIN_NUMBERS:
+        line = "column" if table.shape[1] < 2 else "row"
+        raise InputError(
+            f"its {table.size} numbers stand in one {line}, but a height map has a row for each x and a number for "
+            "each y: bring them into that shape, as by numpy.loadtxt(path).reshape(nx, ny), and save them again"
+        )
+    if min(table.shape) < 2:
+        return
+    # The corner, where there are both margins, belongs to neither.
+    row, column = (_margin(side[0, 1:], side[1, 1:]) for side in (table, table.T))
+    if row and column:
+        what = "its first row and its first column"
+        counts = row == column == _COUNTING_MARGIN
+    elif row := _margin(table[0], table[1]):
+        what = "its first row"
+        counts = row == _COUNTING_MARGIN
+    elif column := _margin(table[:, 0], table[:, 1]):
+        what = "its first column"
+        counts = column == _COUNTING_MARGIN
+    else:
+        return
+    skip = "skip them with skip_rows=" if what == "its first row" else "save the heights without them"
+    found, advice = (
+        ("count, as header and index of pandas do", ", in pandas by to_csv(path, header=False, index=False)")
+        if counts
+        else ("rise in equal steps, as places x and y do", ", and give size=")
+    )
+    raise InputError(f"the numbers of {what} {found}, and are not heights: {skip}{advice}; {_KEEP_ADVICE}")
+
+
+def _margin(line: Array, beside: Array) -> str:
+    """Return ``"count"`` or ``"steps"`` if a line, unlike the one beside it, counts or has equal steps; else empty."""
+    if not _is_even(line) or _is_even(beside):
+        return ""
+    return (
+        _COUNTING_MARGIN if line[0] in (0.0, 1.0) and np.array_equal(line, line[0] + np.arange(line.size)) else "steps"
+    )
+
+
+def _is_even(line: Array) -> bool:
+    """Return whether a line of enough numbers rises or falls in equal steps."""
+    if line.size < _MIN_MARGIN_NUMBERS or not np.isfinite(line).all():
+        return False
+    # Numbers near the largest of float64 have no differences.
+    with np.errstate(over="ignore", invalid="ignore"):
+        step = (line[-1] - line[0]) / (line.size - 1)
+        even = line[0] + step * np.arange(line.size)
+        return bool(step != 0.0 and np.abs(line - even).max() <= _STEP_TOLERANCE * abs(step))
+
+
+def put_on_grid(points: Array) -> RawMap:
+    """Return the map of points x y z, shape (n, 3), in any order, on a regular grid along x and y; NaN elsewhere.
+
+    Its size is not known, because x and y have an unknown unit. `InputError` if the points do not lie on a regular
+    grid, on most of its points and once on each.
+    """
+    i, nx, dx = _indices(points[:, 0])
+    j, ny, dy = _indices(points[:, 1])
+    if not _MIN_LISTED_FRACTION * nx * ny <= len(points) <= nx * ny:
+        raise _irregular(len(points))
+    heights = np.full((nx, ny), np.nan)
+    heights[i, j] = points[:, 2]
+    if np.unique(i * ny + j).size < len(points):
+        raise _irregular(len(points))
+    unit, length = (1.0, "metre") if max(nx * dx, ny * dy) < _MAX_METRIC_SIDE else (1e-6, "micrometre")
+    sides = ", ".join(f"{unit * side:.6g}" for side in (nx * dx, ny * dy))
+    return RawMap(
+        heights,
+        hint=f"its {nx} x {ny} points are {dx:.6g} x {dy:.6g} apart in a unit that it does not state; if that is the "
+        f"{length}, size=({sides})",
+    )
+
+
+def _indices(places: Array) -> tuple[np.ndarray, int, float]:
+    """Return index of each position on the regular axis through all of them, number of points, and step."""
+    if not np.abs(places).max() < _MAX_PLACE:
+        raise _irregular(len(places))
+    gaps = np.diff(np.unique(places))
+    true = gaps[gaps > _MIN_GAP_FRACTION * gaps.max(initial=0.0)]
+    span = float(np.ptp(places))
+    count = round(span / float(np.median(true))) + 1 if true.size else 0
+    if not 2 <= count <= len(places):
+        raise _irregular(len(places))
+    step = span / (count - 1)
+    exact = (places - places.min()) / step
+    index = np.rint(exact).astype(np.intp)
+    if np.abs(exact - index).max() > _GRID_TOLERANCE:
+        raise _irregular(len(places))
+    return index, count, step
+
+
+def _irregular(count: int) -> InputError:
+    return InputError(
+        f"each of its {count} rows holds 3 numbers, as in a list of points x y z, but they do not lie on a regular "
+        "grid: interpolate them on one, as by scipy.interpolate.griddata, and write the heights with "
+        "numpy.savez(path, heights=heights, size=(lx, ly))"
+    )
 
 
 @attrs.frozen(eq=False)
@@ -44,23 +298,17 @@ class Table:
 
 
 def read_table(path: Path, separator: str = "auto", decimal: str = "auto", skip_rows: int = 0) -> Table:
-    """Return the numbers of a text file and its header.
-
-    Raises
-    ------
-    InputError
-        If it is not a table of numbers; the sentence gives the line.
-    """
+    """Return the numbers of a text file and its header; `InputError` with the line if it is not a table of numbers."""
     with path.open("rb") as file:
         start = file.read(4)
-    encoding = next((name for mark, name in _MARKS.items() if start.startswith(mark)), "utf-8")
+    encoding = next((name for mark, name in _BYTE_ORDER_MARKS.items() if start.startswith(mark)), "utf-8")
     # Comments may be in any encoding.
     errors = "surrogateescape" if encoding.startswith("utf-8") else "strict"
     try:
         with path.open(encoding=encoding, errors=errors) as text:
             header: list[str] = []
             lines = _heights(enumerate(itertools.islice(text, skip_rows, None), skip_rows + 1), header)
-            sample = list(itertools.islice(lines, _SAMPLE))
+            sample = list(itertools.islice(lines, _SAMPLE_LINES))
             if not sample:
                 raise InputError(_nothing(header))
             layout = find_layout([content for _, content in sample], separator, decimal)
@@ -73,11 +321,11 @@ def read_table(path: Path, separator: str = "auto", decimal: str = "auto", skip_
 
 def _nothing(header: list[str]) -> str:
     line = next((line.strip() for line in header if not line.startswith("#")), "")
-    return f"it holds no numbers, and begins with {line[:_SHOWN]!a}" if line else "it holds no numbers"
+    return f"it holds no numbers, and begins with {line[:_MAX_QUOTED_CHARACTERS]!a}" if line else "it holds no numbers"
 
 
 def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tuple[int, str]]:
-    """Yield the lines of heights with their places; those of words before the first go into the header."""
+    """Yield the lines of heights with their line numbers; lines of words before them go into the header."""
     begun = False
     waiting = list[tuple[int, str]]()
     for place, line in lines:
@@ -86,9 +334,9 @@ def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tu
             raise InputError("it is not text, although its name ends so: rename it, or save it as plain text (UTF-8)")
         holds = begun or (holds_heights(content) if content else False)
         if holds is False:
-            # What looks like points that were not measured may be the rule below a title.
+            # A line that looks like non-measured points may be the rule below a title.
             waiting = waiting if not line.strip() else []
-            header.extend([line.rstrip("\r\n")] if line.strip() and len(header) < _HEADER else [])
+            header.extend([line.rstrip("\r\n")] if line.strip() and len(header) < _MAX_HEADER_LINES else [])
             continue
         waiting.extend([(place, content)] if content else [])
         if holds:
@@ -135,15 +383,15 @@ def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> Array:
 
 
 def _require_words(header: list[str], layout: Layout, columns: int) -> None:
-    """Refuse a line above the numbers that may be a row of them with a wrong first field."""
+    """Refuse a line of the header that may be a row of numbers with a wrong first field."""
     for line in header:
         fields = layout.split(line.strip(" \r\n"))
         if line.startswith("#") or len(fields) != columns or columns < 3:
             continue
         if sum(_float(field) is not None for field in fields) > columns // 2:
             raise InputError(
-                f"the line {line.strip()[:_SHOWN]!a} above its heights has as many fields as they have, most of them "
-                "numbers: correct it, or skip the lines that are not heights with skip_rows="
+                f"the line {line.strip()[:_MAX_QUOTED_CHARACTERS]!a} above its heights has as many fields as they "
+                "have, most of them numbers: correct it, or skip the lines that are not heights with skip_rows="
             )
 
 
@@ -157,7 +405,7 @@ def _float(word: str) -> float | None:
 
 def _parse(content: str, layout: Layout, place: int) -> array.array[float]:
     fields = layout.split(content)
-    # What is too large for float64 is infinite to Python.
+    # Python reads a number too large for float64 as infinite.
     if content.isascii() and "_" not in content:
         with contextlib.suppress(ValueError):
             row = array.array("d", map(float, fields))
@@ -167,7 +415,7 @@ def _parse(content: str, layout: Layout, place: int) -> array.array[float]:
 
 
 def _number(field: str, layout: Layout, place: int) -> float:
-    """Return the number in a field, NaN if the point was not measured."""
+    """Return the number in a field, NaN for a non-measured point."""
     word = field.strip()
     value = _float(word)
     if value is None:
@@ -177,9 +425,11 @@ def _number(field: str, layout: Layout, place: int) -> float:
         advice = f"give decimal={other!r} if that is its decimal mark" if other in word or " " in word else ""
         advice = advice or "lines above the heights that are not heights are skipped with skip_rows="
         raise InputError(
-            f"line {place} holds {word[:_SHOWN]!a}, which is not a number: write numbers such as -1.5e-6, nan for a "
-            f"point that was not measured, and comments behind #; {advice}"
+            f"line {place} holds {word[:_MAX_QUOTED_CHARACTERS]!a}, which is not a number: write numbers such as "
+            f"-1.5e-6, nan for a point that was not measured, and comments behind #; {advice}"
         )
     if math.isinf(value) and word[-1].isdigit():
-        raise InputError(f"line {place} holds {word[:_SHOWN]}, which is too large for a height in metres")
+        raise InputError(
+            f"line {place} holds {word[:_MAX_QUOTED_CHARACTERS]}, which is too large for a height in metres"
+        )
     return value

@@ -11,24 +11,24 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Pair, integer
-from roughcontact._base.machine import require_memory
-from roughcontact._parts.files.base import RawMap, SurfaceReader
-from roughcontact._parts.files.gwyddion import metres
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.checks import integer
+from roughcontact._parts.files.base import RawMap, SurfaceReader, require_memory_of_map
+from roughcontact._parts.files.text import metres
 from roughcontact.errors import InputError, MissingPackage
 
-# Tags: the value of points without data in geographic images.
-_NODATA = 42113
-# Bytes to which an image may expand, beside a multiple of those of its file.
-_EXPANDED = 2**22
-_EXPANSION = 50
-# Compressions that are read: none, LZW, deflate by its two numbers, PackBits; others lose digits or are rare.
+# Number of the tag with the value of points without data, in geographic images.
+_NODATA_TAG = 42113
+# Bytes to which an image may expand, plus a multiple of its file.
+_EXPANSION_ALLOWANCE = 2**22
+_MAX_EXPANSION_RATIO = 50
+# Numbers of the compressions that are read: none, LZW, deflate (two), PackBits; others lose digits or are rare.
 _COMPRESSIONS = {1, 5, 8, 32773, 32946}
-_DEFLATE = {8, 32946}
-# Pixels per metre above which a resolution is that of a measurement: printers and screens have 72 to 2400 to the inch.
-_MEASURED = 3000 / 0.0254
-# Metres in the units of resolution that TIFF has: inch and centimetre.
-_UNITS = {2: 0.0254, 3: 0.01}
+_DEFLATE_COMPRESSIONS = {8, 32946}
+# Minimum resolution of a measurement, pixels per metre: printers and screens have 72 to 2400 to the inch.
+_MIN_MEASURED_RESOLUTION = 3000 / 0.0254
+# Metres in the units of resolution of TIFF: inch and centimetre.
+_METRES_PER_UNIT = {2: 0.0254, 3: 0.01}
 
 
 def _page(value: int | None) -> int | None:
@@ -39,8 +39,8 @@ def _page(value: int | None) -> int | None:
 class TiffReader(SurfaceReader):
     """An image of heights in one channel: x to the right, y upwards, so that its first row has the largest y.
 
-    Its numbers have no unit, which must be given. Its size is read from what ImageJ writes, or from a resolution that
-    is finer than that of printers.
+    Its numbers have no unit, which must be given. Its size is read from the metadata of ImageJ, or from a resolution
+    finer than any printer's.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class TiffReader(SurfaceReader):
             raise MissingPackage(
                 f"Reading {path.name} needs the package tifffile: pip install 'roughcontact[files]'."
             ) from None
-        # It logs what is odd in a file; what is wrong becomes a sentence.
+        # tifffile logs oddities of a file; real errors become an `InputError`.
         logging.getLogger("tifffile").addHandler(logging.NullHandler())
         with TiffFile(path) as file:
             page = self._choose(file)
@@ -97,16 +97,16 @@ def _require_heights(page: Any, size: int) -> None:
     if dtype is None or dtype.kind not in "iuf" or int(page.photometric) == 0:
         raise InputError(f"its pixels ({dtype}, {page.photometric.name.lower()}) are not numbers of heights")
     needed = math.prod(shape) * dtype.itemsize
-    if needed > _EXPANDED + _EXPANSION * size:
+    if needed > _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * size:
         raise InputError(f"it declares {shape[1]} x {shape[0]} pixels, more than a file of {size} bytes can hold")
-    require_memory(3.0 * 8.0 * math.prod(shape), "it", "cut it, or write it with fewer points")
+    require_memory_of_map(3.0 * 8.0 * math.prod(shape))
 
 
 def _require_honest(page: Any, stream: Any) -> None:
-    """Refuse compressions that are not of numbers, and parts of an image that expand to more than they are."""
+    """Refuse unknown compressions, and strips or tiles that expand to more than their size."""
     if int(page.compression) not in _COMPRESSIONS:
         raise InputError(f"its compression ({page.compression.name.lower()}) is not read: save it without compression")
-    if int(page.compression) not in _DEFLATE:
+    if int(page.compression) not in _DEFLATE_COMPRESSIONS:
         return
     most = math.prod(page.chunks) * page.dtype.itemsize
     for data, _ in stream.read_segments(page.dataoffsets, page.databytecounts):
@@ -125,14 +125,14 @@ def _read_pixels(page: Any) -> Array:
                 "without compression."
             ) from None
         raise
-    tag = page.tags.get(_NODATA)
+    tag = page.tags.get(_NODATA_TAG)
     if tag is not None:
         image[image == float(str(tag.value).strip("\0 "))] = np.nan
     return image
 
 
 def _find_size(page: Any, imagej: dict[str, Any]) -> tuple[Pair | None, str]:
-    """Return the sides (x, y), m, if they are certain, and what the tags say in words."""
+    """Return the sides (x, y), m, if they are certain, and a hint in words."""
     per_unit = [page.tags.get(name) for name in ("XResolution", "YResolution")]
     if any(tag is None or len(tag.value) != 2 or 0 in tag.value for tag in per_unit):
         return None, ""
@@ -140,9 +140,9 @@ def _find_size(page: Any, imagej: dict[str, Any]) -> tuple[Pair | None, str]:
     rows, columns = page.shape
     stated = metres(str(imagej.get("unit", "")).replace("\\u00B5", "µ"))
     tag = page.tags.get("ResolutionUnit")
-    unit = _UNITS.get(int(tag.value)) if stated is None and tag is not None else stated
+    unit = _METRES_PER_UNIT.get(int(tag.value)) if stated is None and tag is not None else stated
     if unit is None:
         return None, ""
-    if stated is not None or min(x, y) / unit > _MEASURED:
+    if stated is not None or min(x, y) / unit > _MIN_MEASURED_RESOLUTION:
         return (columns / x * unit, rows / y * unit), ""
     return None, f"its resolution of {x * 0.0254 / unit:.4g} dots per inch may be that of a screen or a printer"

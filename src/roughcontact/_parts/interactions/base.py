@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Pair, RealArray
+from roughcontact._base.arrays import Array, Pair, RealArray
 from roughcontact._base.registry import Registry
 from roughcontact.errors import InputError
 

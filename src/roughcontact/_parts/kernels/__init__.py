@@ -8,8 +8,7 @@ from roughcontact._parts.kernels.base import (
     kernels,
     require_form,
 )
-from roughcontact._parts.kernels.fourier import FourierHalfSpace
-from roughcontact._parts.kernels.love import Love
+from roughcontact._parts.kernels.half_space import FourierHalfSpace, Love
 
 __all__ = [
     "BoundKernel",

@@ -8,22 +8,22 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Pair
+from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact.errors import InputError
 
-# Cells per wave number at which a spectrum is that of the body and not of the cells, and the relative change of the
-# modulus below which a body is homogeneous.
-_FINE = 1e-3
-_EVEN = 1e-3
+# Wave number times cell side, small enough for the spectrum of the body without the cells, and the relative change of
+# the modulus below which a body is homogeneous.
+_FINE_CELL_PHASE = 1e-3
+_HOMOGENEITY_TOLERANCE = 1e-3
 
 
 class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method below, or both
     """Linear elastic response of the surfaces to pressure.
 
     A subclass defines `SupportsCoefficients.coefficients`, or `SupportsSpectrum.spectrum`, or both; a
-    convolver uses the one it needs. The response is even in x and in y, as that of any isotropic body.
+    convolver uses the one it needs. The response is even in x and in y, as for any isotropic body.
 
     Attributes
     ----------
@@ -52,8 +52,8 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         """Return the contact modulus E*(q) = 2 / (q u(q)), u(q) the displacement by a unit pressure wave.
 
         The area estimators need it at the edge of a contact and at the size of a contact patch. By default it follows
-        from the spectrum, on cells much smaller than each wave; kernels without one define it if it is not the same for
-        all waves.
+        from the spectrum, on cells much smaller than each wave; a kernel without a spectrum defines it if it depends on
+        the wave.
 
         Parameters
         ----------
@@ -70,12 +70,12 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         if not isinstance(self, SupportsSpectrum):
             return None
         none = np.zeros((1, 1))
-        cells = _FINE / wavenumber
+        cells = _FINE_CELL_PHASE / wavenumber
         waves = zip(wavenumber, cells, strict=True)
         amplitudes = [self.spectrum(none + q, none, (cell, cell), compliance).item() for q, cell in waves]
         with np.errstate(divide="ignore"):
             moduli = 2.0 / (wavenumber * np.array(amplitudes))
-        even = bool(np.all(np.abs(moduli * compliance - 1.0) < _EVEN))
+        even = bool(np.all(np.abs(moduli * compliance - 1.0) < _HOMOGENEITY_TOLERANCE))
         return None if even else np.asarray(moduli)
 
 
@@ -128,22 +128,22 @@ class SupportsSpectrum(Protocol):
         """
 
 
-_MISSING: dict[type, str] = {
+_MISSING_FORMS: dict[type, str] = {
     SupportsCoefficients: "real-space coefficients, which this boundary needs: use boundary='periodic'",
     SupportsSpectrum: "spectrum, which the periodic boundary needs: use boundary='wrapped' or 'free',",
 }
 
 
 def require_form(kernel: InfluenceKernel, form: type) -> InfluenceKernel:
-    """Return a kernel that has a form, `SupportsCoefficients` or `SupportsSpectrum`, or raise `InputError`."""
+    """Return the kernel if it has the form `SupportsCoefficients` or `SupportsSpectrum`, or raise `InputError`."""
     if not isinstance(kernel, form):
-        raise InputError(f"The kernel {kernel!r} has no {_MISSING[form]} or another kernel.")
+        raise InputError(f"The kernel {kernel!r} has no {_MISSING_FORMS[form]} or another kernel.")
     return kernel
 
 
 @attrs.frozen
 class BoundKernel:
-    """A kernel with the compliance of the two bodies. `InputError` is raised if it lacks what is asked for.
+    """A kernel with the compliance of the two bodies; `InputError` if the kernel lacks the form that is needed.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ class BoundKernel:
     compliance
         1/E*, 1/Pa.
     unit
-        Displacement per pressure, m/Pa, in units of which all values are returned.
+        Unit of the returned values, m/Pa.
     """
 
     kernel: InfluenceKernel
@@ -180,14 +180,14 @@ class BoundKernel:
     def responses(self, grid: Grid, boundary: Boundary) -> Array:
         """Return the displacement by unit pressure at each offset within a grid, shape (nx, ny).
 
-        On a periodic boundary by a sum of cosines: no transform is used, so that convolvers can be judged.
+        On a periodic boundary it is a sum of cosines: no transform is used, so that convolvers can be compared with it.
         """
         if boundary is not Boundary.PERIODIC:
             return self.coefficients(grid.shape, grid.spacing)
         waves = [2.0 * np.pi * np.asarray(np.fft.fftfreq(n), dtype=np.float64) for n in grid.shape]
         qx, qy = (wave / step for wave, step in zip(waves, grid.spacing, strict=True))
         amplitudes = self.spectrum(qx[:, np.newaxis], qy[np.newaxis, :], grid.spacing)
-        # The response is even, so that it has no sines.
+        # An even response has no sines.
         x, y = (np.cos(np.outer(np.arange(wave.size), wave)) for wave in waves)
         return np.asarray(x @ amplitudes @ y.T) / grid.cells
 

@@ -1,22 +1,31 @@
 """Surfaces: heights over a grid, positive outward, towards the other body."""
 
-from roughcontact._parts.surfaces.analytic import FlatSurface, ParaboloidSurface, SphereSurface, WavySurface
-from roughcontact._parts.surfaces.base import Surface, SurfaceSum, surfaces
+from roughcontact._parts.surfaces.base import SampledSurface, Surface, SurfaceSum, surfaces
 from roughcontact._parts.surfaces.continuation import Continuation, cells_for, find_maps
-from roughcontact._parts.surfaces.filling import TREATMENTS, WIDEST, complete, fill, solve_in_bands
-from roughcontact._parts.surfaces.heightmap import HeightMap, Separated
+from roughcontact._parts.surfaces.filling import MAX_BANDWIDTH, TREATMENTS, complete, fill, solve_in_bands
+from roughcontact._parts.surfaces.heightmap import HeightMap, Separated, list_facts, read_topography
 from roughcontact._parts.surfaces.matching import MatchedPair, PlacedMap, match
 from roughcontact._parts.surfaces.resampling import bilinear
-from roughcontact._parts.surfaces.sampled import SampledSurface
-from roughcontact._parts.surfaces.selfaffine import SelfAffineSurface
-from roughcontact._parts.surfaces.spectrum import mean_in_bands, power_spectrum
-from roughcontact._parts.surfaces.statistics import border_jump, repeats, rms_slope
-from roughcontact._parts.surfaces.summary import list_facts
-from roughcontact._parts.surfaces.topography import read_topography
+from roughcontact._parts.surfaces.statistics import (
+    HANN_DEPENDENCE,
+    border_jump,
+    mean_in_bands,
+    power_spectrum,
+    repeats,
+    rms_slope,
+)
+from roughcontact._parts.surfaces.synthetic import (
+    FlatSurface,
+    ParaboloidSurface,
+    SelfAffineSurface,
+    SphereSurface,
+    WavySurface,
+)
 
 __all__ = [
+    "HANN_DEPENDENCE",
+    "MAX_BANDWIDTH",
     "TREATMENTS",
-    "WIDEST",
     "Continuation",
     "FlatSurface",
     "HeightMap",

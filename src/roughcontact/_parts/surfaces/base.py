@@ -1,4 +1,4 @@
-"""The surface interface, and sums of surfaces."""
+"""The surface interface, sums of surfaces, and a surface as it is drawn."""
 
 from __future__ import annotations
 
@@ -10,24 +10,49 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask, flag
+from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.checks import flag
 from roughcontact._base.registry import Registry
+from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.resampling import check_interpolation, shift_by_half_cell
-from roughcontact._parts.surfaces.sampled import SampledSurface
 from roughcontact.errors import InputError
 
-# Two evaluations of the same heights at the same points agree to this fraction of their range: rounding.
-_ROUNDING = 1e-9
+# Difference of two evaluations of the same heights, over their range: rounding.
+_HEIGHT_TOLERANCE = 1e-9
+
+
+@attrs.frozen(eq=False)
+class SampledSurface:
+    """Heights of a surface on a grid, as a `Panel` of surfaces gets them.
+
+    Attributes
+    ----------
+    heights
+        Shape `grid.shape`, m, positive outward; NaN at non-measured points.
+    grid
+        The cells.
+    periodic
+        Whether the surface repeats beyond its border.
+    """
+
+    heights: Array = attrs.field(repr=outlined)
+    grid: Grid
+    periodic: bool
+
+    @property
+    def rms_height(self) -> float:
+        """Root mean square of the measured heights about their mean, m."""
+        return float(np.nanstd(self.heights))
 
 
 class Surface(abc.ABC):
     """A rough surface; a class of your own needs only `heights`.
 
     A surface may be made of others, its `parts`: by default the fields of an attrs class or a dataclass, or the
-    attributes of a plain class, that hold a surface or a tuple of surfaces. Grid, provenance, non-measured points and
-    random seeds are then those of the parts. That holds where the heights follow from those of the parts point by
-    point; a surface that moves or stretches others returns no `parts` and overrides what it needs of the rest.
+    attributes of a plain class, that hold a surface or a tuple of surfaces. It then has the grid, provenance,
+    non-measured points and random seeds of its parts. This is right if its heights at a point follow from the heights
+    of the parts there; a surface that moves or stretches others returns no `parts` and overrides what it needs.
 
     Examples
     --------
@@ -86,12 +111,12 @@ class Surface(abc.ABC):
 
     @property
     def provenance(self) -> tuple[str, ...]:
-        """Where the heights come from and how they were processed, in words; `ContactProblem.explain` prints it."""
+        """Origin and processing of the heights, in words; `ContactProblem.explain` prints them."""
         return tuple(text for part in _checked_parts(self) for text in part.provenance)
 
     @property
     def is_smooth(self) -> bool:
-        """Whether the heights are free of the ridges that bilinear interpolation leaves between points."""
+        """Whether the heights have no ridges between points, as bilinear interpolation leaves."""
         return all(part.is_smooth for part in _checked_parts(self))
 
     def non_measured_on(self, grid: Grid) -> Mask | None:
@@ -102,7 +127,7 @@ class Surface(abc.ABC):
     def resample_to(self, grid: Grid, interpolation: str | None = None) -> Surface:
         """Return the surface in a form that is known on another grid over the same domain.
 
-        `interpolation` is that of height maps, as in `HeightMap.resample`; by default periodic maps are taken as
+        Height maps are interpolated as by `HeightMap.resample`; by default periodic maps are assumed to be
         band-limited. `InputError` if the surface is not known between the points of its grid.
         """
         check_interpolation(interpolation)
@@ -117,8 +142,8 @@ class Surface(abc.ABC):
     def shift_half_cell(self, grid: Grid, *, periodic: bool) -> Surface:
         """Return the surface moved by half a cell along both axes, in a form that is known on the grid.
 
-        Where the domain is periodic, heights that depend on its size are interpolated. `InputError` if the surface is
-        not known between the points of the grid.
+        On a periodic domain heights that depend on its size are interpolated. `InputError` if the surface is not known
+        between the points of the grid.
         """
         parts = _checked_parts(self)
         name = type(self).__name__
@@ -128,8 +153,8 @@ class Surface(abc.ABC):
             raise InputError(f"The surface {name} is not known between its points, as a periodic height map would be.")
         heights = self.heights(grid)
         inner = _enlarge(self, grid, 2)[1:-1, 1:-1]
-        if np.abs(inner - heights).max() <= _ROUNDING * max(float(np.ptp(heights)), float(np.ptp(inner))):
-            # The heights depend on position alone; the centres of one cell more along each axis lie half a cell aside.
+        if np.abs(inner - heights).max() <= _HEIGHT_TOLERANCE * max(float(np.ptp(heights)), float(np.ptp(inner))):
+            # The heights depend on the position alone: a grid with one more cell along each axis samples them shifted.
             return _Samples(grid, _enlarge(self, grid, 1)[:-1, :-1])
         if not periodic:
             raise InputError(f"The heights of {name} depend on the size of the domain, so it cannot be shifted.")
@@ -141,7 +166,7 @@ class Surface(abc.ABC):
         Parameters
         ----------
         grid
-            The cells; None: those of a surface that has its own, of which a panel may be given first.
+            The cells; None: the surface's own grid. A surface with its own grid also takes the panel first.
         panel
             Registered name or instance of one panel of surfaces; None: the standard ones, side by side.
         axes
@@ -166,9 +191,9 @@ class Surface(abc.ABC):
         Parameters
         ----------
         grid
-            The cells; None: those of a surface that has its own.
+            The cells; None: the surface's own grid.
         exaggeration
-            How many times as high the heights are drawn; None: 0.12 domains from peak to valley, at most.
+            Factor on the heights; None: 0.12 domains from peak to valley, at most.
         dark
             Whether the background is dark.
         """
@@ -177,7 +202,7 @@ class Surface(abc.ABC):
         return view_surface(self._sample(grid), exaggeration, dark)
 
     def _sample(self, grid: Any) -> SampledSurface:
-        """Return the heights on a grid, or on that of its own, with NaN at non-measured points."""
+        """Return the heights on a grid, or on its own, with NaN at non-measured points."""
         chosen = self.own_grid if grid is None else grid
         if chosen is None:
             raise InputError("The surface has no grid of its own: give one, rc.Grid(shape, size), first.")
@@ -212,7 +237,7 @@ class Surface(abc.ABC):
 
     def __add__(self, other: Surface) -> SurfaceSum:
         """Return the surface whose heights are the sum of both."""
-        # The sum of a sum and a part is one sum: files hold only so many levels.
+        # A sum and a part make one sum: files hold a limited number of levels.
         parts = self.parts if isinstance(self, SurfaceSum) else (self,)
         return SurfaceSum((*parts, other)) if isinstance(other, Surface) else NotImplemented
 
@@ -264,7 +289,7 @@ class _Samples(Surface):
 
 
 def _fields(surface: Surface) -> dict[str, Any]:
-    """Return the values from which a surface was made, by the names of the constructor's arguments."""
+    """Return the arguments of the constructor of a surface by name."""
     cls: Any = type(surface)
     if attrs.has(cls):
         return {str(field.alias): getattr(surface, field.name) for field in attrs.fields(cls) if field.init}
@@ -275,7 +300,7 @@ def _fields(surface: Surface) -> dict[str, Any]:
 
 def _evolve(surface: Surface, changes: dict[str, Any]) -> Surface:
     name = type(surface).__name__
-    evolve: Callable[..., Any]
+    evolve: Callable[..., Surface]
     if attrs.has(type(surface)):
         evolve = attrs.evolve
     elif dataclasses.is_dataclass(surface):
@@ -286,10 +311,9 @@ def _evolve(surface: Surface, changes: dict[str, Any]) -> Surface:
             f"replaced: make it one, or define {name}.with_parts and {name}.reseed."
         )
     try:
-        result: Surface = evolve(surface, **changes)
+        return evolve(surface, **changes)
     except TypeError as error:
         raise InputError(f"The class {name} does not accept another {' and '.join(changes)}: {error}.") from error
-    return result
 
 
 def _surfaces_in(value: object) -> tuple[Surface, ...]:

@@ -1,4 +1,4 @@
-"""Height maps whose short waves are random, with the spectrum of the longer ones."""
+"""Height maps extended by random short waves that continue the spectrum of the measured ones."""
 
 from __future__ import annotations
 
@@ -8,21 +8,18 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact._base.checks import Array, Pair
+from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface
-from roughcontact._parts.surfaces.form import polynomial
 from roughcontact._parts.surfaces.heightmap import HeightMap
 from roughcontact._parts.surfaces.matching import PlacedMap
 from roughcontact._parts.surfaces.resampling import fourier, resample
-from roughcontact._parts.surfaces.spectrum import PowerLaw, fit_power_law
+from roughcontact._parts.surfaces.statistics import FORM_DEGREE, PowerLaw, fit_power_law, polynomial
 
-# Cells of a shortest wave, with which the area is right within 2 % (docs/understand/area.md).
-_CELLS = 4.0
-# Cells beyond any memory.
-_MOST = 2**50
-# Degree of the form, which is not filtered.
-_FORM = 2
+# Cells per shortest wave for an area within 2 % (docs/understand/area.md).
+_CELLS_PER_WAVE = 4.0
+# Number of cells beyond any memory.
+_MAX_CELLS = 2**50
 
 
 def find_maps(surface: Surface) -> tuple[HeightMap, ...]:
@@ -35,25 +32,29 @@ def find_maps(surface: Surface) -> tuple[HeightMap, ...]:
 
 def cells_for(size: Pair, shortest: float) -> tuple[int, int]:
     """Return the cells that a domain of this size, m, needs for its shortest wave, m."""
-    nx, ny = (math.ceil(_CELLS * side / shortest) for side in size)
+    nx, ny = (math.ceil(_CELLS_PER_WAVE * side / shortest) for side in size)
     # More cells than fit into any memory have no such length.
-    return (nx, ny) if nx * ny > _MOST else (scipy.fft.next_fast_len(nx, real=True), scipy.fft.next_fast_len(ny, True))
+    return (
+        (nx, ny)
+        if nx * ny > _MAX_CELLS
+        else (scipy.fft.next_fast_len(nx, real=True), scipy.fft.next_fast_len(ny, True))
+    )
 
 
 @attrs.frozen(eq=False)
 class Continuation:
-    """What is drawn beyond the waves that the maps of a surface resolve.
+    """Random waves shorter than those that the maps of a surface resolve.
 
     Attributes
     ----------
     shortest, finest
-        The shortest wave that is drawn, m, and the shortest of the whole ensemble, m.
+        Shortest random wave, m, and the shortest one of the ensemble, m.
     resolved
-        The shortest wave that is kept as measured, m; None: four cells of each map.
+        Shortest wave that is kept as measured, m; None: four cells of each map.
     seed
-        Two numbers: the seed, and that of the realization.
+        The seed, and the number of the realization.
     deviation
-        Of the spectra from the power laws, in standard errors.
+        Deviation of the spectra from the power laws, in standard errors.
     """
 
     shortest: float
@@ -78,7 +79,7 @@ class Continuation:
     def _extend_map(self, source: HeightMap, place: int) -> HeightMap:
         grid = source.grid
         shape = cells_for(source.size, self.shortest)
-        resolved = self.resolved or _CELLS * max(grid.spacing)
+        resolved = self.resolved or _CELLS_PER_WAVE * max(grid.spacing)
         law = fit_power_law(source.values, grid, resolved)
         rng = np.random.default_rng(np.random.SeedSequence(self.seed[0], spawn_key=(self.seed[1], place)))
         heights = _filter(source, shape, resolved)
@@ -102,25 +103,25 @@ class Continuation:
         q = np.hypot(qx, qy)
         power = np.where((q * resolved > 2.0 * np.pi) & (q * self.shortest <= 2.0 * np.pi), 1.0, 0.0)
         spectrum *= np.sqrt(power * law.evaluate(qx, qy, self.deviation))
-        # The origin is the centre of the domain on every grid; the FFT's is the first cell.
+        # The origin is the centre of the domain; the FFT has it in the first cell.
         spectrum *= np.exp(1j * qx * grid.x[0, 0])
         spectrum *= np.exp(1j * qy * grid.y[0, 0])
         return np.asarray(scipy.fft.irfft2(spectrum, s=grid.shape, norm="forward"))
 
 
 def _filter(source: HeightMap, shape: tuple[int, int], resolved: float) -> Array:
-    """Return the waves of a map that are at least `resolved` m long, and its form, on `shape` cells, m."""
+    """Return a map on `shape` cells, m, without its waves shorter than `resolved` m."""
     if source.periodic:
         modes = scipy.fft.fft2(source.values)
         qx, qy = (scipy.fft.fftfreq(n, step) for n, step in zip(source.grid.shape, source.grid.spacing, strict=True))
         modes[np.hypot(qx[:, np.newaxis], qy) * resolved > 1.0] = 0.0
         return fourier(scipy.fft.ifft2(modes).real, shape)
-    rough = source.values - polynomial(source.values, _FORM, source.non_measured)
+    rough = source.values - polynomial(source.values, FORM_DEGREE, source.non_measured)
     # The mirror image of a map does not jump at its border: a sum of cosines.
     cosines = scipy.fft.dctn(rough, norm="forward")
     nx, ny = (min(m, n) for m, n in zip(shape, rough.shape, strict=True))
     qx, qy = (0.5 * np.arange(n) / side for n, side in zip((nx, ny), source.size, strict=True))
     kept = np.zeros(shape)
     kept[:nx, :ny] = np.where(np.hypot(qx[:, np.newaxis], qy) * resolved <= 1.0, cosines[:nx, :ny], 0.0)
-    form = polynomial(source.values, _FORM, source.non_measured, shape)
+    form = polynomial(source.values, FORM_DEGREE, source.non_measured, shape)
     return np.asarray(form + scipy.fft.idctn(kept, norm="forward"))

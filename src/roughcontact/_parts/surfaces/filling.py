@@ -7,48 +7,45 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask
+from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.machine import require_memory
 from roughcontact.errors import InputError
 
-_DONE = {"fill": "filled from their neighbours", "keep": "kept so"}
-# What can be done with non-measured points.
-TREATMENTS = ("refuse", *_DONE)
-# Bandwidth up to which systems are solved in bands, in time as its square; holes of 30 x 30 points have it.
-WIDEST = 40
-# Up to so many points in wider holes Laplace's equation is solved directly, in less than a second; that takes memory as
-# n log n and time as n^1.5, but iterations take both as n.
-_DIRECT = 2**15
-# Peak memory of the iterations, bytes for each point; measured.
-_PER_POINT = 500
+_TREATMENT_WORDS = {"fill": "filled from their neighbours", "keep": "kept so"}
+# Treatments of non-measured points.
+TREATMENTS = ("refuse", *_TREATMENT_WORDS)
+# Maximum bandwidth of a system solved in bands, in time as its square; a hole of 30 x 30 points has it.
+MAX_BANDWIDTH = 40
+# Maximum points in wider holes for a direct solution, in less than a second: memory grows as n log n and time as n^1.5,
+# but both as n for iterations.
+_MAX_DIRECT_POINTS = 2**15
+# Peak memory of the iterations, bytes per point; measured.
+_BYTES_PER_POINT = 500
 # Damping of Jacobi's iteration and of the smoothed aggregates: 2/3, because no eigenvalue of a row-scaled Laplacian
 # exceeds 2 (Vanek, Mandel, Brezina, Computing 56 (1996) 179, https://doi.org/10.1007/BF02238511).
-_DAMPING = 2.0 / 3.0
-# Added to the sums of squared second differences, in case that no known point is near.
-_RIDGE = 1e-12
+_JACOBI_DAMPING = 2.0 / 3.0
+# Added to the sums of squared second differences, in case no known point is near.
+_RIDGE_WEIGHT = 1e-12
 # Cells along the side of an aggregate.
-_SIDE = 3
-# Relative residual to which conjugate gradients go, and steps; 15 to 40 are needed.
-_TOLERANCE = 1e-13
-_STEPS = 300
+_AGGREGATE_SIDE = 3
+# Relative residual at which conjugate gradients end, and maximum steps; 15 to 40 are needed.
+_CG_TOLERANCE = 1e-13
+_MAX_CG_STEPS = 300
 
 
 def complete(heights: Array, where: str, treatment: str, option: str = "") -> tuple[Array, Mask | None, str]:
-    """Return heights at all points, the non-measured points if they are to be kept, and in words what was done.
+    """Return heights at all points, the mask of the non-measured points to be kept, and a note for the history.
+
+    `InputError` if no point was measured, or non-measured points are refused.
 
     Parameters
     ----------
     heights
         Heights, NaN at non-measured points.
     where
-        What has them, for sentences: ``"the file x.npz"``.
+        Their source, for messages: ``"the file x.npz"``.
     treatment, option
-        One of `TREATMENTS`; where else than by ``non_measured=`` it is chosen, for sentences.
-
-    Raises
-    ------
-    InputError
-        If there are non-measured points and these are refused, or no others.
+        One of `TREATMENTS`; another way to choose it than ``non_measured=``, for messages.
     """
     if heights.dtype.kind != "f" or heights.ndim != 2:
         return heights, None, ""
@@ -64,7 +61,7 @@ def complete(heights: Array, where: str, treatment: str, option: str = "") -> tu
             f"In {where} {found} were not measured: fill them from their neighbours with "
             f"non_measured='fill', or keep them with non_measured='keep'{option}."
         )
-    done = f", {found} non-measured and {_DONE[treatment]}"
+    done = f", {found} non-measured and {_TREATMENT_WORDS[treatment]}"
     return fill(heights), mask if treatment == "keep" else None, done
 
 
@@ -72,12 +69,7 @@ def fill(heights: Array) -> Array:
     """Return heights, shape (nx, ny), with non-measured points filled by the harmonic surface through their neighbours.
 
     The filled heights solve Laplace's equation on the non-measured cells: they never exceed their surroundings, so
-    that no summit is added that could touch.
-
-    Parameters
-    ----------
-    heights
-        Heights, shape (nx, ny), NaN at non-measured points, but not everywhere.
+    that no summit is added that could touch. At least one point must be measured.
     """
     from scipy.sparse.linalg import spsolve
 
@@ -85,15 +77,15 @@ def fill(heights: Array) -> Array:
     count = int(np.count_nonzero(unknown))
     if count == 0:
         return heights.copy()
-    if count > _DIRECT:
-        require_memory(_PER_POINT * count, f"Filling {count} non-measured points", "keep them, or cut the map")
+    if count > _MAX_DIRECT_POINTS:
+        require_memory(_BYTES_PER_POINT * count, f"Filling {count} non-measured points", "keep them, or cut the map")
     known = heights[~unknown]
-    # The mean is taken out, because its digits would be lost to those of the roughness.
+    # Without the mean the heights keep more digits of the roughness.
     mean = float(known.mean())
     matrix, right = _laplace(heights - mean, unknown, count)
-    found = solve_in_bands(matrix, right, WIDEST)
+    found = solve_in_bands(matrix, right, MAX_BANDWIDTH)
     if found is None:
-        if count <= _DIRECT:
+        if count <= _MAX_DIRECT_POINTS:
             found = spsolve(matrix.tocsc(), right)
         else:
             found = _solve(matrix.tocsr(), right, np.stack(np.nonzero(unknown)))
@@ -103,9 +95,9 @@ def fill(heights: Array) -> Array:
 
 
 def solve_in_bands(matrix: Any, right: Array, widest: int) -> Array | None:
-    """Return the solution of a sparse, symmetric, positive definite system; None where its bands are too wide.
+    """Return the solution of a sparse, symmetric, positive definite system; None if its bands are too wide.
 
-    Many small holes, numbered one after the other, have narrow bands: holes of like width are solved together.
+    Small holes, numbered one after the other, have narrow bands: holes of similar width are solved together.
     """
     from scipy.linalg import solveh_banded
     from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
@@ -131,7 +123,7 @@ def solve_in_bands(matrix: Any, right: Array, widest: int) -> Array | None:
     np.maximum.at(widths, hole[entries.row], below)
     if int(widths.max()) > widest:
         return None
-    # Twice as wide takes four times as long.
+    # The time grows as the square of the width.
     kind = np.ceil(np.log2(widths + 1.0)).astype(np.intp)[hole]
     lower = below >= 0
     found = np.empty(right.size)
@@ -147,18 +139,13 @@ def solve_in_bands(matrix: Any, right: Array, widest: int) -> Array | None:
 
 def was_filled(history: Iterable[str]) -> bool:
     """Return whether the history of a map says that non-measured points were filled."""
-    return any(_DONE["fill"] in text for text in history)
+    return any(_TREATMENT_WORDS["fill"] in text for text in history)
 
 
 def smooth_over(heights: Array, holes: Mask) -> Array:
-    """Return heights with the surface of minimum bending in holes, which has no kinks at their edges.
+    """Return heights, shape (nx, ny), with the surface of minimum bending in holes, which has no kinks at their edges.
 
     The sum of its squared second differences along both axes is a minimum; it may exceed its surroundings.
-
-    Parameters
-    ----------
-    heights, holes
-        Heights, and where they are replaced, shape (nx, ny).
     """
     from scipy.sparse import csr_array, eye_array, vstack
     from scipy.sparse.linalg import spsolve
@@ -177,7 +164,7 @@ def smooth_over(heights: Array, holes: Mask) -> Array:
     bending = vstack(differences).tocsc()
     known = np.where(holes, 0.0, heights)
     inside = bending[:, holes.ravel()]
-    matrix = inside.T @ inside + _RIDGE * eye_array(inside.shape[1])
+    matrix = inside.T @ inside + _RIDGE_WEIGHT * eye_array(inside.shape[1])
     result = heights.copy()
     result[holes] = spsolve(matrix.tocsc(), -(inside.T @ (bending @ known.ravel())))
     return result
@@ -216,7 +203,7 @@ def _solve(matrix: Any, right: Array, places: Array) -> Array:
 
     cycle = _prepare(matrix, places)
     preconditioner = LinearOperator(matrix.shape, matvec=cycle, dtype=np.float64)
-    found, failed = cg(matrix, right, rtol=_TOLERANCE, maxiter=_STEPS, M=preconditioner)
+    found, failed = cg(matrix, right, rtol=_CG_TOLERANCE, maxiter=_MAX_CG_STEPS, M=preconditioner)
     if failed:
         raise InputError("The non-measured points cannot be filled: keep them, with non_measured='keep'.")
     return np.asarray(found)
@@ -228,12 +215,12 @@ def _prepare(matrix: Any, places: Array) -> Any:
     from scipy.sparse.linalg import splu
 
     count = matrix.shape[0]
-    if count <= _DIRECT // 4:
+    if count <= _MAX_DIRECT_POINTS // 4:
         return splu(matrix.tocsc()).solve
-    blocks = places // _SIDE
+    blocks = places // _AGGREGATE_SIDE
     keys, block = np.unique(blocks[0] * (int(blocks[1].max()) + 1) + blocks[1], return_inverse=True)
     aggregates = csr_array((np.ones(count), (np.arange(count), block)), shape=(count, keys.size))
-    damped = diags_array(_DAMPING / matrix.diagonal())
+    damped = diags_array(_JACOBI_DAMPING / matrix.diagonal())
     step = (damped @ matrix).tocsr()
     up = (aggregates - step @ aggregates).tocsr()
     down = up.T.tocsr()

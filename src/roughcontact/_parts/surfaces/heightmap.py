@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -11,24 +12,23 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact._base.checks import Array, Mask, Pair, frozen_array, instance_of, integer, measured_heights, pair
-from roughcontact._base.checks.pickling import restore_state
-from roughcontact._base.units import si
+from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, restore_state
+from roughcontact._base.checks import choice, instance_of, integer, measured_heights, pair
+from roughcontact._base.units import counted, fit, printable, si
 from roughcontact._parts.grid import Grid
-from roughcontact._parts.surfaces import form as forms
+from roughcontact._parts.surfaces import statistics as forms
 from roughcontact._parts.surfaces.base import Surface
-from roughcontact._parts.surfaces.filling import fill, was_filled
+from roughcontact._parts.surfaces.filling import TREATMENTS, complete, fill, was_filled
 from roughcontact._parts.surfaces.quality import find_period, list_map_warnings
 from roughcontact._parts.surfaces.resampling import check_interpolation, resample, shift_by_half_cell
 from roughcontact._parts.surfaces.statistics import repeats
-from roughcontact._parts.surfaces.summary import check_history, summarize
-from roughcontact._parts.surfaces.topography import make_topography, read_map
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, MissingPackage
 
-# Beyond this degree a polynomial follows the roughness, and its normal equations lose their digits.
+# Maximum degree of a form: higher ones follow the roughness, and their normal equations lose their digits.
 _MAX_DEGREE = 30
 # Degree of the polynomial of each form that has a name of its own.
-_DEGREES = {"mean": 0, "plane": 1}
+_DEGREE_OF_FORM = {"mean": 0, "plane": 1}
+_TOPOGRAPHY_ATTRIBUTES = ("dim", "unit", "to_unit", "heights", "physical_sizes", "is_periodic")
 
 
 def _size(value: float | Sequence[float], height_map: Any) -> Pair:
@@ -58,6 +58,13 @@ def _non_measured(value: npt.ArrayLike | None) -> Mask | None:
     return mask if mask.any() else None
 
 
+def check_history(value: Sequence[str]) -> tuple[str, ...]:
+    """Return the history of a map as printable texts, or raise `InputError`."""
+    if not isinstance(value, (tuple, list)) or not all(isinstance(text, str) for text in value):
+        raise InputError.about("The history of a height map", value, "a tuple of texts")
+    return tuple(map(printable, value))
+
+
 @attrs.frozen(eq=False)
 class HeightMap(Surface):
     """Heights given as an array, one value for each cell.
@@ -65,17 +72,17 @@ class HeightMap(Surface):
     Parameters
     ----------
     heights
-        Heights, shape (nx, ny), indexed [x, y], m, positive outward, NaN or masked where not measured; a copy is kept,
-        but of float64 ones mapped from a file for reading, ``np.load(path, mmap_mode="r")``, which must not change.
+        Heights, shape (nx, ny), indexed [x, y], m, positive outward, NaN or masked where not measured. They are copied,
+        except float64 mapped from a file for reading, ``np.load(path, mmap_mode="r")``, which must not change.
     size
         Sides of the measured domain (x, y), m; one number if the map has as many points along x as along y.
     periodic
         Whether the map repeats beyond its border.
     non_measured
-        Points that were not measured, shape (nx, ny), true there, beside those without a height: they never touch, and
-        their heights, or those of a harmonic surface through their neighbours, only serve to interpolate nearby points.
+        Mask of points that were not measured, shape (nx, ny), in addition to points without a height: they never touch,
+        and their heights, given or filled from their neighbours, only serve to interpolate nearby points.
     history
-        How the heights were processed so far, in words; ``explain()`` of a problem prints it.
+        Processing of the heights so far, in words; ``explain()`` of a problem prints it.
 
     Raises
     ------
@@ -136,7 +143,7 @@ class HeightMap(Surface):
 
     @cached_property
     def period(self) -> float:
-        """Distance of the points that the map looks interpolated between, cells; zero if it does not."""
+        """Distance of the points between which the map seems interpolated, cells; zero if it does not."""
         return find_period(self._heights, self.non_measured)
 
     @property
@@ -150,7 +157,7 @@ class HeightMap(Surface):
         return f"<HeightMap {self.grid}{periodic}{lost}>"
 
     def __str__(self) -> str:
-        return summarize(self)
+        return fit("\n".join([*list_facts(self), *(f"warning       {text}" for text in self.warnings)]))
 
     @classmethod
     def from_topography(cls, topography: Any, *, non_measured: str = "refuse") -> HeightMap:
@@ -161,18 +168,36 @@ class HeightMap(Surface):
         topography
             With its unit, size and periodicity.
         non_measured
-            As of `read_surface`: ``"refuse"``, ``"fill"`` or ``"keep"``.
+            As for `read_surface`: ``"refuse"``, ``"fill"`` or ``"keep"``.
 
         Raises
         ------
         InputError
-            If it is not one, has no unit, or has non-measured points that are refused.
+            If it is not a topography, has no unit, or has non-measured points that are refused.
         """
-        return cls(**read_map(topography, non_measured))
+        choice(non_measured, "The treatment of non-measured points", TREATMENTS)
+        try:
+            heights, size, periodic = read_topography(topography)
+        except InputError as error:
+            raise InputError(f"The topography cannot be used: {str(error).rstrip('.')}.") from error
+        heights, mask, done = complete(heights, "the topography", non_measured)
+        history = (f"from a topography of SurfaceTopography{done}",)
+        return cls(heights, size, periodic=periodic, non_measured=mask, history=history)
 
     def to_topography(self) -> Any:
         """Return the map as a `SurfaceTopography.Topography` in m, masked at non-measured points."""
-        return make_topography(self)
+        try:
+            # Its imports warn of optional parallel packages.
+            with warnings.catch_warnings(action="ignore"):
+                from SurfaceTopography import Topography
+        except ImportError:
+            raise MissingPackage(
+                "A topography needs the package SurfaceTopography: pip install SurfaceTopography."
+            ) from None
+        heights = self.values.copy()
+        if self.non_measured is not None:
+            heights = np.ma.masked_array(heights, self.non_measured)
+        return Topography(heights, self.size, periodic=self.periodic, unit="m")
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights on the map's own grid, shape `grid.shape`, m: a map is resampled only on request."""
@@ -196,10 +221,9 @@ class HeightMap(Surface):
         shape
             Number of cells (nx, ny) of the new map.
         interpolation
-            ``"bilinear"``: interpolation between cell centres, as image scaling does it and as the
-            paper scaled its measured maps; it aliases when coarsening. ``"cubic"``: by cubic splines, smooth but
-            with the same aliasing. ``"fourier"``: exact for band-limited periodic maps. ``"mean"``: mean over
-            blocks of cells.
+            ``"bilinear"``: between cell centres, as in image scaling and in the paper; it aliases when coarsening.
+            ``"cubic"``: by cubic splines, smooth but with the same aliasing. ``"fourier"``: exact for band-limited
+            periodic maps. ``"mean"``: mean over blocks of cells.
 
         Raises
         ------
@@ -255,15 +279,15 @@ class HeightMap(Surface):
         Parameters
         ----------
         form
-            ``"mean"``, ``"plane"``, ``"sphere"``, or the total degree of a polynomial: 0 is the mean, 1
-            the plane, 2 has curvature and twist as well, ...
+            ``"mean"``, ``"plane"``, ``"sphere"``, or the total degree of a polynomial: 0 for the mean, 1 for the plane,
+            2 for curvature and twist as well, ...
 
         Raises
         ------
         InputError
             If the form is unknown, or the map does not determine it.
         """
-        degree = _DEGREES.get(form, form) if isinstance(form, str) else form
+        degree = _DEGREE_OF_FORM.get(form, form) if isinstance(form, str) else form
         curvature = 0.0
         if isinstance(degree, str) and degree == "sphere":
             if min(self._heights.shape) < 3:
@@ -309,3 +333,43 @@ class Separated:
     form: HeightMap
     roughness: HeightMap
     radius: float
+
+
+def list_facts(height_map: HeightMap) -> list[str]:
+    """Return cells, size, heights, history and non-measured points of a map, line by line."""
+    grid = height_map.grid
+    heights = height_map.values
+    missing = height_map.non_measured
+    measured = heights if missing is None else heights[~missing]
+    low, high, rms, dx, dy = (
+        si(float(value), "m") for value in (measured.min(), measured.max(), measured.std(), *grid.spacing)
+    )
+    lines = [
+        f"grid          {grid}{', periodic' if height_map.periodic else ''}, cells of {dx} x {dy}",
+        f"heights       {low} to {high}",
+        f"Sq            {rms} about the mean",
+        *(f"history       {text}" for text in height_map.history),
+    ]
+    if missing is not None:
+        count = int(missing.sum())
+        lines.append(f"non-measured  {count} of {counted(missing.size, 'point')} ({100 * count / missing.size:.2g} %)")
+    return lines
+
+
+def read_topography(topography: Any) -> tuple[Array, Pair, bool]:
+    """Return heights, shape (nx, ny), m, NaN at non-measured points; the sides, m; and whether it is periodic.
+
+    `InputError` if it is not a two-dimensional topography of SurfaceTopography, or does not state its unit.
+    """
+    if not all(hasattr(topography, name) for name in _TOPOGRAPHY_ATTRIBUTES):
+        raise InputError.about("it", topography, "a Topography of the package SurfaceTopography")
+    if topography.dim != 2:
+        raise InputError("it holds a line profile, not a height map")
+    if topography.unit is None:
+        raise InputError("it does not state its unit of length")
+    if getattr(topography, "is_domain_decomposed", False):
+        raise InputError("it is spread over several processes: gather it in one")
+    metric = topography.to_unit("m")
+    heights = np.ma.filled(np.ma.asarray(metric.heights(), dtype=np.float64), np.nan)
+    lx, ly = (float(side) for side in metric.physical_sizes)
+    return heights, (lx, ly), bool(metric.is_periodic)

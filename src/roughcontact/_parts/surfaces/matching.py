@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask, Pair, choice, instance_of, number, pair
+from roughcontact._base.arrays import Array, Mask, Pair
+from roughcontact._base.checks import choice, instance_of, number, pair
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface
@@ -17,12 +18,12 @@ from roughcontact._parts.surfaces.resampling import interpolate
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Fraction of a map by which a domain may reach beyond it, and by which a domain found by iteration is made smaller.
-_MARGIN = 1e-6
-# A cell is added only if more than this fraction of it lies inside the domain.
-_CUT = 1e-3
-# Sine or cosine of a rotation below which the axes of both maps are parallel: rounding.
-_ALIGNED = 1e-12
+# Fraction of a map by which a domain may reach beyond it, and a domain found by iteration is reduced.
+_COVER_TOLERANCE = 1e-6
+# Minimum fraction of an additional cell that lies inside the domain.
+_MIN_CELL_FRACTION = 1e-3
+# Sine or cosine of a rotation between parallel axes: rounding.
+_PARALLEL_TOLERANCE = 1e-12
 _is_map = instance_of(HeightMap, "Each side of a pair", "a HeightMap")
 
 
@@ -49,8 +50,8 @@ class PlacedMap(Surface):
     rotation
         Angle by which the map is rotated about its centre, counter-clockwise, rad.
     mirrored
-        Whether the map is turned over first, x to -x, as maps of two bodies must be that were both measured from
-        outside and now face each other.
+        Whether the map is turned over first, x to -x: needed for one of two maps that were both measured from outside
+        and now face each other.
     interpolation
         Interpolation between the points: ``"bilinear"``, ``"cubic"`` (splines), or ``"fourier"`` (exact for
         band-limited periodic maps that are not rotated).
@@ -87,7 +88,7 @@ class PlacedMap(Surface):
 
     @property
     def parts(self) -> tuple[Surface, ...]:
-        """None: the map does not keep its place."""
+        """Empty: the map is moved."""
         return ()
 
     @property
@@ -148,7 +149,7 @@ class PlacedMap(Surface):
         x, y = (0.5 * side * np.array([-1.0, 1.0]) for side in grid.size)
         corners = self._indices(x[:, np.newaxis], y[np.newaxis, :])
         for index, count in zip(corners, self.source.grid.shape, strict=True):
-            if index.min() < -0.5 - _MARGIN * count or index.max() > count - 0.5 + _MARGIN * count:
+            if index.min() < -0.5 - _COVER_TOLERANCE * count or index.max() > count - 0.5 + _COVER_TOLERANCE * count:
                 raise InputError(
                     f"The height map of {self.source.grid}, as it is placed, does not cover the {grid}: choose a "
                     "smaller domain or another place; match() finds the overlap of two maps."
@@ -189,10 +190,10 @@ def match(
     Parameters
     ----------
     body, counterbody
-        The maps, each with its own cells and size. A periodic map covers the plane; of two periodic maps the first
+        The maps, each with its own cells and size. A periodic map covers the plane; the first of two periodic maps
         gives the domain.
     offset, rotation, mirrored
-        How the second map is placed relative to the first; see `PlacedMap`.
+        Placement of the second map relative to the first; see `PlacedMap`.
     interpolation
         Interpolation of both maps: ``"bilinear"``, ``"cubic"`` or ``"fourier"``.
     shape
@@ -221,7 +222,7 @@ def match(
     placed = PlacedMap(counterbody, offset=offset, rotation=rotation, mirrored=mirrored, interpolation=interpolation)
     centre, largest = _overlap(body, placed)
     wanted = largest if size is None else pair(size, "The size of the domain", "m", above=0.0)
-    if any(side > most * (1 + _MARGIN) for side, most in zip(wanted, largest, strict=True)):
+    if any(side > most * (1 + _COVER_TOLERANCE) for side, most in zip(wanted, largest, strict=True)):
         raise InputError(
             f"The maps overlap on {si(largest[0], 'm')} x {si(largest[1], 'm')}, but a domain of "
             f"{si(wanted[0], 'm')} x {si(wanted[1], 'm')} was asked for: choose a smaller one or leave it out."
@@ -238,10 +239,10 @@ def _finer_cells(body: HeightMap, placed: PlacedMap, size: Pair) -> tuple[int, i
     dx, dy = placed.source.grid.spacing
     cos = abs(math.cos(placed.rotation))
     sin = abs(math.sin(placed.rotation))
-    # The pitch of the rotated map along an axis, by the cells that a line along it crosses.
+    # Pitch of the rotated map along an axis, from the cells that a line along it crosses.
     rotated = 1.0 / math.hypot(cos / dx, sin / dy), 1.0 / math.hypot(sin / dx, cos / dy)
     pitches = (min(one, other) for one, other in zip(body.grid.spacing, rotated, strict=True))
-    nx, ny = (max(2, math.ceil(side / pitch - _CUT)) for side, pitch in zip(size, pitches, strict=True))
+    nx, ny = (max(2, math.ceil(side / pitch - _MIN_CELL_FRACTION)) for side, pitch in zip(size, pitches, strict=True))
     return nx, ny
 
 
@@ -251,10 +252,10 @@ def _overlap(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
         return (0.0, 0.0), body.size
     cos = abs(math.cos(placed.rotation))
     sin = abs(math.sin(placed.rotation))
-    if min(cos, sin) >= _ALIGNED:
+    if min(cos, sin) >= _PARALLEL_TOLERANCE:
         return _largest_rectangle(body, placed)
     lx, ly = placed.source.size
-    sides = (lx, ly) if sin < _ALIGNED else (ly, lx)
+    sides = (lx, ly) if sin < _PARALLEL_TOLERANCE else (ly, lx)
     if body.periodic:
         return placed.offset, sides
     (x, width), (y, height) = (_intersect(*spans) for spans in zip(body.size, sides, placed.offset, strict=True))
@@ -289,7 +290,7 @@ def _largest_rectangle(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
 
     def best(skew: float) -> Array:
         """Return centre and half side of the largest rectangle of aspect ratio exp(2 skew), in units."""
-        # A rectangle lies in a half plane when its centre does by its own extent along the normal.
+        # A rectangle lies in a half plane if its centre does, by the extent of the rectangle along the normal.
         extent = np.abs(normals) @ [math.exp(skew), math.exp(-skew)]
         found = linprog([0.0, 0.0, -1.0], A_ub=np.column_stack([normals, extent]), b_ub=reach / unit, bounds=bounds)
         if found.x is None or found.x[2] <= 0.0:
@@ -297,8 +298,8 @@ def _largest_rectangle(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:
         return np.asarray(found.x, dtype=np.float64)
 
     skew = float(minimize_scalar(lambda s: -best(s)[2], bounds=(-5.0, 5.0), options={"xatol": 1e-9}).x)
-    x, y, half = np.where(np.abs(found := best(skew)) < _MARGIN, 0.0, found) * unit
-    width, height = (2.0 * half * (1 - _MARGIN) * math.exp(sign * skew) for sign in (1, -1))
+    x, y, half = np.where(np.abs(found := best(skew)) < _COVER_TOLERANCE, 0.0, found) * unit
+    width, height = (2.0 * half * (1 - _COVER_TOLERANCE) * math.exp(sign * skew) for sign in (1, -1))
     return (float(x), float(y)), (float(width), float(height))
 
 

@@ -8,75 +8,65 @@ from typing import Any
 import numpy as np
 import scipy.fft
 
-from roughcontact._base.checks import Array, Mask
-from roughcontact._base.units import si
-from roughcontact._base.warnings import ContactWarning
+from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.units import ContactWarning, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.filling import smooth_over
-from roughcontact._parts.surfaces.spectrum import mean_in_bands, power_spectrum
+from roughcontact._parts.surfaces.statistics import mean_in_bands, power_spectrum
 
-# Sides of the part in the middle that is examined, and of the smallest map that is, cells: for each statistic enough.
-_PART = 256
-_SMALLEST = 32
+# Side of the middle part that is examined, and minimum side of a map, cells: enough for each statistic.
+_EXAMINED_CELLS = 256
+_MIN_CELLS = 32
 # Edges of bands of a third of an octave, from waves of 16 cells to those of two, rad a cell.
-_EDGES = math.pi * 2.0 ** (np.arange(-9, 1) / 3.0)
-# Self-affine surfaces have slopes of -2 to -4, from means over cells to -5; a blur by s cells adds -2 (s q)^2. Long
-# waves are few, so that their slopes scatter.
-_BLURRED = -5.5
-_SCATTERED = -6.5
-# A spectrum that drops by this factor within a third of an octave was computed, with a shortest wave.
-_COMPUTED = 1e-5
-# Point samples of a surface of Hurst exponent 0.3 have -1.8 over the upper octave, white noise 0.
-_WHITE = -1.0
-# Noise raises the slope by more than this over that of the longer waves; aliasing at most by about 1.
-_RISE = 1.3
+_BAND_EDGES = math.pi * 2.0 ** (np.arange(-9, 1) / 3.0)
+# Slope of the spectrum below which a map is blurred: self-affine surfaces have -2 to -4, means over cells down to -5; a
+# blur by s cells adds -2 (s q)^2. Second, the same for the few long waves, whose slopes scatter.
+_BLUR_SLOPE = -5.5
+_LONG_WAVE_BLUR_SLOPE = -6.5
+# Drop of the spectrum within a third of an octave below which heights were computed, with a shortest wave.
+_COMPUTED_DROP = 1e-5
+# Slope above which there is noise: point samples of Hurst exponent 0.3 have -1.8 over the upper octave, white noise 0.
+_NOISE_SLOPE = -1.0
+# Rise of the slope by noise, over longer waves; aliasing raises it at most by about 1.
+_NOISE_RISE = 1.3
 # Third differences and Laplacians below this fraction of their rms are zero: rounding.
-_ZERO = 1e-6
-# Fewer different third differences, evenly spaced within this fraction, mean steps of more than a twentieth of their
-# rms; shapes with flats have nine at most.
-_FEW = 200
-_EVEN = 0.1
-_FEWEST = 9
-# Third differences that agree within this fraction of their rms are equal, and the fraction of different ones above
-# which heights are not rounded.
-_LEVEL = 1e-5
-_DISTINCT = 0.3
-# Fraction of non-measured points above which a map is not judged.
-_MOST_HOLES = 0.5
-# ... and above which it is not judged for noise: the surface through the holes has some.
-_FEW_HOLES = 0.05
-_NOISE = ContactWarning(
+_ZERO_FRACTION = 1e-6
+# Maximum number of different third differences of stepped heights, and how evenly they are spaced, over the spacing:
+# the steps are then more than a twentieth of their rms. Shapes with flats have nine at most.
+_MAX_LEVELS = 200
+_STEP_TOLERANCE = 0.1
+_MIN_LEVELS = 9
+# Difference of equal third differences, over their rms, and fraction of different ones above which heights are not
+# rounded.
+_LEVEL_TOLERANCE = 1e-5
+_DISTINCT_FRACTION = 0.3
+# Fraction of non-measured points above which a map is not examined, and above which it is not examined for noise: the
+# surface through the holes has some.
+_MAX_HOLE_FRACTION = 0.5
+_MAX_NOISE_HOLE_FRACTION = 0.05
+_NOISE_WARNING = ContactWarning(
     "the shortest waves of the map are mostly noise, which makes the area too small: filter it", "noise"
 )
-# Fraction of points that are the mean of their neighbours above which they are filled in.
-_FILLED = 0.02
-# Amplitude of a periodic part of the differences in interpolated maps, over their mean and over the median amplitude.
-_PERIODIC = 0.1
-_PEAK = 12.0
-# Waves that a map is made of, and cells for each, below which its differences are periodic without interpolation: sums
-# of 1 to 40 waves have up to 37, rough maps interpolated four times at least 57 on 160 x 160 cells, 20 on 64 x 64.
-_MANY_WAVES = 40
+# Minimum fraction of points that are the mean of their neighbours in a map with filled points.
+_FILLED_FRACTION = 0.02
+# Minimum amplitude of the periodic part of differences in interpolated maps, over their mean and the median amplitude.
+_PERIODIC_AMPLITUDE = 0.1
+_PEAK_OVER_MEDIAN = 12.0
+# Minimum waves of a rough map, and cells for each: the differences of fewer waves are periodic without interpolation.
+# Sums of 1 to 40 waves have up to 37, rough maps interpolated four times at least 57 on 160 x 160 cells, 20 on 64 x 64.
+_MIN_WAVES = 40
 _CELLS_PER_WAVE = 300
 
 
 def list_map_warnings(
     heights: Array, grid: Grid, non_measured: Mask | None = None, *, was_filled: bool = False
 ) -> tuple[str, ...]:
-    """Return in which respects heights are not those of a measured surface, in sentences.
+    """Return signs of interpolation, steps, filled points, blur or noise in heights, shape (nx, ny), m, in sentences.
 
-    Parameters
-    ----------
-    heights
-        Heights, shape (nx, ny), m.
-    grid
-        Their cells.
-    non_measured
-        Points that are marked as non-measured, shape (nx, ny): they are not judged.
-    was_filled
-        Whether non-measured points are known to have been filled.
+    Non-measured points, shape (nx, ny), are not examined; `was_filled`: whether points are known to be filled.
     """
     part = _take_middle(heights, non_measured)
-    if min(part.shape) < _SMALLEST or float(np.ptp(part)) == 0.0:
+    if min(part.shape) < _MIN_CELLS or float(np.ptp(part)) == 0.0:
         return ()
     cell = max(grid.spacing)
     period = _find_period(part)
@@ -87,14 +77,14 @@ def list_map_warnings(
         return (ContactWarning(text, "interpolated map", period),)
     levels = _levels(part)
     steps = np.diff(levels) / float(np.median(np.diff(levels)))
-    if _FEWEST < levels.size < _FEW and np.abs(steps - np.rint(steps)).max() < _EVEN:
+    if _MIN_LEVELS < levels.size < _MAX_LEVELS and np.abs(steps - np.rint(steps)).max() < _STEP_TOLERANCE:
         text = "the heights of the map rise in steps as large as their differences: measure with finer steps"
         return (ContactWarning(text, "stepped map"),)
     warnings = []
     filled = _find_filled(part)
-    if levels.size <= _DISTINCT * part.size:
+    if levels.size <= _DISTINCT_FRACTION * part.size:
         filled[...] = False
-    if filled.mean() > _FILLED:
+    if filled.mean() > _FILLED_FRACTION:
         share = f"about {100.0 * float(filled.mean()):.2g} % of the points of the map"
         known = f"{share} are filled from their neighbours, and may touch: keep them non-measured"
         text = known if was_filled else f"{share} look filled in: mark them non-measured"
@@ -102,20 +92,23 @@ def list_map_warnings(
     # The edges of harmonic patches look like noise.
     spectrum = _judge_spectrum(smooth_over(part, filled) if filled.any() else part, cell)
     holes = filled if non_measured is None else filled | _middle(non_measured)
-    return (*warnings, *(text for text in spectrum if text != _NOISE or holes.mean() <= _FEW_HOLES))
+    return (
+        *warnings,
+        *(text for text in spectrum if text != _NOISE_WARNING or holes.mean() <= _MAX_NOISE_HOLE_FRACTION),
+    )
 
 
 def _middle(values: Any) -> Any:
     """Return the part that is examined."""
-    return values[tuple(slice(max(0, (n - _PART) // 2), (n + _PART) // 2) for n in values.shape)]
+    return values[tuple(slice(max(0, (n - _EXAMINED_CELLS) // 2), (n + _EXAMINED_CELLS) // 2) for n in values.shape)]
 
 
 def _take_middle(heights: Array, non_measured: Mask | None) -> Array:
-    """Return the part that is examined, smooth over non-measured points; nothing of it if these are the most."""
+    """Return the part that is examined, smooth over non-measured points; empty if they are more than half."""
     part = _middle(heights)
     holes = None if non_measured is None else _middle(non_measured)
     if holes is not None and holes.any():
-        if holes.mean() > _MOST_HOLES:
+        if holes.mean() > _MAX_HOLE_FRACTION:
             return np.zeros((0, 0))
         part = smooth_over(part, holes)
     return np.asarray(part / (float(np.ptp(part)) or 1.0))
@@ -127,75 +120,77 @@ def find_period(heights: Array, non_measured: Mask | None = None) -> float:
 
 
 def _find_period(part: Array) -> float:
-    """Return the period of the differences in the part that is examined, cells; zero without one.
+    """Return the period of the differences in the examined part, cells; zero if there is none.
 
     Variances of derivatives of interpolated samples are periodic in the position between the original points:
     Gallagher, Proc. 2nd Canadian Conf. on Computer and Robot Vision (2005) 65, https://doi.org/10.1109/CRV.2005.33
     """
-    if min(part.shape) < _SMALLEST:
+    if min(part.shape) < _MIN_CELLS:
         return 0.0
     for axis in (0, 1):
         values = np.moveaxis(part, axis, 0)
         for order in (2, 3, 4):
             rms = np.std(np.diff(values, order, axis=0), axis=1)
-            if rms.mean() <= _ZERO**2:
+            if rms.mean() <= _ZERO_FRACTION**2:
                 continue
             tone = np.abs(scipy.fft.rfft(rms / rms.mean() - 1.0)) / rms.size
-            # Originals of more than eight cells, and the constant part, are too few waves.
+            # Without the mean, and periods of more than eight cells, of which there are too few waves.
             tone[: rms.size // 8] = 0.0
             peak = int(np.argmax(tone))
-            if tone[peak] > _PERIODIC and tone[peak] > _PEAK * float(np.median(tone[rms.size // 8 :])):
-                enough = min(_MANY_WAVES, part.size / _CELLS_PER_WAVE)
+            if tone[peak] > _PERIODIC_AMPLITUDE and tone[peak] > _PEAK_OVER_MEDIAN * float(
+                np.median(tone[rms.size // 8 :])
+            ):
+                enough = min(_MIN_WAVES, part.size / _CELLS_PER_WAVE)
                 return float(rms.size / peak) if _count_waves(part) >= enough else 0.0
     return 0.0
 
 
 def _count_waves(part: Array) -> float:
-    """Return how many waves carry the curvature of heights, by the participation ratio of its spectrum."""
+    """Return the number of waves in the curvature of heights, by the participation ratio of its spectrum."""
     powers = (power_spectrum(np.diff(part, 2, axis=axis), steepness=2)[2] for axis in (0, 1))
     # A wave has two modes.
     return min(float(power.sum() ** 2 / (2.0 * (power**2).sum())) for power in powers)
 
 
 def _levels(part: Array) -> Array:
-    """Return the different third differences, which tilt and form do not change, over their rms, ascending."""
+    """Return the distinct third differences over their rms, ascending; tilt and form do not change them."""
     third = np.diff(part, 3, axis=0)
     rms = float(np.sqrt(np.mean(third**2)))
-    if rms <= _ZERO**2:
+    if rms <= _ZERO_FRACTION**2:
         return np.arange(2.0)
     levels = np.sort(third, axis=None) / rms
-    return np.asarray(levels[np.diff(levels, prepend=-np.inf) > _LEVEL])
+    return np.asarray(levels[np.diff(levels, prepend=-np.inf) > _LEVEL_TOLERANCE])
 
 
 def _find_filled(part: Array) -> Mask:
-    """Return which points are the mean of their neighbours, as harmonic ones are; not on the border."""
+    """Return the mask of the points that are the mean of their neighbours, as filled ones are."""
     filled = np.zeros(part.shape, dtype=bool)
     laplacian = part[1:-1, 2:] + part[1:-1, :-2] + part[2:, 1:-1] + part[:-2, 1:-1] - 4.0 * part[1:-1, 1:-1]
     rms = float(np.sqrt(np.mean(laplacian**2)))
-    filled[1:-1, 1:-1] = np.abs(laplacian) <= max(_ZERO * rms, _ZERO**3)
+    filled[1:-1, 1:-1] = np.abs(laplacian) <= max(_ZERO_FRACTION * rms, _ZERO_FRACTION**3)
     return filled
 
 
 def _judge_spectrum(part: Array, cell: float) -> tuple[str, ...]:
     qx, qy, power = power_spectrum(part)
-    bands = mean_in_bands(np.hypot(qx, qy), power, _EDGES)
-    if bands.max() * part.size < _ZERO**2:
+    bands = mean_in_bands(np.hypot(qx, qy), power, _BAND_EDGES)
+    if bands.max() * part.size < _ZERO_FRACTION**2:
         return ()
     drops = bands[1:] / bands[:-1]
     # Over two thirds of an octave.
     slopes = np.log(drops[1:] * drops[:-1]) / math.log(2.0 ** (2.0 / 3.0))
-    steep = np.flatnonzero((slopes[:-1] < _SCATTERED) & (slopes[1:] < _SCATTERED))
+    steep = np.flatnonzero((slopes[:-1] < _LONG_WAVE_BLUR_SLOPE) & (slopes[1:] < _LONG_WAVE_BLUR_SLOPE))
     warnings = []
-    if steep.size or slopes[-1] < _BLURRED:
+    if steep.size or slopes[-1] < _BLUR_SLOPE:
         first = int(steep[0]) if steep.size else slopes.size - 1
-        if drops[first:].min() < _COMPUTED:
+        if drops[first:].min() < _COMPUTED_DROP:
             return ()
-        wave = 2.0 * math.pi / _EDGES[first + 1]
+        wave = 2.0 * math.pi / _BAND_EDGES[first + 1]
         text = (
             f"waves below about {si(wave * cell, 'm', 2)} ({wave:.2g} cells) are faint in the map, as after optical "
             "blur or interpolation: a finer grid cannot bring them back"
         )
         warnings.append(ContactWarning(text, "blurred map", wave * cell))
-    if slopes[-1] > max(_WHITE, min(0.0, float(np.mean(slopes[2:5])) + _RISE)):
-        warnings.append(_NOISE)
+    if slopes[-1] > max(_NOISE_SLOPE, min(0.0, float(np.mean(slopes[2:5])) + _NOISE_RISE)):
+        warnings.append(_NOISE_WARNING)
     return tuple(warnings)

@@ -9,27 +9,28 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact._base.checks import Array, choice
-from roughcontact._base.machine import require_memory
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import choice
+from roughcontact._base.machine import require_memory, split
 from roughcontact._parts.grid import Grid
 
-# Memory of each interpolation in float64 arrays of the new grid (of the finer one for "fourier"), with the new map.
-_ARRAYS = {"bilinear": 2.0, "cubic": 3.6, "fourier": 5.0, "mean": 2.0}
-# Cells that are interpolated at once, so that only the result has its size.
-_BLOCK = 2**16
+# Memory of each interpolation in float64 arrays of the new grid (the finer one for "fourier"), with the new map.
+_ARRAYS_IN_MEMORY = {"bilinear": 2.0, "cubic": 3.6, "fourier": 5.0, "mean": 2.0}
+# Cells that are interpolated at once, to save memory.
+_CELLS_PER_BLOCK = 2**16
 
 
 def check_interpolation(interpolation: str | None) -> None:
-    """Raise `InputError` unless the interpolation is known, or None, which leaves the choice."""
+    """Raise `InputError` unless the interpolation is known, or None, for the default."""
     if interpolation is not None:
-        choice(interpolation, "The resampling method", tuple(_ARRAYS))
+        choice(interpolation, "The resampling method", tuple(_ARRAYS_IN_MEMORY))
 
 
 def resample(values: Array, shape: tuple[int, int], interpolation: str, *, periodic: bool) -> Array:
     """Return heights on another number of cells over the same domain, shape `shape`, m; see `HeightMap.resample`."""
     cells = max(math.prod(shape), values.size if interpolation == "fourier" else 0)
     what = f"Interpolation ({interpolation}) on {shape[0]} x {shape[1]} cells"
-    require_memory(8.0 * _ARRAYS[interpolation] * cells, what, "choose fewer cells")
+    require_memory(8.0 * _ARRAYS_IN_MEMORY[interpolation] * cells, what, "choose fewer cells")
     if interpolation == "fourier":
         return fourier(values, shape)
     if interpolation == "mean":
@@ -56,7 +57,7 @@ def bilinear(values: Array, shape: tuple[int, int], *, periodic: bool) -> Array:
 def interpolate(values: Array, i: Array, j: Array, interpolation: str, *, periodic: bool) -> Array:
     """Return heights at fractional indices (i, j), which broadcast to the shape of the result, m.
 
-    An integer index is a cell centre; beyond the outermost centres as in `bilinear`. The interpolation is
+    An integer index is a cell centre; for positions beyond the outermost centres see `bilinear`. The interpolation is
     ``"bilinear"``, ``"cubic"`` (splines) or ``"fourier"`` (the trigonometric polynomial through the values; then i has
     shape (mx, 1) and j (1, my)).
     """
@@ -110,8 +111,7 @@ def _linear(values: Array, result: Array, *, periodic: bool) -> Array:
         position = np.clip(position, 0.0, old - 1.0)
     lower = np.floor(position).astype(np.intp)
     weight = (position - lower)[:, np.newaxis]
-    step = max(1, _BLOCK // width)
-    for part in (slice(start, start + step) for start in range(0, count, step)):
+    for part in split(count, max(1, _CELLS_PER_BLOCK // width)):
         left = values[lower[part] % old]
         right = values[(lower[part] + 1) % old]
         result[part] = (1.0 - weight[part]) * left + weight[part] * right

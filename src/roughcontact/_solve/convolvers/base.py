@@ -1,16 +1,23 @@
-"""The convolver interface and the prepared convolution that a solver uses."""
+"""The convolver interface, the prepared convolution that a solver uses, and its approximate inverse."""
 
 from __future__ import annotations
 
 import abc
+import math
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
+from typing import ClassVar
 
 import attrs
 import numpy as np
+import numpy.typing as npt
+import scipy.fft
 
-from roughcontact._base.checks import Array, RealArray, frozen_array
+from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves, frozen_array, sum_of_products
+from roughcontact._base.machine import map_tiles, split, threads_for
 from roughcontact._base.registry import Registry
+from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import (
     BoundKernel,
@@ -19,8 +26,194 @@ from roughcontact._parts.kernels import (
     SupportsSpectrum,
     require_form,
 )
-from roughcontact._solve.convolvers.inverse import InverseConvolution, approximate_inverse, periodic_spectrum
 from roughcontact.errors import InputError
+
+# Bytes along a row of the columns that are transformed at a time: few enough for the cache, enough for vector units. On
+# 512 x 512 and 1024 x 1024 cells 16 and 32 columns of float64 are fastest; 8 take 6 % longer, 128 take 13 %.
+_COLUMN_BLOCK_BYTES = 32 * 16
+# Values of the rows that are cut at a time, to save the memory of padded rows.
+_ROW_BLOCK_VALUES = 2**17
+# Minimum sides of the padded grid of the inverse on a free boundary, over the domain, and in additional cells, so that
+# opposite borders hardly interact. 1.125 and 1.5, 8 and 32 cells change the products of
+# the default solver by less than 1 % (docs/studies/solver_constants.py).
+_PADDING_FACTOR = 1.25
+_PADDING_CELLS = 16
+# Minimum amplitude that is inverted, over the mean: smaller ones are rounding, or ringing of the kernel.
+_MIN_AMPLITUDE = 1e-6
+# Minimum waves that are multiplied by columns: in float32 that takes 5 % less than three passes on
+# 2048 x 2048 cells, 10 % less on 4096 x 4096 and 4 % more on 1024 x 1024 (docs/studies/scale.py products).
+_MIN_COLUMNWISE_WAVES = 2**21
+
+
+def transform_rows(values: RealArray, length: int) -> Waves:
+    """Return the waves of each row, padded with zeros to `length`, shape (nx, length // 2 + 1)."""
+    waves: Waves = scipy.fft.rfft(values, n=length, axis=1, workers=threads_for(values.size))
+    return waves
+
+
+def multiply_columns(waves: Waves, length: int, multiply: Callable[[Waves, slice], object]) -> None:
+    """Transform each column, padded with zeros to `length`, multiply it, transform it back and cut it, in place.
+
+    The waves of all rows have shape (nx, ny). `multiply` changes the waves of some columns, shape (length, n), in
+    place; its second argument is their slice.
+    """
+
+    def work(block: slice) -> None:
+        columns: Waves = scipy.fft.fft(waves[:, block], n=length, axis=0)
+        multiply(columns, block)
+        waves[:, block] = scipy.fft.ifft(columns, axis=0, overwrite_x=True)[: waves.shape[0]]
+
+    map_tiles(work, split(waves.shape[1], _COLUMN_BLOCK_BYTES // waves.itemsize))
+
+
+def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
+    """Return the first `count` values of each row of `length` values; the waves may be overwritten."""
+    if count == length:
+        whole = scipy.fft.irfft(waves, n=length, axis=1, overwrite_x=True, workers=threads_for(2 * waves.size))
+        return np.asarray(whole)
+    values = np.empty((waves.shape[0], count), dtype=waves.real.dtype)
+
+    def work(rows: slice) -> None:
+        values[rows] = scipy.fft.irfft(waves[rows], n=length, axis=1, overwrite_x=True)[:, :count]
+
+    map_tiles(work, split(waves.shape[0], max(1, _ROW_BLOCK_VALUES // length)))
+    return values
+
+
+@attrs.frozen(eq=False)
+class InverseConvolution:
+    """Division by the kernel's spectrum on a periodic grid: a good preconditioner, not an exact inverse.
+
+    A subclass for another kind of array overrides `multiply`.
+
+    Attributes
+    ----------
+    local
+        Whether its effect on a few cells is cheaper by `coefficients` than by a product.
+    stiffness
+        Pressure amplitude per displacement amplitude of each wave, not negative, zero for the mean,
+        shape (mx, my // 2 + 1).
+    padded
+        Cells (mx, my) of the periodic grid.
+    exact
+        Whether it inverts the convolution, but for the mean.
+    """
+
+    local: ClassVar[bool] = True
+
+    stiffness: RealArray = attrs.field(repr=outlined)
+    padded: tuple[int, int]
+    exact: bool = False
+
+    @cached_property
+    def axes(self) -> tuple[RealArray, RealArray]:
+        """The stiffness of the waves along x and along y, arrays of numpy."""
+        return self.stiffness[: self.padded[0] // 2 + 1, 0], self.stiffness[0]
+
+    def apply(self, displacement: RealArray) -> RealArray:
+        """Return the pressure, of the shape and precision of `displacement` (float32 or float64)."""
+        return self.multiply(displacement, self.stiffness, self.padded)
+
+    def multiply(
+        self, values: RealArray, symbol: RealArray, padded: tuple[int, int], rows: IntArray | None = None
+    ) -> RealArray:
+        """Return a field with each of its waves multiplied by a real symbol, shape of `values`.
+
+        Parameters
+        ----------
+        values
+            A field, which is padded with zeros, shape (nx, ny).
+        symbol
+            The factors, in its precision, shape (mx, my // 2 + 1).
+        padded
+            Cells (mx, my) of the periodic grid.
+        rows
+            Rows outside which the field is zero and the result is arbitrary; None for all rows.
+        """
+        if rows is None:
+            return multiply_waves(values, symbol, padded)
+        return _multiply_waves_of_rows(values, rows, symbol, padded)
+
+    def coefficients(self, reach: int) -> RealArray:
+        """Return the pressure at (i, j) cells from a unit displacement of one, shape (reach + 1, reach + 1)."""
+        mx, my = self.padded
+        columns = self.stiffness.shape[1]
+        offsets = 2.0 * np.pi * np.arange(reach + 1)
+        x = np.cos(np.outer(offsets, np.arange(mx) / mx)).astype(self.stiffness.dtype) / mx
+        y = np.cos(np.outer(np.arange(columns) / my, offsets)).astype(self.stiffness.dtype) / my
+        # Half of the waves along y are stored; each counts twice, except the first and, if even, the last.
+        y[1 : (my + 1) // 2] *= 2.0
+        return x @ self.stiffness @ y
+
+
+def multiply_waves(values: RealArray, symbol: RealArray, padded: tuple[int, int]) -> RealArray:
+    """Return a field, padded with zeros, with each of its waves multiplied by a real symbol, shape of `values`."""
+    waves = _multiply_columns(transform_rows(values, padded[1]), symbol, padded[0])
+    return transform_rows_back(waves, padded[1], values.shape[1])
+
+
+def _multiply_waves_of_rows(values: RealArray, rows: IntArray, symbol: RealArray, padded: tuple[int, int]) -> RealArray:
+    """Return `multiply_waves` of a field that is zero outside some rows, on these rows; zero elsewhere."""
+    found = transform_rows(values[rows], padded[1])
+    waves: Waves = np.zeros((values.shape[0], found.shape[1]), dtype=found.dtype)
+    waves[rows] = found
+    del found
+    waves = _multiply_columns(waves, symbol, padded[0])
+    product = np.zeros_like(values)
+    product[rows] = transform_rows_back(waves[rows], padded[1], values.shape[1])
+    return product
+
+
+def _multiply_columns(waves: Waves, symbol: RealArray, length: int) -> Waves:
+    """Return waves along y times the symbol of all waves; columns are padded to a length."""
+    if symbol.size >= _MIN_COLUMNWISE_WAVES:
+        multiply_columns(waves, length, lambda columns, block: np.multiply(columns, symbol[:, block], out=columns))
+        return waves
+    # Two one-dimensional transforms are twice as fast as scipy's two-dimensional inverse.
+    rows = waves.shape[0]
+    threads = threads_for(2 * symbol.size)
+    waves = scipy.fft.fft(waves, n=length, axis=0, overwrite_x=True, workers=threads)
+    waves *= symbol
+    back: Waves = scipy.fft.ifft(waves, axis=0, overwrite_x=True, workers=threads)
+    return back[:rows]
+
+
+def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float64) -> InverseConvolution:
+    """Return the approximate inverse of a convolution, its stiffness in the given precision."""
+    shape = setup.grid.shape
+    if setup.boundary is Boundary.FREE:
+        mx, my = (
+            scipy.fft.next_fast_len(max(math.ceil(_PADDING_FACTOR * n), n + _PADDING_CELLS), real=True) for n in shape
+        )
+        shape = mx, my
+    if setup.boundary is Boundary.PERIODIC:
+        response = np.array(setup.spectrum)
+    else:
+        known = isinstance(setup.kernel.kernel, SupportsSpectrum)
+        spectrum = periodic_spectrum if known else wrapped_spectrum
+        response = spectrum(setup.kernel, shape, setup.grid.spacing)
+    response[0, 0] = 0.0
+    floor = _MIN_AMPLITUDE * float(np.abs(response).mean())
+    exact = setup.boundary is Boundary.PERIODIC and bool((response.ravel()[1:] > floor).all())
+    response = np.abs(response)
+    stiffness = np.zeros_like(response)
+    np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
+    stiffness[0, 0] = 0.0
+    return InverseConvolution(stiffness.astype(dtype, copy=False), shape, exact)
+
+
+def periodic_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
+    """Return the kernel's spectrum at the waves of a periodic grid, shape (nx, ny // 2 + 1)."""
+    qx = 2 * np.pi / spacing[0] * scipy.fft.fftfreq(shape[0])[:, np.newaxis]
+    qy = 2 * np.pi / spacing[1] * scipy.fft.rfftfreq(shape[1])[np.newaxis, :]
+    return kernel.spectrum(qx, qy, spacing)
+
+
+def wrapped_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
+    """Return the transform of the coefficients of the nearest images, shape (nx, ny // 2 + 1)."""
+    nearest = kernel.coefficients((shape[0] // 2 + 1, shape[1] // 2 + 1), spacing)
+    i, j = (np.minimum(np.arange(n), n - np.arange(n)) for n in shape)
+    return np.ascontiguousarray(scipy.fft.rfft2(nearest[np.ix_(i, j)]).real)
 
 
 class Convolver(abc.ABC):
@@ -55,9 +248,9 @@ class Convolver(abc.ABC):
         """
 
     def require(self, kernel: InfluenceKernel, boundary: Boundary) -> None:
-        """Raise `InputError` if it cannot treat the boundary, or the kernel lacks the form that is needed there.
+        """Raise `InputError` if it cannot treat the boundary, or the kernel lacks the form needed there.
 
-        That is a spectrum on a periodic boundary and coefficients elsewhere; override it where that is otherwise.
+        The form is a spectrum on a periodic boundary and coefficients elsewhere; override it if that differs.
         """
         if boundary not in self.boundaries:
             served = " or ".join(sorted(f"'{name}'" for name in self.boundaries))
@@ -94,21 +287,21 @@ class ConvolutionSetup:
 
     @cached_property
     def spectrum(self) -> Array:
-        """The kernel's spectrum at the waves of the grid, which repeats, shape (nx, ny // 2 + 1), read-only."""
+        """The kernel's spectrum at the waves of the periodic grid, shape (nx, ny // 2 + 1), read-only."""
         return frozen_array(periodic_spectrum(self.kernel, self.grid.shape, self.grid.spacing))
 
 
 class PreparedConvolution(abc.ABC):
     """The linear map from pressure to displacement on one grid.
 
-    It may work on arrays of another kind than numpy's, such as tensors on a GPU, as long as these follow numpy's
-    protocols for ufuncs and functions: a solver then converts its task by `from_numpy`, and its result by `to_numpy`.
+    It may work on other arrays than numpy's, such as tensors on a GPU, if these follow numpy's protocols for ufuncs and
+    functions: a solver then converts its task by `from_numpy`, and its result by `to_numpy`.
     """
 
     @property
     @abc.abstractmethod
     def setup(self) -> ConvolutionSetup:
-        """What it was prepared from; an attribute may define it."""
+        """Its convolver, kernel, grid and boundary; an attribute may define it."""
 
     @abc.abstractmethod
     def apply(self, pressure: RealArray) -> RealArray:
@@ -126,11 +319,11 @@ class PreparedConvolution(abc.ABC):
         return approximate_inverse(self.setup, dtype)
 
     def from_numpy(self, values: Array) -> Array:
-        """Return numpy's array as one of the kind on which it works; by default itself."""
+        """Return a numpy array in the form on which it works; by default itself."""
         return values
 
     def to_numpy(self, values: Array) -> Array:
-        """Return an array of that kind as numpy's; by default itself."""
+        """Return an array of that form as a numpy array; by default itself."""
         return values
 
     def use_threads(self, count: int) -> AbstractContextManager[None]:
@@ -143,5 +336,4 @@ class PreparedConvolution(abc.ABC):
 
     def dot(self, one: RealArray, other: RealArray) -> float:
         """Return the sum of products over all cells."""
-        # A BLAS dot would start threads that cost more than they save at these sizes.
-        return float(np.einsum("ij,ij->", one, other))
+        return sum_of_products(one, other)

@@ -1,23 +1,24 @@
 """The contact problem: bodies, initial gap, load, plan, certificate."""
 
+from roughcontact._solve.problem.accuracy import resample_problem
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
+from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, step_approach
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
-from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.problem.resolution import resample_problem
+from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.run import computing
-from roughcontact._solve.problem.source import problem_of
-from roughcontact._solve.problem.sweep import Sweep, order_of_solving, predict_pressure, run_sweep
-from roughcontact._solve.problem.sweep_table import make_table
+from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, maximum_pressure, pressure_unit
 
 __all__ = [
     "LOAD_TOLERANCE",
     "RIGID_FLAT",
+    "AdhesionCycle",
     "Body",
     "ContactProblem",
     "SolvePlan",
     "Sweep",
     "computing",
+    "find_stability",
     "make_table",
     "make_task",
     "maximum_pressure",
@@ -28,4 +29,5 @@ __all__ = [
     "require_memory_of_solve",
     "resample_problem",
     "run_sweep",
+    "step_approach",
 ]

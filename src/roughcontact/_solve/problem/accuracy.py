@@ -1,4 +1,4 @@
-"""Solves that aim at an accuracy: the grid and the tolerance follow from it."""
+"""Solves to a requested accuracy, from which the grid and the tolerance follow."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact._base.checks import Array, number
-from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.load import Load
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import choice, number
+from roughcontact._parts.grid import Boundary, Grid, Load
 from roughcontact._parts.surfaces import bilinear
+from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.plan import require_memory_of_solve
-from roughcontact._solve.problem.resolution import resample_problem
 from roughcontact._solve.solution import DEFAULT_AREA, Accuracy, ContactSolution, Trial
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError, NotEnoughMemory
@@ -25,46 +25,64 @@ from roughcontact.errors import InputError, NotEnoughMemory
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
 
-# The algebraic error is at most this part of the standard deviation that is asked for, which is the rule of Ern and
-# Vohralik, SIAM J. Sci. Comput. 35 (2013) A1761, https://doi.org/10.1137/120896918.
-_ALGEBRAIC = 0.1
-# Relative change of area and maximum pressure by the tolerance, over the tolerance: at most 0.8 and 0.7 on 44 waves,
-# balls, rough and capped contacts at tolerances of 1e-4, 0.4 and 1.1 at 1e-3 (docs/studies/tolerance.py); and margin.
-_SENSITIVITY = 2.0
-# Tolerance above which the set of cells in contact is not settled: areas are off by up to 0.8 % at 1e-2.
-_LOOSEST = 1e-3
-# Fraction of the mean square curvature of the heights that a coarse grid must show: five cells to a wave.
-_CURVATURE = 0.75
-# ... and that of a grid of half the cells, beside the only one that was solved: three cells to a wave.
-_RESOLVED = 0.5
-# Fewest cells along an axis of the coarsest grid, and the number that those of others are multiples of.
-_COARSEST = 64
-_MULTIPLE = 8
-# Order at which the uncertainty falls with the cell before two grids have shown it, bounds for what they show, and
-# bounds of the factor between the cells of two grids.
-_ORDER = 3.0
-_ORDERS = (1.0, 4.0)
-_FACTORS = (1.15, 4.0)
-# Factor on the cells that the next grid seems to need, because the uncertainty scatters.
-_MARGIN = 1.05
-# Factor between the cells of two grids of which the first met the accuracy and disagreed with the one before.
-_AGAIN = 1.5
-# Cells to which a grid is refined without being asked, about ten seconds, and times the cells of the grid given.
-_UNASKED = 2**22
-_TIMES_GIVEN = 64
-_NO_HEIGHTS = "the heights are known at the points of a map only, and a finer grid cannot add any: measure a finer map"
+# Maximum algebraic error, over the requested standard deviation: the rule of Ern and Vohralik, SIAM J. Sci. Comput. 35
+# (2013) A1761, https://doi.org/10.1137/120896918.
+_ALGEBRAIC_ERROR_PART = 0.1
+# Relative change of area and maximum pressure, over the tolerance, with a margin: at most 0.8 and 0.7 on 44 waves,
+# balls, rough and capped contacts at tolerances of 1e-4, 0.4 and 1.1 at 1e-3 (docs/studies/tolerance.py).
+_TOLERANCE_SENSITIVITY = 2.0
+# Maximum tolerance with a settled set of cells in contact: areas are wrong by up to 0.8 % at 1e-2.
+_MAX_TOLERANCE = 1e-3
+# Minimum fraction of the mean square curvature of the heights that a coarse grid resolves (five cells to a wave), and
+# that the only solved grid has beside one of twice the cells (three cells to a wave).
+_MIN_CURVATURE_FRACTION = 0.75
+_MIN_CONFIRMED_FRACTION = 0.5
+# Minimum cells along an axis of the coarsest grid, and divisor of the cells of others.
+_MIN_COARSE_CELLS = 64
+_SIDE_MULTIPLE = 8
+# Order of the uncertainty in the cell size before two grids show it, bounds of the observed order, and bounds of the
+# factor between the cells of two grids.
+_FIRST_ORDER = 3.0
+_ORDER_RANGE = (1.0, 4.0)
+_REFINEMENT_RANGE = (1.15, 4.0)
+# Factor on the predicted cells of the next grid, because the uncertainty scatters.
+_REFINEMENT_MARGIN = 1.05
+# Factor on the cells after a grid that meets the accuracy but disagrees with the one before.
+_CONFIRMING_REFINEMENT = 1.5
+# Maximum cells of a refined grid, about ten seconds, and the same over the cells of the given grid.
+_MAX_UNASKED_CELLS = 2**22
+_MAX_CELLS_OVER_GIVEN = 64
+_NO_HEIGHTS_REASON = (
+    "the heights are known at the points of a map only, and a finer grid cannot add any: measure a finer map"
+)
+
+
+def resample_problem(
+    problem: ContactProblem, shape: tuple[int, int], interpolation: str | None = None
+) -> ContactProblem:
+    """Return the problem on another number of cells; see `roughcontact.on_grid`."""
+    grid = Grid(shape, problem.plan.grid.size)
+    if interpolation is not None:
+        choice(interpolation, "The interpolation of a map between its points", ("bilinear", "cubic", "fourier", "mean"))
+    if problem.plan.pressure_limit.ndim:
+        raise InputError("The pressure limit is an array, which is not known between its cells.")
+    body, counterbody = (
+        Body(side.surface.resample_to(grid, interpolation), side.material)
+        for side in (problem.body, problem.counterbody)
+    )
+    return attrs.evolve(problem, body=body, counterbody=counterbody, grid=grid)
 
 
 @attrs.frozen
 class Target:
-    """Relative errors that area and maximum pressure may have, with 95 %; None where nothing is asked."""
+    """Admissible relative errors of area and maximum pressure, with 95 %; None if not requested."""
 
     area_within: float | None
     peak_within: float | None
 
     @classmethod
     def of(cls, area_within: object, peak_within: object) -> Target | None:
-        """Return the target, or None if nothing is asked; `InputError` if a value is not between 0 and 1."""
+        """Return the target, or None if nothing is requested; `InputError` if a value is not between 0 and 1."""
         given = [
             None if value is None else number(value, f"The relative error {name}=", above=0.0, at_most=1.0)
             for name, value in (("area_within", area_within), ("peak_within", peak_within))
@@ -72,12 +90,12 @@ class Target:
         return None if given == [None, None] else cls(*given)
 
     def tolerance(self, smallest: float) -> float:
-        """Return the tolerance of a solver, `smallest` at the smallest."""
+        """Return the tolerance of a solver, at least `smallest`."""
         within = min(value for value in (self.area_within, self.peak_within) if value is not None)
-        return max(min(0.5 * within * _ALGEBRAIC / _SENSITIVITY, _LOOSEST), smallest)
+        return max(min(0.5 * within * _ALGEBRAIC_ERROR_PART / _TOLERANCE_SENSITIVITY, _MAX_TOLERANCE), smallest)
 
     def measure(self, solution: ContactSolution) -> Trial:
-        """Return what a grid gives."""
+        """Return the trial of a solved grid."""
         area = (math.nan, math.nan)
         peak = (math.nan, math.nan)
         if self.area_within is not None:
@@ -89,7 +107,7 @@ class Target:
         return Trial(solution.grid.shape, *area, *peak, solution.convolutions, solution.seconds)
 
     def excess(self, trial: Trial) -> float:
-        """Return two standard deviations over what is asked, the larger one of both: at most 1 where it is met."""
+        """Return two standard deviations over the admissible error, the maximum of both: at most 1 if it is met."""
         within = self.area_within, self.peak_within
         return max(spread / value for spread, value in zip(trial.spreads, within, strict=True) if value is not None)
 
@@ -101,7 +119,7 @@ def solve_within(
     tolerance: float | None,
     on_step: Callable[[Step], None] | None,
 ) -> ContactSolution:
-    """Return the solution on the coarsest grid found that meets a target, or the last one with the reason why not."""
+    """Return the solution on the coarsest grid found that meets a target, or the last one with the reason."""
     if load.kind == "approach":
         raise InputError(
             "An accuracy needs pressure= or force=: an approach counts from first touch, which moves with the grid."
@@ -119,7 +137,7 @@ def solve_within(
         try:
             solution = rung.solve(**load.arguments, start=start, throw=False, on_step=on_step)
         except InputError as error:
-            # The memory is compared once more before a solve: the heights take some of it.
+            # The memory is checked again before a solve, because the heights take some.
             if solution is None:
                 raise
             shortfall = _explain(error, rung.plan.grid.shape)
@@ -143,7 +161,7 @@ def solve_within(
 
 
 def with_tolerance(problem: ContactProblem, tolerance: float) -> ContactProblem:
-    """Return the same problem with another tolerance of its solver; heights and kernel are not sampled anew."""
+    """Return the same problem with another tolerance; heights and convolution are reused."""
     solver = problem.plan.solver.with_tolerance(tolerance)
     plan = attrs.evolve(problem.plan, solver=solver)
     changed = copy.copy(problem)
@@ -158,7 +176,7 @@ def _choose_tolerance(problem: ContactProblem, target: Target) -> ContactProblem
     if not isinstance(problem.solver, str):
         return problem
     with contextlib.suppress(InputError):
-        # That of a plug-in may be fixed.
+        # The tolerance of a plug-in may be fixed.
         problem = with_tolerance(problem, target.tolerance(problem.plan.solver.tolerance))
     return problem
 
@@ -168,15 +186,18 @@ def _has_map(problem: ContactProblem) -> bool:
 
 
 def _coarsest(problem: ContactProblem) -> ContactProblem:
-    """Return the problem on the coarsest grid that shows the curvature of its heights; a map is not coarsened."""
+    """Return the problem on the coarsest grid that resolves the curvature of its heights; maps are not coarsened."""
     shape = problem.plan.grid.shape
     stride = 1
     if _has_map(problem):
         return problem
     all_of_it = _mean_square_curvature(problem.initial_gap, problem.plan.grid)
-    while min(shape) // (2 * stride) >= _COARSEST:
+    while min(shape) // (2 * stride) >= _MIN_COARSE_CELLS:
         coarse = problem.initial_gap[:: 2 * stride, :: 2 * stride]
-        if _mean_square_curvature(coarse, Grid(coarse.shape, problem.plan.grid.size)) < _CURVATURE * all_of_it:
+        if (
+            _mean_square_curvature(coarse, Grid(coarse.shape, problem.plan.grid.size))
+            < _MIN_CURVATURE_FRACTION * all_of_it
+        ):
             break
         stride *= 2
     try:
@@ -197,12 +218,12 @@ def _mean_square_curvature(gap: Array, grid: Grid) -> float:
 
 
 def _is_confirmed(rung: ContactProblem, problem: ContactProblem, trials: list[Trial]) -> bool:
-    """Return whether a grid agrees with the one before, or a finer one shows no sharper heights."""
+    """Return whether a grid agrees with the previous one, or a finer one has no sharper heights."""
     if len(trials) > 1:
         one, other = trials[-2:]
         area = other.area - one.area
         peak = other.peak - one.peak
-        # Comparisons with nan, where nothing is asked, are false.
+        # Comparisons with nan, which is not requested, are false.
         return not (
             abs(area) > 2.0 * math.hypot(one.area_uncertainty, other.area_uncertainty)
             or abs(peak) > 2.0 * math.hypot(one.peak_uncertainty, other.peak_uncertainty)
@@ -215,22 +236,27 @@ def _is_confirmed(rung: ContactProblem, problem: ContactProblem, trials: list[Tr
     except InputError:
         return True
     sharp = _mean_square_curvature(finer.initial_gap, finer.plan.grid)
-    return _mean_square_curvature(problem.initial_gap, problem.plan.grid) >= _RESOLVED * sharp
+    return _mean_square_curvature(problem.initial_gap, problem.plan.grid) >= _MIN_CONFIRMED_FRACTION * sharp
 
 
 def _refine(problem: ContactProblem, trials: list[Trial], target: Target) -> ContactProblem:
     """Return the problem on the grid that should meet the target; `InputError` with the reason if there is none."""
     excess = target.excess(trials[-1])
-    order = _ORDER
+    order = _FIRST_ORDER
     cells = [math.sqrt(math.prod(trial.shape)) for trial in trials]
     if len(trials) > 1 and math.isfinite(before := target.excess(trials[-2])) and excess > 0.0:
         observed = math.log(before / excess) / math.log(cells[-1] / cells[-2])
-        order = min(max(observed, _ORDERS[0]), _ORDERS[1])
-    factor = min(max(_MARGIN * excess ** (1.0 / order), _FACTORS[0]), _FACTORS[1]) if excess > 1.0 else _AGAIN
-    nx, ny = (
-        _MULTIPLE * scipy.fft.next_fast_len(math.ceil(factor * n / _MULTIPLE), real=True) for n in trials[-1].shape
+        order = min(max(observed, _ORDER_RANGE[0]), _ORDER_RANGE[1])
+    factor = (
+        min(max(_REFINEMENT_MARGIN * excess ** (1.0 / order), _REFINEMENT_RANGE[0]), _REFINEMENT_RANGE[1])
+        if excess > 1.0
+        else _CONFIRMING_REFINEMENT
     )
-    allowed = max(_UNASKED, _TIMES_GIVEN * problem.plan.grid.cells)
+    nx, ny = (
+        _SIDE_MULTIPLE * scipy.fft.next_fast_len(math.ceil(factor * n / _SIDE_MULTIPLE), real=True)
+        for n in trials[-1].shape
+    )
+    allowed = max(_MAX_UNASKED_CELLS, _MAX_CELLS_OVER_GIVEN * problem.plan.grid.cells)
     if nx * ny > allowed:
         raise InputError(
             f"it seems to need {nx} x {ny} cells, more than the {allowed} to which this grid of "
@@ -245,12 +271,12 @@ def _refine(problem: ContactProblem, trials: list[Trial], target: Target) -> Con
         return resample_problem(problem, (nx, ny))
     except InputError as error:
         if _has_map(problem):
-            raise InputError(_NO_HEIGHTS) from error
+            raise InputError(_NO_HEIGHTS_REASON) from error
         raise
 
 
 def _explain(error: InputError, shape: tuple[int, int]) -> str:
-    """Return why a grid, which nobody has asked for, is not solved: without the advice to choose another."""
+    """Return why a refined grid is not solved, without the advice to choose another."""
     if not isinstance(error, NotEnoughMemory):
         return str(error).rstrip(".")
     return (

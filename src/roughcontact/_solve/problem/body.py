@@ -5,7 +5,8 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import LARGEST, Array, Mask, frozen_array, instance_of
+from roughcontact._base.arrays import Array, Mask, frozen_array
+from roughcontact._base.checks import MAX_MAGNITUDE, instance_of
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Material, Rigid, resolve_material
@@ -55,9 +56,9 @@ class Body:
                 f"The surface {name} must give real heights of shape {grid.shape}, "
                 f"but gave an array of shape {heights.shape} and type {heights.dtype}."
             )
-        # Without a temporary of the grid's size; a NaN fails both.
-        if not (heights.min() >= -LARGEST and heights.max() <= LARGEST):
-            raise InputError(f"The surface {name} gave heights that are not finite, or above {LARGEST:g} m.")
+        # This needs no temporary of the grid's size, and NaN fails both comparisons.
+        if not (heights.min() >= -MAX_MAGNITUDE and heights.max() <= MAX_MAGNITUDE):
+            raise InputError(f"The surface {name} gave heights that are not finite, or above {MAX_MAGNITUDE:g} m.")
         return heights
 
     def non_measured(self, grid: Grid) -> Mask | None:
@@ -78,7 +79,7 @@ class Body:
 
     @property
     def provenance(self) -> tuple[str, ...]:
-        """Where the heights come from and how they were processed, in words."""
+        """Origin and processing of the heights, in words."""
         texts = self.surface.provenance
         if not isinstance(texts, tuple) or not all(isinstance(text, str) for text in texts):
             raise InputError.about(f"{type(self.surface).__name__}.provenance", texts, "a tuple of texts")
@@ -118,10 +119,7 @@ class InitialGap:
 def find_initial_gap(body: Body, counterbody: Body, grid: Grid) -> InitialGap:
     """Return the initial gap between two bodies on a grid.
 
-    Raises
-    ------
-    InputError
-        If a surface does not give heights on the grid, or no point was measured on both.
+    `InputError` if a surface does not give heights on the grid, or no point was measured on both.
     """
     total = body.heights(grid) + counterbody.heights(grid)
     masks = [mask for mask in (body.non_measured(grid), counterbody.non_measured(grid)) if mask is not None]

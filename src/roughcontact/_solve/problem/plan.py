@@ -1,55 +1,83 @@
-"""The plan of a solve: what will run, and what is omitted and why."""
+"""The plan of a solve: its parts, time and memory, and the omitted steps with their reasons."""
 
 from __future__ import annotations
 
+import functools
 import math
+import time
 from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
+import scipy.fft
 
-from roughcontact._base.checks import Array, Mask, number
+from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.checks import number
 from roughcontact._base.machine import available_memory, choose_threads, require_memory
-from roughcontact._base.units import PlainText, binary, si
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._base.units import PlainText, binary, outlined, si
+from roughcontact._parts.grid import FIRST_LOADING, Boundary, Grid
+from roughcontact._parts.interactions import Interaction
 from roughcontact._parts.kernels import InfluenceKernel
-from roughcontact._parts.load import FIRST_LOADING
 from roughcontact._parts.materials import Material, Rigid, combined_pressure_limit, contact_modulus
 from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct
 from roughcontact._solve.problem.body import Body, InitialGap
-from roughcontact._solve.problem.forecast import forecast_seconds
-from roughcontact._solve.solution import find_scene
+from roughcontact._solve.solution import RESOLVED_CELLS, describe_range, find_scene
 from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Peak memory of a solve in float64 arrays of the grid's size, at fractions of the cells in contact below the
-# pressure limit, without and with a free boundary; measured by docs/studies/memory.py. Vectors hold
-# only the cells in contact; on a free boundary kernel and spectra are larger.
-_FRACTIONS = {False: (0.0, 0.1, 0.28, 0.36, 1.0), True: (0.0, 0.1, 0.4, 1.0)}
-# ... arrays at each fraction.
-_ARRAYS = {False: (8.0, 9.2, 10.3, 15.5, 16.6), True: (11.5, 12.7, 17.6, 17.8)}
-# ... and at least, where vectors hold all cells: other solvers, and the direct sum; measured by tests/test_memory.py.
-_UNRESTRICTED = 14.0
-# Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), to leave room for
+# Time of a solve in transforms there and back on the grid; measured on self-affine, wavy and spherical surfaces of
+# 128 x 128 to 512 x 512 cells, most of which need less.
+_TRANSFORMS_PER_SOLVE = {Boundary.FREE: 64.0, Boundary.PERIODIC: 40.0, Boundary.WRAPPED: 40.0}
+# Seconds of a solve on the smallest grid, measured on the same surfaces.
+_MIN_SOLVE_SECONDS = 0.1
+# Cells along a side of the transform that is timed, and its repetitions.
+_TIMED_SIDE = 256
+_TIMED_REPEATS = 5
+# Fractions of the cells in contact below the pressure limit, without and with a free boundary, and the peak memory of a
+# solve there, in float64 arrays of the grid (docs/studies/memory.py). Vectors hold only the cells in contact; on a free
+# boundary kernel and spectra are larger.
+_CONTACT_FRACTIONS = {False: (0.0, 0.1, 0.28, 0.36, 1.0), True: (0.0, 0.1, 0.4, 1.0)}
+_ARRAYS_AT_FRACTIONS = {False: (8.0, 9.2, 10.3, 15.5, 16.6), True: (11.5, 12.7, 17.6, 17.8)}
+# Minimum arrays if vectors hold all cells, as for other solvers and the direct sum; measured by tests/test_memory.py.
+_UNRESTRICTED_ARRAYS = 14.0
+# Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), which leaves room for
 # coarser and finer grids.
-_LONGEST = 1e8
-# The sides of the largest grid that is proposed are multiples of this, so that they can be halved to coarser grids.
-_HALVED = 32
-# Lengths in m and moduli in Pa up to this, and their inverses, keep the products in forces, areas and curvatures
-# within the 1e308 of float64.
-_EXTREME = 1e40
-_IMAGES = {
+_MAX_CELL_ASPECT = 1e8
+# Divisor of the sides of the largest proposed grid, so that they can be halved to coarser grids.
+_SIDE_MULTIPLE = 32
+# Maximum length, m, and modulus, Pa, and inverse of the minimum, so that forces, areas and curvatures stay within the
+# 1e308 of float64.
+_MAX_MAGNITUDE = 1e40
+_OMITTED_IMAGES = {
     Boundary.FREE: "images of the domain: the boundary is free",
     Boundary.PERIODIC: "padding: the domain repeats, every image counts",
     Boundary.WRAPPED: "padding and all but the nearest images: the boundary is wrapped",
 }
 
 
+def forecast_seconds(cells: int, boundary: Boundary) -> float:
+    """Return about how long one solve takes on this machine, s: likely within a factor of three."""
+    return _MIN_SOLVE_SECONDS + _TRANSFORMS_PER_SOLVE[boundary] * _time_of_transform() * cells * math.log(max(cells, 2))
+
+
+@functools.cache
+def _time_of_transform() -> float:
+    """Return the time of a transform there and back over n log n, s, measured here and now."""
+    values = np.random.default_rng(0).random((_TIMED_SIDE, _TIMED_SIDE))
+    times = []
+    for _ in range(_TIMED_REPEATS):
+        started = time.perf_counter()
+        scipy.fft.irfft2(scipy.fft.rfft2(values), s=values.shape)
+        times.append(time.perf_counter() - started)
+    return min(times) / (values.size * math.log(values.size))
+
+
 @attrs.frozen(eq=False, kw_only=True)
 class SolvePlan:
-    """What will run, and what is omitted and why; `str` of it is the text of ``explain()``.
+    """The parts of a solve, and the omitted steps with their reasons; its `str` is the text of ``explain()``.
 
     Attributes
     ----------
@@ -66,15 +94,17 @@ class SolvePlan:
     pressure_limit
         Maximum pressure, shape () or (nx, ny), Pa; `inf` where there is none.
     omitted
-        What does not run, with the reason.
+        Omitted steps, with the reasons.
     non_measured
         Points that were not measured, shape (nx, ny); None if there are none.
     histories
-        How the heights of each body were prepared, in words.
+        Preparation of the heights of each body, in words.
     threads
-        The number of threads that is given, or ``"auto"``.
+        The given number of threads, or ``"auto"``.
     memory_limit
-        The memory that a solve may take, bytes; None for what the machine has.
+        The memory that a solve may take, bytes; None: the memory of the machine.
+    interaction
+        The law by which the surfaces attract each other, resolved for the grid; None without adhesion.
     """
 
     grid: Grid
@@ -92,12 +122,16 @@ class SolvePlan:
     histories: tuple[tuple[str, ...], tuple[str, ...]]
     threads: int | str = "auto"
     memory_limit: int | None = None
+    interaction: Interaction | None = None
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Likely mistakes in the problem, in sentences."""
         findings = find_scene(self.initial_gap, self.grid, self.boundary, self.materials)
-        return tuple(finding.warning for finding in findings if finding.warning)
+        texts = [finding.warning for finding in findings if finding.warning]
+        if self.interaction is not None:
+            texts.append(describe_range(self.interaction, self.grid, self.modulus) or "")
+        return tuple(filter(None, texts))
 
     @property
     def transform_shape(self) -> tuple[int, int]:
@@ -130,7 +164,7 @@ class SolvePlan:
         contact_fraction = number(contact_fraction, "The contact fraction", at_least=0.0, at_most=1.0)
         memory = memory_of_solve(self.grid, self.boundary, contact_fraction)
         restricted = isinstance(self.solver, ProjectedConjugateGradient) and not isinstance(self.convolver, Direct)
-        return memory if restricted else max(memory, int(8 * self.grid.cells * _UNRESTRICTED))
+        return memory if restricted else max(memory, int(8 * self.grid.cells * _UNRESTRICTED_ARRAYS))
 
     def __str__(self) -> str:
         nx, ny = self.transform_shape
@@ -143,6 +177,7 @@ class SolvePlan:
                 f"pressure limit {_format_range(self.pressure_limit)}",
             ),
             *histories,
+            *self._describe_adhesion(),
             ("kernel", repr(self.kernel)),
             ("convolver", f"{self.convolver} on {nx} x {ny} cells"),
             ("solver", repr(self.solver)),
@@ -157,6 +192,18 @@ class SolvePlan:
 
     def __repr__(self) -> str:
         return str(self)
+
+    def _describe_adhesion(self) -> list[tuple[str, str]]:
+        law = self.interaction
+        if law is None:
+            return []
+        cells = law.cohesive_cells(self.grid.spacing, self.modulus)
+        strength = si(float(np.max(law.strength)), "Pa")
+        resolved = f"cohesive length {cells:.3g} cells ({RESOLVED_CELLS:g} are enough)"
+        return [
+            ("adhesion", f"{_name_law(law)}: strength {strength}, {resolved}"),
+            ("branch", "loading, from the contact without adhesion, unless asked: other stable states may exist"),
+        ]
 
     def _format_memory(self) -> str:
         light, full = (
@@ -174,14 +221,14 @@ class SolvePlan:
 def memory_of_solve(grid: Grid, boundary: Boundary, contact_fraction: float) -> int:
     """Return the peak memory of a solve, beyond the problem itself, bytes; see `SolvePlan.memory_at`."""
     free = boundary is Boundary.FREE
-    return int(8 * grid.cells * np.interp(contact_fraction, _FRACTIONS[free], _ARRAYS[free]))
+    return int(8 * grid.cells * np.interp(contact_fraction, _CONTACT_FRACTIONS[free], _ARRAYS_AT_FRACTIONS[free]))
 
 
 @guarded
 def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = None) -> None:
-    """Refuse a grid on which a solve does not fit into memory, even at light contact; before there are heights.
+    """Refuse a grid on which a solve does not fit into memory, even at light contact; heights are not needed.
 
-    `limit` is the memory that it may take, bytes; None for what the machine has.
+    `limit` is the memory that it may take, bytes; None: the memory of the machine.
     """
     shape = " x ".join(map(str, grid.shape))
     needed = memory_of_solve(grid, boundary, 0.0)
@@ -195,8 +242,8 @@ def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = 
 
 
 def _round_down(side: float) -> int:
-    """Return a number of cells that can be halved a few times, at most `side` of them and at least one."""
-    return int(side) // _HALVED * _HALVED or max(1, int(side))
+    """Return a number of cells from one to `side` that can be halved a few times."""
+    return int(side) // _SIDE_MULTIPLE * _SIDE_MULTIPLE or max(1, int(side))
 
 
 def make_plan(
@@ -211,33 +258,29 @@ def make_plan(
     solver: Solver,
     threads: int | str = "auto",
     memory_limit: int | None = None,
+    adhesion: Interaction | None = None,
 ) -> SolvePlan:
-    """Return the plan of a problem, after a check that its parts fit together.
-
-    Raises
-    ------
-    InputError
-        If they do not.
-    """
+    """Return the plan of a problem; `InputError` unless its parts fit together."""
     convolver.require(kernel, boundary)
     short, long = sorted(grid.spacing)
-    if not long <= _LONGEST * short:
-        raise InputError.about("The cells of the grid", grid.spacing, f"at most {_LONGEST:g} times as long as wide")
+    if not long <= _MAX_CELL_ASPECT * short:
+        raise InputError.about(
+            "The cells of the grid", grid.spacing, f"at most {_MAX_CELL_ASPECT:g} times as long as wide"
+        )
     peak_to_valley = float(gap.values.max())
     if peak_to_valley == 0.0:
         raise InputError("Both surfaces are flat, so the pressure is uniform: give at least one of them heights.")
     modulus = contact_modulus(body.material, counterbody.material)
     _require_range(modulus, "Pa", "contact modulus")
-    for value, name in (
-        (peak_to_valley, "peak-to-valley height"),
-        *((side, "side of the cells") for side in grid.spacing),
-    ):
-        _require_range(value, "m", name)
+    _require_range(peak_to_valley, "m", "peak-to-valley height")
+    for side in grid.spacing:
+        _require_range(side, "m", "side of the cells")
     limit = combined_pressure_limit(body.material, counterbody.material)
     if limit.shape not in ((), grid.shape):
         raise InputError(f"The pressure limit is an array of shape {limit.shape}, but the grid has {grid.shape} cells.")
     capped = bool(np.isfinite(limit).any())
     solver.require(capped=capped)
+    interaction = None if adhesion is None else _resolve_interaction(adhesion, grid, modulus, solver)
     return SolvePlan(
         grid=grid,
         boundary=boundary,
@@ -258,17 +301,42 @@ def make_plan(
         histories=(body.provenance, counterbody.provenance),
         threads=threads,
         memory_limit=memory_limit,
+        interaction=interaction,
     )
 
 
+def _resolve_interaction(adhesion: Interaction, grid: Grid, modulus: float, solver: Solver) -> Interaction:
+    """Return the law for the grid, after a check that the solver and the grid fit it."""
+    if not solver.adhesive:
+        raise InputError(f"The solver {solver!r} knows no tension: with adhesion choose solver='auto' or 'majorise'.")
+    law = adhesion.resolve(grid.spacing, modulus)
+    for values, name in ((law.work, "work of adhesion"), (law.strength, "strength of the interaction")):
+        if np.shape(values) not in ((), grid.shape):
+            raise InputError(
+                f"The {name} is an array of shape {np.shape(values)}, but the grid has {grid.shape} cells."
+            )
+    return law
+
+
+def _name_law(law: Interaction) -> str:
+    kind: Any = type(law)
+    fields = attrs.fields(kind) if attrs.has(kind) else ()
+    texts = []
+    for field in fields:
+        value = getattr(law, field.name)
+        unit = field.metadata.get("unit", "")
+        texts.append(f"{field.alias}={outlined(value) if np.ndim(value) else si(value, unit) if unit else value}")
+    return f"{type(law).__name__}({', '.join(texts)})"
+
+
 def _require_range(value: float, unit: str, name: str) -> None:
-    if not 1.0 / _EXTREME < value < _EXTREME:
+    if not 1.0 / _MAX_MAGNITUDE < value < _MAX_MAGNITUDE:
         raise InputError(f"A {name} of {value:g} {unit} leaves the range of float64: check the units.")
 
 
 def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool) -> list[str]:
-    """Return what this problem does not need, with the reason."""
-    texts = [_IMAGES[boundary]]
+    """Return the steps that this problem does not need, with the reasons."""
+    texts = [_OMITTED_IMAGES[boundary]]
     if not capped:
         texts.append("pressure limit: neither material has one")
     if boundary is Boundary.PERIODIC:

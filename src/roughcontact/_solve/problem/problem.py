@@ -7,29 +7,33 @@ from functools import cached_property
 from typing import Any
 
 import attrs
+import numpy as np
 
-from roughcontact._base.checks import Array, callback, choice, flag, instance_of
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Boundary, Grid, Load
+from roughcontact._parts.interactions import Interaction
 from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, kernels
-from roughcontact._parts.load import Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution, convolvers
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
-from roughcontact._solve.problem.certificate import verify_solution
+from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, require_resolved, run_cycle
 from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
-from roughcontact._solve.problem.run import computing, require_success, run_solve
+from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
 from roughcontact._solve.problem.sweep import Sweep, find_load_of_area, run_sweep
 from roughcontact._solve.problem.task import limit_load, maximum_pressure
-from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, Origin
+from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, Estimate, Origin
 from roughcontact._solve.solvers import Solver, Step, solvers
 from roughcontact.errors import InputError
 
 _AUTO_CONVOLVER = {Boundary.FREE: "dc-fft", Boundary.PERIODIC: "circular-fft", Boundary.WRAPPED: "circular-fft"}
 _AUTO_SOLVER = "projected-cg"
-# Arguments that say how a machine computes: they change no bit of a solution, and are no part of what was solved.
-_OF_MACHINE = ("threads", "memory_limit")
+_ADHESIVE_SOLVER = "gap-descent"
+_BRANCHES = ("loading", "unloading")
+# Arguments for the machine: they change no bit of a solution, and are not part of its problem.
+_MACHINE_ARGUMENTS = ("threads", "memory_limit")
 
 
 def _boundary(value: str) -> Boundary:
@@ -37,12 +41,15 @@ def _boundary(value: str) -> Boundary:
 
 
 _is_body = instance_of(Body, "Each side of a contact", "a Body(surface, material)")
+_is_interaction = attrs.validators.optional(
+    instance_of(Interaction, "The adhesion", "an Interaction such as Exponential(work=0.05, range=2e-9)")
+)
 _is_grid = attrs.validators.optional(instance_of(Grid, "The grid", "a Grid(shape, size)"))
 
 
 @attrs.frozen(eq=False)
 class ContactProblem:
-    """Normal, frictionless contact of two rough bodies on half-spaces.
+    """Normal, frictionless contact of two rough bodies on half-spaces, which may attract each other.
 
     Parameters
     ----------
@@ -55,12 +62,14 @@ class ContactProblem:
         the nearest image only.
     kernel, convolver, solver
         Registered names or instances; ``"auto"`` chooses the convolver and the solver.
+    adhesion
+        The law by which the surfaces attract each other, such as `Exponential`; None: they do not.
     threads
         Threads of a solve, at most as many as this process may use; ``"auto"``: as many as gain on this grid, and one
         in a process of a pool. The solution is the same to the last bit.
     memory_limit
-        Memory that a solve may take beyond the problem itself, bytes or a text such as ``"8 GiB"``; None: what this
-        process may still take. A grid that needs more is refused.
+        Memory that a solve may take beyond the problem itself, bytes or a text such as ``"8 GiB"``; None: all that this
+        process may take. A grid that needs more is refused.
 
     Raises
     ------
@@ -86,6 +95,7 @@ class ContactProblem:
     kernel: str | InfluenceKernel = attrs.field(default="love", kw_only=True)
     convolver: str | Convolver = attrs.field(default="auto", kw_only=True)
     solver: str | Solver = attrs.field(default="auto", kw_only=True)
+    adhesion: Interaction | None = attrs.field(default=None, kw_only=True, validator=_is_interaction)
     threads: int | str = attrs.field(default="auto", converter=thread_count, kw_only=True)
     memory_limit: int | None = attrs.field(default=None, converter=limit_of_memory, kw_only=True)
 
@@ -95,9 +105,10 @@ class ContactProblem:
 
     @cached_property
     def plan(self) -> SolvePlan:
-        """What will run, and what is omitted."""
+        """The parts of a solve, and its omitted steps."""
         convolver = _AUTO_CONVOLVER[self.boundary] if self.convolver == "auto" else self.convolver
-        solver = _AUTO_SOLVER if self.solver == "auto" else self.solver
+        automatic = _AUTO_SOLVER if self.adhesion is None else _ADHESIVE_SOLVER
+        solver = automatic if self.solver == "auto" else self.solver
         return make_plan(
             self.body,
             self.counterbody,
@@ -109,13 +120,14 @@ class ContactProblem:
             solver=solvers.resolve(solver),
             threads=self.threads,
             memory_limit=self.memory_limit,
+            adhesion=self.adhesion,
         )
 
     @cached_property
     def convolution(self) -> PreparedConvolution:
         """The prepared convolution in dimensionless variables: lengths in cells, E* = 1."""
         plan = self.plan
-        # The memory is compared once more: this is the first solve, perhaps long after the problem was made.
+        # The memory is checked again: the first solve may come long after the problem was made.
         require_memory_of_solve(plan.grid, plan.boundary, plan.memory_limit)
         unit = plan.grid.spacing[0] / plan.modulus
         bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit)
@@ -136,7 +148,7 @@ class ContactProblem:
 
     @cached_property
     def _gap(self) -> InitialGap:
-        # Before there are heights.
+        # The heights come after the check of the memory.
         require_memory_of_solve(self._grid, self.boundary, self.memory_limit)
         return find_initial_gap(self.body, self.counterbody, self._grid)
 
@@ -151,10 +163,14 @@ class ContactProblem:
     @property
     def parts(self) -> dict[str, Any]:
         """The arguments that determine its solutions, by name: all but `threads` and `memory_limit`."""
-        return attrs.asdict(self, recurse=False, filter=lambda field, _: field.name not in _OF_MACHINE)
+        found = attrs.asdict(self, recurse=False, filter=lambda field, _: field.name not in _MACHINE_ARGUMENTS)
+        if self.adhesion is None:
+            # Solutions without adhesion are named and saved as they were before there was any.
+            del found["adhesion"]
+        return found
 
     def explain(self) -> str:
-        """Return in words what a solve will do, and what is omitted and why."""
+        """Return the parts of a solve, and its omitted steps with their reasons, in words."""
         return str(self.plan)
 
     def __repr__(self) -> str:
@@ -171,6 +187,7 @@ class ContactProblem:
         peak_within: float | None = None,
         tolerance: float | None = None,
         start: Array | None = None,
+        branch: str = "loading",
         throw: bool = True,
         on_step: Callable[[Step], None] | None = None,
     ) -> ContactSolution:
@@ -183,15 +200,19 @@ class ContactProblem:
         force
             Normal force, N.
         approach
-            Approach of the bodies since first touch, m.
+            Approach of the bodies since first touch, m. Of surfaces that attract each other each of the three may be
+            zero or negative: a tensile load, bodies that do not touch yet.
         area_within, peak_within
-            Relative errors that the real contact area and the maximum pressure may have, with 95 %: two standard
-            deviations. The grid is then chosen, over the same domain, and the tolerance; `ContactSolution.accuracy`
-            tells which. A map is solved on its own grid where nothing says what lies between its points.
+            Admissible relative errors of the real contact area and the maximum pressure, with 95 %: two standard
+            deviations. Grid, over the same domain, and tolerance are then chosen; `ContactSolution.accuracy` states
+            them. A map is solved on its own grid if it is not known between its points.
         tolerance
             The tolerance of the solver, instead of its own or the one that follows from the accuracy.
         start
-            A contact pressure to start from, shape (nx, ny), Pa: that of a similar load.
+            A contact pressure to start from, shape (nx, ny), Pa, as of a similar load.
+        branch
+            Where several states of surfaces that attract each other are stable: ``"loading"``, found from the contact
+            without adhesion, or ``"unloading"``, found from full contact. Only a path decides which: see `cycle`.
         on_step
             Called with a `Step` after each iteration.
         throw
@@ -207,16 +228,23 @@ class ContactProblem:
         InputError
             If not exactly one load is given, or the bodies cannot carry it.
         NotConverged
-            If the solution is not certified, or not as accurate as was asked, and `throw` is true; the error
-            carries it.
+            If the solution is not certified, or not as accurate as requested, and `throw` is true; the error has it.
         """
-        load = Load.of(pressure=pressure, force=force, approach=approach)
+        load = self._load_of(pressure=pressure, force=force, approach=approach)
         throw = flag(throw, "throw=")
+        branch = choice(branch, "The branch", _BRANCHES)
+        if branch == "unloading" and self.adhesion is None:
+            raise InputError("Without adhesion= each load has one state: omit branch=.")
         on_step = callback(on_step, "on_step=", "step")
         target = Target.of(area_within, peak_within)
         if target is None:
             problem = self if tolerance is None else with_tolerance(self, tolerance)
-            return problem._solve(load, start, throw=throw, on_step=on_step)
+            closed = np.zeros(self._grid.shape) if branch == "unloading" else None
+            return problem._solve(load, start, throw=throw, on_step=on_step, start_gap=closed)
+        if self.adhesion is not None:
+            raise InputError(
+                "With adhesion the accuracy cannot be asked for: give a grid whose cohesive length has 2.5 cells."
+            )
         if start is not None:
             raise InputError("With area_within= or peak_within= the grid is chosen: omit start=, which needs one.")
         solution = solve_within(self, load, target, tolerance, on_step)
@@ -225,10 +253,13 @@ class ContactProblem:
     def require_load(
         self, *, pressure: float | None = None, force: float | None = None, approach: float | None = None
     ) -> Load:
-        """Return the one load that is given, after a check that the bodies can carry it; see `solve`."""
-        load = Load.of(pressure=pressure, force=force, approach=approach)
+        """Return the given load; `InputError` if the bodies cannot carry it; see `solve`."""
+        load = self._load_of(pressure=pressure, force=force, approach=approach)
         limit_load(self.plan, self.initial_gap, load)
         return load
+
+    def _load_of(self, **given: object) -> Load:
+        return Load.of(**given) if self.adhesion is None else Load.signed(**given)
 
     def sweep(
         self,
@@ -237,13 +268,13 @@ class ContactProblem:
         force: Iterable[float] | None = None,
         approach: Iterable[float] | None = None,
     ) -> Sweep:
-        """Solve for several loads, from the largest down, each starting from the ones before.
+        """Solve for several loads, each starting from the ones before: from the largest down; with adhesion in order.
 
         Parameters
         ----------
         pressure, force, approach
-            Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. With a hardness each is a
-            first loading; loads after a larger one are those of ``run_in(problem, ...).problem.sweep(...)``.
+            Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. With a hardness each load is
+            a first loading; ``run_in(problem, ...).problem.sweep(...)`` solves for loads after a larger one.
 
         Returns
         -------
@@ -257,10 +288,53 @@ class ContactProblem:
         NotConverged
             If a solution is not certified.
         """
-        loads = Load.sequence(pressure=pressure, force=force, approach=approach)
+        sequence = Load.sequence if self.adhesion is None else Load.signed_sequence
+        loads = sequence(pressure=pressure, force=force, approach=approach)
         for load in loads:
             limit_load(self.plan, self.initial_gap, load)
-        return run_sweep(self._solve, loads)
+        return run_sweep(self._solve, loads) if self.adhesion is None else follow_loads(self._solve, loads)
+
+    def cycle(self, *, approach: Iterable[float]) -> AdhesionCycle:
+        """Press surfaces that attract each other together and pull them apart again, along given approaches.
+
+        Parameters
+        ----------
+        approach
+            Approaches of loading, m, ascending; those of unloading are the same in the other order. Negative ones are
+            before the first touch. On a periodic boundary the mean gap is the mean of the initial gap minus them.
+
+        Returns
+        -------
+        AdhesionCycle
+            Both branches, their jumps, the energy lost, pull-in and pull-off.
+
+        Raises
+        ------
+        InputError
+            If there is no adhesion, the approaches do not ascend, or the cells do not resolve the range of the law.
+        NotConverged
+            If a state is not certified.
+        """
+        require_resolved(self.plan)
+        loads = Load.signed_sequence(approach=approach)
+        for load in loads:
+            limit_load(self.plan, self.initial_gap, load)
+        return run_cycle(self._solve, loads)
+
+    def pull_off(self) -> Estimate:
+        """Return the force at which surfaces that attract each other come apart, N, negative: the minimum on unloading.
+
+        The path begins at zero load and is followed by the approach, downwards.
+
+        Raises
+        ------
+        InputError
+            If there is no adhesion, or the cells do not resolve the range of the law.
+        NotConverged
+            If a state is not certified.
+        """
+        require_resolved(self.plan)
+        return find_pull_off(self._solve, self.plan)
 
     def solve_area(self, fraction: float, estimator: str | AreaEstimator = DEFAULT_AREA) -> ContactSolution:
         """Find the load at which the real contact area is a given fraction of the nominal area.
@@ -277,6 +351,8 @@ class ContactProblem:
         InputError
             If the fraction is out of bounds or no load gives it, on this grid and with this pressure limit.
         """
+        if self.adhesion is not None:
+            raise InputError("With adhesion one area may belong to several loads: sweep the loads instead.")
         typical_pressure = self.plan.modulus * rms_slope(self.initial_gap, self.plan.grid)
         maximum = maximum_pressure(self.plan)
         return find_load_of_area(self._solve, fraction, estimator, min(typical_pressure, maximum), maximum)
@@ -304,7 +380,21 @@ class ContactProblem:
         *,
         throw: bool = True,
         on_step: Callable[[Step], None] | None = None,
+        start_gap: Array | None = None,
     ) -> ContactSolution:
         origin = Origin(self.parts, load.arguments, source=self)
-        solution = attrs.evolve(run_solve(self, self._gap, load, start, on_step), origin=origin)
+        solution = attrs.evolve(run_solve(self, self._gap, load, start, on_step, start_gap), origin=origin)
         return require_success(solution) if throw else solution
+
+
+def problem_of(solution: ContactSolution) -> ContactProblem:
+    """Return the problem of a solution, with its prepared convolution; the problem of a file is built anew.
+
+    `InputError` if the solution has no origin, or needs a class that is not registered.
+    """
+    if solution.origin is None:
+        raise InputError("The solution does not say which problem it solves, so that nothing can be computed with it.")
+    problem = solution.origin.source or ContactProblem(**solution.origin.problem)
+    if not isinstance(problem, ContactProblem):
+        raise InputError(f"What was solved must be a ContactProblem, but is {problem!r}.")
+    return problem

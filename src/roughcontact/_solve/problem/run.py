@@ -1,4 +1,4 @@
-"""One solve: the solver's outcome, certified."""
+"""One solve: the outcome of the solver, and its certificate, recomputed from the pressure alone."""
 
 from __future__ import annotations
 
@@ -6,28 +6,241 @@ import contextlib
 import math
 import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
+from numpy.typing import ArrayLike
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array, frozen_array
 from roughcontact._base.machine import use_threads
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Boundary, Load
+from roughcontact._parts.interactions import BoundInteraction
+from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedConvolution
 from roughcontact._solve.problem.body import InitialGap
-from roughcontact._solve.problem.certificate import certify
-from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task
-from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solvers import Step
-from roughcontact.errors import NotConverged
+from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure_unit
+from roughcontact._solve.solution import AdhesiveConditions, ContactConditions, ContactSolution, Residuals, Status
+from roughcontact._solve.solvers import Outcome, Step, Task
+from roughcontact.errors import InputError, NotConverged
 
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
 
-# Depth of non-measured points that touch, over the sum of the last depth and the approach, and the exponent that it
-# gets in the last round: after eight rounds they are 4^36 = 5e21 times deeper.
-_DEEPER = 4.0
-_MAXIMUM_DEEPENED = 8
+# Wave numbers at which the effective modulus is sampled: about 24 per decade on a grid of 1000 cells a side.
+_SAMPLED_WAVE_NUMBERS = 96
+# Difference between machines, and versions of numpy and scipy, of residuals, and of other numbers over their maximum:
+# transforms differ by some 1e-15, Love's kernel by up to 5e-11 between its forms.
+_MACHINE_DIFFERENCE = 1e-10
+# Rounding of a gap over its largest term, with a margin of four over that of `ContactConditions`.
+_GAP_ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
+# New depth of non-measured points that touch, over the sum of the last depth and the approach, to the power of the
+# round; and maximum rounds: after eight they are 4^36 = 5e21 times deeper.
+_DEPTH_FACTOR = 4.0
+_MAX_DEEPENINGS = 8
+
+
+def certify(
+    plan: SolvePlan,
+    convolution: PreparedConvolution,
+    initial_gap: Array,
+    task: Task,
+    outcome: Outcome,
+    *,
+    seconds: float,
+) -> ContactSolution:
+    """Return the solution in SI units, with residuals recomputed in float64 from the pressure alone.
+
+    A success is confirmed only if float64 resolves the gap, the residuals are small, the load is right to rounding and
+    the bounds hold bit for bit.
+
+    Parameters
+    ----------
+    plan, convolution, task
+        The problem in dimensionless variables.
+    initial_gap
+        Gap before deformation, shape (nx, ny), m.
+    outcome
+        The pressure and status that the solver returned.
+    seconds
+        Wall time of the solve, s.
+    """
+    if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.initial_gap.shape:
+        raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
+    if task.interaction is not None:
+        return _certify_adhesive(plan, convolution, initial_gap, task, task.interaction, outcome, seconds)
+    displacement = convolution.apply(outcome.pressure)
+    state = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms_gap).measure(
+        outcome.pressure, displacement
+    )
+    carried = convolution.sum(outcome.pressure) / outcome.pressure.size
+    load = 0.0 if task.mean_pressure is None else abs(carried / task.mean_pressure - 1.0)
+    bound = 2.0 * max(plan.solver.tolerance, state.floor)
+    bounded = bool(outcome.pressure.min() >= 0.0 and (outcome.pressure <= task.pressure_limit).all())
+    confirmed = state.error <= bound and load <= LOAD_TOLERANCE and bounded
+    status = outcome.status.within(state.floor, plan.solver.tolerance)
+    if status.success and not confirmed:
+        status = Status.UNCONFIRMED
+    complementarity, penetration = (max(value, state.floor) for value in (state.complementarity, state.penetration))
+    residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley)
+    return _make_solution(plan, initial_gap, task, outcome, displacement, state.approach, status, residuals, seconds)
+
+
+def _certify_adhesive(
+    plan: SolvePlan,
+    convolution: PreparedConvolution,
+    initial_gap: Array,
+    task: Task,
+    interaction: BoundInteraction,
+    outcome: Outcome,
+    seconds: float,
+) -> ContactSolution:
+    """Return the solution of surfaces that attract each other; residuals from its pressure and tension alone."""
+    if outcome.tension is None or outcome.tension.shape != outcome.pressure.shape:
+        raise InputError(f"The solver {plan.solver!r} must return an Outcome with a tension of the grid's shape.")
+    displacement = convolution.apply(outcome.pressure)
+    conditions = AdhesiveConditions(
+        initial_gap=task.initial_gap,
+        interaction=interaction,
+        pressure_limit=task.pressure_limit,
+        approach=task.approach,
+        rms=task.rms_gap,
+    )
+    state = conditions.measure(outcome.pressure, outcome.tension, displacement)
+    load = 0.0
+    if task.mean_pressure is not None:
+        # A load may be zero: its error is over the forces that balance in it.
+        balanced = convolution.sum(np.abs(outcome.pressure)) / outcome.pressure.size
+        carried = convolution.sum(outcome.pressure) / outcome.pressure.size
+        load = abs(carried - task.mean_pressure) / max(abs(task.mean_pressure), balanced)
+    bound = 2.0 * max(plan.solver.tolerance, state.floor)
+    confirmed = state.error <= bound and load <= LOAD_TOLERANCE and state.bounds <= LOAD_TOLERANCE
+    status = outcome.status.within(state.floor, plan.solver.tolerance)
+    if status.success and not confirmed:
+        status = Status.UNCONFIRMED
+    found = (max(value, state.floor) for value in (state.complementarity, state.penetration, state.gap))
+    complementarity, penetration, tension = found
+    residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley, tension)
+    return _make_solution(plan, initial_gap, task, outcome, displacement, state.approach, status, residuals, seconds)
+
+
+def _make_solution(
+    plan: SolvePlan,
+    initial_gap: Array,
+    task: Task,
+    outcome: Outcome,
+    displacement: Array,
+    approach: float,
+    status: Status,
+    residuals: Residuals,
+    seconds: float,
+) -> ContactSolution:
+    """Return the solution in SI units."""
+    unit = pressure_unit(plan)
+    pressure = np.minimum(outcome.pressure * unit, plan.pressure_limit)
+    # Saturated cells carry the limit to the last bit.
+    pressure = np.where(outcome.pressure >= task.pressure_limit, plan.pressure_limit, pressure)
+    return ContactSolution(
+        grid=plan.grid,
+        boundary=plan.boundary,
+        modulus=plan.modulus,
+        pressure_limit=plan.pressure_limit,
+        pressure=frozen_array(pressure),
+        displacement=frozen_array(displacement * plan.peak_to_valley),
+        initial_gap=initial_gap,
+        approach=approach * plan.peak_to_valley,
+        status=status,
+        iterations=outcome.iterations,
+        convolutions=outcome.convolutions + 1,
+        seconds=seconds,
+        residuals=residuals,
+        errors=outcome.errors,
+        levels=outcome.levels,
+        edge_shift=plan.kernel.edge_shift,
+        moduli=_sample_modulus(plan),
+        non_measured=plan.non_measured,
+        tension=None if outcome.tension is None else frozen_array(outcome.tension * unit),
+    )
+
+
+def verify_solution(
+    plan: SolvePlan, convolution: PreparedConvolution, gap: InitialGap, solution: ContactSolution
+) -> None:
+    """Recompute displacement and residuals of a solution from its pressure; see `ContactProblem.verify`."""
+    if solution.origin is None or not solution.grid.matches(plan.grid):
+        raise InputError(f"It is not a solution at a load, on the grid of the problem, {plan.grid}.")
+    if gap.non_measured is not None:
+        # The solve may have deepened them.
+        gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
+    load = Load.of(**solution.origin.load) if plan.interaction is None else Load.signed(**solution.origin.load)
+    task = make_task(plan, solution.initial_gap, load)
+    if (solution.tension is None) is not (plan.interaction is None):
+        raise InputError("Its tension contradicts the adhesion of its problem.")
+    unit = pressure_unit(plan)
+    pressure = solution.pressure / unit
+    tension = None if solution.tension is None else solution.tension / unit
+    outcome = Outcome(
+        pressure=pressure, status=solution.status, iterations=0, convolutions=0, errors=(), tension=tension
+    )
+    again = certify(plan, _by_transforms(convolution), solution.initial_gap, task, outcome, seconds=0.0)
+    _require_confirmed(solution, again, gap.values)
+
+
+def _by_transforms(convolution: PreparedConvolution) -> PreparedConvolution:
+    """Return a convolution with transforms instead of the direct sum, which takes minutes on large grids."""
+    setup = convolution.setup
+    if not isinstance(setup.convolver, Direct):
+        return convolution
+    convolver = DCFFT() if setup.boundary is Boundary.FREE else CircularFFT()
+    return convolver.prepare(setup.kernel, setup.grid, setup.boundary)
+
+
+def _require_confirmed(stated: ContactSolution, again: ContactSolution, initial_gap: Array) -> None:
+    """Raise `InputError` unless a solution has the gap of its problem and, up to rounding, the recomputed numbers."""
+    residuals = stated.residuals
+    found = again.residuals
+    moduli = again.moduli or ()
+    displaced = float(np.abs(again.displacement).max())
+    margin = _MACHINE_DIFFERENCE + _GAP_ROUNDING * (displaced + float(np.abs(again.initial_gap).max())) / found.scale
+    pairs: dict[str, tuple[ArrayLike, ArrayLike, float]] = {
+        "initial gap": (stated.initial_gap, initial_gap, _MACHINE_DIFFERENCE * float(initial_gap.max())),
+        "boundary": (float(stated.boundary is again.boundary), 1.0, 0.0),
+        "pressure limit": (stated.pressure_limit, again.pressure_limit, 0.0),
+        "contact modulus": (stated.modulus, again.modulus, _MACHINE_DIFFERENCE * again.modulus),
+        "moduli": (stated.moduli or (), moduli, _MACHINE_DIFFERENCE * float(np.max(moduli, initial=0.0))),
+        "edge shift": (stated.edge_shift, again.edge_shift, _MACHINE_DIFFERENCE),
+        "displacement": (stated.displacement, again.displacement, _MACHINE_DIFFERENCE * displaced),
+        "approach": (stated.approach, again.approach, margin * found.scale),
+        "scale": (residuals.scale, found.scale, margin * found.scale),
+        "complementarity": (residuals.complementarity, found.complementarity, margin),
+        "penetration": (residuals.penetration, found.penetration, margin),
+        "error of the tension": (residuals.tension, found.tension, margin),
+        "error of the load": (residuals.load, found.load, LOAD_TOLERANCE),
+    }
+    for name, (given, right, allowed) in pairs.items():
+        if not _are_close(np.asarray(given), np.asarray(right), allowed):
+            raise InputError(f"Its {name} contradicts its pressure and its problem.")
+    if stated.status.success and not again.status.success:
+        raise InputError(f"Its status is {stated.status.name}, but the recomputed residuals are {found}.")
+
+
+def _are_close(given: Array, right: Array, allowed: float) -> bool:
+    # Limits and the residuals of a failed solve may be infinite.
+    if given.shape != right.shape or np.array_equal(given, right):
+        return given.shape == right.shape
+    with np.errstate(all="ignore"):
+        return bool(np.abs(given - right).max() <= allowed)
+
+
+def _sample_modulus(plan: SolvePlan) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
+    """Return inverse wave numbers, from a tenth of a cell to the domain, m, and the effective modulus at each, Pa."""
+    lengths = np.geomspace(0.1 * min(plan.grid.spacing), max(plan.grid.size), _SAMPLED_WAVE_NUMBERS)
+    moduli = plan.kernel.effective_modulus(1.0 / lengths, 1.0 / plan.modulus)
+    if moduli is None:
+        return None
+    if moduli.shape != lengths.shape or not (np.isfinite(moduli).all() and moduli.min() > 0.0):
+        raise InputError(f"The kernel {plan.kernel!r} must return moduli above zero, of shape {lengths.shape}.")
+    return tuple(lengths.tolist()), tuple(moduli.tolist())
 
 
 def run_solve(
@@ -36,11 +249,12 @@ def run_solve(
     load: Load,
     start: Array | None,
     on_step: Callable[[Step], None] | None,
+    start_gap: Array | None = None,
 ) -> ContactSolution:
     """Return the certified solution at a load, which may be unfinished, without its origin."""
     started = time.perf_counter()
     with computing(problem):
-        return _solve(problem, gap, load, start, on_step, started)
+        return _solve(problem, gap, load, start, on_step, started, start_gap)
 
 
 @contextlib.contextmanager
@@ -58,32 +272,59 @@ def _solve(
     start: Array | None,
     on_step: Callable[[Step], None] | None,
     started: float,
+    start_gap: Array | None,
 ) -> ContactSolution:
     """Solve until no non-measured point touches; `started` is the time of the clock at the start."""
     plan = problem.plan
     deepened = 0
     while True:
-        task = attrs.evolve(make_task(plan, gap.values, load, start), on_step=on_step)
-        outcome = plan.solver.solve(problem.convolution, task)
-        # A clock may be set back, as on a machine that was suspended.
+        task = attrs.evolve(make_task(plan, gap.values, load, start, start_gap), on_step=on_step)
+        outcome = _solve_confirmed(plan, problem.convolution, gap.values, task)
+        # A clock may be set back, for instance on a suspended machine.
         seconds = max(0.0, time.perf_counter() - started)
         solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
-        excess = gap.sum_non_measured(solution.pressure)
-        touch = LOAD_TOLERANCE * float(solution.pressure.sum()) < excess < math.inf if excess else False
-        if not touch or deepened == _MAXIMUM_DEEPENED:
+        pressed = solution.contact_pressure
+        excess = gap.sum_non_measured(pressed)
+        touch = LOAD_TOLERANCE * float(pressed.sum()) < excess < math.inf if excess else False
+        if not touch or deepened == _MAX_DEEPENINGS:
             break
         # Non-measured points do not touch, however large the approach.
         deepened += 1
-        gap = gap.with_depth(_DEEPER**deepened * (float(gap.values.max()) + abs(solution.approach)))
+        gap = gap.with_depth(_DEPTH_FACTOR**deepened * (float(gap.values.max()) + abs(solution.approach)))
     if excess > 0.0:
-        # The load of the measured points alone: the certificate tells whether it lacks more than rounding.
+        # Only measured points carry load: the certificate shows whether more than rounding is missing.
         outcome = attrs.evolve(outcome, pressure=np.where(np.asarray(gap.non_measured), 0.0, outcome.pressure))
         solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
     return solution
 
 
+# Factor by which the tolerance of an adhesive solve is lowered where its residuals do not confirm it, and how often.
+_STRICTER = 0.1
+_MAXIMUM_STRICTER = 2
+
+
+def _solve_confirmed(plan: SolvePlan, convolution: PreparedConvolution, initial_gap: Array, task: Task) -> Outcome:
+    """Return the outcome of the solver; with adhesion at a lower tolerance where its residuals exceed its own.
+
+    A solver of gaps measures its error by a preconditioner, which counts long waves for less than they displace.
+    """
+    outcome = plan.solver.solve(convolution, task)
+    solver: Any = plan.solver
+    for _ in range(_MAXIMUM_STRICTER):
+        if task.interaction is None or not hasattr(solver, "tolerance"):
+            break
+        found = certify(plan, convolution, initial_gap, task, outcome, seconds=0.0)
+        if found.status is not Status.UNCONFIRMED:
+            break
+        solver = attrs.evolve(solver, tolerance=_STRICTER * solver.tolerance)
+        again = solver.solve(convolution, task)
+        spent = outcome.convolutions + again.convolutions
+        outcome = attrs.evolve(again, convolutions=spent)
+    return outcome
+
+
 def require_success(solution: ContactSolution) -> ContactSolution:
-    """Return the solution, or raise `NotConverged` if it is not certified or not as accurate as was asked."""
+    """Return the solution, or raise `NotConverged` if it is not certified or not as accurate as requested."""
     if not solution.status.success:
         status = f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals})."
         raise NotConverged(" ".join((status, *solution.warnings)), solution)

@@ -1,4 +1,4 @@
-"""Several loads in a row."""
+"""Several loads in a row, and their results as a table."""
 
 from __future__ import annotations
 
@@ -10,33 +10,49 @@ from typing import Any, overload
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, flag, item_of, number
-from roughcontact._base.tables import Table
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import flag, item_of, number
+from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted, si
-from roughcontact._parts.load import Load
-from roughcontact._solve.problem.sweep_table import make_table, to_dataset
+from roughcontact._parts.grid import Load
 from roughcontact._solve.solution import AreaEstimator, ContactSolution, note_loads, page_or_file, writers
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Relative error of the area at which the search for its load ends; where the area jumps from cell to cell,
-# the search ends at its uncertainty.
+# Relative error of the area at which the search for its load ends; if the area jumps from cell to cell, the search ends
+# at its uncertainty.
 _AREA_TOLERANCE = 1e-3
-# The search halves its bracket in the worst case: 40 halvings narrow any bracket below the criterion for jumps.
-_MAXIMUM_TRIES = 40
-# Relative width of the bracket at which the area is taken to jump.
-_NARROW = 1e-6
-# Mean pressure, over that of a large area, below which the area cannot follow the load: single cells are in contact.
-_LIGHTEST = 1e-20
-# Powers of the pressure (first) and of the overlap (last) that are extrapolated; maximum pressure, over the limit, of
-# a cell that is not saturated.
-_POWER = 1.75
-_BELOW = 0.97
-_OVERLAP = 2.0 / 3.0
-# Relative difference of two loads, or of their approaches, up to which they are one: rounding.
-_EQUAL = 1e-9
-# Ratio of two loads below which a solve from coarse grids is as fast as one from the other solution.
-_FARTHEST = 0.5
+# Maximum tries: 40 halvings, the worst case, narrow any bracket below the criterion for jumps.
+_MAX_TRIES = 40
+# Maximum relative width of a bracket in which the area jumps.
+_JUMP_BRACKET_WIDTH = 1e-6
+# Minimum mean pressure, over the pressure of a large area: below, the area of single cells cannot follow the load.
+_MIN_PRESSURE_RATIO = 1e-20
+# Power of the pressure that is extrapolated, maximum pressure of an elastic cell, over the limit, and power of the
+# overlap that is extrapolated.
+_PRESSURE_POWER = 1.75
+_MAX_UNSATURATED_PRESSURE = 0.97
+_OVERLAP_POWER = 2.0 / 3.0
+# Relative difference of two equal loads, or of their approaches: rounding.
+_EQUAL_LOAD_TOLERANCE = 1e-9
+# Minimum ratio of two loads at which the solution of one is a faster start for the other than coarse grids.
+_MIN_LOAD_RATIO = 0.5
+_COLUMN_UNITS = {
+    "mean_pressure": "Pa",
+    "force": "N",
+    "approach": "m",
+    "area": "m2",
+    "area_uncertainty": "m2",
+    "area_fraction": "",
+    "peak_pressure": "Pa",
+    "peak_pressure_uncertainty": "Pa",
+    "secant_stiffness": "N/m",
+}
+_LOAD_NAMES = {
+    "pressure": ("nominal mean pressure", "Pa"),
+    "force": ("normal force", "N"),
+    "approach": ("approach", "m"),
+}
 
 
 @attrs.frozen(eq=False)
@@ -98,14 +114,14 @@ class Sweep:
     def secant_stiffness(self) -> Array:
         """Slopes of the chords (F[k+1] - F[k-1]) / (d[k+1] - d[k-1]) of force over approach, N/m.
 
-        The loads are numbered from the smallest up, whatever their order in the sweep, and equal ones count once. At
-        the smallest and at the largest load the load itself takes the place of the neighbour that it does not have; of
-        a single load it is nan. The stiffness at a load, with its uncertainty, is `ContactSolution.stiffness`.
+        The loads are ordered from the smallest up, and equal ones count once. At the smallest and the largest load, the
+        chord ends at the load itself; for a single load it is nan. `ContactSolution.stiffness` gives the stiffness at a
+        load, with its uncertainty.
         """
         order = np.argsort(self.force, kind="stable")
         force = self.force[order]
         approach = self.approach[order]
-        differ = [np.diff(one) > _EQUAL * np.abs(one[1:]) for one in (force, approach)]
+        differ = [np.diff(one) > _EQUAL_LOAD_TOLERANCE * np.abs(one[1:]) for one in (force, approach)]
         is_new = np.append(True, differ[0] & differ[1])
         force = force[is_new]
         approach = approach[is_new]
@@ -141,7 +157,7 @@ class Sweep:
         return make_table(self).to_pandas()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; it may replace a file."""
+        """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; an existing file is replaced."""
         make_table(self).to_csv(path)
 
     @overload
@@ -159,7 +175,7 @@ class Sweep:
         """Return the results and fields as an `xarray.Dataset` over the load, x and y, m (extra ``store``).
 
         ``pressure`` and ``gap`` have the dimensions (load, x, y), ``initial_gap`` has (x, y), and the columns of
-        `to_pandas` have (load,); the coordinate ``load`` is what was asked, in its unit. The fields are copies.
+        `to_pandas` have (load,); the coordinate ``load`` is the given load, in its unit. The fields are copies.
         """
         return to_dataset(self)
 
@@ -187,7 +203,7 @@ class Sweep:
 
 @guarded
 def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tuple[Load, ...]) -> Sweep:
-    """Return the solutions at all loads, solved from the largest down: each starts from those before."""
+    """Return the solutions at all loads, from the largest down: each starts from earlier ones."""
     solutions: dict[int, ContactSolution] = {}
     for index in order_of_solving(loads):
         load = loads[index]
@@ -198,7 +214,7 @@ def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tup
 def order_of_solving(loads: Sequence[Load]) -> list[int]:
     """Return the positions of the loads from the largest down.
 
-    Cells that will leave the contact are known, with their pressures; those that will join it are not.
+    Cells that will leave the contact are known, with their pressures; cells that will join it are not.
     """
     return sorted(range(len(loads)), key=lambda index: -loads[index].value)
 
@@ -228,17 +244,17 @@ def find_load_of_area(
     high = maximum
     pressure = min(0.5 * fraction * guess, 0.5 * maximum)
     solutions: list[ContactSolution] = []
-    for _ in range(_MAXIMUM_TRIES):
+    for _ in range(_MAX_TRIES):
         load = Load("pressure", pressure)
         solution = solve(load, predict_pressure(solutions, load))
         solutions = [*solutions[-1:], solution]
         area = solution.area(estimator)
         if abs(area.fraction / fraction - 1.0) <= _AREA_TOLERANCE:
             return solution
-        narrow = high - low <= _NARROW * low
+        narrow = high - low <= _JUMP_BRACKET_WIDTH * low
         if narrow and abs(area.fraction - fraction) * solution.grid.area <= area.uncertainty:
             return solution
-        if narrow or pressure < _LIGHTEST * guess:
+        if narrow or pressure < _MIN_PRESSURE_RATIO * guess:
             break
         low, high = (pressure, high) if area.fraction < fraction else (low, pressure)
         # At light load the area is nearly in proportion to the load.
@@ -252,25 +268,23 @@ def find_load_of_area(
 
 
 def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | None:
-    """Return a pressure to start from, shape (nx, ny), Pa; None where a solve without it is as fast.
+    """Return a pressure to start from, shape (nx, ny), Pa; None if a solve without it is as fast.
 
     Towards smaller loads the pressure of a cell falls nearly in proportion to the load inside a contact, and as a
-    square root to zero where the edge passes: a power between them is extrapolated over the logarithm of the load.
-    A saturated cell stays at the limit while its extrapolated gap is negative.
+    square root to zero at a passing edge: a power between them is extrapolated over the logarithm of the load. A
+    saturated cell stays at the limit while its extrapolated gap is negative.
 
-    Parameters
-    ----------
-    solutions
-        Those found before, the last at the nearest load; better at a larger than at a smaller one.
-    load
-        The next load.
+    The earlier solutions end with the nearest load, better a larger than a smaller one than the next load.
     """
     if not solutions:
         return None
     last = solutions[-1]
+    if last.tension is not None:
+        # The contact with adhesion does not follow the load so simply.
+        return None
     name = {"pressure": "mean_pressure"}.get(load.kind, load.kind)
     values = [float(getattr(solution, name)) for solution in solutions[-2:]]
-    if not _FARTHEST <= load.value / values[-1] <= 1.0 / _FARTHEST:
+    if not _MIN_LOAD_RATIO <= load.value / values[-1] <= 1.0 / _MIN_LOAD_RATIO:
         return None
     if len(values) == 1 and last.saturated.any():
         return None
@@ -281,14 +295,55 @@ def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | No
     cells = np.flatnonzero(last.contact)
     peak = float(last.pressure.max())
     # Powers take a tenth of the time in float32.
-    now, then = ((one.pressure.take(cells) / peak).astype(np.float32) ** _POWER for one in (last, before))
-    inside = peak * (np.maximum(now + np.float32(step) * (now - then), 0.0) ** (1.0 / _POWER)).astype(np.float64)
+    now, then = ((one.pressure.take(cells) / peak).astype(np.float32) ** _PRESSURE_POWER for one in (last, before))
+    inside = peak * (np.maximum(now + np.float32(step) * (now - then), 0.0) ** (1.0 / _PRESSURE_POWER)).astype(
+        np.float64
+    )
     limit = np.broadcast_to(last.pressure_limit, last.pressure.shape).take(cells)
-    np.minimum(inside, _BELOW * limit, out=inside)
+    np.minimum(inside, _MAX_UNSATURATED_PRESSURE * limit, out=inside)
     if last.saturated.any():
-        depth, earlier = (np.maximum(-one.gap.take(cells), 0.0) ** _OVERLAP for one in (last, before))
+        depth, earlier = (np.maximum(-one.gap.take(cells), 0.0) ** _OVERLAP_POWER for one in (last, before))
         overlap = depth + step * (depth - earlier) > 0.0
         np.copyto(inside, limit, where=last.saturated.take(cells) & overlap)
     start = np.zeros_like(last.pressure)
     start.reshape(-1)[cells] = inside
     return start if inside.max(initial=0.0) > 0.0 else None
+
+
+def make_table(sweep: Sweep) -> Table:
+    """Return a row for each load."""
+    peaks = [solution.peak_pressure() for solution in sweep.solutions]
+    columns = {name: getattr(sweep, name) for name in _COLUMN_UNITS if hasattr(sweep, name)}
+    columns |= {
+        "area_fraction": sweep.area / [solution.grid.area for solution in sweep.solutions],
+        "peak_pressure": np.array([peak.value for peak in peaks]),
+        "peak_pressure_uncertainty": np.array([peak.uncertainty for peak in peaks]),
+    }
+    return Table({name: columns[name] for name in _COLUMN_UNITS}, _COLUMN_UNITS)
+
+
+def to_dataset(sweep: Sweep) -> Any:
+    """Return scalars and fields over the load; see `Sweep.to_xarray`."""
+    first = sweep.solutions[0]
+    kind = "pressure"
+    loads = sweep.mean_pressure
+    origins = [solution.origin for solution in sweep.solutions]
+    kinds = {next(iter(origin.load)) for origin in origins if origin is not None}
+    if len(kinds) == 1 and None not in origins:
+        (kind,) = kinds
+        loads = np.array([origin.load[kind] for origin in origins if origin is not None])
+    table = make_table(sweep)
+    variables: dict[str, Any] = {
+        name: ("load", values, {"units": table.units[name]}) for name, values in table.columns.items()
+    }
+    for name, words, unit in (("pressure", "contact pressure", "Pa"), ("gap", "gap", "m")):
+        fields = np.stack([getattr(solution, name) for solution in sweep.solutions])
+        variables[name] = (("load", "x", "y"), fields, {"long_name": words, "units": unit})
+    notes = {"long_name": "gap before deformation", "units": "m"}
+    variables["initial_gap"] = (("x", "y"), first.initial_gap.copy(), notes)
+    places = {
+        "load": ("load", loads, dict(zip(("long_name", "units"), _LOAD_NAMES[kind], strict=True))),
+        "x": ("x", first.grid.x[:, 0], {"units": "m"}),
+        "y": ("y", first.grid.y[0], {"units": "m"}),
+    }
+    return make_dataset(variables, places, {"title": "contact of rough surfaces"})

@@ -1,24 +1,24 @@
-"""The dimensionless task that a solver is given: pressures in E* times the peak-to-valley height over the cell."""
+"""The dimensionless task of a solver: pressures in E* times the peak-to-valley height over the cell."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
-from roughcontact._parts.grid import Boundary
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Boundary, Load
+from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.solvers import Task
 from roughcontact.errors import InputError
 
-# Relative error of the load that counts as rounding.
+# Relative error of the load by rounding.
 LOAD_TOLERANCE = 1e-12
 # Range of dimensionless loads and approaches: beyond 1e15 the displacement hides the heights from float64, and
-# float32, in which solvers iterate, holds 1e-38 to 1e38. Limits above the third number are not reached.
-_SMALLEST = 1e-30
-_LARGEST = 1e15
-_UNLIMITED = 1e30
+# float32, in which solvers iterate, holds 1e-38 to 1e38. Third, the maximum pressure limit that can be reached.
+_MIN_LOAD = 1e-30
+_MAX_LOAD = 1e15
+_MAX_PRESSURE_LIMIT = 1e30
 
 
 def pressure_unit(plan: SolvePlan) -> float:
@@ -26,30 +26,21 @@ def pressure_unit(plan: SolvePlan) -> float:
     return plan.modulus * (plan.peak_to_valley / plan.grid.spacing[0])
 
 
-def make_task(plan: SolvePlan, initial_gap: Array, load: Load, start: Array | None = None) -> Task:
-    """Return the task of carrying a load.
+def make_task(
+    plan: SolvePlan, initial_gap: Array, load: Load, start: Array | None = None, start_gap: Array | None = None
+) -> Task:
+    """Return the task for a load; `InputError` if the bodies cannot carry it.
 
-    Parameters
-    ----------
-    plan
-        The plan of the problem.
-    initial_gap
-        Gap before deformation, shape (nx, ny), m.
-    load
-        The load.
-    start
-        A contact pressure to start from, shape (nx, ny), Pa.
-
-    Raises
-    ------
-    InputError
-        If the bodies cannot carry the load.
+    The initial gap, m, the pressure, Pa, and with adhesion the gap, m, to start from have shape (nx, ny).
     """
     load = limit_load(plan, initial_gap, load)
     unit = pressure_unit(plan)
     start = None if start is None else _limit_start(start, plan) / unit
-    if start is not None and load.kind == "pressure" and not start.max() > _SMALLEST:
-        # What carries no load cannot be scaled to one.
+    interaction = None
+    if plan.interaction is not None:
+        interaction = BoundInteraction(plan.interaction, length=plan.peak_to_valley, pressure=unit)
+    elif start is not None and load.kind == "pressure" and not start.max() > _MIN_LOAD:
+        # A pressure of zero cannot be scaled to a load.
         start = None
     gap = initial_gap / plan.peak_to_valley
     measured = None if plan.non_measured is None else ~plan.non_measured
@@ -58,9 +49,11 @@ def make_task(plan: SolvePlan, initial_gap: Array, load: Load, start: Array | No
         mean_pressure=load.value / unit if load.kind == "pressure" else None,
         approach=load.value / plan.peak_to_valley if load.kind == "approach" else None,
         pressure_limit=_dimensionless_limit(plan),
-        # The depth of non-measured points is arbitrary: it must not be what errors are compared with.
+        # The depth of non-measured points is arbitrary: errors must not be compared with it.
         rms_gap=None if measured is None else float(gap[measured].std()),
         start=start,
+        interaction=interaction,
+        start_gap=None if start_gap is None else np.maximum(start_gap, 0.0) / plan.peak_to_valley,
     )
 
 
@@ -72,7 +65,8 @@ def limit_load(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
     area = plan.grid.area if load.kind == "force" else 1.0
     mean = load.value / area if area > 0.0 else float("inf")
     unit = pressure_unit(plan)
-    if not _SMALLEST * unit < mean < _LARGEST * unit:
+    smallest = _MIN_LOAD if plan.interaction is None else -_MAX_LOAD
+    if not smallest * unit < mean < _MAX_LOAD * unit:
         raise InputError(
             f"The mean pressure of {mean:g} Pa leaves the range of float64 beside {unit:g} Pa, contact modulus times "
             "peak-to-valley height over cell: check the units."
@@ -89,11 +83,11 @@ def limit_load(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
 
 def _dimensionless_limit(plan: SolvePlan) -> Array:
     unit = pressure_unit(plan)
-    return np.where(plan.pressure_limit < _UNLIMITED * unit, plan.pressure_limit, np.inf) / unit
+    return np.where(plan.pressure_limit < _MAX_PRESSURE_LIMIT * unit, plan.pressure_limit, np.inf) / unit
 
 
 def maximum_pressure(plan: SolvePlan) -> float:
-    """Return the maximum mean pressure that the bodies can carry, Pa: at the limit wherever heights were measured."""
+    """Return the maximum mean pressure that the bodies can carry, Pa: with all measured points at the limit."""
     measured = True if plan.non_measured is None else ~plan.non_measured
     return float(np.mean(np.where(measured, plan.pressure_limit, 0.0)))
 
@@ -101,7 +95,8 @@ def maximum_pressure(plan: SolvePlan) -> float:
 def _limit_approach(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
     height = plan.peak_to_valley
     full = float(initial_gap.mean())
-    if not _SMALLEST * height < load.value < _LARGEST * height:
+    smallest = _MIN_LOAD if plan.interaction is None else -_MAX_LOAD
+    if not smallest * height < load.value < _MAX_LOAD * height:
         raise InputError(
             f"The approach of {load.value:g} m leaves the range of float64 beside the peak-to-valley height of "
             f"{height:g} m: check the units."
@@ -116,7 +111,7 @@ def _limit_approach(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
 
 
 def _limit_start(start: Array, plan: SolvePlan) -> Array:
-    """Return the pressure to start from, between zero and the pressure limit."""
+    """Return the pressure to start from, between zero, or minus the strength, and the pressure limit."""
     try:
         values = np.asarray(start)
     except ValueError:
@@ -126,5 +121,6 @@ def _limit_start(start: Array, plan: SolvePlan) -> Array:
             f"The pressure to start from must be an array of {plan.grid.shape} finite numbers in Pa, "
             f"but got {type(start).__name__} of shape {values.shape} and type {values.dtype}."
         )
-    highest = np.minimum(plan.pressure_limit, _LARGEST * pressure_unit(plan))
-    return np.clip(np.asarray(values, dtype=np.float64), 0.0, highest)
+    highest = np.minimum(plan.pressure_limit, _MAX_LOAD * pressure_unit(plan))
+    lowest = 0.0 if plan.interaction is None else -np.asarray(plan.interaction.strength)
+    return np.clip(np.asarray(values, dtype=np.float64), lowest, highest)

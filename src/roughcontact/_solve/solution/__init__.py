@@ -1,15 +1,19 @@
-"""What a solve returns."""
+"""The solution of a contact, its file, and its text."""
 
-from roughcontact._solve.solution.accuracy import Accuracy, Trial
+from roughcontact._solve.solution.attraction import (
+    RESOLVED_CELLS,
+    TRAPPED_CELLS,
+    AdhesiveConditions,
+    AdhesiveViolation,
+    describe_range,
+    trapping_error,
+)
 from roughcontact._solve.solution.conditions import ContactConditions, Violation
 from roughcontact._solve.solution.contact import ContactSolution
-from roughcontact._solve.solution.fields import ContactFields
+from roughcontact._solve.solution.fields import ContactFields, ContactPatches
 from roughcontact._solve.solution.healing import fill_gap, heal
-from roughcontact._solve.solution.netcdf import require_netcdf
-from roughcontact._solve.solution.origin import Origin, key_of_origin, solution_key, versions
-from roughcontact._solve.solution.patches import ContactPatches
-from roughcontact._solve.solution.plausibility import exceeds_metals, find_contact, find_scene
-from roughcontact._solve.solution.responses import Response, responses
+from roughcontact._solve.solution.origin import Accuracy, Origin, Trial, key_of_origin, solution_key, versions
+from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES, Rule, exceeds_metals, find_contact, find_scene
 from roughcontact._solve.solution.results import (
     DEFAULT_AREA,
     Area,
@@ -17,18 +21,22 @@ from roughcontact._solve.solution.results import (
     Estimate,
     GridLevel,
     Residuals,
+    Response,
     Status,
     areas,
+    responses,
 )
-from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES, Rule
-from roughcontact._solve.solution.several import gather_warnings, list_quantities, name_load, note_loads
-from roughcontact._solve.solution.storage import read, read_figures, write
+from roughcontact._solve.solution.storage import read, read_figures, require_netcdf, write
 from roughcontact._solve.solution.summary import (
     MORE_THAN_METALS,
     describe_maps,
     describe_work,
+    gather_warnings,
     list_all_warnings,
     list_answers,
+    list_quantities,
+    name_load,
+    note_loads,
 )
 from roughcontact._solve.solution.theory import TheoryBeside
 from roughcontact._solve.solution.writers import SolutionWriter, page_or_file, writers
@@ -37,7 +45,11 @@ __all__ = [
     "DEFAULT_AREA",
     "MORE_THAN_METALS",
     "PLAUSIBILITY_RULES",
+    "RESOLVED_CELLS",
+    "TRAPPED_CELLS",
     "Accuracy",
+    "AdhesiveConditions",
+    "AdhesiveViolation",
     "Area",
     "AreaEstimator",
     "ContactConditions",
@@ -57,6 +69,7 @@ __all__ = [
     "Violation",
     "areas",
     "describe_maps",
+    "describe_range",
     "describe_work",
     "exceeds_metals",
     "fill_gap",
@@ -76,6 +89,7 @@ __all__ = [
     "require_netcdf",
     "responses",
     "solution_key",
+    "trapping_error",
     "versions",
     "write",
     "writers",

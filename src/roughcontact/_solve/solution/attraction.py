@@ -8,12 +8,19 @@ t = s(g), the law of the interaction, where c = 0, and g <= 0 where p is at its 
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask
-from roughcontact._parts.interactions import BoundInteraction
+from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.units import ContactWarning, Estimate, si
+from roughcontact._parts.grid import Grid, extend
+from roughcontact._parts.interactions import BoundInteraction, Interaction
+
+if TYPE_CHECKING:
+    from roughcontact._solve.solution.contact import ContactSolution
+    from roughcontact._solve.solution.origin import Origin
 
 # Rounding of the gap over its largest term, as in `conditions`.
 _ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
@@ -134,3 +141,57 @@ class AdhesiveConditions:
         """Return the maximum difference of the tension from the law: at the gap of open cells, at zero in contact."""
         law = self.interaction.tension(np.where(contact > 0.0, 0.0, np.maximum(gap, 0.0)))
         return float(np.abs(law - tension).max())
+
+
+# Cells of the cohesive length from which pull-off is right to 0.2 %, and below which states are stuck to the cells:
+# pull-off errs by up to 30 % exp(-2 cells).
+RESOLVED_CELLS = 2.5
+TRAPPED_CELLS = 1.5
+
+
+def trapping_error(cells: float) -> float:
+    """Return the relative error of the force of pull-off because the edge of the contact sticks to the cells."""
+    return 0.3 * math.exp(-2.0 * cells)
+
+
+def describe_range(law: Interaction, grid: Grid, modulus: float) -> ContactWarning | None:
+    """Return a warning if the cells do not resolve the range of a law; None if they do."""
+    cells = law.cohesive_cells(grid.spacing, modulus)
+    if cells >= RESOLVED_CELLS:
+        return None
+    side = si(max(grid.spacing) * cells / RESOLVED_CELLS, "m", 2)
+    longer = math.sqrt(RESOLVED_CELLS / cells)
+    stuck = "sticks" if cells < TRAPPED_CELLS else "starts to stick"
+    text = (
+        f"the cohesive length E*/max|ds/dg| has {cells:.2g} cells, so that the edge of the contact {stuck} to the "
+        f"cells and pull-off may be {100 * trapping_error(cells):.2g} % off: use cells of at most {side}, or a range "
+        f"{longer:.2g} times as long"
+    )
+    return ContactWarning(text, "cohesive length", cells)
+
+
+def warn_of_range(solution: ContactSolution, origin: Origin) -> tuple[str, ...]:
+    """Return the warning of the range of the law by which the surfaces of a solution attract each other, if any."""
+    if solution.tension is None or origin.missing:
+        return ()
+    law: Interaction = origin.problem["adhesion"]
+    found = describe_range(law.resolve(solution.grid.spacing, solution.modulus), solution.grid, solution.modulus)
+    return () if found is None else (found,)
+
+
+def interpolate_peak(solution: ContactSolution) -> Estimate:
+    """Return the maximum contact pressure, Pa, of the parabolas through the highest cell and its neighbours.
+
+    The load of a patch does not tell it where surfaces attract each other, as it does without adhesion.
+    """
+    pressure = solution.contact_pressure
+    i, j = np.unravel_index(int(pressure.argmax()), pressure.shape)
+    highest = float(pressure[i, j])
+    around = extend(pressure, 1, solution.boundary)[i : i + 3, j : j + 3]
+    rise = 0.0
+    for before, after in ((around[0, 1], around[2, 1]), (around[1, 0], around[1, 2])):
+        bend = 2.0 * highest - float(before) - float(after)
+        rise += (float(after) - float(before)) ** 2 / (8.0 * bend) if bend > 0.0 else 0.0
+    # Where the neighbours are much lower the grid does not show the top.
+    drop = highest - float(np.mean([around[0, 1], around[2, 1], around[1, 0], around[1, 2]]))
+    return Estimate(highest + rise, 0.5 * rise + 0.25 * drop, "Pa")

@@ -11,19 +11,19 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array, sum_of_products
 from roughcontact._base.machine import map_tiles, tiles_of
 
 # Range of the displacement, over the maximum pressure, below which the pressure is uniform up to rounding.
-_UNIFORM = 1e-12
+_UNIFORM_RANGE = 1e-12
 # Rounding of the gap over its largest term. Transforms of 2048 x 2048 cells round by up to 7 eps
 # (docs/studies/solver_constants.py); the rest is margin for the sums.
-_ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
+_GAP_ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
 
 
 @attrs.frozen
 class Violation:
-    """The amount by which a pressure field violates the conditions of contact, and the approach it implies.
+    """The violation of the conditions of contact by a pressure field, and the approach it implies.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Violation:
         The smaller of the standard deviation of the initial gap and the range of the elastic displacement, so that
         neither a tall surface nor a light load hides an error.
     floor
-        The error that rounding in float64 may cause on these fields, over `scale`.
+        The error by rounding in float64, over `scale`.
     """
 
     approach: float
@@ -48,7 +48,7 @@ class Violation:
 
     @property
     def error(self) -> float:
-        """The maximum of complementarity, penetration and `floor`, below which float64 cannot tell them."""
+        """The maximum of complementarity, penetration and `floor`."""
         return max(self.complementarity, self.penetration, self.floor)
 
 
@@ -64,7 +64,7 @@ class ContactConditions:
     approach
         The approach if it is given; None if the load is.
     rms
-        The standard deviation of the initial gap, if it is not that of all cells.
+        The standard deviation of the initial gap; None: over all cells.
     """
 
     def __init__(
@@ -83,8 +83,8 @@ class ContactConditions:
     def measure(self, pressure: Array, displacement: Array) -> Violation:
         """Return the violation by a pressure, within its bounds, and the displacement it causes, shape (nx, ny).
 
-        Unless it is given, the approach is the pressure-weighted mean of u + h over the cells in elastic
-        contact; if there are none, a value that separates open from saturated cells.
+        The approach, if it is not given, is the pressure-weighted mean of u + h over the cells in elastic contact; if
+        there are none, a value that separates open from saturated cells.
         """
         tiles = tiles_of(pressure)
 
@@ -93,7 +93,7 @@ class ContactConditions:
             moved = displacement[tile]
             elastic = bearing if not self._capped else np.where(bearing >= self._limits(tile), 0.0, bearing)
             load = np.add.reduce(elastic, axis=None)
-            weighted = _dot(elastic, moved + self._initial_gap[tile])
+            weighted = sum_of_products(elastic, moved + self._initial_gap[tile])
             sums = load, weighted, np.add.reduce(bearing, axis=None)
             return tuple(float(value) for value in (*sums, bearing.max(), moved.min(), moved.max()))
 
@@ -115,22 +115,22 @@ class ContactConditions:
                 # Saturated cells may overlap; only an open gap is an error there.
                 np.maximum(gap, 0.0, out=gap, where=pressure[tile] >= self._limits(tile))
             minimum = float(gap.min())
-            return minimum, _dot(pressure[tile], np.abs(gap, out=gap))
+            return minimum, sum_of_products(pressure[tile], np.abs(gap, out=gap))
 
         minima, opened = zip(*map_tiles(open_tile, tiles), strict=True)
-        # Zero pressure can be the answer to a given approach, never to a given load.
+        # Zero pressure may satisfy a given approach, but never a given load.
         without_load = math.inf if self._approach is None else 0.0
         open_gap = math.fsum(opened) / total if total > 0.0 else without_load
         overlap = max(0.0, -min(minima))
         # With lengths in cells and E* = 1, a pressure displaces its own cell by about its own value.
-        elastic_range = high - low if high - low > _UNIFORM * peak else 0.0
+        elastic_range = high - low if high - low > _UNIFORM_RANGE * peak else 0.0
         scale = min(self._rms, elastic_range) or max(self._rms, elastic_range) or 1.0
         if total == 0.0 and overlap > 0.0:
-            # However small an approach is beside the heights, it takes pressure.
+            # Even an approach that is small beside the heights needs pressure.
             scale = min(scale, overlap)
         # On a periodic domain a uniform pressure displaces nothing, but its rounding displaces single cells. Initial
-        # gaps larger than displacement and approach are open, whatever their rounding.
-        floor = _ROUNDING * (max(high, -low, peak) + abs(approach)) / scale
+        # gaps larger than displacement and approach are open in any case.
+        floor = _GAP_ROUNDING * (max(high, -low, peak) + abs(approach)) / scale
         return Violation(approach, open_gap / scale, overlap / scale, scale, floor)
 
     def _limits(self, tile: slice) -> float | Array:
@@ -139,12 +139,8 @@ class ContactConditions:
         return limit if isinstance(limit, float) or limit.ndim < 2 or limit.shape[0] == 1 else limit[tile]
 
     def _separating_approach(self, pressure: Array, displacement: Array) -> float:
-        """Return an approach above u + h of the saturated and, if possible, below that of the open cells."""
+        """Return an approach above u + h of the saturated cells and, if possible, below u + h of the open cells."""
         gap = displacement + self._initial_gap
         lower = float(gap[pressure >= self._limit].max(initial=gap.min()))
         open_cells = pressure <= 0.0
         return min(lower, float(gap[open_cells].min())) if open_cells.any() else lower
-
-
-def _dot(one: Array, other: Array) -> float:
-    return float(np.einsum("ij,ij->", one, other))

@@ -1,4 +1,4 @@
-"""What a solve returns: the fields, the certificate and the quantities derived from them."""
+"""The solution of a contact: its fields, its certificate, and the answers derived from them."""
 
 from __future__ import annotations
 
@@ -11,27 +11,30 @@ import attrs
 import numpy as np
 
 from roughcontact._base import checks
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution import storage
+from roughcontact._solve.solution.attraction import interpolate_peak, warn_of_range
 from roughcontact._solve.solution.fields import ContactFields
 from roughcontact._solve.solution.healing import heal
 from roughcontact._solve.solution.plausibility import list_warnings
-from roughcontact._solve.solution.responses import Response, responses
 from roughcontact._solve.solution.results import (
+    DEFAULT_ADHESIVE_AREA,
     DEFAULT_AREA,
     Area,
     AreaEstimator,
     Estimate,
+    Response,
     areas,
+    estimate_attractive_area,
+    estimate_saturated_area,
     judge_maps,
+    responses,
 )
-from roughcontact._solve.solution.saturation import estimate_saturated_area
 from roughcontact._solve.solution.summary import abbreviate, summarize
 from roughcontact._solve.solution.theory import TheoryBeside, compare_with_theory
-from roughcontact._solve.solution.vti import to_pyvista
-from roughcontact._solve.solution.writers import page_or_file, write_solution, writers
+from roughcontact._solve.solution.writers import page_or_file, to_pyvista, write_solution, writers
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -42,7 +45,7 @@ T = TypeVar("T")
 
 @attrs.frozen(eq=False, kw_only=True)
 class ContactSolution(ContactFields):
-    """A solved contact: its fields, the certificate, and all that is asked of them.
+    """A solved contact: its fields, its certificate, and the answers derived from them.
 
     Examples
     --------
@@ -72,16 +75,46 @@ class ContactSolution(ContactFields):
         InputError
             If there is no such estimator.
         """
-        # Every number and response asks for this one.
+        # The default area is kept, because every number and response needs it.
         default = isinstance(estimator, str) and estimator == DEFAULT_AREA
         return self._default_area if default else self._estimate_area(areas.resolve(estimator))
 
+    def attractive_area(self, fraction: float = 0.1) -> Area:
+        """Return the area outside the contact where the tension exceeds a fraction of its maximum.
+
+        Parameters
+        ----------
+        fraction
+            Tension over the maximum tension of all cells, above 0 and below 1.
+
+        Raises
+        ------
+        InputError
+            If the surfaces do not attract each other.
+        """
+        return estimate_attractive_area(self, fraction)
+
     @cached_property
     def _default_area(self) -> Area:
-        return self._estimate_area(areas.resolve(DEFAULT_AREA))
+        return self._estimate_area(areas.resolve(DEFAULT_AREA if self.tension is None else DEFAULT_ADHESIVE_AREA))
+
+    def _view(self, response: Response[Any]) -> ContactSolution:
+        """Return what a response reads of the solution: with adhesion the pressure that it holds for."""
+        if self.tension is None:
+            return self
+        if response.with_adhesion == "refused":
+            raise InputError(
+                f"{type(response).__name__} does not hold for surfaces that attract each other: it knows no tension."
+            )
+        return self if response.with_adhesion == "total pressure" else self._pressed
+
+    @cached_property
+    def _pressed(self) -> ContactSolution:
+        """The solution with its contact pressure alone, whose gap is the same."""
+        return attrs.evolve(self, pressure=self.contact_pressure, tension=np.zeros(self.grid.shape))
 
     def _estimate_area(self, chosen: AreaEstimator) -> Area:
-        area = chosen.estimate(heal(self))
+        area = chosen.estimate(heal(self._view(chosen)))
         if not isinstance(area, Area) or not np.isfinite([area.value, area.uncertainty]).all():
             raise InputError(
                 f"The area estimator {chosen!r} returned {area!r}, which is not an Area of finite numbers."
@@ -94,18 +127,17 @@ class ContactSolution(ContactFields):
 
     def peak_pressure(self) -> Estimate:
         """Return the maximum contact pressure between the cells, Pa; see `roughcontact.responses.PeakPressure`."""
-        return self.response("peak-pressure")
+        return self.response("peak-pressure") if self.tension is None else interpolate_peak(self)
 
     def response(self, response: str | Response[T]) -> T:
-        """Return a number of the contact, or what it does: its answer to a small change, a current, a flow.
+        """Return a quantity of the contact, or its response to a small change, a current or a flow.
 
         Parameters
         ----------
         response
-            Registered name or instance of a response. Without arguments go ``"peak-pressure"``, ``"perimeter"``,
-            ``"patches"``, ``"mean-gap"``, ``"approach"`` (since the first touch of the summits between the cells),
-            ``"stiffness"`` and ``"tangential-stiffness"``; others are made with theirs by
-            ``roughcontact.responses.create``.
+            Registered name or instance of a response. The names of those without arguments are ``"peak-pressure"``,
+            ``"perimeter"``, ``"patches"``, ``"mean-gap"``, ``"approach"`` (since the first touch of the summits between
+            the cells), ``"stiffness"`` and ``"tangential-stiffness"``; ``roughcontact.responses.create`` makes others.
 
         Raises
         ------
@@ -114,7 +146,7 @@ class ContactSolution(ContactFields):
             value.
         """
         chosen: Response[T] = responses.resolve(response)
-        found = chosen.respond(self)
+        found = chosen.respond(self._view(chosen))
         if isinstance(found, Estimate) and not (found.uncertainty >= 0.0 and abs(found.value) >= 0.0):
             raise InputError(f"The response {chosen!r} returned {found!r}, which has no value or no uncertainty.")
         return found
@@ -122,6 +154,13 @@ class ContactSolution(ContactFields):
     def stiffness(self) -> Estimate:
         """Return the normal stiffness dF/d(approach), N/m; `roughcontact.responses.Stiffness` states the equations."""
         return self.response("stiffness")
+
+    def stability(self) -> Estimate:
+        """Return how far surfaces that attract each other are from a jump: 1 far away, 0 at one.
+
+        `roughcontact.responses.StabilityMargin` states the equation.
+        """
+        return self.response("stability")
 
     def conductance(self, conductivity: float | Sequence[float], film_resistance: float = 0.0) -> Conductance:
         """Return the thermal or electrical contact conductance, W/K or S.
@@ -131,7 +170,7 @@ class ContactSolution(ContactFields):
         Parameters
         ----------
         conductivity
-            Of both bodies, or of each (body, counterbody), W/(m K) for heat or S/m for current.
+            Conductivity of both bodies, or of each (body, counterbody), W/(m K) for heat or S/m for current.
         film_resistance
             Resistance of a film on the spots times its area, m2 K/W or Ohm m2.
 
@@ -165,7 +204,7 @@ class ContactSolution(ContactFields):
     def first_yield(self, yield_stress: float, body: str = "body") -> YieldPoint:
         """Return the load, N, and depth, m, at which a body first yields below its surface.
 
-        `roughcontact.responses.FirstYield` tells how it is found.
+        `roughcontact.responses.FirstYield` states the method.
 
         Parameters
         ----------
@@ -177,7 +216,7 @@ class ContactSolution(ContactFields):
         Raises
         ------
         InputError
-            If the body has no stress, or the contact no problem that can be solved again.
+            If the body has no stress, or the problem cannot be solved again.
         """
         found: YieldPoint = self.response(responses.create("first-yield", yield_stress, body=body))
         return found
@@ -190,9 +229,9 @@ class ContactSolution(ContactFields):
         axis
             Axis along which it flows: 0 (x) or 1 (y).
         viscosity
-            Pa s.
+            Viscosity, Pa s.
         pressure_drop
-            Between the two sides, Pa.
+            Pressure difference between the two sides, Pa.
 
         Raises
         ------
@@ -229,7 +268,7 @@ class ContactSolution(ContactFields):
         Parameters
         ----------
         tangential_force
-            N.
+            Tangential force, N.
         friction
             Coefficient of friction.
         axis
@@ -247,8 +286,8 @@ class ContactSolution(ContactFields):
     def saturated_area(self, estimator: str | AreaEstimator = "level-set") -> Area:
         """Return the part of the contact area where the pressure has reached the limit; zero without a limit.
 
-        limit - p and -gap satisfy the contact conditions, and the contact of that complementary problem is
-        the area that is not saturated; so the estimators of the contact's edge find this edge as well.
+        limit - p and -gap satisfy the conditions of contact too, and the contact of this complementary problem is the
+        area that is not saturated: the area estimators find its edge as well.
 
         Parameters
         ----------
@@ -260,24 +299,26 @@ class ContactSolution(ContactFields):
         InputError
             If there is no such estimator.
         """
-        return estimate_saturated_area(heal(self), estimator)
+        return estimate_saturated_area(heal(self if self.tension is None else self._pressed), estimator)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """Likely mistakes, and why the model or the grid does not suit the contact, in sentences; empty if none.
+        """Likely mistakes, and limits of model and grid for this contact, in sentences; empty if there are none.
 
-        They do not include those of the `area`.
+        The warnings of the `area` are not among them.
         """
-        return list_warnings(self, self._materials.values())
+        pressed = self if self.tension is None else self._pressed
+        found = list_warnings(pressed, self._materials.values())
+        return found if self.origin is None else (*found, *warn_of_range(self, self.origin))
 
     @cached_property
     def theory(self) -> TheoryBeside | None:
-        """Persson's theory for the same surface and load; None where it does not hold.
+        """Persson's theory for the same surface and load; None if it does not hold.
 
-        It is given on periodic boundaries, without saturated cells, for nominally flat, isotropic, Gaussian roughness
-        of many waves, most of them longer than four cells, on at most 2048 x 2048 cells.
+        It holds on periodic boundaries without saturated cells, for nominally flat, isotropic, Gaussian roughness of
+        many waves, most of them longer than four cells; grids have at most 2048 x 2048 cells.
         """
-        return compare_with_theory(self)
+        return compare_with_theory(self) if self.tension is None else None
 
     @property
     def _materials(self) -> dict[str, Material]:
@@ -291,8 +332,8 @@ class ContactSolution(ContactFields):
         path
             Its ending names one of the registered ``writers``; an existing file is replaced. ``.npz``, or ``.nc`` for
             netCDF with units (extra ``store``), can be loaded again: they hold the fields, shape (nx, ny), under
-            their own names, the force, approach and area, the versions of the packages, and the problem: each part
-            by its registered name and fields. Python warns of a part whose class is not registered. ``.html`` is the
+            their own names, the force, approach and area, the versions of the packages, and the problem: each part by
+            its registered name and fields. A warning names parts whose class is not registered. ``.html`` is the
             report, ``.vti`` image data for ParaView.
 
         Raises
@@ -321,7 +362,7 @@ class ContactSolution(ContactFields):
         Parameters
         ----------
         panel
-            Registered name or instance of one panel; None: the four that say most, side by side.
+            Registered name or instance of one panel; None: the four most important ones, side by side.
         axes
             Matplotlib's axes to draw one panel on; None: new ones.
         dark
@@ -358,8 +399,8 @@ class ContactSolution(ContactFields):
         path
             The file.
         verify
-            Whether to build the problem and recompute displacement and residuals from the pressure: the time of
-            one convolution. False takes them as the file gives them.
+            Whether to build the problem and recompute displacement and residuals from the pressure: the time of one
+            convolution. False takes them from the file.
 
         Raises
         ------

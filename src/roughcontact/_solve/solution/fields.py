@@ -1,4 +1,4 @@
-"""The fields of a solved contact, and what follows from them cell by cell."""
+"""The fields of a solved contact, and its patches: connected cells in contact."""
 
 from __future__ import annotations
 
@@ -8,13 +8,156 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask, numbers, read_only
+from roughcontact._base.arrays import Array, IntArray, Mask, read_only
+from roughcontact._base.checks import numbers
+from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._solve.solution.accuracy import Accuracy
-from roughcontact._solve.solution.origin import Origin
-from roughcontact._solve.solution.patches import ContactPatches, find_patches
+from roughcontact._solve.solution.origin import Accuracy, Origin
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
 from roughcontact.errors import InputError
+
+# Minimum cells of a patch with a point that is surrounded by contact; the area of smaller ones is hardly known.
+_SMALL_PATCH_CELLS = 4
+
+
+@attrs.frozen(eq=False)
+class ContactPatches:
+    """Patches of the contact: cells that share a side or a corner, also across a periodic or wrapped border.
+
+    Attributes
+    ----------
+    grid, boundary
+        The grid, and what lies beyond its border.
+    pressure
+        Contact pressure, shape `grid.shape`, Pa.
+    labels
+        Number of the patch at each cell, from 1, and zero at open cells, shape `grid.shape`.
+    count
+        Number of patches.
+    members
+        Flat indices of the cells in contact, ascending.
+    """
+
+    grid: Grid
+    boundary: Boundary
+    pressure: Array = attrs.field(converter=read_only, repr=outlined)
+    labels: IntArray = attrs.field(converter=read_only, repr=outlined)
+    count: int
+    members: IntArray = attrs.field(converter=read_only, repr=outlined)
+
+    @cached_property
+    def cells(self) -> IntArray:
+        """Number of cells of each patch, shape (count,)."""
+        return read_only(np.bincount(self.member_labels, minlength=self.count + 1)[1:])
+
+    @cached_property
+    def member_labels(self) -> IntArray:
+        """Number of the patch of each cell in contact, from 1, in the order of `members`."""
+        return read_only(self.labels.ravel()[self.members])
+
+    @property
+    def areas(self) -> Array:
+        """Counted area of each patch, shape (count,), m2: usually too large, see `CellCount`."""
+        return np.asarray(self.cells * self.grid.cell_area, dtype=np.float64)
+
+    @cached_property
+    def forces(self) -> Array:
+        """Normal force on each patch, shape (count,), N."""
+        return read_only(self._sum(self.pressure) * self.grid.cell_area)
+
+    def sum(self, field: Array) -> Array:
+        """Return the sum of a field of shape `grid.shape` over each patch, shape (count,)."""
+        allowed = f"an array of finite numbers of shape {self.labels.shape}"
+        values = numbers(field, "The field", allowed)
+        if values.shape != self.labels.shape or not np.isfinite(values).all():
+            raise InputError.about("The field", field, allowed)
+        return self._sum(values)
+
+    def _sum(self, field: Array) -> Array:
+        values = field.ravel()[self.members]
+        return np.bincount(self.member_labels, weights=values, minlength=self.count + 1)[1:].astype(np.float64)
+
+    @cached_property
+    def perimeters(self) -> Array:
+        """Length of the cell sides between each patch and open cells, shape (count,), m."""
+        lengths = np.zeros(self.count + 1)
+        for axis, side in ((0, self.grid.spacing[1]), (1, self.grid.spacing[0])):
+            for step in (-1, 1):
+                beyond = np.roll(self.labels, step, axis=axis)
+                open_ = (self.labels > 0) & (beyond == 0)
+                if self.boundary is Boundary.FREE:
+                    np.moveaxis(open_, axis, 0)[0 if step == 1 else -1] = False
+                lengths += side * np.bincount(self.labels[open_], minlength=self.count + 1)
+        return read_only(lengths[1:])
+
+    @property
+    def mean_pressures(self) -> Array:
+        """Force over counted area of each patch, shape (count,), Pa."""
+        return np.asarray(self.forces / self.areas)
+
+    @property
+    def small_fraction(self) -> float:
+        """Fraction of the counted area in patches of fewer than four cells."""
+        total = int(self.cells.sum())
+        return float(self.cells[self.cells < _SMALL_PATCH_CELLS].sum() / total) if total else 0.0
+
+    def __str__(self) -> str:
+        if self.count == 0:
+            return "no patches"
+        return (
+            f"{self.count} patches of {self.cells.mean():.3g} cells on average, {int(self.cells.max())} at most; "
+            f"the largest carries {100 * self.forces.max() / self.forces.sum():.3g} % of the load; "
+            f"{100 * self.small_fraction:.3g} % of the counted area is in patches of fewer than "
+            f"{_SMALL_PATCH_CELLS} cells"
+        )
+
+
+def find_patches(contact: Mask, pressure: Array, grid: Grid, boundary: Boundary) -> ContactPatches:
+    """Return the patches of the cells in contact."""
+    nx, ny = contact.shape
+    labels = np.zeros(contact.shape, dtype=np.intp)
+    # Runs of cells in contact along y, with an open cell behind each row.
+    padded = np.zeros(nx * (ny + 1) + 1, dtype=bool)
+    padded[1:].reshape(nx, ny + 1)[:, :ny] = contact
+    starts, stops = np.flatnonzero(padded[1:] != padded[:-1]).reshape(-1, 2).T
+    numbers, count = _join_runs(starts, stops, contact.shape, boundary)
+    lengths = stops - starts
+    # The n-th cell of all runs: its number in its run, and the start of that run, without the open cells behind rows.
+    members = np.arange(lengths.sum()) + np.repeat(starts - starts // (ny + 1) - (lengths.cumsum() - lengths), lengths)
+    labels.ravel()[members] = np.repeat(numbers + 1, lengths)
+    return ContactPatches(grid, boundary, pressure, labels, count, members)
+
+
+def _join_runs(starts: IntArray, stops: IntArray, shape: tuple[int, int], boundary: Boundary) -> tuple[IntArray, int]:
+    """Return the patch of each run, from 0, and the number of patches; the runs are of rows with one more cell."""
+    from scipy import sparse
+
+    nx, ny = shape
+    width = shape[1] + 1
+    pairs = []
+    steps = (width,) if boundary is Boundary.FREE else (width, (1 - nx) * width)
+    for step in steps:
+        # Runs of the next row that begin at most one cell behind a run and end at most one cell before it.
+        first = np.searchsorted(stops, starts + step)
+        counts = np.maximum(np.searchsorted(starts, stops + step, side="right") - first, 0)
+        one = np.repeat(np.arange(starts.size), counts)
+        pairs.append((one, np.arange(one.size) + np.repeat(first - (counts.cumsum() - counts), counts)))
+    if boundary is not Boundary.FREE:
+        first = np.flatnonzero(starts % width == 0)
+        last = np.flatnonzero(stops % width == ny)
+        rows = np.full(nx, -1)
+        rows[starts[first] // width] = first
+        for step in (-1, 0, 1):
+            beyond = rows[(starts[last] // width + step) % nx]
+            pairs.append((last[beyond >= 0], beyond[beyond >= 0]))
+    one, other = np.concatenate(pairs, axis=1)
+    links = sparse.coo_matrix((np.ones(one.size), (one, other)), shape=(starts.size, starts.size))
+    count, pieces = sparse.csgraph.connected_components(links, directed=False)
+    return pieces.astype(np.intp), int(count)
+
+
+# Sum of pressures and tensions over that of their magnitudes, below which they balance: rounding.
+_BALANCED = 1e-13
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -30,7 +173,7 @@ class ContactFields:
     pressure_limit
         Maximum contact pressure, shape () or (nx, ny), Pa; `inf` where there is none.
     pressure
-        Contact pressure, shape `grid.shape`, Pa.
+        Pressure, shape `grid.shape`, Pa: of surfaces that attract each other the contact pressure minus the tension.
     displacement
         Sum of the elastic displacements of both surfaces, shape `grid.shape`, m, positive into the
         bodies; its mean is zero on a periodic boundary.
@@ -39,24 +182,26 @@ class ContactFields:
     approach
         Approach of the bodies since first touch, m.
     status, iterations, convolutions, seconds
-        How the solve ended, and its cost; wall time in s.
+        End of the solve, and its cost; wall time in s.
     residuals
-        Residuals of the contact conditions, verified in float64: the certificate.
+        Residuals of the conditions of contact, verified in float64: the certificate.
     errors
         The solver's error before each iteration.
     levels
-        The work on each grid, from coarse to fine; empty where the solver does not report it.
+        The work on each grid, from coarse to fine; empty if the solver does not report it.
     edge_shift
-        Distance by which the edge of the discrete contact lies inside that of the continuous one, in cells.
+        Distance by which the edge of the discrete contact lies inside the true edge, in cells.
     moduli
-        Inverse wave numbers, m, ascending, and the effective contact modulus at each, Pa; None where it is
-        `modulus` at all wave numbers.
+        Inverse wave numbers, m, ascending, and the effective contact modulus at each, Pa; None if it is `modulus` at
+        all wave numbers.
     origin
-        The problem and its load; None where they are not known.
+        The problem and its load; None if they are not known.
     accuracy
-        The accuracy that was asked of the solve and its cost; None where none was, and in files.
+        The accuracy that was requested, and its cost; None if none was, and in files.
     non_measured
-        Points that were not measured on one of the bodies and carry nothing, shape `grid.shape`; None without any.
+        Points that were not measured on one of the bodies, shape `grid.shape`: they carry no load. None: no such point.
+    tension
+        Attraction of the surfaces, shape `grid.shape`, Pa, at least zero; None without adhesion.
     """
 
     grid: Grid
@@ -79,9 +224,10 @@ class ContactFields:
     origin: Origin | None = None
     accuracy: Accuracy | None = None
     non_measured: Mask | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
+    tension: Array | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Arrays come back writable from pickles and deep copies: they are made read-only as those of any solution.
+        # Arrays in pickles and deep copies are writable: the constructor makes them read-only again.
         return _restore, (type(self), attrs.asdict(self, recurse=False))
 
     def effective_modulus(self, wavenumber: float | Array) -> Array:
@@ -99,7 +245,7 @@ class ContactFields:
     @cached_property
     def patches(self) -> ContactPatches:
         """The connected patches of the contact."""
-        return find_patches(self.contact, self.pressure, self.grid, self.boundary)
+        return find_patches(self.contact, self.contact_pressure, self.grid, self.boundary)
 
     @cached_property
     def gap(self) -> Array:
@@ -109,9 +255,14 @@ class ContactFields:
         return read_only(gap)
 
     @cached_property
+    def contact_pressure(self) -> Array:
+        """Pressure of the contact alone, shape `grid.shape`, Pa, at least zero: without adhesion `pressure` itself."""
+        return self.pressure if self.tension is None else read_only(np.maximum(self.pressure + self.tension, 0.0))
+
+    @cached_property
     def contact(self) -> Mask:
-        """Cells in contact, p > 0, shape `grid.shape`."""
-        return read_only(self.pressure > 0.0)
+        """Cells in contact, whose contact pressure is above zero, shape `grid.shape`."""
+        return read_only(self.contact_pressure > 0.0)
 
     @property
     def capped(self) -> bool:
@@ -125,8 +276,13 @@ class ContactFields:
 
     @property
     def force(self) -> float:
-        """Normal force, N."""
-        return float(np.add.reduce(self.pressure, axis=None)) * self.grid.cell_area
+        """Normal force, N; of surfaces that attract each other negative where it pulls."""
+        force = float(np.add.reduce(self.pressure, axis=None))
+        if self.tension is not None and abs(force) <= _BALANCED * float(
+            np.add.reduce(np.abs(self.pressure), axis=None)
+        ):
+            force = 0.0
+        return force * self.grid.cell_area
 
     @property
     def mean_pressure(self) -> float:

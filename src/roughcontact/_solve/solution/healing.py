@@ -1,11 +1,11 @@
-r"""Gaps at non-measured points, from those of their neighbours.
+r"""Gaps at non-measured points, from the gaps of their neighbours.
 
 Near the contact the gap between the points that were measured is continued by the surface of minimum bending,
 
 .. math:: \min \sum g_{xx}^2 + 2 g_{xy}^2 + g_{yy}^2,
 
 with differences between neighbouring cells, and further away by the harmonic surface, which never exceeds its
-surroundings. Where the gap so found is open under the load, the point counts as measured.
+surroundings. A point whose gap is then open under the load counts as measured.
 
 References
 ----------
@@ -21,34 +21,34 @@ from weakref import WeakKeyDictionary
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, Grid, extend, grow
-from roughcontact._parts.surfaces import WIDEST, fill, solve_in_bands
+from roughcontact._parts.surfaces import MAX_BANDWIDTH, fill, solve_in_bands
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
 
-# Cells from the contact up to which its edge, ellipses and curvature depend on the gap, and cells from a measured
-# point up to which that of minimum bending is better than the harmonic one.
-_NEAR = 6
-# Weight of the harmonic surface in that of minimum bending, which two rows of points do not determine.
-_HARMONIC = 1e-9
-# Standard deviation of the mean gap in a hole, over the difference of both surfaces. Set on rough contacts and balls.
-_UNSURE = 0.5
-# Overlap of a point that touches over p h / E* of its surroundings: 1.1 for one cell in an even pressure (exact).
-_OVERLAP = 0.3
+# Cells from the contact within which its edge, ellipses and curvature depend on the gap, and from a measured point
+# within which the surface of minimum bending is better than the harmonic one.
+_BENDING_RANGE = 6
+# Weight of the harmonic surface in the minimum of bending, which two rows of points do not determine.
+_HARMONIC_WEIGHT = 1e-9
+# Standard deviation of the mean gap in a hole, over the difference of both surfaces; set on rough contacts and balls.
+_MEAN_GAP_STD = 0.5
+# Minimum overlap of a touching point, over p h / E* around it: 1.1 for one cell in a uniform pressure (exact).
+_TOUCHING_OVERLAP = 0.3
 # Steps to the cells around one.
-_AROUND = np.mgrid[-1:2, -1:2].reshape(2, 9)
-# Second differences along x and y, and across a cell: steps from it along both axes, and weights.
-_DIFFERENCES = (
+_NEIGHBOUR_STEPS = np.mgrid[-1:2, -1:2].reshape(2, 9)
+# Second differences along x and y, and the mixed one: steps along both axes, and weights.
+_SECOND_DIFFERENCES = (
     ((-1, 0, 1.0), (0, 0, -2.0), (1, 0, 1.0)),
     ((0, -1, 1.0), (0, 0, -2.0), (0, 1, 1.0)),
     ((0, 0, 1.0), (1, 0, -1.0), (0, 1, -1.0), (1, 1, 1.0)),
 )
-# Healed solutions of those that still exist: every number of a contact asks for one.
-_HEALED: WeakKeyDictionary[ContactSolution, ContactSolution] = WeakKeyDictionary()
+# Healed solutions by their original ones, as long as these exist: every number of a contact needs one.
+_HEALED_SOLUTIONS: WeakKeyDictionary[ContactSolution, ContactSolution] = WeakKeyDictionary()
 # The non-measured points of healed solutions, shape `grid.shape`.
-_MISSING: WeakKeyDictionary[ContactSolution, Mask] = WeakKeyDictionary()
+_NON_MEASURED: WeakKeyDictionary[ContactSolution, Mask] = WeakKeyDictionary()
 
 
 def heal(solution: ContactSolution) -> ContactSolution:
@@ -56,13 +56,13 @@ def heal(solution: ContactSolution) -> ContactSolution:
 
     Pressure, displacement and certificate are those of the solution: points that were not measured carry nothing.
     """
-    if solution.non_measured is None or solution in _MISSING:
+    if solution.non_measured is None or solution in _NON_MEASURED:
         return solution
-    if solution not in _HEALED:
+    if solution not in _HEALED_SOLUTIONS:
         healed = _heal(solution, solution.non_measured)
-        _HEALED[solution] = healed
-        _MISSING[healed] = solution.non_measured
-    return _HEALED[solution]
+        _HEALED_SOLUTIONS[solution] = healed
+        _NON_MEASURED[healed] = solution.non_measured
+    return _HEALED_SOLUTIONS[solution]
 
 
 def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
@@ -74,39 +74,39 @@ def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
 
 
 def _overlaps(gap: Array, solution: ContactSolution, missing: Mask) -> Mask:
-    """Return at which missing points this initial gap is closed, for the pressure around it, beyond its own error."""
+    """Return the missing points, shape (n,), that overlap by more than the error of the initial gap found there."""
     overlap = solution.approach - gap[missing] - solution.displacement[missing]
     places = np.flatnonzero(overlap > 0.0)
-    i, j = (index[places, np.newaxis] + _AROUND[axis] for axis, index in enumerate(np.nonzero(missing)))
+    i, j = (index[places, np.newaxis] + _NEIGHBOUR_STEPS[axis] for axis, index in enumerate(np.nonzero(missing)))
     around = extend(solution.pressure, 1, solution.boundary)[i + 1, j + 1].max(axis=1)
     depth = around * math.sqrt(solution.grid.cell_area) / solution.modulus
     result = np.zeros(overlap.shape, dtype=bool)
-    result[places] = overlap[places] > _OVERLAP * depth
+    result[places] = overlap[places] > _TOUCHING_OVERLAP * depth
     return result
 
 
 def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
-    """Return the gap, shape `grid.shape`, with that at all non-measured points, and the error of its mean, m.
+    """Return the gap with values at all non-measured points, shape `grid.shape`, m, and the uncertainty of its mean, m.
 
-    That is the standard deviation by these points; those that would touch have no gap.
+    Points that would touch get no gap; the uncertainty is the standard deviation by these points.
     """
     from scipy import ndimage
 
     solution = heal(solution)
-    missing = _MISSING.get(solution)
+    missing = _NON_MEASURED.get(solution)
     if missing is None:
         return solution.gap, 0.0
     harmonic = fill(np.where(missing, np.nan, solution.gap))
     gap = _bend_near(harmonic, missing, ~missing, solution)
     holes, _ = ndimage.label(missing)
     differences = np.bincount(holes[missing], weights=(gap - harmonic)[missing])
-    std = _UNSURE * float(np.linalg.norm(differences)) / missing.size
+    std = _MEAN_GAP_STD * float(np.linalg.norm(differences)) / missing.size
     return np.where(missing, np.maximum(gap, 0.0), gap), std
 
 
 def _bend_near(gap: Array, missing: Mask, places: Mask, solution: ContactSolution) -> Array:
-    """Return a gap with that of minimum bending at the missing points near others, both masks of the gap's shape."""
-    near = missing & grow(places, _NEAR, solution.boundary)
+    """Return a gap with the surface of minimum bending at the missing points near `places`, masks of the same shape."""
+    near = missing & grow(places, _BENDING_RANGE, solution.boundary)
     if not near.any():
         return gap
     result = gap.copy()
@@ -124,10 +124,10 @@ def _minimise_bending(gap: Array, unknown: Mask, grid: Grid, boundary: Boundary)
     diagonal = np.arange(i.size, dtype=np.int32)
     number = np.full(gap.size, -1, dtype=np.int32)
     number[i * ny + j] = diagonal
-    right = _HARMONIC * gap[unknown]
+    right = _HARMONIC_WEIGHT * gap[unknown]
     rows = [diagonal]
     columns = [diagonal]
-    values = [np.full(i.size, _HARMONIC)]
+    values = [np.full(i.size, _HARMONIC_WEIGHT)]
     for (along, across), weights in _weigh_neighbours(i, j, grid, boundary).items():
         place = (i + along) % nx * ny + (j + across) % ny
         column = number[place]
@@ -138,7 +138,7 @@ def _minimise_bending(gap: Array, unknown: Mask, grid: Grid, boundary: Boundary)
         values.append(np.broadcast_to(weights, i.shape)[inside])
     places = np.concatenate(rows), np.concatenate(columns)
     matrix = csr_array((np.concatenate(values), places), shape=(i.size, i.size))
-    found = solve_in_bands(matrix, right, 2 * WIDEST)
+    found = solve_in_bands(matrix, right, 2 * MAX_BANDWIDTH)
     if found is None:
         # Symmetric and positive definite.
         options = {"SymmetricMode": True}
@@ -148,13 +148,13 @@ def _minimise_bending(gap: Array, unknown: Mask, grid: Grid, boundary: Boundary)
 
 
 def _weigh_neighbours(i: IntArray, j: IntArray, grid: Grid, boundary: Boundary) -> dict[tuple[int, int], Array]:
-    """Return the derivative of the bending by the points (i, j), half of it: weights of the points around, by steps.
+    """Return half the derivative of the bending with respect to the points (i, j): weights of their neighbours by step.
 
     Differences that cross a free border do not count.
     """
     ratio = grid.spacing[0] / grid.spacing[1]
     weights: dict[tuple[int, int], Array] = {}
-    for steps, square in zip(_DIFFERENCES, (ratio**-2, ratio**2, 2.0), strict=True):
+    for steps, square in zip(_SECOND_DIFFERENCES, (ratio**-2, ratio**2, 2.0), strict=True):
         for along, across, factor in steps:
             own = np.asarray(square * factor)
             if boundary is Boundary.FREE:

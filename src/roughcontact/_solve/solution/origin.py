@@ -1,8 +1,9 @@
-"""Where a solution comes from: its problem, its load and the programs that made it, and the key made from them."""
+"""Origin of a solution: its problem, load and programs, and the accuracy that was requested."""
 
 from __future__ import annotations
 
 import functools
+import math
 import platform
 from collections.abc import Mapping
 from importlib.metadata import version
@@ -19,16 +20,104 @@ from roughcontact._base.archive.plain import (
     programs_of,
     rebuild_fields,
 )
-from roughcontact._base.checks import RealArray
+from roughcontact._base.arrays import RealArray, as_shape
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface, Surface, find_maps
 from roughcontact.errors import InputError
 
-_PROBLEM = {"kind": "part", "name": "roughcontact:ContactProblem"}
-# Heights and waves that the surfaces of a problem from a file may have, beside a multiple of its cells.
-_NUMBERS = 2**20
-_NUMBERS_PER_CELL = 32
+_PROBLEM_PART = {"kind": "part", "name": "roughcontact:ContactProblem"}
+# Admissible heights and waves of the surfaces of a problem from a file, plus a multiple of its cells.
+_ALLOWED_NUMBERS = 2**20
+_ALLOWED_NUMBERS_PER_CELL = 32
+
+
+@attrs.frozen
+class Trial:
+    """One grid that was solved to reach an accuracy.
+
+    Attributes
+    ----------
+    shape
+        Cells of the grid.
+    area, area_uncertainty
+        Real contact area and its standard deviation, m2; nan if not requested.
+    peak, peak_uncertainty
+        Maximum pressure and its standard deviation, Pa; nan if not requested.
+    convolutions, seconds
+        Convolutions on this grid, and wall time, s.
+    """
+
+    shape: tuple[int, int] = attrs.field(converter=as_shape)
+    area: float
+    area_uncertainty: float
+    peak: float
+    peak_uncertainty: float
+    convolutions: int
+    seconds: float
+
+    @property
+    def spreads(self) -> tuple[float, float]:
+        """Two standard deviations of area and maximum pressure over their values; nan if not requested."""
+        pairs = (self.area, self.area_uncertainty), (self.peak, self.peak_uncertainty)
+        area, peak = (2.0 * std / value if value != 0.0 else math.inf for value, std in pairs)
+        return area, peak
+
+    def __str__(self) -> str:
+        spreads = " and ".join(f"{100 * spread:.2g} %" for spread in self.spreads if not math.isnan(spread))
+        return f"{self.shape[0]} x {self.shape[1]} ({spreads})"
+
+
+@attrs.frozen
+class Accuracy:
+    """The accuracy that was requested, and its cost.
+
+    Attributes
+    ----------
+    area_within, peak_within
+        Admissible relative error of area and maximum pressure, with 95 %; None if not stated.
+    tolerance
+        The tolerance of the solver.
+    estimator
+        The area estimator; empty if no area was requested.
+    trials
+        The solved grids in order; the last one has the solution.
+    shortfall
+        Why the accuracy is not reached; empty if it is.
+    """
+
+    area_within: float | None
+    peak_within: float | None
+    tolerance: float
+    estimator: str
+    trials: tuple[Trial, ...]
+    shortfall: str = ""
+
+    @property
+    def met(self) -> bool:
+        """Whether two standard deviations are within the admissible errors."""
+        return not self.shortfall
+
+    @property
+    def asked(self) -> str:
+        """The requested accuracy in words."""
+        pairs = ("area", self.area_within), ("maximum pressure", self.peak_within)
+        return " and ".join(f"{name} within {100 * value:.3g} %" for name, value in pairs if value is not None)
+
+    def explain(self) -> str:
+        """Return sentences that say why the accuracy is not reached."""
+        reason = f"{self.shortfall[:1].upper()}{self.shortfall[1:]}."
+        return f"The {self.asked} is not reached, but {self.trials[-1]}, in two standard deviations. {reason}"
+
+    def __str__(self) -> str:
+        reached = "reached" if self.met else f"NOT reached: {self.shortfall}"
+        estimator = f", estimator {self.estimator}" if self.estimator else ""
+        seconds = sum(trial.seconds for trial in self.trials)
+        return (
+            f"{self.asked}, two standard deviations: {reached}\n"
+            f"grids solved   {', '.join(map(str, self.trials))}, {seconds:.2g} s in all\n"
+            f"tolerance      {self.tolerance:.1e}{estimator}"
+        )
 
 
 @attrs.frozen(eq=False)
@@ -38,9 +127,9 @@ class Origin:
     Attributes
     ----------
     problem
-        The arguments of the `ContactProblem`; `InputError` where `missing` says why it cannot be built.
+        The arguments of the `ContactProblem`; `InputError` if it cannot be built, see `missing`.
     load
-        The load, by the name of the argument it was given under.
+        The load, by the name of its argument.
     source
         The `ContactProblem` itself with its prepared convolution; None in a solution from a file or another process.
     versions
@@ -63,13 +152,13 @@ class Origin:
         described, arrays = self._saved
         if self.missing:
             raise InputError(self.missing)
-        if not isinstance(described, dict) or described | _PROBLEM != described:
+        if not isinstance(described, dict) or described | _PROBLEM_PART != described:
             raise InputError("What was solved must be described as a ContactProblem.")
         return rebuild_fields(described, arrays, (object,))[1]
 
     @property
     def maps(self) -> tuple[HeightMap, ...]:
-        """The height maps of the bodies; empty where the problem cannot be built."""
+        """The height maps of the bodies; empty if the problem cannot be built."""
         try:
             surfaces = [self.problem[name].surface for name in ("body", "counterbody")]
         except InputError:
@@ -78,12 +167,12 @@ class Origin:
 
     @property
     def missing(self) -> str:
-        """Which classes must be registered to solve a loaded problem again, in a sentence; empty if none."""
+        """A sentence with the classes to register before a loaded problem can be solved; empty if there are none."""
         return missing_classes(self._saved[0])
 
     @property
     def programs(self) -> list[str]:
-        """Which programs the parts of the problem are, those of this package excepted."""
+        """The programs that define the parts of the problem, except this package."""
         return programs_of(self._problem)
 
     @property
@@ -97,8 +186,8 @@ class Origin:
     def bound(self, grid: Grid) -> Mapping[str, Any]:
         """Return the arguments of the problem with which a solution on a grid is verified.
 
-        `InputError` if it has another grid, or its heights take far more work than those cells: then a file of some
-        kilobytes could take the memory and hours of whoever loads it.
+        `InputError` if it has another grid, or its heights take far more work than its cells: a file of some kilobytes
+        could otherwise take all memory, or hours.
         """
         problem = self.problem
         bodies = [problem[name] for name in ("body", "counterbody") if name in problem]
@@ -108,7 +197,7 @@ class Origin:
             raise InputError(f"It is not a solution on the grid of its problem, {own}.")
         surfaces = [surface for body in bodies for surface in _list_surfaces(body.surface)]
         waves = sum(surface.count_waves(grid) for surface in surfaces if isinstance(surface, SelfAffineSurface))
-        if waves + len(surfaces) * grid.cells > _NUMBERS + _NUMBERS_PER_CELL * grid.cells:
+        if waves + len(surfaces) * grid.cells > _ALLOWED_NUMBERS + _ALLOWED_NUMBERS_PER_CELL * grid.cells:
             raise InputError(
                 f"The {len(surfaces)} surfaces of its problem have {waves} waves on {grid.cells} cells, too many "
                 "for a file: ContactSolution.load(..., verify=False) takes its fields and residuals as they are."
@@ -118,13 +207,13 @@ class Origin:
     def describe(self, arrays: dict[str, RealArray]) -> Described:
         """Return the problem as plain data; see `roughcontact._base.archive.plain.describe`."""
         if self._problem is not None:
-            return {**_PROBLEM, "fields": {name: describe(part, arrays) for name, part in self._problem.items()}}
+            return {**_PROBLEM_PART, "fields": {name: describe(part, arrays) for name, part in self._problem.items()}}
         arrays.update(self._saved[1])
         return self._saved[0]
 
 
 def _list_surfaces(surface: Surface) -> list[Surface]:
-    """Return a surface and all that it is made of."""
+    """Return a surface and its parts, with their parts."""
     return [surface, *(found for part in surface.parts for found in _list_surfaces(part))]
 
 
@@ -137,7 +226,7 @@ def _restore(
     return Origin(problem, load, saved=saved, versions=made_by)
 
 
-# Parsing the metadata of a package takes a millisecond, and a study asks for them with each solve.
+# Parsing the metadata of a package takes a millisecond, and a study needs it with each solve.
 _version = functools.cache(version)
 
 
@@ -148,13 +237,13 @@ def versions() -> dict[str, str]:
 
 
 def solution_key(problem_key: str, load: Mapping[str, float], made_by: Mapping[str, str] | None = None) -> str:
-    """Return the key of a solution: of its problem's key, its load and the versions that made it, by default these."""
+    """Return the key of a solution, from the key of its problem, its load and the versions, by default today's."""
     numbers = versions() if made_by is None else made_by
     return key_of([problem_key, load], *(f"{name} {number}" for name, number in numbers.items() if name != "python"))
 
 
 def key_of_origin(origin: Origin | None) -> str:
-    """Return the key of what was solved; empty where it is not known or has no key."""
+    """Return the key of a solution by its origin; empty if there is none."""
     try:
         return "" if origin is None else solution_key(key_of(origin.problem), origin.load, origin.versions)
     except InputError:
@@ -162,7 +251,7 @@ def key_of_origin(origin: Origin | None) -> str:
 
 
 def require_key(header: Mapping[str, Any], key: str | None = None) -> None:
-    """Raise `InputError` unless the key in a header is that of its problem, load and programs, and the one given."""
+    """Raise `InputError` unless the key in a header fits its problem, load and programs, and the key that is given."""
     found = header["key"]
     if found:
         problem = key_of_description({"mapping": header["problem"]["fields"]}, *header["programs"])

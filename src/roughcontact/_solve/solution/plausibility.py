@@ -1,4 +1,4 @@
-"""Likely mistakes in a contact, and where its model does not hold: whatever follows without another solve."""
+"""Likely mistakes in a contact, and limits of its model: rules, and the values that they judge."""
 
 from __future__ import annotations
 
@@ -9,47 +9,131 @@ from typing import TYPE_CHECKING
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask
-from roughcontact._base.units import si
-from roughcontact._base.warnings import ContactWarning
+from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.units import ContactWarning, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import border_jump, rms_slope
-from roughcontact._solve.solution.rules import PLAUSIBILITY_RULES
 from roughcontact.errors.door import guarded
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
 
-# Young's modulus of the softest rubbers, Pa, and Poisson's ratio from which on a softer solid is a gel, not a foam
-# (M. F. Ashby, Materials Selection in Mechanical Design); gels and tissues have at least some 100 Pa.
-_RUBBER = 1e6
+# Young's modulus of the softest rubbers, Pa, minimum Poisson's ratio of softer solids that are gels and not foams, and
+# Young's modulus of the softest gels and tissues, Pa (M. F. Ashby, Materials Selection in Mechanical Design).
+_RUBBER_MODULUS = 1e6
 _GEL_POISSON = 0.45
-_GEL = 100.0
-# Young's modulus above which there is no material, Pa: diamond has 1.05 to 1.2e12.
-_DIAMOND = 1.3e12
-# Young's modulus above that of polymers, Pa, and pressure over it that metals do not bear: the hardness of the
-# hardest steels is 0.04 of it.
-_STIFF = 10e9
-_HARDEST = 0.05
-# Diameter of an atom, m, and the side from which on a domain is longer than rough surfaces are measured on, m.
-_ATOM = 1e-10
-_LONGEST = 1.0
-# Mean pressure, over E*, below which a load may be in another unit: 10 kPa on steel, 1 Pa on rubber of 10 MPa. Of
-# 100 MPa given as 100, 4e-10 on steel, all is on single cells on grids of up to 1024 x 1024 cells.
-_LIGHTEST = 1e-7
-# Mean pressure of the cells at the border, over the nominal one, below which they are just touched: the area of a ball
-# that is cut by a border is 2 % too small there (benchmarks/border_constants.py).
-_LIGHT = 0.25
-# Rms slope, 84 degrees, that no surface has; heights in units of 1e-3 m taken for m have some 10 to 1000.
-_STEEPEST = 10.0
-# Cells along an axis below which all of them are near the border.
-_NARROW = 16
+_GEL_MODULUS = 100.0
+# Maximum Young's modulus of any material, Pa: diamond has 1.05 to 1.2e12.
+_DIAMOND_MODULUS = 1.3e12
+# Minimum Young's modulus of metals, Pa, above the polymers, and maximum pressure that they bear, over it: the hardest
+# steels have a hardness of 0.04 of it.
+_STIFF_MODULUS = 10e9
+_MAX_METAL_PRESSURE = 0.05
+# Diameter of an atom, and maximum side of a domain on which roughness is measured, m.
+_ATOM_DIAMETER = 1e-10
+_MAX_DOMAIN_SIDE = 1.0
+# Minimum plausible mean pressure, over E*: 10 kPa on steel, 1 Pa on rubber of 10 MPa. A smaller load may be in another
+# unit: 100 MPa given as 100, 4e-10 on steel, touches single cells on grids of up to 1024 x 1024 cells.
+_MIN_PRESSURE_RATIO = 1e-7
+# Mean pressure of cells at the border that are just touched, over the nominal one: the area of a ball that is cut by a
+# border is 2 % too small there (benchmarks/border_constants.py).
+_LIGHT_BORDER_PRESSURE = 0.25
+# Maximum rms slope of a surface, 84 degrees; heights in mm, read as m, have some 10 to 1000.
+_MAX_RMS_SLOPE = 10.0
+# Minimum cells along an axis: of fewer all are near the border.
+_MIN_CELLS = 16
+
+
+@attrs.frozen
+class Rule:
+    """The admissible values of a measured quantity.
+
+    Attributes
+    ----------
+    good, admissible
+        Values up to `good` pass, values up to `admissible` need attention; down to them if `good` is the larger one.
+    reason
+        Why these values.
+    advice
+        What to do about a value that does not pass.
+    """
+
+    good: float
+    admissible: float
+    reason: str
+    advice: str
+
+
+# Rules whose values cost no further solve and no convolution: beyond `admissible` the solution gets a warning.
+PLAUSIBILITY_RULES = {
+    "units": Rule(
+        0,
+        0,
+        "quantities that no contact has: a modulus below 1 MPa without the Poisson's ratio of a gel, or above that of "
+        "diamond; heights that exceed the domain, or an rms slope above 10; a domain of 1 m or more; cells or "
+        "heights below an atom",
+        "Numbers without a unit are in m and Pa (5um and 210GPa are read too): check them, and the unit of heights "
+        "from a file.",
+    ),
+    "border jump": Rule(
+        3,
+        3,
+        "rms step across the border over that between neighbours; waves of eight cells have one",
+        "Beyond the border the domain repeats: subtract the tilt, use a surface that repeats, or a free boundary.",
+    ),
+    "edge contact": Rule(
+        0,
+        0.25,
+        "fraction of the load on contacts that reach a free border: all of it for a ball that is cut; from a quarter "
+        "on rough surfaces have their maximum pressure there (benchmarks/border_constants.py)",
+        "Nothing lies beyond it, so that the pressure rises as under the edge of a punch: enlarge the domain, or make "
+        "it periodic if the surface repeats; what is near the border must not be used.",
+    ),
+    "tilt": Rule(
+        0.1,
+        0.5,
+        "fraction of the variance of the heights that is a plane, where a contact reaches a free border",
+        "Subtract the plane (detrend).",
+    ),
+    "cells per contact": Rule(
+        0.05,
+        0.5,
+        "fraction of the load on contacts of one cell, whose pressure is no more than their load over the cell's area",
+        "The grid does not resolve their pressure: refine it; a measured map needs a finer pitch, or a filter.",
+    ),
+    "slope": Rule(
+        0.2,
+        0.5,
+        "a half-space neglects the square of the slope: 4 % at 0.2, a quarter at 0.5",
+        "A half-space is a model for small slopes: check that heights and sizes are in metres; filter noise.",
+    ),
+    "peak pressure": Rule(
+        0.1,
+        0.3,
+        "strains are about a third of p / E* (Tabor); linear elasticity holds up to strains of a tenth",
+        "Linear elasticity holds up to strains of about a tenth, p / E* of 0.3: give a hardness, or a lower load.",
+    ),
+    "approach": Rule(
+        0.1,
+        0.3,
+        "as for the peak pressure: the mean strain of the domain is about approach over side",
+        "Linear elasticity holds up to about a tenth: check modulus, load and size.",
+    ),
+    "theory": Rule(
+        2,
+        3,
+        "standard deviations by which the ratio of Persson's area to the solved one is outside 0.65 to 0.9, where all "
+        "isotropic Gaussian surfaces are between 1 and 40 % of contact (docs/studies/persson.py)",
+        "On isotropic Gaussian roughness it is 0.65 to 0.9: the surface differs where it touches from elsewhere, as a "
+        "worn or honed one does, or the grid does not resolve the contacts; compare a finer grid.",
+    ),
+}
 
 
 @attrs.frozen
 class Finding:
-    """What was measured for one of `PLAUSIBILITY_RULES`.
+    """The measured value for one of `PLAUSIBILITY_RULES`.
 
     Attributes
     ----------
@@ -67,7 +151,7 @@ class Finding:
 
     @property
     def warning(self) -> str:
-        """What was found, and what to do about it; empty if the value is admissible."""
+        """The finding with advice; empty if the value is admissible."""
         rule = PLAUSIBILITY_RULES[self.rule]
         if not self.value > rule.admissible:
             return ""
@@ -75,14 +159,14 @@ class Finding:
 
 
 def find_scene(initial_gap: Array, grid: Grid, boundary: Boundary, materials: Iterable[Material]) -> list[Finding]:
-    """Return what is known before a solve: implausible units, and a jump across a periodic border."""
+    """Return the findings before a solve: implausible units, and a jump across a periodic border."""
     implausible = [*_list_moduli(materials), *_list_lengths(initial_gap, grid)]
     units = "; ".join(implausible) or "moduli, heights and sizes are plausible"
     return [Finding("units", len(implausible), units), _find_jump(initial_gap, boundary)]
 
 
 def find_contact(solution: ContactSolution) -> list[Finding]:
-    """Return where the model of a half-space, the domain or the grid does not suit a contact."""
+    """Return the findings on half-space, domain and grid of a solved contact."""
     names = ("edge contact", "tilt", "cells per contact", "slope", "peak pressure", "approach", "theory")
     if not solution.contact.any():
         return [Finding(name, math.nan, "there is no contact") for name in names]
@@ -101,7 +185,7 @@ def find_contact(solution: ContactSolution) -> list[Finding]:
 
 
 def list_warnings(solution: ContactSolution, materials: Iterable[Material]) -> tuple[str, ...]:
-    """Return the warnings of a solution, likely causes first; of a failed solve only those of its scene."""
+    """Return the warnings of a solution, likely causes first; after a failed solve only those before a solve."""
     findings = find_scene(solution.initial_gap, solution.grid, solution.boundary, materials)
     explained: set[str] = set()
     if findings[0].warning:
@@ -115,9 +199,13 @@ def list_warnings(solution: ContactSolution, materials: Iterable[Material]) -> t
 
 @guarded
 def exceeds_metals(solution: ContactSolution, materials: Iterable[Material]) -> bool:
-    """Return whether stiff bodies without a hardness bear more than metals do, which may be meant."""
+    """Return whether stiff bodies without a hardness carry more than metals do; this may be intended."""
     softest = min((one.young for one in materials if isinstance(one, Elastic)), default=0.0)
-    return not solution.capped and softest >= _STIFF and float(solution.pressure.max()) > _HARDEST * softest
+    return (
+        not solution.capped
+        and softest >= _STIFF_MODULUS
+        and float(solution.pressure.max()) > _MAX_METAL_PRESSURE * softest
+    )
 
 
 def _list_moduli(materials: Iterable[Material]) -> list[str]:
@@ -126,9 +214,9 @@ def _list_moduli(materials: Iterable[Material]) -> list[str]:
         if not isinstance(material, (Elastic, ElasticPerfectlyPlastic)):
             continue
         young = f"a Young's modulus of {si(material.young, 'Pa')}"
-        if material.young < (_RUBBER if material.poisson < _GEL_POISSON else _GEL):
+        if material.young < (_RUBBER_MODULUS if material.poisson < _GEL_POISSON else _GEL_MODULUS):
             texts.append(f"{young} is that of a foam or a gel")
-        elif material.young > _DIAMOND:
+        elif material.young > _DIAMOND_MODULUS:
             texts.append(f"{young} is more than that of diamond")
     return list(dict.fromkeys(texts))
 
@@ -140,19 +228,19 @@ def _list_lengths(initial_gap: Array, grid: Grid) -> list[str]:
     cell = min(grid.spacing)
     heights = float(initial_gap.max(where=_measured(initial_gap), initial=0.0))
     slope = rms_slope(np.minimum(initial_gap, heights), grid)
-    if heights > side or slope > _STEEPEST:
+    if heights > side or slope > _MAX_RMS_SLOPE:
         texts.append(f"the heights differ by {si(heights, 'm')}, with an rms slope of {slope:.2g}")
-    elif largest < _ATOM:
+    elif largest < _ATOM_DIAMETER:
         texts.append(f"the heights differ by {si(largest, 'm')}, less than an atom")
-    if side >= _LONGEST:
+    if side >= _MAX_DOMAIN_SIDE:
         texts.append(f"the domain is {si(side, 'm')} long")
-    elif cell < _ATOM:
+    elif cell < _ATOM_DIAMETER:
         texts.append(f"the cells are {si(cell, 'm')} wide, less than an atom")
     return texts
 
 
 def _measured(initial_gap: Array) -> Mask:
-    """Return the points above the lowest ones, where those that were not measured lie."""
+    """Return the mask of the measured points: the others lie at the largest gap."""
     return np.asarray(initial_gap < initial_gap.max())
 
 
@@ -165,33 +253,35 @@ def _find_jump(initial_gap: Array, boundary: Boundary) -> Finding:
 
 
 def _find_edge_contact(solution: ContactSolution) -> Finding:
-    """Return the fraction of the load that patches at a free border carry."""
+    """Return the fraction of the load on patches at a free border."""
     name = "edge contact"
     patches = solution.patches
     if solution.boundary is not Boundary.FREE:
         return Finding(name, math.nan, f"the boundary is {solution.boundary}: the domain has no border")
-    if min(solution.grid.shape) < _NARROW:
-        return Finding(name, math.nan, f"with fewer than {_NARROW} cells along an axis all cells are near the border")
+    if min(solution.grid.shape) < _MIN_CELLS:
+        return Finding(
+            name, math.nan, f"with fewer than {_MIN_CELLS} cells along an axis all cells are near the border"
+        )
     labels, pressure = (
         np.concatenate((field[0], field[-1], field[1:-1, 0], field[1:-1, -1]))
         for field in (patches.labels, solution.pressure)
     )
     touching = np.unique(labels[labels > 0]) - 1
     fraction = float(patches.forces[touching].sum() / patches.forces.sum())
-    if pressure.mean() < _LIGHT * solution.pressure.mean():
+    if pressure.mean() < _LIGHT_BORDER_PRESSURE * solution.pressure.mean():
         fraction = 0.0
     return Finding(name, fraction, f"{_percent(fraction)} of the load is on contacts that reach the free border")
 
 
 def _find_tilt(solution: ContactSolution, edge: Finding) -> Finding:
-    """Return the fraction of the variance of the heights that is a plane, where contacts at a free border count."""
+    """Return the fraction of the variance of the heights that is a plane, if contacts at a free border matter."""
     name = "tilt"
     initial_gap = solution.initial_gap
     if not edge.value > PLAUSIBILITY_RULES["edge contact"].admissible:
         return Finding(name, math.nan, "the load is not at a free border")
     measured = np.nonzero(_measured(initial_gap))
-    if len(measured[0]) < _NARROW:
-        return Finding(name, math.nan, f"fewer than {_NARROW} points are above the lowest")
+    if len(measured[0]) < _MIN_CELLS:
+        return Finding(name, math.nan, f"fewer than {_MIN_CELLS} points are above the lowest")
     values = initial_gap[measured]
     places = [(index - index.mean()) / n for index, n in zip(measured, initial_gap.shape, strict=True)]
     slopes = np.linalg.lstsq(np.stack(places, axis=1), values - values.mean(), rcond=None)[0]
@@ -203,13 +293,13 @@ def _find_tilt(solution: ContactSolution, edge: Finding) -> Finding:
 
 
 def _find_single_cells(solution: ContactSolution) -> Finding:
-    """Return the fraction of the load on single cells, and where all of it may be in another unit, that."""
+    """Return the fraction of the load on single cells, with a hint if the load may be in another unit."""
     name = "cells per contact"
     forces = solution.patches.forces
     single = float(forces[solution.patches.cells == 1].sum() / forces.sum())
     ratio = solution.mean_pressure / solution.modulus
     text = f"{_percent(single)} of the load is on contacts of a single cell"
-    if ratio < _LIGHTEST and single > PLAUSIBILITY_RULES[name].admissible:
+    if ratio < _MIN_PRESSURE_RATIO and single > PLAUSIBILITY_RULES[name].admissible:
         light = f"the mean pressure is {si(solution.mean_pressure, 'Pa')}, {ratio:.2g} of E*"
         text = f"{light} (loads are in Pa and N, lengths in m: 100 MPa is 100e6, 1 mm is 1e-3), and {text}"
     return Finding(name, single, text)
@@ -229,7 +319,7 @@ def _find_slope(solution: ContactSolution) -> Finding:
 
 
 def _find_departure(solution: ContactSolution) -> Finding:
-    """Return by how many standard deviations the area is outside the range that Persson's theory allows."""
+    """Return the distance of the area from the range of Persson's theory, in standard deviations."""
     name = "theory"
     theory = solution.theory
     if theory is None:

@@ -1,9 +1,12 @@
-"""Solutions in files, npz and netCDF, and where a solution comes from."""
+"""Solutions in files, npz and netCDF."""
 
 from __future__ import annotations
 
 import contextlib
+import importlib
+import io
 import math
+import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -12,7 +15,18 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact._base.archive import digest_of, pack, read_archive, read_some, write_archive
+from roughcontact._base.archive import (
+    SEAL,
+    digest_of,
+    opened,
+    pack,
+    read_archive,
+    read_some,
+    replacing,
+    seal,
+    unpack,
+    write_archive,
+)
 from roughcontact._base.archive.plain import (
     Described,
     arrays_in,
@@ -21,21 +35,23 @@ from roughcontact._base.archive.plain import (
     public_class,
     rebuild,
 )
-from roughcontact._base.checks import Array, Mask, RealArray, frozen_array, read_only
+from roughcontact._base.arrays import Array, Mask, RealArray, frozen_array, read_only
 from roughcontact._base.tables import make_dataset
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._solve.solution.netcdf import read_netcdf, write_netcdf
 from roughcontact._solve.solution.origin import Origin, key_of_origin, require_key, versions
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, MissingPackage
 from roughcontact.errors.door import warn
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
 
+# Type as which xarray writes booleans, which netCDF does not have; no other array is of this type. Its attribute for
+# them is not read: HDF5 may search a damaged file for an endless text.
+_STORED_BOOLEANS = np.int8
 T = TypeVar("T")
-_KIND = "solution"
-_PART = "part_"
+_ARCHIVE_KIND = "solution"
+_PART_PREFIX = "part_"
 _FIELDS = {
     "pressure": ("contact pressure", "Pa"),
     "displacement": ("elastic displacement of both surfaces", "m"),
@@ -53,11 +69,68 @@ _SCALARS = {
     "saturated_area": ("area at the pressure limit", "m2"),
     "saturated_area_uncertainty": ("standard deviation of the saturated area", "m2"),
 }
-# Bytes that the arrays of a problem may take beside a multiple of their own; masks of bytes are read as they are.
-_COPIED = 2**26
-_COPIES = 16
-_REALS = ("modulus", "approach", "seconds", "edge_shift")
-_COUNTS = ("iterations", "convolutions")
+# Bytes that the arrays of a problem may take, plus a multiple of their own.
+_COPY_ALLOWANCE = 2**26
+_MAX_COPIES = 16
+_REAL_FIELDS = ("modulus", "approach", "seconds", "edge_shift")
+_COUNT_FIELDS = ("iterations", "convolutions")
+
+
+def require_netcdf() -> None:
+    """Raise `MissingPackage` without the packages that write netCDF."""
+    for name in ("xarray", "h5netcdf"):
+        try:
+            importlib.import_module(name)
+        except ImportError:
+            raise MissingPackage(f"netCDF needs the package {name}: pip install 'roughcontact[store]'.") from None
+
+
+def write_netcdf(path: Path, dataset: Any) -> None:
+    """Write an xarray dataset with a seal, completely or not at all."""
+    require_netcdf()
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    # In memory: HDF5 ends the process when it cannot write its file.
+    content = io.BytesIO()
+    with h5netcdf.File(content, "w") as file:
+        dataset.dump_to_store(H5NetCDFStore(file))
+    content.seek(0, os.SEEK_END)
+    content.write(SEAL)
+    with replacing(path) as partial:
+        partial.write_bytes(content.getvalue())
+        seal(partial)
+
+
+def read_netcdf(path: Path) -> tuple[dict[str, RealArray], dict[str, Any]]:
+    """Return the arrays and the header of a file of `write_netcdf`; see `roughcontact._base.archive.opened`."""
+    try:
+        import h5py
+    except ImportError:
+        raise MissingPackage("netCDF needs the package h5py: pip install 'roughcontact[store]'.") from None
+    packed = {}
+    with opened(path) as stream, h5py.File(stream, "r") as file:
+        left = os.fstat(stream.fileno()).st_size
+        for name in file:
+            link = file.get(name, getlink=True)
+            item = file[name] if isinstance(link, h5py.HardLink) else None
+            if not isinstance(item, h5py.Dataset):
+                raise ValueError(f"{name!r} is not an array in it")
+            # h5py takes the type of opaque bytes, even Python objects, from the file: they are not read.
+            if item.id.get_type().get_class() not in (h5py.h5t.INTEGER, h5py.h5t.FLOAT):
+                raise ValueError(f"its array {name!r} is not stored as plain numbers inside it")
+            if item.is_scale:
+                # Coordinates, and dimensions without coordinates, which have no data.
+                continue
+            stored = item.id.get_create_plist()
+            is_inside = stored.get_layout() in (h5py.h5d.COMPACT, h5py.h5d.CONTIGUOUS)
+            # Many names of one array would take more memory than the file has bytes.
+            left -= math.prod(item.shape) * item.dtype.itemsize
+            if item.dtype.kind not in "biuf" or not is_inside or stored.get_external_count() or left < 0:
+                raise ValueError(f"its array {name!r} is not stored as plain numbers inside it")
+            values = np.asarray(item[()])
+            packed[name] = values.astype(bool) if values.dtype == _STORED_BOOLEANS else values
+        return unpack(packed)
 
 
 def write(path: Path, solution: ContactSolution, *, flush: bool = True) -> None:
@@ -76,9 +149,9 @@ def write(path: Path, solution: ContactSolution, *, flush: bool = True) -> None:
 
 
 def read(path: Path, key: str | None = None) -> dict[str, Any]:
-    """Return the arguments of a `ContactSolution`, of the one with a key if it is given; see `ContactSolution.load`."""
+    """Return the arguments of a `ContactSolution`, which must have the key if one is given; see its `load`."""
     arrays, header = read_netcdf(path) if path.suffix == ".nc" else read_archive(path)
-    if header.get("kind") != _KIND:
+    if header.get("kind") != _ARCHIVE_KIND:
         raise InputError(f"The file {path.name} does not hold a solution.")
     with _usable(path, "its header is wrong"):
         require_key(header, key)
@@ -88,12 +161,12 @@ def read(path: Path, key: str | None = None) -> dict[str, Any]:
 
 
 def read_figures(path: Path, key: str) -> dict[str, Any]:
-    """Return status, cost and scalars of the solution with a key; all of its file is compared with its checksum."""
+    """Return status, cost and scalars of the solution with a key; the file is compared with its checksum."""
     arrays, header = read_some(path, _SCALARS)
     with _usable(path, "its header is wrong"):
         require_key(header, key)
         numbers = {name: float(arrays[name]) for name in _SCALARS}
-        stated = {name: rebuild(header[name], {}) for name in ("status", "seconds", *_COUNTS)}
+        stated = {name: rebuild(header[name], {}) for name in ("status", "seconds", *_COUNT_FIELDS)}
         return {**numbers, **stated}
 
 
@@ -113,16 +186,16 @@ def verify(path: Path, solution: ContactSolution) -> None:
 
 @contextlib.contextmanager
 def _usable(path: Path, trouble: str) -> Iterator[None]:
-    """Turn whatever fails on the content of a file into a sentence."""
+    """Turn any error by the content of a file into an `InputError`."""
     try:
-        # Numbers of a file may overflow: what becomes infinite is refused.
+        # Numbers of a file may overflow: infinite ones are refused later.
         with np.errstate(all="ignore"):
             yield
     except MemoryError:
         raise
     except InputError as error:
         raise InputError(f"The file {path.name} cannot be used: {' '.join(str(error).split())}") from error
-    # Classes of plug-ins refuse their fields in as many ways as there are plug-ins.
+    # Each plug-in refuses wrong fields in its own way.
     except Exception as error:
         raise InputError(f"The file {path.name} cannot be used: {trouble} ({error!r:.200}).") from error
 
@@ -135,25 +208,22 @@ def _require_sound(fields: Mapping[str, Any], arrays: Mapping[str, RealArray]) -
     gap = fields["initial_gap"] + fields["displacement"] - fields["approach"]
     if not np.array_equal(arrays["gap"], gap, equal_nan=True):
         raise InputError("Its gap is not the initial gap plus displacement minus approach.")
-    if min(fields[name] for name in _COUNTS) < 0 or not fields["seconds"] >= 0.0 or not fields["modulus"] > 0.0:
+    if min(fields[name] for name in _COUNT_FIELDS) < 0 or not fields["seconds"] >= 0.0 or not fields["modulus"] > 0.0:
         raise InputError("A number of iterations or convolutions, the time or the contact modulus is negative.")
     force = float(np.add.reduce(pressure, axis=None)) * fields["grid"].cell_area
     if not np.allclose([arrays["force"], arrays["mean_pressure"] * fields["grid"].area], force, equal_nan=True):
         raise InputError("Its force is not that of its pressure.")
-    finite = all(np.isfinite(fields[name]).all() for name in ("pressure", "displacement", "initial_gap", *_REALS))
+    finite = all(np.isfinite(fields[name]).all() for name in ("pressure", "displacement", "initial_gap", *_REAL_FIELDS))
     residuals_hold = all(0.0 <= value < math.inf for value in attrs.astuple(residuals))
-    bounded = finite and pressure.min() >= 0.0 and (pressure <= fields["pressure_limit"]).all()
+    lowest = 0.0 if fields["tension"] is None else -fields["tension"]
+    bounded = finite and (pressure >= lowest).all() and (pressure <= fields["pressure_limit"]).all()
     if status.success and not (bounded and residuals_hold):
         raise InputError(f"Its status is {status.name}, but values are not finite or the pressure leaves its bounds.")
 
 
 def to_xarray(solution: ContactSolution) -> Any:
     """Return the solution as an xarray dataset; see `ContactSolution.to_xarray`."""
-    arrays, _ = _disassemble(solution)
-    # Without the arrays of its problem, which only a file needs.
-    return _dataset(
-        solution, {name: np.asarray(values) for name, values in arrays.items() if not name.startswith(_PART)}
-    )
+    return _dataset(solution, {name: np.asarray(values) for name, values in _list_variables(solution).items()})
 
 
 def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
@@ -171,34 +241,38 @@ def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
 
 
 def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
-    """Return all arrays by name, and everything else as data that JSON can hold."""
+    """Return all arrays by name, and everything else as data for JSON."""
     parts: dict[str, RealArray] = {}
     origin = solution.origin
     limit = solution.pressure_limit
-    described = ("moduli", "boundary", *_REALS, *_COUNTS)
+    described = ("moduli", "boundary", *_REAL_FIELDS, *_COUNT_FIELDS)
     tables = {name: attrs.asdict(getattr(solution, name)) for name in ("grid", "residuals")}
     header = {
-        "kind": _KIND,
+        "kind": _ARCHIVE_KIND,
         "key": key_of_origin(origin),
         "versions": versions() if origin is None else dict(origin.versions),
         "programs": [] if origin is None else origin.programs,
         "status": solution.status.name,
         "pressure_limit": describe(limit if limit.ndim else float(limit), parts),
         "non_measured": describe(solution.non_measured, parts),
-        # Files name the errors of the iterations as they did before these were called so.
+        # The errors of the iterations have their former name in files.
         "history": describe(solution.errors, parts),
         **{name: describe(getattr(solution, name), parts) for name in described},
         **{name: describe(table, parts) for name, table in tables.items()},
         "levels": [describe(attrs.asdict(level), parts) for level in solution.levels],
+        "tension": describe(solution.tension, parts),
         "problem": None if origin is None else origin.describe(parts),
         "load": None if origin is None else describe(origin.load, parts),
     }
-    fields = {name: getattr(solution, name) for name in _FIELDS}
-    return {**fields, **scalars_of(solution), **{_PART + name: values for name, values in parts.items()}}, header
+    return {**_list_variables(solution), **{_PART_PREFIX + name: values for name, values in parts.items()}}, header
+
+
+def _list_variables(solution: ContactSolution) -> dict[str, npt.ArrayLike]:
+    return {**{name: getattr(solution, name) for name in _FIELDS}, **scalars_of(solution)}
 
 
 def scalars_of(solution: ContactSolution) -> dict[str, float]:
-    """Return the numbers that files state beside the fields, by name, in SI units."""
+    """Return the scalars of a file by name, in SI units."""
     figures = {
         "maximum_pressure": float(solution.pressure.max()),
         **_estimate(solution, "area"),
@@ -208,7 +282,7 @@ def scalars_of(solution: ContactSolution) -> dict[str, float]:
 
 
 def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:
-    """Return an area and its uncertainty, not a number where it fails: no solution is lost because of its area."""
+    """Return an area and its uncertainty; nan if it fails, so that the solution can still be saved."""
     try:
         area = getattr(solution, what)()
         value = float(area.value)
@@ -219,7 +293,9 @@ def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:
 
 
 def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dict[str, Any]:
-    parts = {name.removeprefix(_PART): values for name, values in arrays.items() if name.startswith(_PART)}
+    parts = {
+        name.removeprefix(_PART_PREFIX): values for name, values in arrays.items() if name.startswith(_PART_PREFIX)
+    }
 
     def build(cls: type[T], described: Described) -> T:
         return cls(**rebuild(described, parts))
@@ -236,8 +312,8 @@ def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dic
         origin = Origin(None, load, saved=(header["problem"], parts), versions=made_by)
         origin = origin if origin.missing else Origin(origin.problem, load, versions=made_by)
     return {
-        **{name: float(rebuild(header[name], parts)) for name in _REALS},
-        **{name: int(header[name]) for name in _COUNTS},
+        **{name: float(rebuild(header[name], parts)) for name in _REAL_FIELDS},
+        **{name: int(header[name]) for name in _COUNT_FIELDS},
         **{name: _field(arrays[name], grid) for name in ("pressure", "displacement", "initial_gap")},
         "grid": grid,
         "pressure_limit": _field(limit, grid) if isinstance(limit, np.ndarray) else float(limit),
@@ -247,16 +323,27 @@ def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dic
         "non_measured": _mask(rebuild(header["non_measured"], parts), grid),
         "boundary": Boundary(header["boundary"]),
         "status": Status[header["status"]],
+        # Files from before there was adhesion do not name it.
+        "tension": _tension(rebuild(header.get("tension"), parts), grid),
         "errors": tuple(map(float, rebuild(header["history"], parts))),
         "origin": origin,
     }
 
 
+def _tension(value: Any, grid: Grid) -> Array | None:
+    if value is None:
+        return None
+    tension = _field(value, grid)
+    if not (np.isfinite(tension).all() and tension.min() >= 0.0):
+        raise InputError("Its tension is negative or not finite.")
+    return tension
+
+
 def _require_few(described: Described, parts: Mapping[str, RealArray]) -> None:
     """Raise `InputError` if a problem names its arrays so often that their copies take far more than the file."""
-    # Each copy may be of float64; a sum of two surfaces may name a map twice.
+    # A copy may be float64; a sum of two surfaces may name a map twice.
     taken = sum(8 * parts[name].size for name in arrays_in(described) if name in parts)
-    if taken > _COPIED + _COPIES * sum(values.nbytes for values in parts.values()):
+    if taken > _COPY_ALLOWANCE + _MAX_COPIES * sum(values.nbytes for values in parts.values()):
         raise InputError(f"The arrays that its problem names take {taken} bytes, more than it may hold.")
 
 

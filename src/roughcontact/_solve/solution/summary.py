@@ -1,4 +1,4 @@
-"""A solution as text: the answer first, then how far it can be trusted, then the work."""
+"""Solutions as text: one, and several loads beside each other."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
-from roughcontact._base.units import Estimate, counted, prefixed, si, with_spread
-from roughcontact._base.warnings import warn_about
+from roughcontact._base.units import WIDTH, Estimate, counted, kind_of, prefixed, si, warn_about, with_spread
+from roughcontact._parts.grid import FIRST_LOADING, Load
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.plausibility import exceeds_metals
 from roughcontact._solve.solution.results import Area
+from roughcontact.errors.door import guarded
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
@@ -21,17 +22,18 @@ if TYPE_CHECKING:
 S = TypeVar("S")
 T = TypeVar("T")
 _UNKNOWN = "not determined"
-# What is said below a maximum pressure that no metal bears.
+# Note below a maximum pressure that no metal bears.
 MORE_THAN_METALS = "more than metals bear: unless it is meant, give a hardness"
-# Columns of a printed solution, and those of the labels.
-_WIDTH = 80
-_LABEL = 15
-# Cells up to which the area is estimated unasked for the one line of `repr`: 0.1 s.
-_SMALL = 2**20
+# Characters of the labels of a printed solution.
+_LABEL_WIDTH = 15
+# Maximum cells for which `repr` estimates the area: 0.1 s.
+_MAX_REPR_CELLS = 2**20
+# Maximum loads that are named if a warning concerns all of them.
+_MAX_NAMED_LOADS = 3
 
 
 def list_answers(solution: ContactSolution) -> dict[str, str]:
-    """Return the answer in words by name: the contact area, the load, the maximum pressure and the approach."""
+    """Return the texts of contact area, load, maximum pressure and approach by name."""
     peak = _attempt(solution.peak_pressure, None)
     answers = {
         "contact area": _format_area(_attempt(solution.area, None), solution),
@@ -48,9 +50,9 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
 def list_all_warnings(
     solution: ContactSolution, known: Mapping[str, Area | Estimate] = MappingProxyType({})
 ) -> list[str]:
-    """Return the warnings of a solution, those of what `list_answers` estimates, and those of estimates by name.
+    """Return the warnings of a solution, of its answers (see `list_answers`) and of other known estimates by name.
 
-    What is `known` is not estimated again.
+    Known estimates are not repeated.
     """
     gathered = dict.fromkeys(_attempt(lambda: solution.warnings, ()))
     asked: dict[str, Callable[[], Area | Estimate]] = {
@@ -64,7 +66,7 @@ def list_all_warnings(
     }
     seen: set[str] = set()
     for name, found in (estimates | dict(known)).items():
-        # The others have the warnings of the area too.
+        # Other estimates repeat the warnings of the area.
         texts = () if found is None else tuple(text for text in found.warnings if text not in seen)
         seen.update(texts)
         gathered.update(dict.fromkeys(warn_about(name, text) for text in texts))
@@ -72,13 +74,13 @@ def list_all_warnings(
 
 
 def describe_work(solution: ContactSolution) -> str:
-    """Return what a solve took."""
+    """Return the cost of a solve as text."""
     counts = counted(solution.iterations, "iteration"), counted(solution.convolutions, "convolution")
     return f"{', '.join(counts)}, {solution.seconds:.2g} s"
 
 
 def describe_maps(maps: Sequence[HeightMap]) -> str:
-    """Return what the area of measured maps does not know; empty without maps."""
+    """Return a note on the roughness that measured maps do not include; empty without maps."""
     if not maps:
         return ""
     shortest = si(2.0 * max(max(one.grid.spacing) for one in maps), "m", 3)
@@ -86,7 +88,7 @@ def describe_maps(maps: Sequence[HeightMap]) -> str:
 
 
 def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: Mapping[str, Material]) -> str:
-    """Return the answer, how the solve ended, the warnings and the work, line by line; a failure first of all."""
+    """Return answers, status, warnings and cost, line by line; the status of a failure first."""
     status = ("status", str(solution.status))
     rows = [*list_answers(solution).items()]
     if exceeds_metals(solution, materials.values()):
@@ -110,11 +112,11 @@ def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: M
 
 
 def abbreviate(solution: ContactSolution) -> str:
-    """Return the solution in one line; the area is in it where it takes a moment only."""
+    """Return the solution in one line, with the area unless it takes long."""
     shape = " x ".join(map(str, solution.grid.shape))
     verdict, _, _ = str(solution.status).partition(":")
     texts = [verdict, si(solution.mean_pressure, "Pa")]
-    area = _attempt(solution.area, None) if solution.grid.cells <= _SMALL and solution.status.success else None
+    area = _attempt(solution.area, None) if solution.grid.cells <= _MAX_REPR_CELLS and solution.status.success else None
     if area is not None:
         texts.append(f"contact area {with_spread(*_percentages(area, solution.grid.area))} %")
     return f"<ContactSolution {shape}, {solution.boundary}: {', '.join(texts)}>"
@@ -130,7 +132,7 @@ def _format_estimate(one: Estimate) -> str:
 
 
 def _format_area(area: Area | None, solution: ContactSolution) -> str:
-    # Of a pressure that is not a number no cell is in contact.
+    # A pressure that is nan has no cell in contact.
     if area is None or not math.isfinite(solution.force):
         return _UNKNOWN
     percent = with_spread(*_percentages(area, solution.grid.area))
@@ -138,7 +140,7 @@ def _format_area(area: Area | None, solution: ContactSolution) -> str:
 
 
 def _attempt(estimate: Callable[[], T], otherwise: S) -> T | S:
-    """Return an estimate, or something else where it fails: what did not converge is printed as well."""
+    """Return an estimate, or `otherwise` if it fails: solutions that did not converge are printed as well."""
     try:
         return estimate()
     # Estimators are plug-ins.
@@ -147,7 +149,76 @@ def _attempt(estimate: Callable[[], T], otherwise: S) -> T | S:
 
 
 def _wrap(label: str, text: str) -> Iterator[str]:
-    indent = f"{label:<{_LABEL}}"
+    indent = f"{label:<{_LABEL_WIDTH}}"
     for line in text.splitlines():
-        yield from textwrap.wrap(line, _WIDTH, initial_indent=indent, subsequent_indent=_LABEL * " ") or [indent]
+        yield from textwrap.wrap(line, WIDTH, initial_indent=indent, subsequent_indent=_LABEL_WIDTH * " ") or [indent]
         indent = ""
+
+
+@guarded
+def name_load(solution: ContactSolution) -> str:
+    """Return the load as it was given, such as ``10 N``; the mean pressure if it is not known."""
+    if solution.origin is None:
+        return si(solution.mean_pressure, "Pa")
+    ((kind, value),) = solution.origin.load.items()
+    return str(Load(kind, value)).removeprefix(f"{kind} ")
+
+
+def note_loads(solutions: Sequence[ContactSolution]) -> list[str]:
+    """Return a note that each load is a first loading; none without a hardness or for one load."""
+    return [FIRST_LOADING] if len(solutions) > 1 and any(solution.capped for solution in solutions) else []
+
+
+@guarded
+def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], list[str]]:
+    """Return the quantities of a solution by name, in SI units, and all warnings."""
+    area = solution.area()
+    peak = solution.peak_pressure()
+    gap: Estimate = solution.response("mean-gap")
+    patches: Estimate = solution.response("patches")
+    found = {
+        "contact area": Estimate(area.value, area.uncertainty, "m2"),
+        "contact area fraction": Estimate(area.fraction, area.uncertainty / solution.grid.area, ""),
+        "maximum pressure": peak,
+        "force": Estimate(solution.force, 0.0, "N"),
+        "mean pressure": Estimate(solution.mean_pressure, 0.0, "Pa"),
+        "approach": Estimate(solution.approach, 0.0, "m"),
+        "mean gap": gap,
+        "contact patches": patches,
+    }
+    known: dict[str, Area | Estimate] = {
+        "maximum pressure": peak,
+        "mean gap": gap,
+        "number of contact patches": patches,
+    }
+    if solution.capped:
+        known["saturated area"] = saturated = solution.saturated_area()
+        found["saturated area"] = Estimate(saturated.value, saturated.uncertainty, "m2")
+    return found, list_all_warnings(solution, known)
+
+
+@guarded
+def gather_warnings(warnings: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
+    """Return the warnings at several loads, each once with the loads that it concerns.
+
+    Parameters
+    ----------
+    warnings
+        Names of loads, and the warnings at each. Warnings of one rule become one, with the numbers at the last load.
+    """
+    if len(warnings) == 1:
+        return list(warnings[0][1])
+    gathered: dict[str, list[tuple[str, str]]] = {}
+    for load, texts in warnings:
+        for text in texts:
+            gathered.setdefault(kind_of(text), []).append((load, text))
+    return [_attribute(found, len(warnings)) for found in gathered.values()]
+
+
+def _attribute(found: Sequence[tuple[str, str]], count: int) -> str:
+    """Return a warning with the loads that it concerns before it."""
+    *before, (last, text) = found
+    named = f"{', '.join(load for load, _ in before)} and {last}" if before else last
+    loads = f"all {count} loads" if len(found) == count > _MAX_NAMED_LOADS else named
+    differ = any(other != text for _, other in before)
+    return f"At {loads}{f' (here with the numbers at {last})' if differ else ''}: {text}"

@@ -8,32 +8,31 @@ from typing import TYPE_CHECKING
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact.reference.persson import PerssonContact, evaluate_persson
-from roughcontact.reference.roughness import find_lay, find_shape
-from roughcontact.reference.waves import Waves, transform_waves
+from roughcontact.reference.roughness import Waves, find_lay, find_shape, transform_waves
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
 
-# Theory over solved area on isotropic Gaussian surfaces below this fraction of contact, from 1 % on; Hurst exponents
-# 0.3 to 0.8, docs/studies/persson.py.
-_RATIO = (0.65, 0.9)
-_CONTACT = (0.01, 0.4)
-# Surfaces that the theory describes: relative sampling error of the mean square height and slope, ratio of the rms
-# slopes along two directions, skewness, kurtosis, and the part of the mean square slope from waves below four cells.
-_FEW_HEIGHTS = 0.35
-_FEW_SLOPES = 0.15
-_LAY = 1.5
-_SKEWNESS = 0.6
-_KURTOSIS = (2.0, 4.5)
-_UNRESOLVED = 0.3
+# Range of theoretical over solved area on isotropic Gaussian surfaces of Hurst exponents 0.3 to 0.8, and the range of
+# contact fractions where it holds (docs/studies/persson.py).
+_AREA_RATIO_RANGE = (0.65, 0.9)
+_CONTACT_RANGE = (0.01, 0.4)
+# Surfaces that the theory describes: maximum relative sampling error of the mean square height and slope, ratio of the
+# rms slopes along two directions, skewness, kurtosis, and fraction of the mean square slope in waves below four cells.
+_MAX_HEIGHT_ERROR = 0.35
+_MAX_SLOPE_ERROR = 0.15
+_MAX_LAY_RATIO = 1.5
+_MAX_SKEWNESS = 0.6
+_KURTOSIS_RANGE = (2.0, 4.5)
+_MAX_UNRESOLVED_FRACTION = 0.3
 # Relative standard deviation of the area of one patch at a given load, from random scenes.
-_SCATTER = 0.25
-# Cells of the largest grid whose spectrum is taken unasked: 0.6 s.
-_LARGEST = 2**22
+_PATCH_AREA_STD = 0.25
+# Maximum cells of a grid whose spectrum is computed by default: 0.6 s.
+_MAX_CELLS = 2**22
 
 
 @attrs.frozen(eq=False)
@@ -43,14 +42,14 @@ class TheoryBeside:
     Attributes
     ----------
     contact
-        What the theory gives at the mean pressure of the solution.
+        The contact of the theory at the mean pressure of the solution.
     area_ratio
         Its area over the solved one.
     gap_ratio
         Its mean gap over the solved one; nan in full contact.
     departure
-        By how much `area_ratio` is outside the range of 0.65 to 0.9, in standard deviations of sampling, of few patches
-        and of the solved area; zero inside, and where the range does not apply.
+        Distance of `area_ratio` from the range of 0.65 to 0.9, in standard deviations by sampling, few patches and the
+        solved area; zero inside, and if the range does not apply.
     """
 
     contact: PerssonContact
@@ -66,13 +65,13 @@ class TheoryBeside:
 
 
 def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
-    """Return the theory beside a solution, or None where it does not hold: see `ContactSolution.theory`."""
+    """Return the theory beside a solution, or None if it does not hold: see `ContactSolution.theory`."""
     applies = (
         solution.boundary is Boundary.PERIODIC
         and solution.status.success
         and solution.moduli is None
         and solution.non_measured is None
-        and solution.grid.cells <= _LARGEST
+        and solution.grid.cells <= _MAX_CELLS
         and solution.initial_gap.any()
         and solution.contact.any()
         and not solution.saturated.any()
@@ -84,11 +83,11 @@ def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
     area = solution.area()
     ratio = float(contact.area_fraction) / area.fraction
     departure = 0.0
-    if _CONTACT[0] <= area.fraction <= _CONTACT[1]:
-        nearest = min(max(ratio, _RATIO[0]), _RATIO[1])
+    if _CONTACT_RANGE[0] <= area.fraction <= _CONTACT_RANGE[1]:
+        nearest = min(max(ratio, _AREA_RATIO_RANGE[0]), _AREA_RATIO_RANGE[1])
         square = waves.square
         sampling = waves.spread(square) / waves.sum(square)
-        few = _SCATTER / math.sqrt(solution.patches.count)
+        few = _PATCH_AREA_STD / math.sqrt(solution.patches.count)
         departure = abs(ratio - nearest) / (nearest * math.hypot(sampling, few, area.uncertainty / area.value))
     gap = float(np.mean(solution.gap))
     gap_ratio = float(contact.mean_gap) / gap if gap > solution.residuals.scale * 1e-3 else math.nan
@@ -96,15 +95,15 @@ def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
 
 
 def _find_waves(initial_gap: Array, grid: Grid) -> Waves | None:
-    """Return the waves of isotropic Gaussian roughness that the grid resolves; None of anything else."""
-    # Of the heights, which are the gap with the other sign, the skewness has the other sign.
+    """Return the waves of isotropic Gaussian roughness that the grid resolves; None for other surfaces."""
+    # The heights are the negative gap, so that their skewness has the other sign.
     skewness, kurtosis = find_shape(initial_gap)
-    if abs(skewness) > _SKEWNESS or not _KURTOSIS[0] <= kurtosis <= _KURTOSIS[1]:
+    if abs(skewness) > _MAX_SKEWNESS or not _KURTOSIS_RANGE[0] <= kurtosis <= _KURTOSIS_RANGE[1]:
         return None
     waves = transform_waves(initial_gap, grid)
     square = waves.square
     slope = waves.sum(square)
     cell = max(grid.spacing) / grid.spacing[0]
     short = waves.sum(np.where(square > (0.5 * np.pi / cell) ** 2 * (1.0 + 1e-9), square, 0.0))
-    few = waves.spread(1.0) > _FEW_HEIGHTS * waves.sum(1.0) or waves.spread(square) > _FEW_SLOPES * slope
-    return None if few or short > _UNRESOLVED * slope or find_lay(waves) > _LAY else waves
+    few = waves.spread(1.0) > _MAX_HEIGHT_ERROR * waves.sum(1.0) or waves.spread(square) > _MAX_SLOPE_ERROR * slope
+    return None if few or short > _MAX_UNRESOLVED_FRACTION * slope or find_lay(waves) > _MAX_LAY_RATIO else waves

@@ -1,5 +1,6 @@
 """Solvers: the pressure that satisfies the conditions of contact."""
 
+from roughcontact._solve.solvers.adhesive import GapDescent, Majorise, stability_margin
 from roughcontact._solve.solvers.base import (
     Monitor,
     Outcome,
@@ -20,6 +21,8 @@ from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 
 __all__ = [
     "ActiveCells",
+    "GapDescent",
+    "Majorise",
     "MaskedCells",
     "Monitor",
     "Outcome",
@@ -37,6 +40,7 @@ __all__ = [
     "project_to_load",
     "rescale_to_load",
     "solvers",
+    "stability_margin",
     "starting_pressure",
     "total",
 ]

@@ -11,7 +11,8 @@ from typing import Any, ClassVar
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, integer, number
+from roughcontact._base.arrays import Array
+from roughcontact._base.checks import integer, number
 from roughcontact._base.registry import Registry
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
@@ -45,7 +46,7 @@ class Step:
 
 
 def _as_limit(value: Any) -> Array:
-    # An array of another kind than numpy's stays one.
+    # Other arrays than numpy's keep their type.
     like = value if hasattr(value, "__array_function__") else None
     return np.asarray(value, dtype=np.float64, like=like)
 
@@ -66,7 +67,7 @@ class Task:
         Maximum pressure, an array that broadcasts to (nx, ny): one value, or one per cell; `inf` where
         there is none. A number is converted.
     rms_gap
-        The standard deviation of the initial gap at the measured points; None if that is of all cells.
+        The standard deviation of the initial gap at the measured points; None: of all cells.
     start
         Pressure to start from, shape (nx, ny), within the bounds; None if there is none.
     interaction
@@ -95,7 +96,7 @@ class Task:
         return bool(np.isfinite(self.pressure_limit).any())
 
     def convert(self, convert: Callable[[Array], Array]) -> Task:
-        """Return the same task with each of its arrays converted to another kind."""
+        """Return the same task with each of its arrays converted."""
         start = None if self.start is None else convert(self.start)
         gap = convert(self.initial_gap)
         limit = convert(self.pressure_limit)
@@ -113,7 +114,7 @@ class Outcome:
     status
         How the solve ended.
     iterations, convolutions
-        Numbers of iterations, and of convolutions on the finest grid or of the same cost.
+        Iterations, and convolutions on the finest grid or work of the same cost.
     errors
         Error (see `Violation`) at the start of each iteration.
     levels
@@ -150,7 +151,10 @@ class Solver(abc.ABC):
     """
 
     omitted: ClassVar[tuple[str, ...]] = ()
-    """What its solves omit and why, for ``explain()``."""
+    """Steps that its solves omit and why, for ``explain()``."""
+
+    adhesive: ClassVar[bool] = False
+    """Whether it can treat an interaction of the surfaces, `Task.interaction`."""
 
     @property
     @abc.abstractmethod
@@ -162,7 +166,7 @@ class Solver(abc.ABC):
         return
 
     def with_tolerance(self, tolerance: float) -> Solver:
-        """Return the same solver with another tolerance; override it where that is not a field of an attrs class."""
+        """Return the same solver with another tolerance; override it if that is not a field of an attrs class."""
         solver: Any = self
         if not (attrs.has(type(self)) and "tolerance" in attrs.fields_dict(type(solver))):
             raise InputError(f"The tolerance of the solver {self!r} cannot be set.")
@@ -240,7 +244,7 @@ class Monitor:
 
 @guarded
 def starting_pressure(task: Task) -> Array:
-    """Return the start of a task, or a uniform pressure within the limit, at the load; zero for an approach."""
+    """Return the start of a task, or a uniform pressure within the limit, with its load; zero for an approach."""
     shape = task.initial_gap.shape
     limit = task.pressure_limit
     if task.mean_pressure is None:
@@ -256,7 +260,7 @@ def starting_pressure(task: Task) -> Array:
 
 @guarded
 def nearest_pressure(values: Array, task: Task) -> Array:
-    """Return the pressure nearest to any finite field, within the bounds and, if it is given, of the task's load."""
+    """Return the pressure nearest to a finite field within the bounds and with the load of the task, if it has one."""
     if task.mean_pressure is None:
         return np.clip(values, 0.0, task.pressure_limit)
     return project_to_load(values, task.mean_pressure, task.pressure_limit)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask
+from roughcontact._base.arrays import Array, Mask
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.base import (

@@ -8,25 +8,24 @@ from typing import TypeAlias
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, IntArray, Mask, RealArray
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact.errors.door import guarded
 
-# Rounds of Newton's method for the shift of all cells, and of released ones: it needs about five; bisection to
+# Maximum rounds of Newton's method for the shift of all cells, and of released cells: it needs about five; bisection to
 # the last bit would need 200.
-_ROUNDS = 200
-_RELEASED_ROUNDS = 60
-# Error of the load, over the load, below which the search ends (2 eps), and above which it is not rounding.
-_EXACT = 4e-16
+_MAX_ROUNDS = 200
+_MAX_RELEASED_ROUNDS = 60
+# Error of the load, over the load, at which the search ends (2 eps), and maximum error by rounding.
+_LOAD_EPSILON = 4e-16
 LOAD_ROUNDING = 1e-13
-# Cells within this multiple of the expected shift of a bound are near it. The search uses them alone as long as
-# they are at most this fraction of all. Half or double costs up to 5 % more CPU time, or saves 1 %
-# (docs/studies/solver_constants.py).
-_REACH = 4.0
-_FEW = 0.3
-# Error of the load over the change of pressure in a step: each float64 verification restores the load.
-_MISSED = 1e-5
-# A product of float32 vectors below this may have lost terms below 1e-38, the smallest that float32 holds.
-_UNDERFLOW = 1e-30
+# Distance from a bound of the cells near it, over the expected shift, and maximum fraction of near cells for a search
+# among them alone. Half or double costs up to 5 % more CPU time, or saves 1 % (docs/studies/solver_constants.py).
+_REACH_FACTOR = 4.0
+_MAX_NEAR_FRACTION = 0.3
+# Admissible error of the load in a step, over the change of pressure: each verification in float64 restores the load.
+_STEP_LOAD_ERROR = 1e-5
+# Product of float32 vectors below which terms below 1e-38, the minimum of float32, may be lost.
+_UNDERFLOW_PRODUCT = 1e-30
 
 
 @guarded
@@ -46,12 +45,12 @@ def project_to_load(values: Array, mean: float, pressure_limit: float | Array) -
     """
     load = mean * values.size
     limit = np.asarray(pressure_limit, like=values)
-    # With the lower shift every cell carries its limit, or at least the mean; with the upper one none carries any.
+    # At the lower shift every cell carries its limit, or at least the mean; at the upper one no cell carries any.
     lower = float(values.min()) - mean if limit.size == 1 else float((values - limit).min())
     bracket = lower, float(values.max())
-    pressure = values - _find_shift(values.ravel(), None, load, limit.ravel(), bracket, _EXACT * load)
+    pressure = values - _find_shift(values.ravel(), None, load, limit.ravel(), bracket, _LOAD_EPSILON * load)
     np.clip(pressure, 0.0, limit, out=pressure)
-    # The shift is known to the last digit of the values, which may be far larger than the mean.
+    # The shift has the rounding of the values, which may be far larger than the mean.
     return rescale_to_load(pressure, load, limit)
 
 
@@ -69,7 +68,7 @@ def project_to_weighted_load(values: Array, weights: RealArray, load: float, lim
     error
         Admissible error of the sum.
     """
-    error = max(error, _EXACT * load)
+    error = max(error, _LOAD_EPSILON * load)
     shift = _find_shift_near_bounds(values, weights, load, limit, error)
     if shift is None:
         shift = _find_shift(values, weights, load, limit, (-math.inf, math.inf), error)
@@ -108,7 +107,7 @@ def rescale_to_load(pressure: Array, load: float, pressure_limit: float | Array)
 
 
 def _choose_shifted(pressure: Array, load: float, limit: Array) -> Array:
-    """Return weights of one for the cells whose shift gives the load: elastic ones, those in contact or, last, all."""
+    """Return weights of one for the cells whose shift gives the load: elastic, in contact, or all."""
     contact = pressure > 0.0
     elastic = contact & (pressure < limit)
     for cells in (elastic, contact):
@@ -125,19 +124,19 @@ def limits_at(limit: Array, index: Mask) -> Array:
 
 
 def _find_shift_near_bounds(values: Array, weights: RealArray, load: float, limit: Array, error: float) -> float | None:
-    """Return the same as `_find_shift` from the cells near a bound alone, if it moves no others past one."""
+    """Return `_find_shift` from the cells near a bound alone; None if the shift moves others across a bound."""
     weight = float(np.add.reduce(weights, dtype=np.float64))
     if weight <= 0.0:
         return None
     excess = float(np.add.reduce(np.clip(values, 0.0, limit))) - load
-    reach = _REACH * abs(excess) / weight
+    reach = _REACH_FACTOR * abs(excess) / weight
     swing = weights * weights.dtype.type(reach)
     # Near zero the precision of the weights is enough, and a uniform limit needs no more.
     near = values.astype(weights.dtype) < swing
     if np.isfinite(limit).any():
-        # With too much load pressures fall: none below its limit will reach it, and the limit changes no bit.
+        # With too much load pressures fall: none reaches its limit from below, and the limit changes no bit.
         near |= values > (limit if excess > 0.0 else limit.astype(weights.dtype) - swing)
-    if not 0 < np.count_nonzero(near) <= _FEW * near.size:
+    if not 0 < np.count_nonzero(near) <= _MAX_NEAR_FRACTION * near.size:
         return None
     inside = values[near]
     slopes = weights[near].astype(np.float64)
@@ -161,17 +160,17 @@ def _find_shift(
     lower, upper = bracket
     reach = abs(load) / values.size
     shift = min(max(0.0, lower), upper)
-    for _ in range(_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         carried = values - (shift if weights is None else shift * weights)
         np.clip(carried, 0.0, limit, out=carried)
         excess = float(np.add.reduce(carried)) - shift * elsewhere - load
         contact = carried > 0.0
         moving = contact & (carried < limit)
-        # Without weights, all of them one, counting is twice as fast as summing.
+        # Without weights, counting is twice as fast as summing ones.
         moved = np.count_nonzero(moving) if weights is None else np.add.reduce(weights, where=moving, dtype=float)
         slope = elsewhere + float(moved)
         if excess > 0.0:
-            # The shift only grows from here, so that cells open now stay open.
+            # The shift only grows from here: open cells stay open.
             lower = shift
             values = values[contact]
             limit = limits_at(limit, contact)
@@ -197,13 +196,13 @@ def _extend(lower: float, upper: float, reach: float) -> float:
 
 @attrs.frozen(eq=False)
 class ReleasedCells:
-    """The active cells that are about to leave zero (low) and the limit (high), as positions in a vector."""
+    """Active cells at a bound that may leave it, zero (low) or the limit (high), as positions in a vector."""
 
     low: IntArray
     high: IntArray
 
     def hold_outward(self, direction: RealArray) -> RealArray:
-        """Return a direction, changed in place, in which no released cell moves out of its bound."""
+        """Return a direction, changed in place, in which no released cell crosses its bound."""
         direction[self.low] = np.maximum(direction[self.low], 0.0)
         direction[self.high] = np.minimum(direction[self.high], 0.0)
         return direction
@@ -216,16 +215,16 @@ class LoadControl:
     load: float
 
     def level(self, gap: RealArray, weights: RealArray) -> float:
-        """Return the value that the gap of some cells should have, shape (n,) both: its weighted mean."""
+        """Return the level of the gap of some cells, shape (n,): its weighted mean."""
         weight = total(weights)
         return dot(weights, gap) / weight if weight > 0.0 else 0.0
 
     def level_between(self, saturated: float, opened: float) -> float:
-        """Return the level where no cell is elastic, from the highest saturated and the lowest open gap."""
+        """Return the level if no cell is elastic, from the largest saturated and the smallest open gap."""
         return 0.5 * (saturated + opened)
 
     def admissible(self, direction: RealArray, weights: RealArray, released: ReleasedCells) -> RealArray:
-        """Return the nearest direction, in the metric 1/w, of sum zero that moves no released cell outward."""
+        """Return the nearest direction of sum zero, in the metric 1/w, in which no released cell crosses its bound."""
         change = total(direction)
         weight = total(weights)
         shift = change / weight
@@ -234,7 +233,7 @@ class LoadControl:
         slopes = weights[cells].astype(np.float64)
         inward = np.repeat((1.0, -1.0), (released.low.size, released.high.size))
         held = np.zeros(cells.size, dtype=bool)
-        for _ in range(_RELEASED_ROUNDS):
+        for _ in range(_MAX_RELEASED_ROUNDS):
             before = held
             held = inward * (values - shift * slopes) < 0.0
             slope = weight - float(np.add.reduce(slopes[held]))
@@ -244,9 +243,9 @@ class LoadControl:
         return released.hold_outward(direction - np.float32(shift) * weights)
 
     def feasible(self, trial: Array, before: Array, weights: RealArray, limit: Array) -> Array:
-        """Return the pressure near `trial`, within the bounds, of the load of `before`, shape (n,)."""
+        """Return the pressure near `trial` within the bounds, with the load of `before`, shape (n,)."""
         change = float(np.add.reduce(np.abs(trial - before)))
-        return project_to_weighted_load(trial, weights, float(np.add.reduce(before)), limit, _MISSED * change)
+        return project_to_weighted_load(trial, weights, float(np.add.reduce(before)), limit, _STEP_LOAD_ERROR * change)
 
     def restore(self, pressure: Array, limit: Array) -> Array:
         """Return the pressure, changed in place, without the rounding of its load."""
@@ -265,7 +264,7 @@ class ApproachControl:
         return 0.0
 
     def admissible(self, direction: RealArray, weights: RealArray, released: ReleasedCells) -> RealArray:
-        """Return the nearest direction that moves no released cell outward."""
+        """Return the nearest direction in which no released cell crosses its bound."""
         return released.hold_outward(direction.copy())
 
     def feasible(self, trial: Array, before: Array, weights: RealArray, limit: Array) -> Array:
@@ -288,6 +287,6 @@ def total(vector: RealArray) -> float:
 def dot(one: RealArray, other: RealArray) -> float:
     """Return the product of two vectors, without the threads of a BLAS."""
     product = float(np.einsum("i,i->", one, other))
-    if abs(product) < _UNDERFLOW:
+    if abs(product) < _UNDERFLOW_PRODUCT:
         product = float(np.einsum("i,i->", one, other, dtype=np.float64, casting="same_kind"))
     return product

@@ -8,7 +8,7 @@ from collections import deque
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.base import (
@@ -23,13 +23,13 @@ from roughcontact._solve.solvers.base import (
     starting_pressure,
 )
 
-# A step may raise the energy, but not above the maximum of the last 10, less 1e-4 of the predicted decrease:
-# the values of Birgin, Martinez and Raydan (2000).
-_MEMORY = 10
-_DECREASE = 1e-4
-# Iterations between exact displacements, which are otherwise updated with each step: an update rounds by an eps
-# or two, so that 50 stay well below the resolution of 1e-5.
-_REFRESH = 50
+# A step may raise the energy up to the maximum of the last 10, less 1e-4 of the predicted decrease: values of Birgin,
+# Martinez and Raydan (2000).
+_ENERGY_MEMORY = 10
+_MIN_DECREASE = 1e-4
+# Iterations between exact displacements; each update in between rounds by an eps or two, so that 50 stay well below the
+# resolution of 1e-5.
+_REFRESH_INTERVAL = 50
 
 
 @attrs.frozen
@@ -71,11 +71,11 @@ class SpectralGradient(Solver):
         displacement = convolution.apply(pressure)
         convolutions = 1
         exact = True
-        energies: deque[float] = deque(maxlen=_MEMORY)
+        energies: deque[float] = deque(maxlen=_ENERGY_MEMORY)
         length = math.nan
         while True:
             violation, status = monitor.judge(pressure, displacement)
-            if not exact and (status is not None or len(monitor.errors) % _REFRESH == 0):
+            if not exact and (status is not None or len(monitor.errors) % _REFRESH_INTERVAL == 0):
                 # Only an exact displacement may decide, so that rounding does not accumulate.
                 displacement = convolution.apply(pressure)
                 convolutions += 1
@@ -99,10 +99,10 @@ class SpectralGradient(Solver):
             if not (slope < 0.0 and math.isfinite(curvature)):
                 return monitor.outcome(pressure, Status.STALLED, convolutions)
             part = 1.0
-            if energies[-1] + slope + 0.5 * curvature > max(energies) + _DECREASE * slope:
+            if energies[-1] + slope + 0.5 * curvature > max(energies) + _MIN_DECREASE * slope:
                 part = min(1.0, -slope / curvature)
             if curvature > 0.0:
-                # Not so where a uniform pressure, which displaces nothing on a periodic domain, meets an approach.
+                # Zero for a given approach on a periodic domain, where a uniform pressure displaces nothing.
                 length = convolution.dot(step, step) / curvature
             pressure = projected if part == 1.0 else np.clip(_advance(pressure, step, part), 0.0, task.pressure_limit)
             displacement = _advance(displacement, change, part)

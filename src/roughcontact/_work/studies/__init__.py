@@ -1,7 +1,6 @@
 """Studies: many problems, many loads, on any executor, and on disk as they go."""
 
-from roughcontact._work.studies.record import Record
-from roughcontact._work.studies.result import StudyResult
+from roughcontact._work.studies.record import Record, StudyResult
 from roughcontact._work.studies.study import Study
 
 __all__ = ["Record", "Study", "StudyResult"]

@@ -1,4 +1,4 @@
-"""Problems that a function builds, one for each combination of its parameters."""
+"""Problems built by a function, one for each combination of its parameters."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from roughcontact._work.studies.record import Record
 from roughcontact.errors import InputError, RoughContactError, shorten
 from roughcontact.errors.door import outside
 
-# Columns of the tables of a study, which are no axes.
+# Columns of the tables of a study, which are not axes.
 _COLUMNS = {*(one.name for one in attrs.fields(Record)), "area", "area_uncertainty", "estimator", "saturated_area"} - {
     "seed"
 }
-# Values of an axis, and problems of a study.
-_MOST = 100_000
-# Characters of an exception that a sentence repeats.
-_LONGEST = 300
+# Most values of an axis, and most problems of a study.
+_MAX_VALUES = 100_000
+# Most characters of an exception that a sentence repeats.
+_MAX_REASON_CHARACTERS = 300
 
 
 @final
@@ -59,14 +59,14 @@ class BuiltProblems(Mapping[str, ContactProblem]):
         _require_parameters(build, axes, arguments)
         checked = {name: _axis(name, values) for name, values in axes.items()}
         count = math.prod(map(len, checked.values()))
-        if count > _MOST:
-            raise InputError.about("The number of problems of a study", count, f"at most {_MOST}")
+        if count > _MAX_VALUES:
+            raise InputError.about("The number of problems of a study", count, f"at most {_MAX_VALUES}")
         points = [dict(zip(checked, values, strict=True)) for values in itertools.product(*checked.values())]
         return cls(build, checked, {_name(point): point for point in points})
 
     @property
     def name(self) -> str:
-        """Where the function is defined, or of which class it is."""
+        """Module and qualified name of the function, or of the class of a callable object."""
         own = getattr(self.build, "__qualname__", type(self.build).__qualname__)
         return f"{getattr(self.build, '__module__', '')}:{own}"
 
@@ -81,7 +81,7 @@ class BuiltProblems(Mapping[str, ContactProblem]):
         # A function of the user's may fail in any way.
         except Exception as error:
             own = str(error) if isinstance(error, RoughContactError) else f"{type(error).__name__}: {error}"
-            reason = shorten(" ".join(own.split()).rstrip("."), _LONGEST)
+            reason = shorten(" ".join(own.split()).rstrip("."), _MAX_REASON_CHARACTERS)
             raise InputError(f"The problem with {name} cannot be built: {reason}.") from error
         if not isinstance(problem, ContactProblem):
             raise InputError.about(f"What the function builds for {name}", problem, "a ContactProblem")
@@ -126,11 +126,11 @@ def _axis(name: str, values: object) -> tuple[Any, ...]:
     if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
         raise InputError.about(what, values, allowed, f"One value is {name}=[value].")
     try:
-        items = list(itertools.islice(values, _MOST + 1))
+        items = list(itertools.islice(values, _MAX_VALUES + 1))
     except Exception:
         raise InputError.about(what, values, allowed) from None
-    if not items or len(items) > _MOST:
-        raise InputError(f"{what} must have from 1 to {_MOST} values.")
+    if not items or len(items) > _MAX_VALUES:
+        raise InputError(f"{what} must have from 1 to {_MAX_VALUES} values.")
     checked = tuple(_value(item, f"A value of the axis {name}=") for item in items)
     if len({str(value) for value in checked}) < len(checked):
         raise InputError.about(what, values, allowed, "A value is given twice.")

@@ -1,10 +1,11 @@
-"""The loads of one problem, solved one after another by one worker."""
+"""The loads of one problem, solved one after another by one worker, and failures in words."""
 
 from __future__ import annotations
 
 import contextlib
 import copy
-from collections.abc import Mapping
+import traceback
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,12 +13,51 @@ from typing import Any
 import attrs
 
 from roughcontact._base.archive.plain import key_of
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
+from roughcontact._parts.kernels import InfluenceKernel
+from roughcontact._parts.materials import Material
+from roughcontact._parts.surfaces import Surface
+from roughcontact._solve.convolvers import Convolver
 from roughcontact._solve.problem import Body, ContactProblem, order_of_solving, predict_pressure
 from roughcontact._solve.solution import ContactSolution, list_all_warnings, read_figures, solution_key, write
-from roughcontact._work.studies.failures import name_exception, name_full_disk, status_of
+from roughcontact._solve.solvers import Solver
 from roughcontact._work.studies.record import Record, read_solution, solution_path
-from roughcontact.errors import InputError, NotWritten
+from roughcontact.errors import InputError, NotConverged, NotWritten, RoughContactError
+
+_KINDS = {Surface: "surface", Material: "material", InfluenceKernel: "kernel", Convolver: "convolver", Solver: "solver"}
+# Most characters of an exception that a record repeats.
+_MAX_REASON_CHARACTERS = 300
+
+
+def name_full_disk(folder: Path, error: NotWritten) -> str:
+    """Return in words why nothing can be written into a folder."""
+    return f"The folder {folder} cannot be written to ({error.strerror})"
+
+
+def name_exception(what: str, error: Exception) -> str:
+    """Return in a sentence what failed, and by which exception."""
+    reason = " ".join(traceback.format_exception_only(_met(error))[-1].split())
+    return f"{what} failed ({reason[:_MAX_REASON_CHARACTERS]})."
+
+
+def _met(error: BaseException) -> BaseException:
+    """Return the original exception if the public call of a worker has translated it."""
+    return error.__cause__ if isinstance(error, RoughContactError) and error.__cause__ is not None else error
+
+
+def status_of(error: Exception) -> tuple[str, str]:
+    """Return the status and the message of a load without a solution."""
+    if isinstance(error, NotConverged):
+        return error.solution.status.name, error.reason
+    if isinstance(error, InputError):
+        return "REFUSED", str(error)
+    # The innermost part of the problem in whose method it was raised.
+    for frame, _ in reversed(list(traceback.walk_tb(_met(error).__traceback__))):
+        owner = frame.f_locals.get("self")
+        for base, kind in _KINDS.items():
+            if isinstance(owner, base):
+                return "FAILED", name_exception(f"The {kind} {type(owner).__name__}", error)
+    return "FAILED", name_exception("The solve", error)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -50,6 +90,10 @@ class Point:
             message=message,
         )
 
+    def record_all(self, keys: Sequence[str], status: str, message: str) -> ChainResult:
+        """Return the same record for all loads, whose keys are given."""
+        return ChainResult([self.record(*each, status, message) for each in zip(keys, self.loads, strict=True)])
+
 
 @attrs.frozen(eq=False, kw_only=True)
 class Unbuilt(Point):
@@ -64,11 +108,9 @@ class Unbuilt(Point):
     message: str
 
     def refused(self) -> ChainResult:
-        """Return its records. What was not built has no key: theirs is made from the name and the load."""
+        """Return its records, whose keys are made from the name and the load, since no problem was built."""
         keys = [key_of([self.name, load.arguments]) for load in self.loads]
-        return ChainResult(
-            [self.record(key, load, "REFUSED", self.message) for key, load in zip(keys, self.loads, strict=True)]
-        )
+        return self.record_all(keys, "REFUSED", self.message)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -93,7 +135,7 @@ class Chain(Point):
     known: Mapping[str, Record] = attrs.Factory(dict)
 
     def bodies(self) -> dict[str, Any]:
-        """Return the bodies with the seed added to those of their surfaces."""
+        """Return the bodies with the seed added to the seeds of their surfaces."""
         bodies = {"body": self.problem.body, "counterbody": self.problem.counterbody}
         if self.seed is None:
             return bodies
@@ -106,7 +148,7 @@ class Chain(Point):
             raise InputError(f"{what}: {error!r:.200}.") from error
 
     def alone(self) -> Chain:
-        """Return the chain without what its problem has computed, which takes the memory of its fields."""
+        """Return the chain with a problem that has computed nothing yet, and so holds no fields in memory."""
         return attrs.evolve(self, problem=copy.copy(self.problem))
 
     @cached_property
@@ -125,20 +167,17 @@ class Chain(Point):
 
     def failed(self, message: str) -> ChainResult:
         """Return the records of a chain that could not be run at all."""
-        keys = self.solution_keys()
-        return ChainResult(
-            [self.record(key, load, message=message) for key, load in zip(keys, self.loads, strict=True)]
-        )
+        return self.record_all(self.solution_keys(), "FAILED", message)
 
 
 @attrs.frozen(eq=False)
 class ChainResult:
-    """What came of a chain.
+    """The results of a chain.
 
     Attributes
     ----------
     records
-        In the order of the loads; without those that were not reached.
+        In the order of the loads; none for loads that were not reached.
     computed
         How many were solved now.
     stopped, lost
@@ -154,8 +193,8 @@ class ChainResult:
 def run_chain(chain: Chain) -> ChainResult:
     """Return the records of a chain; each solution is written before anything is computed from it.
 
-    The loads are solved from the largest down. Whatever fails at one load is in its record, and the others are solved.
-    Only what cannot be written ends the chain.
+    The loads are solved from the largest down. A failure at one load is in its record, and the others are solved.
+    Only a solution that cannot be written ends the chain.
     """
     records: dict[int, Record] = {}
     solutions: list[ContactSolution] = []
@@ -206,7 +245,7 @@ def _find(chain: Chain, key: str, load: Load) -> tuple[Record | None, ContactSol
             return attrs.evolve(known, message=""), None
         solution = read_solution(chain.folder, key)
         chain.seeded.verify(solution)
-    # Damaged files fail in many ways: what cannot be read is solved again.
+    # Damaged files fail in many ways: a solution that cannot be read is solved again.
     except Exception:
         return None, None
     return _measure(chain, known, solution), solution
@@ -221,7 +260,7 @@ def _load(chain: Chain, key: str) -> ContactSolution | None:
 
 
 def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
-    """Return the record of a solution, with the areas that the one before does not have."""
+    """Return the record of a solution, with the areas that the given record lacks."""
     areas = dict(record.areas)
     failures = []
     for name in chain.areas:
@@ -244,7 +283,7 @@ def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
         iterations=solution.iterations,
         convolutions=solution.convolutions,
         seconds=solution.seconds,
-        # What is known is not estimated again.
+        # Known values are not estimated again.
         **({} if record.success else _judge(solution)),
     )
 

@@ -1,32 +1,53 @@
-"""The records of a study, and the file that lists them."""
+"""The records of a study, the file that lists them, and the result as a table and as arrays over its axes."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import math
+import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import attrs
+import numpy as np
 
 from roughcontact._base.archive import replacing
 from roughcontact._base.archive.plain import describe, rebuild
-from roughcontact._base.units.text import printable
+from roughcontact._base.arrays import RealArray
+from roughcontact._base.checks import item_of
+from roughcontact._base.tables import Table, make_dataset
+from roughcontact._base.units import Estimate, counted, printable
+from roughcontact._parts.grid import FIRST_LOADING
 from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution, Status, read
 from roughcontact.errors import InputError
 
 _FORMAT = "roughcontact study, format 1"
-# What a record and the file of its solution both state, under the same name.
-_FIGURES = ("status", "force", "mean_pressure", "approach", "iterations", "convolutions", "seconds")
-# Columns of a table that are named as those of a sweep.
-_COLUMNS = {"saturated": "saturated_area"}
-# Characters of the list of records and of one, which takes some 500 and its warnings; and the end of the list.
-_LONGEST_INDEX = 2**28
-_LONGEST_RECORD = 2**16
-_END = "\n]}\n"
+# Fields of a record that the file of its solution states under the same name.
+_STATED_FIGURES = ("status", "force", "mean_pressure", "approach", "iterations", "convolutions", "seconds")
+# Columns of a table that have other names than the fields, as in the table of a sweep.
+_COLUMN_NAMES = {"saturated": "saturated_area"}
+# Most characters of the list of records, and of one record (about 500 and its warnings); the end of the list.
+_MAX_INDEX_CHARACTERS = 2**28
+_MAX_RECORD_CHARACTERS = 2**16
+_INDEX_END = "\n]}\n"
+_LOAD_UNITS = {"pressure": "Pa", "force": "N", "approach": "m"}
+_UNITS = {
+    "force": "N",
+    "mean_pressure": "Pa",
+    "approach": "m",
+    "p_max": "Pa",
+    "saturated_area": "m2",
+    "seconds": "s",
+    "peak_pressure": "Pa",
+    "peak_pressure_uncertainty": "Pa",
+}
+_COUNT_COLUMNS = ("iterations", "convolutions")
+_NO_AREA = (np.nan, np.nan)
+# Solves whose answers are printed: the first and the last ones of a longer study.
+_MAX_PRINTED_ROWS = 40
 
 
 def _key(value: str) -> str:
@@ -101,9 +122,9 @@ class Record:
     parameters: Mapping[str, Any] = attrs.field(factory=dict, converter=dict)
 
     def agrees_with(self, figures: Mapping[str, Any]) -> bool:
-        """Tell whether it states the figures of its file; the areas of other estimators are not in the file."""
+        """Return whether it states the figures of its file; the areas of other estimators are not in the file."""
         names = {"p_max": "maximum_pressure", "saturated": "saturated_area"}
-        stated = (*_FIGURES, *names)
+        stated = (*_STATED_FIGURES, *names)
         blend = self.areas.get(DEFAULT_AREA, (figures["area"], figures["area_uncertainty"]))
         return all(getattr(self, name) == figures[names.get(name, name)] for name in stated) and blend == (
             figures["area"],
@@ -120,7 +141,7 @@ class Record:
         figures = attrs.asdict(self, recurse=False)
         areas = figures.pop("areas")
         parameters = figures.pop("parameters")
-        figures = {_COLUMNS.get(name, name): value for name, value in figures.items()}
+        figures = {_COLUMN_NAMES.get(name, name): value for name, value in figures.items()}
         figures["warnings"] = " ".join(self.warnings)
         if parameters:
             del figures["seed"]
@@ -153,18 +174,18 @@ def read_solution(folder: Path, key: str) -> ContactSolution:
 def read_index(path: Path) -> dict[str, Record]:
     """Return the records of a file of `write_index` by key; none if there is no such file, or it is damaged."""
     try:
-        if path.is_symlink() or not path.is_file() or path.stat().st_size > _LONGEST_INDEX:
+        if path.is_symlink() or not path.is_file() or path.stat().st_size > _MAX_INDEX_CHARACTERS:
             return {}
         text = path.read_text(encoding="utf-8")
-        lines = text.partition("\n")[2].removesuffix(_END)
-        # Before anything of it is used.
+        lines = text.partition("\n")[2].removesuffix(_INDEX_END)
+        # Checked before any of the content is used.
         if _sealed(lines) != text:
             return {}
         texts = lines.split(",\n") if lines else []
-        if max(map(len, texts), default=0) > _LONGEST_RECORD:
+        if max(map(len, texts), default=0) > _MAX_RECORD_CHARACTERS:
             return {}
         records = [Record(**rebuild(json.loads(one), {})) for one in texts]
-    # It only saves time: whatever is wrong with it, it is made again.
+    # The list only saves time: it is made again if it is damaged in any way.
     except Exception:
         return {}
     return {record.key: record for record in records} if _index(records) == lines else {}
@@ -177,7 +198,7 @@ def write_index(path: Path, records: Sequence[Record]) -> None:
 
 
 def _stated(record: Record) -> dict[str, Any]:
-    """Return the fields of a record; without parameters it reads as in a list of a version that had none."""
+    """Return the fields of a record; parameters are omitted if empty, as in the lists of older versions."""
     return {name: value for name, value in attrs.asdict(record).items() if name != "parameters" or value}
 
 
@@ -186,6 +207,182 @@ def _index(records: Sequence[Record]) -> str:
 
 
 def _sealed(lines: str) -> str:
-    """Return the content of the list of records, with the checksum of its lines."""
+    """Return the text of the list of records, with the checksum of its lines."""
     digest = hashlib.sha256(lines.encode()).hexdigest()
-    return f'{{"format": "{_FORMAT}", "sha256": "{digest}", "records": [\n{lines}{_END}'
+    return f'{{"format": "{_FORMAT}", "sha256": "{digest}", "records": [\n{lines}{_INDEX_END}'
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class StudyResult:
+    """All records of a study, in its order: iterable, with `len` and ``[]``.
+
+    Attributes
+    ----------
+    folder
+        The folder of the solutions.
+    records
+        One for each problem, seed and load.
+    computed
+        How many of them were solved now, and not found in the folder.
+    """
+
+    folder: Path
+    records: tuple[Record, ...]
+    computed: int
+
+    def __iter__(self) -> Iterator[Record]:
+        return iter(self.records)
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    @overload
+    def __getitem__(self, index: int) -> Record: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Record, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Record | tuple[Record, ...]:
+        return item_of(self.records, index, "The index of a record")
+
+    @property
+    def failed(self) -> tuple[Record, ...]:
+        """The records without a certified solution, or without an area that was asked for: their messages say why."""
+        return tuple(record for record in self.records if record.message or not record.success)
+
+    def solution(self, record: Record) -> ContactSolution:
+        """Return the solution of a record from its file; `InputError` if there is none, or it is damaged."""
+        return read_solution(self.folder, record.key)
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns of `to_pandas` to a CSV file, completely or not at all.
+
+        It has a row for each solve; the units are in the heading, as ``force [N]``.
+        """
+        self._table.to_csv(path)
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame` with a row for each solve (extra ``table``).
+
+        Its columns are the axes of the study, or ``problem`` and ``seed``, then those of a `Record`: ``load``,
+        ``status``, ``mean_pressure``, ``approach``, ``area blend``, ``uncertainty blend`` and so on, in the units of
+        ``frame.attrs["units"]``. What is missing is NaN. ``warnings`` is a text, empty where there are none.
+        """
+        return self._table.to_pandas()
+
+    def to_xarray(self) -> Any:
+        """Return an `xarray.Dataset` over the axes of the study and the load (extra ``store``).
+
+        The dimensions are the axes, or ``problem`` and ``seed``, then ``load``; ``area`` and ``area_uncertainty``
+        have the dimension ``estimator`` too if there are several. What is missing is NaN, and its status
+        and warnings are empty.
+        """
+        places = self._places
+        positions = [{value: position for position, value in enumerate(values)} for values in places.values()]
+        index = [
+            tuple(known[_place(record, name)] for name, known in zip(places, positions, strict=True))
+            for record in self.records
+        ]
+        rows = [record.row() for record in self.records]
+        estimators = list(dict.fromkeys(name for record in self.records for name in record.areas))
+
+        def spread(values: Iterable[Any], missing: object, kind: type) -> RealArray:
+            filled: RealArray = np.full([len(known) for known in positions], missing, dtype=kind)
+            for where, value in zip(index, values, strict=True):
+                filled[where] = value
+            return filled
+
+        variables: dict[str, Any] = {
+            name: (tuple(places), spread((row[name] for row in rows), np.nan, float), {"units": unit})
+            for name, unit in {**_UNITS, **dict.fromkeys(_COUNT_COLUMNS, "")}.items()
+        }
+        for name in ("status", "warnings"):
+            variables[name] = (tuple(places), spread((row[name] for row in rows), "", object).astype(str))
+        for part, name in enumerate(("area", "area_uncertainty")):
+            values = [
+                spread((one.areas.get(estimator, _NO_AREA)[part] for one in self), np.nan, float)
+                for estimator in estimators
+            ]
+            variables[name] = (("estimator", *places), values or np.empty((0, *map(len, positions))), {"units": "m2"})
+        coordinates: dict[str, Any] = {name: (name, values) for name, values in places.items()}
+        coordinates["load"] = ("load", places["load"], {"units": self._load_unit})
+        dataset = make_dataset(variables, {**coordinates, "estimator": estimators}, {"folder": str(self.folder)})
+        return dataset.squeeze("estimator") if len(estimators) == 1 else dataset
+
+    @property
+    def _load_unit(self) -> str:
+        kinds = {record.control for record in self.records}
+        return _LOAD_UNITS.get(kinds.pop(), "") if len(kinds) == 1 else ""
+
+    @property
+    def _places(self) -> dict[str, list[Any]]:
+        """The values on each axis, in the order in which they first occur."""
+        axes = list(dict.fromkeys(name for record in self.records for name in record.parameters))
+        if not axes:
+            seeds = any(record.seed is not None for record in self.records)
+            axes = ["problem", *["seed"][:seeds]]
+        return {name: list(dict.fromkeys(_place(one, name) for one in self.records)) for name in (*axes, "load")}
+
+    @property
+    def _columns(self) -> dict[str, list[Any]]:
+        rows = [record.row() for record in self.records]
+        names = dict.fromkeys(name for row in rows for name in row)
+        return {name: [row.get(name) for row in rows] for name in names}
+
+    @property
+    def _table(self) -> Table:
+        columns = self._columns
+        units = {name: _UNITS[name] for name in columns if name in _UNITS}
+        units |= {name: "m2" for name in columns if name.startswith(("area ", "uncertainty "))}
+        return Table(columns, units | {"load": self._load_unit})
+
+    def __repr__(self) -> str:
+        return f"<StudyResult {self._summary}>"
+
+    def _repr_html_(self) -> str:
+        return self._answers.to_html(self._summary, *self._notes)
+
+    def __str__(self) -> str:
+        answers = self._answers.to_text(keys=len(self._places), max_rows=_MAX_PRINTED_ROWS)
+        return "\n".join([self._summary, "", answers, *self._notes])
+
+    @property
+    def _answers(self) -> Table:
+        """The table for people: the axes, the load, and the answers with their uncertainties."""
+        rows = self.records
+        columns: dict[str, list[Any]] = {name: [_place(record, name) for record in rows] for name in self._places}
+        if not all(record.success for record in rows):
+            columns["status"] = [record.status for record in rows]
+        for name in dict.fromkeys(name for record in rows for name in record.areas):
+            pairs = [record.areas.get(name, _NO_AREA) for record in rows]
+            columns[f"area {name}"] = [Estimate(area, uncertainty, "m2") for area, uncertainty in pairs]
+        columns["maximum pressure"] = [
+            Estimate(record.peak_pressure, record.peak_pressure_uncertainty, "Pa") for record in rows
+        ]
+        given = {record.control for record in rows}
+        if given != {"pressure"}:
+            columns["mean pressure"] = [record.mean_pressure for record in rows]
+        if given != {"approach"}:
+            columns["approach"] = [record.approach for record in rows]
+        if any(record.doubtful for record in rows):
+            columns["doubtful"] = ["yes" if record.doubtful else "" for record in rows]
+        return Table(columns, {"load": self._load_unit, "mean pressure": "Pa", "approach": "m"})
+
+    @property
+    def _notes(self) -> list[str]:
+        return [FIRST_LOADING] if any(record.saturated > 0.0 for record in self.records) else []
+
+    @property
+    def _summary(self) -> str:
+        counts = {
+            "a certified solution": sum(not record.success for record in self.records),
+            "all areas": sum(record.success for record in self.failed),
+        }
+        bad = "".join(f", {count} without {what}" for what, count in counts.items() if count)
+        if doubtful := sum(record.doubtful for record in self.records):
+            bad += f", {doubtful} doubtful (see their warnings)"
+        return f"{counted(len(self), 'solve')}, {self.computed} of them now{bad}, in {self.folder}"
+
+
+def _place(record: Record, name: str) -> Any:
+    return record.parameters[name] if name in record.parameters else getattr(record, name)

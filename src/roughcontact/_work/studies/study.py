@@ -1,8 +1,9 @@
-"""Studies: every problem with every seed at every load; one problem and seed at all loads is a chain."""
+"""Studies: every problem with every seed at every load, and the plan in words."""
 
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
@@ -14,23 +15,76 @@ from roughcontact._base import checks
 from roughcontact._base.archive import remove_stale
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.checks import callback, integer
-from roughcontact._base.units import counted
-from roughcontact._parts.load import Load
+from roughcontact._base.units import PlainText, binary, counted
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import DEFAULT_AREA, areas
 from roughcontact._work.studies.axes import BuiltProblems
-from roughcontact._work.studies.chain import Chain, Unbuilt
-from roughcontact._work.studies.chains import Chains
-from roughcontact._work.studies.failures import name_full_disk
-from roughcontact._work.studies.plan import describe_study
-from roughcontact._work.studies.record import Record, read_index, write_index
-from roughcontact._work.studies.result import StudyResult
-from roughcontact._work.studies.tasks import run_chains
+from roughcontact._work.studies.chain import Chain, Unbuilt, name_full_disk
+from roughcontact._work.studies.record import Record, StudyResult, read_index, write_index
+from roughcontact._work.studies.tasks import Chains, run_chains
 from roughcontact.errors import InputError, NotWritten, StudyStopped
 
+# Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts.
+_TYPICAL_CONVOLUTIONS = 25
+# Most values of an axis that are listed; of more, the first ones and the last.
+_MAX_LISTED_VALUES = 8
+# Units of a time, s; each is used from twice its length on.
+_TIME_UNITS = {"hours": 3600.0, "minutes": 60.0, "s": 1.0}
 _ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds")
 # Units in which texts of a study file are read.
 _PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
+
+
+def describe_study(
+    known: Sequence[tuple[str, ContactProblem]],
+    axes: Mapping[str, Sequence[Any]],
+    loads: Sequence[Load],
+    *,
+    sampled: bool,
+) -> str:
+    """Return the plans of the known problems, the values on each axis, and the work of all solves.
+
+    Parameters
+    ----------
+    known
+        Names and problems: all, or the first where a function builds them.
+    axes
+        The values that are combined, by the name of their axis: problems, parameters of a function, seeds.
+    loads
+        The loads of each combination.
+    sampled
+        Whether the known problem is the first of several.
+    """
+    plans = [problem.plan for _, problem in known]
+    kind = loads[0].kind
+    count = math.prod(map(len, axes.values())) * len(loads)
+    cells = sum(plan.grid.cells for plan in plans) / len(plans) * count
+    seconds = sum(plan.seconds for plan in plans) / len(plans) * count
+    lists = {**axes, kind: [str(load).removeprefix(f"{kind} ") for load in loads]}
+    rows = [(name, _list_values(values)) for name, values in lists.items()]
+    rows += [
+        ("solves", f"{count}: {' x '.join(f'{len(values)} of {name}' for name, values in lists.items())}"),
+        ("work", f"{cells / 1e6:.3g} million cells in all, about {_TYPICAL_CONVOLUTIONS} convolutions for each"),
+        ("memory", f"at most {binary(max(plan.memory for plan in plans))} for one solve"),
+        ("time", f"about {_format_time(seconds)} in one process on this machine, within a factor of three"),
+    ]
+    if sampled:
+        rows.append(("", "if all problems are like the first"))
+    texts = [f"{name}:\n{problem.explain()}" for name, problem in known]
+    return PlainText("\n\n".join([*texts, "\n".join(f"{label:<10} {text}" for label, text in rows)]))
+
+
+def _list_values(values: Sequence[Any]) -> str:
+    texts = [str(value) for value in values]
+    return ", ".join(
+        texts if len(texts) <= _MAX_LISTED_VALUES else [*texts[: _MAX_LISTED_VALUES - 1], "...", texts[-1]]
+    )
+
+
+def _format_time(seconds: float) -> str:
+    unit = next((unit for unit, length in _TIME_UNITS.items() if seconds >= 2.0 * length), "s")
+    return f"{seconds / _TIME_UNITS[unit]:.2g} {unit}"
 
 
 def _problems(value: object) -> Mapping[str, ContactProblem]:
@@ -48,7 +102,7 @@ def _problems(value: object) -> Mapping[str, ContactProblem]:
 
 
 def _as_tuple(value: object) -> object:
-    # What is not a list is refused by `Load.sequence`, in words.
+    # `Load.sequence` refuses values that are not lists, in words.
     try:
         return tuple(value) if isinstance(value, Iterable) and not isinstance(value, (str, bytes)) else value
     except Exception:
@@ -83,7 +137,7 @@ class Study:
     ----------
     problems
         A `ContactProblem`, or several by name; or a function that returns one, called with a value of each axis by
-        name when its solves begin. What it cannot build is in the records, with the reason.
+        name when its solves begin. A problem that it cannot build is in the records, with the reason.
     pressure, force, approach
         Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. Each solve starts from
         the solutions at the loads before. With a hardness each load is a first loading; for loads after a larger one
@@ -155,14 +209,19 @@ class Study:
 
     @property
     def _known_problems(self) -> list[tuple[str, ContactProblem]]:
-        """All problems, or the first of those that are built one by one."""
+        """All problems, or only the first if a function builds them."""
         names = list(self.problems)[:1] if isinstance(self.problems, BuiltProblems) else self.problems
         return [(name, self.problems[name]) for name in names]
 
     @property
     def loads(self) -> tuple[Load, ...]:
         """The loads, of one kind."""
-        return Load.sequence(pressure=self.pressure, force=self.force, approach=self.approach)
+        # Problems that a function builds are asked one by one, when they are solved.
+        attract = isinstance(self.problems, BuiltProblems) or any(
+            problem.adhesion is not None for problem in self.problems.values()
+        )
+        sequence = Load.signed_sequence if attract else Load.sequence
+        return sequence(pressure=self.pressure, force=self.force, approach=self.approach)
 
     @property
     def key(self) -> str:
@@ -174,9 +233,9 @@ class Study:
             described = {name: problem.parts for name, problem in self.problems.items()}
         return key_of([described, [load.arguments for load in self.loads], self.seeds])[:12]
 
-    def chains(self, folder: Path = Path()) -> Iterator[Chain]:
+    def chains(self) -> Iterator[Chain]:
         """Yield each problem with each seed, at all loads."""
-        for chain in self._points(folder, {}):
+        for chain in self._points(Path(), {}):
             if isinstance(chain, Unbuilt):
                 raise InputError(chain.message)
             yield chain
@@ -197,7 +256,7 @@ class Study:
         executor: Executor | None = None,
         on_records: Callable[[Sequence[Record]], None] | None = None,
     ) -> StudyResult:
-        """Solve what is not in the folder yet.
+        """Solve the contacts whose solutions are not in the folder yet.
 
         Parameters
         ----------
@@ -205,7 +264,7 @@ class Study:
             The folder of the solutions, one npz file each, and of the list of records; made if it is missing.
             Workers on other machines must see the same folder.
         executor
-            Any `concurrent.futures.Executor`, such as a process pool or that of a dask client, which gets one
+            Any `concurrent.futures.Executor`, such as a process pool or the one of a dask client, which gets one
             task for each problem and seed; in this process if None.
         on_records
             Called with the records of each problem and seed as soon as they are known.

@@ -1,20 +1,72 @@
-"""Chains as tasks of an executor, whose workers may die."""
+"""All chains of a study as tasks of an executor, whose workers may die; each chain is made when it is needed."""
 
 from __future__ import annotations
 
 import pickle
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from pathlib import Path
+from typing import Any
+
+import attrs
 
 from roughcontact._base.machine import share_machine
-from roughcontact._work.studies.chain import Chain, ChainResult, Unbuilt, run_chain
-from roughcontact._work.studies.failures import name_exception
-from roughcontact.errors import RoughContactError
+from roughcontact._parts.grid import Load
+from roughcontact._solve.problem import ContactProblem
+from roughcontact._work.studies.axes import BuiltProblems
+from roughcontact._work.studies.chain import Chain, ChainResult, Unbuilt, name_exception, run_chain
+from roughcontact._work.studies.record import Record
+from roughcontact.errors import InputError, RoughContactError
 
-# Workers that a chain is given to, one after the other, if they die.
-_TRIES = 3
-# What pickling raises: no other worker would do better.
-_NOT_SENT = (pickle.PicklingError, AttributeError, TypeError, MemoryError)
+# Most workers that are given a chain, one after the other, if they die.
+_MAX_TRIES = 3
+# Errors of pickling: no other worker would do better.
+_PICKLING_ERRORS = (pickle.PicklingError, AttributeError, TypeError, MemoryError)
+
+
+@attrs.frozen(eq=False)
+class Chains(Sequence[Chain | Unbuilt]):
+    """The chains of a study: a problem of a function is built each time that its chain is taken, and not kept.
+
+    Attributes
+    ----------
+    problems, seeds, loads, areas
+        The ones of the study.
+    folder
+        The folder of its solutions.
+    known
+        Earlier records, by key.
+    """
+
+    problems: Mapping[str, ContactProblem]
+    seeds: tuple[int, ...]
+    loads: tuple[Load, ...]
+    areas: tuple[str, ...]
+    folder: Path
+    known: Mapping[str, Record]
+    _places: list[tuple[str, int | None]] = attrs.field(init=False)
+
+    @_places.default
+    def _list_places(self) -> list[tuple[str, int | None]]:
+        return [(name, seed) for name in self.problems for seed in self.seeds or (None,)]
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    def __getitem__(self, position: Any) -> Any:
+        name, seed = self._places[position]
+        parameters = self.problems.parameters(name) if isinstance(self.problems, BuiltProblems) else {}
+        place: dict[str, Any] = {"name": name, "seed": seed, "parameters": parameters, "loads": self.loads}
+        try:
+            problem = self.problems[name]
+        except InputError as error:
+            return Unbuilt(**place, message=str(error))
+        chain = Chain(**place, problem=problem, areas=self.areas, folder=self.folder)
+        if not self.known:
+            return chain
+        # A worker needs the records of its own chain only.
+        known = {key: self.known[key] for key in chain.solution_keys() if key in self.known}
+        return attrs.evolve(chain, known=known)
 
 
 def run_chains(
@@ -49,7 +101,7 @@ def run_chains(
                     break
                 yield position, result
                 if result.stopped:
-                    # Nothing can be written any more: what has not begun is not begun.
+                    # Nothing can be written any more, so no further task is begun.
                     waiting = {future: place for future, place in waiting.items() if not future.cancel()}
                     break
     finally:
@@ -69,14 +121,14 @@ def _run_beside_others(chain: Chain) -> ChainResult:
 def _result(
     future: Future[ChainResult], chains: Sequence[Chain | Unbuilt], position: int, tries: int
 ) -> ChainResult | None:
-    """Return the result of a task, or None if another worker is to try it."""
+    """Return the result of a task, or None if another worker should try it."""
     error = BrokenExecutor("it cancelled a task") if future.cancelled() else future.exception()
     if error is None:
         return future.result()
     if not isinstance(error, Exception):
         # A worker was interrupted from the keyboard, or exits.
         raise error
-    if tries < _TRIES and not isinstance(error, (BrokenExecutor, RoughContactError, *_NOT_SENT)):
+    if tries < _MAX_TRIES and not isinstance(error, (BrokenExecutor, RoughContactError, *_PICKLING_ERRORS)):
         # A worker died: its finished solutions are on disk, and another one does the rest.
         return None
     return _explain_loss(chains[position], error)
@@ -86,7 +138,7 @@ def _explain_loss(chain: Chain | Unbuilt, error: Exception) -> ChainResult:
     """Return the result of a chain that no worker has returned."""
     if isinstance(chain, Unbuilt):
         return chain.refused()
-    if isinstance(error, (RoughContactError, *_NOT_SENT)):
+    if isinstance(error, (RoughContactError, *_PICKLING_ERRORS)):
         return chain.failed(name_exception("Sending the problem to a worker", error))
     if isinstance(error, RuntimeError):
         return ChainResult([], lost=f"The executor broke ({error})")

@@ -17,9 +17,10 @@ from cattrs.gen import make_dict_structure_fn, override
 
 from roughcontact._base import checks
 from roughcontact._base.registry import Registry
-from roughcontact._base.units.quantities import parse_quantity
+from roughcontact._base.units import parse_quantity
 from roughcontact._parts.files import read_surface
 from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.interactions import interactions
 from roughcontact._parts.kernels import kernels
 from roughcontact._parts.materials import TYPICAL, Material, materials, resolve_material
 from roughcontact._parts.surfaces import HeightMap, Surface, surfaces
@@ -29,7 +30,7 @@ from roughcontact._solve.solvers import solvers
 from roughcontact._work.studies.study import Study
 from roughcontact.errors import InputError
 
-_REGISTRIES: tuple[Registry[Any], ...] = (surfaces, materials, kernels, convolvers, solvers)
+_REGISTRIES: tuple[Registry[Any], ...] = (surfaces, materials, kernels, interactions, convolvers, solvers)
 _TABLES = ("problems", "study")
 # Errors that are listed, and characters of each.
 _SHOWN = 10
@@ -44,9 +45,9 @@ def read_study(path: str | Path) -> Study:
     """Read a study from a TOML file.
 
     The tables ``[problems.NAME]`` hold the arguments of a `ContactProblem`, the table ``[study]`` those of
-    a `Study`. Surfaces, materials, kernels, convolvers and solvers are registered names, or tables with
-    the name as ``type`` and the fields of the class. A field whose attrs metadata name its SI ``unit`` may be a text
-    with another one, such as ``"210GPa"``. A surface may also be a ``file``, with the arguments of
+    a `Study`. Surfaces, materials, kernels, laws of adhesion, convolvers and solvers are registered names, or tables
+    with the name as ``type`` and the fields of the class. A field whose attrs metadata name its SI ``unit`` may be a
+    text with another one, such as ``"210GPa"``. A surface may also be a ``file``, with the arguments of
     `read_surface`, ``detrend`` and ``resample``; its path leads to the folder of the study file or below it.
 
     Raises

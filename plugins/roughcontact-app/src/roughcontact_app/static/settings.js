@@ -7,6 +7,7 @@ const UNITS = {
   pressure: { Pa: "Pa", kPa: "kPa", MPa: "MPa", GPa: "GPa" },
   force: { N: "N", mN: "mN", uN: "µN", kN: "kN" },
   approach: { mm: "mm", um: "µm", nm: "nm" },
+  work: { "J/m2": "J/m²", "mJ/m2": "mJ/m²" },
 };
 // At first for each kind of load: a value and its unit.
 const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"] };
@@ -166,5 +167,6 @@ export function describe(values) {
   if (values.ball && values.surface !== "sphere") parts.push(`ball of ${of("ball")}`);
   parts.push(values.load === "approach" ? `approach ${of("loads", "load_unit")}` : of("loads", "load_unit"), material(""));
   if (values.counterbody === "deformable") parts.push(`counterbody ${material("counterbody_")}`);
+  if (values.adhesion !== "none") parts.push(`adhesion ${of("work").replace("m2", "m²")}`);
   return [...parts, values.boundary].join(", ");
 }

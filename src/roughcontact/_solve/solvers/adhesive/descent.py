@@ -10,7 +10,7 @@ from typing import Any, TypeAlias, TypeVar
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, Mask, RealArray
+from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.solvers.adhesive.gap_problem import GapProblem

@@ -8,7 +8,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status
@@ -62,26 +62,16 @@ class GapDescent(Solver):
 
     Examples
     --------
-    A ball and its attraction, lengths in cells and pressures in E*, without any load:
-
-    >>> import numpy as np
     >>> import roughcontact as rc
-    >>> from roughcontact._parts.interactions import BoundInteraction, Exponential
-    >>> from roughcontact._parts.kernels import BoundKernel
-    >>> from roughcontact._solve.solvers import Task
-    >>> from roughcontact._solve.solvers.adhesive import GapDescent
-    >>> grid = rc.Grid((32, 32), 32.0)
-    >>> convolution = rc.DCFFT().prepare(BoundKernel(rc.Love()), grid, rc.Boundary.FREE)
-    >>> law = BoundInteraction(Exponential(work=0.01, range=0.3))
-    >>> ball = Task(initial_gap=(grid.x**2 + grid.y**2) / 200.0, mean_pressure=0.0, interaction=law)
-    >>> outcome = GapDescent().solve(convolution, ball)
-    >>> contact = outcome.pressure + outcome.tension > 0.0
-    >>> print(outcome.status)
-    converged: the conditions of contact hold within the tolerance
-    >>> print(np.count_nonzero(contact), "cells in contact")
-    300 cells in contact
+    >>> ball = rc.Body(rc.ParaboloidSurface(radius=1e-6), rc.Elastic(young=10e6, poisson=0.5))
+    >>> law = rc.Exponential(work="50mJ/m2", range="60nm")
+    >>> solver = rc.GapDescent(tolerance=1e-6)
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((48, 48), 2e-6), adhesion=law, solver=solver)
+    >>> problem.solve(force=0.0).residuals.error < 1e-6
+    True
     """
 
+    adhesive: ClassVar[bool] = True
     omitted: ClassVar[tuple[str, ...]] = (
         "float64 inside the iterations: float32 is enough, and every result is verified in float64",
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.solvers.adhesive.stiffness import SurfaceStiffness
 from roughcontact._solve.solvers.base import Task

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.base import (
@@ -49,7 +50,18 @@ class Majorise(Solver):
     References
     ----------
     Hunter, Lange, Am. Stat. 58 (2004) 30-37, https://doi.org/10.1198/0003130042836
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.ParaboloidSurface(radius=1e-6), rc.Elastic(young=10e6, poisson=0.5))
+    >>> law = rc.Exponential(work="50mJ/m2", range="60nm")
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((24, 24), 2e-6), adhesion=law, solver="majorise")
+    >>> problem.solve(force=0.0).status.success
+    True
     """
+
+    adhesive: ClassVar[bool] = True
 
     tolerance: float = attrs.field(converter=positive_tolerance, default=DEFAULT_TOLERANCE)
     max_rounds: int = attrs.field(converter=iteration_limit, default=2000)

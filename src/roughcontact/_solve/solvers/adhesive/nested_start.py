@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, RealArray
+from roughcontact._base.arrays import Array, RealArray
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from roughcontact._base.checks import Array, RealArray
+from roughcontact._base.arrays import Array, RealArray
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solvers.adhesive.descent import SUPPORT
 from roughcontact._solve.solvers.adhesive.gap_problem import make_gap_problem

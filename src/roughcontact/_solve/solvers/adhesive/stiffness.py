@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact._base.checks import RealArray
+from roughcontact._base.arrays import RealArray
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution, wrapped_spectrum

@@ -10,15 +10,14 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact._base.checks import Array, IntArray, Mask, RealArray
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.machine import map_tiles, tiles_of
 
 # Fraction of active cells above which fields with zeros are faster than lists of cells; 0.2 and 0.8 change the
 # CPU time by less than 3 % (docs/studies/solver_constants.py).
-_DENSE = 0.4
-# Fraction of rows with active cells below which transforms leave the others out; above, it costs memory and saves
-# little.
-_SPARSE = 0.5
+_DENSE_FRACTION = 0.4
+# Maximum fraction of rows with active cells for transforms of these alone; above, it costs memory and saves little.
+_SPARSE_ROW_FRACTION = 0.5
 
 
 @attrs.frozen(eq=False)
@@ -33,7 +32,7 @@ class Partition:
 
 @attrs.frozen(eq=False)
 class ListedCells:
-    """Few active cells, by a flat mask and by their indices: a vector has one entry for each."""
+    """Few active cells, as a flat mask and as indices: a vector has one entry for each."""
 
     mask: Mask
     cells: IntArray
@@ -53,7 +52,7 @@ class ListedCells:
         vector = np.empty(self.cells.size, dtype=field.dtype, like=field)
 
         def take(part: slice) -> None:
-            # All cells lie within the field; of the modes of numpy this one checks it fastest.
+            # All cells lie within the field; this mode of numpy is the fastest.
             field.take(self.cells[part], mode="wrap", out=vector[part])
 
         map_tiles(take, tiles_of(self.cells))
@@ -78,17 +77,17 @@ class ListedCells:
         return limit if limit.size == 1 else self.gather(limit)
 
     def mark(self, mask: Mask) -> Mask:
-        """Return a mask of vectors, false where it is not active."""
+        """Return a mask of vectors."""
         return mask
 
     def few_rows(self, length: int) -> IntArray | None:
-        """Return the rows of the given length that have an active cell; None if those are most."""
+        """Return the rows of the given length with an active cell; None if most rows have one."""
         counts = self._count_in_rows(length)
         rows = np.flatnonzero(counts)
-        return rows if rows.size < _SPARSE * counts.size else None
+        return rows if rows.size < _SPARSE_ROW_FRACTION * counts.size else None
 
     def _count_in_rows(self, length: int) -> IntArray:
-        # Cells are in the order of rows: this takes half of the time of dividing.
+        # Cells are ordered by rows: this takes half the time of a division.
         ends = np.arange(length, self.mask.size + 1, length)
         return np.diff(np.searchsorted(self.cells, ends), prepend=0)
 
@@ -115,7 +114,7 @@ class MaskedCells:
         return self.mask.astype(np.float32)
 
     def gather(self, field: RealArray) -> RealArray:
-        """Return the field, zero where it is not active."""
+        """Return the field, zero on cells that are not active."""
         factor = self.ones if field.dtype == np.float32 else self.mask
         return np.multiply(field, factor, dtype=field.dtype)
 
@@ -128,15 +127,15 @@ class MaskedCells:
         np.copyto(field, vector, where=self.mask)
 
     def limits(self, limit: Array) -> Array:
-        """Return the limit itself: where a cell is not active the pressure in a vector is zero."""
+        """Return the limit itself: the vector is zero on cells that are not active."""
         return limit
 
     def mark(self, mask: Mask) -> Mask:
-        """Return the mask, false where it is not active."""
+        """Return the mask, false on cells that are not active."""
         return mask & self.mask
 
     def few_rows(self, length: int) -> None:
-        """Return None: many cells are in most rows."""
+        """Return None: most rows have active cells."""
 
     def blocks(self, partition: Partition) -> _MaskedBlocks:
         """Return the active cells by blocks of a partition."""
@@ -159,7 +158,7 @@ class _ListedBlocks:
         return np.bincount(self.numbers, weights=vector, minlength=bx * by).reshape(bx, by)
 
     def spread(self, values: RealArray) -> RealArray:
-        """Return the vector that has the value of its block, shape (bx, by), on each cell."""
+        """Return the vector with the value of its block, shape (bx, by), on each cell."""
         return values.ravel().take(self.numbers, mode="wrap")
 
 
@@ -174,7 +173,7 @@ class _MaskedBlocks:
         """Return the sum over each block, shape (bx, by)."""
         numbers = (self.partition.rows, self.partition.columns)
         rows, columns = (np.flatnonzero(np.diff(axis, prepend=-1)) for axis in numbers)
-        # Sums along the first axis add rows at a time; for the second axis the array is transposed.
+        # Sums along the first axis are fast; for the second axis the array is transposed.
         parts = np.split(vector.reshape(self.partition.shape), rows[1:])
         strips = np.stack([np.add.reduce(part, axis=0) for part in parts], axis=1)
         found = np.add.reduceat(strips, columns, axis=0).T
@@ -184,12 +183,12 @@ class _MaskedBlocks:
         return sums
 
     def spread(self, values: RealArray) -> RealArray:
-        """Return the vector that has the value of its block on each cell."""
+        """Return the vector with the value of its block on each cell."""
         return self.active.gather(np.take(values[self.partition.rows], self.partition.columns, axis=1).ravel())
 
 
 def active_cells(field: RealArray, mark: Callable[[slice], Mask]) -> ActiveCells:
-    """Return the active cells of a flat field, in the form that is faster; `mark` returns the mask of a tile."""
+    """Return the active cells of a flat field in the faster form; `mark` returns the mask of a tile."""
     mask = np.empty(field.shape, dtype=bool, like=field)
 
     def find(tile: slice) -> IntArray:
@@ -200,4 +199,4 @@ def active_cells(field: RealArray, mark: Callable[[slice], Mask]) -> ActiveCells
 
     found = map_tiles(find, tiles_of(field))
     count = sum(cells.size for cells in found)
-    return MaskedCells(mask, count) if count > _DENSE * mask.size else ListedCells(mask, np.concatenate(found))
+    return MaskedCells(mask, count) if count > _DENSE_FRACTION * mask.size else ListedCells(mask, np.concatenate(found))

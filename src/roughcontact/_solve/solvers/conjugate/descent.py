@@ -8,25 +8,25 @@ from typing import Protocol
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, IntArray, Mask, RealArray
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._solve.solvers.conjugate.active import ActiveCells, active_cells
 from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot
 
-# Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient,
-# which is also the factor that shortens a rejected step.
-_FIRST = 0.65
-_LONGEST = 1.5
-_CAREFUL = 0.3
-# Rejected steps before the descent ends: 0.3^40 = 1e-21 of the first is below any rounding.
-_BACKTRACKS = 40
-# A clipped step on which the energy has its minimum at a part above the first is taken in full, above the second
-# up to the minimum; else it is rejected.
-_FULL = 0.75
-_SHORTENED = 0.1
-# Slope along the conjugate direction over that along the preconditioned gradient, below which only rounding is left of
-# the former: they are equal but for cells that are released or clipped.
-_DOWNHILL = 0.01
+# Step lengths in units of the direction: the first, the maximum, and the length after a return to the gradient, also
+# the factor on a rejected step.
+_FIRST_LENGTH = 0.65
+_MAX_LENGTH = 1.5
+_CAREFUL_LENGTH = 0.3
+# Maximum rejected steps: 0.3^40 = 1e-21 of the first is below any rounding.
+_MAX_BACKTRACKS = 40
+# Position of the minimum of the energy along a clipped step above which the step is taken in full, and above which it
+# is taken up to the minimum; otherwise it is rejected.
+_FULL_STEP_PART = 0.75
+_SHORTENED_STEP_PART = 0.1
+# Minimum slope along the conjugate direction, over the slope along the preconditioned gradient, that is not rounding:
+# they are equal except for released or clipped cells.
+_MIN_CONJUGATE_SLOPE = 0.01
 _NO_CELLS: IntArray = np.zeros(0, dtype=np.intp)
 
 
@@ -79,7 +79,7 @@ class Descent:
         self._limit = limit
         self._capped = bool(np.isfinite(limit).any())
         self._shape = shape
-        self._length = _FIRST
+        self._length = _FIRST_LENGTH
         self._step: RealArray | None = None
         self._change: RealArray | None = None
         self._curvature = 1.0
@@ -96,7 +96,7 @@ class Descent:
         self._state = ActiveState(active, active.gather(pressure), active.gather(gap), weights)
 
     def stop(self) -> RealArray:
-        """Return the gap from its level, flat, and free the arrays that the next start sets."""
+        """Return the gap from its level, flat, and free the arrays until the next start."""
         gap = self.gap
         gap -= np.float32(self._level)
         del self.gap, self._state
@@ -114,7 +114,7 @@ class Descent:
         return direction is not None and self._move(state, residual, direction)
 
     def error(self) -> float:
-        """Return the error of the descent's own gap, as in `Violation` but not divided by the scale."""
+        """Return the error of the gap of the descent, as in `Violation` but not divided by the scale."""
         state = self._state
         limit = state.active.limits(self._limit)
         elastic = np.where(state.pressure < limit, state.pressure, 0.0) if self._capped else state.pressure
@@ -128,12 +128,12 @@ class Descent:
         return max(open_gap, level - minimum)
 
     def _find_minimum(self, tile: slice) -> float:
-        """Return the minimum gap of the cells of a tile that may not overlap: of those that are not saturated."""
+        """Return the minimum gap of the cells of a tile that are not saturated: they must not overlap."""
         outside = self.pressure[tile] < self._limits(tile) if self._capped else True
         return float(np.minimum.reduce(self.gap[tile], where=outside, initial=np.inf))
 
     def _find_active(self) -> ActiveCells:
-        """Return the cells inside the bounds, and those that the sign of their gap releases from a bound."""
+        """Return the cells inside the bounds, and the cells released from a bound by the sign of their gap."""
         state = self._state
         inside = self._inside(state.pressure, state.active.limits(self._limit))
         level = np.float32(self._find_level(inside))
@@ -163,7 +163,7 @@ class Descent:
         return self._limit if self._limit.size == 1 else self._limit[tile]
 
     def _find_level(self, inside: Mask) -> float:
-        """Return the gap below which open cells, and above which saturated ones, are released."""
+        """Return the gap below which open cells, and above which saturated cells, are released."""
         if self._capped and not inside.any():
             contact = self.pressure > 0.0
             if contact.any() and not contact.all():
@@ -181,9 +181,9 @@ class Descent:
         return inside
 
     def _find_direction(self, state: ActiveState, released: ReleasedCells, residual: RealArray) -> RealArray | None:
-        """Return the first direction that lowers the energy: conjugate, preconditioned or plain gradient; else None."""
+        """Return the first of conjugate, preconditioned and plain gradient that lowers the energy; None without one."""
         preconditioned = self._preconditioner.apply(state.active, state.weights, residual)
-        steepness = _DOWNHILL * dot(residual, preconditioned)
+        steepness = _MIN_CONJUGATE_SLOPE * dot(residual, preconditioned)
         candidates = (
             (self._conjugate(preconditioned, state.active), steepness),
             (preconditioned, 0.0),
@@ -193,7 +193,7 @@ class Descent:
             direction = self._control.admissible(candidate, state.weights, released)
             if dot(residual, direction) > max(minimum, 0.0):
                 return direction
-            self._length = _CAREFUL
+            self._length = _CAREFUL_LENGTH
         return None
 
     def _conjugate(self, preconditioned: RealArray, active: ActiveCells) -> RealArray:
@@ -206,7 +206,7 @@ class Descent:
         limit = state.active.limits(self._limit)
         # Free the last step: memory peaks here.
         self._step = self._change = None
-        for _ in range(_BACKTRACKS):
+        for _ in range(_MAX_BACKTRACKS):
             trial = state.pressure + np.float32(self._length) * direction
             clipped = self._is_outside(trial, limit)
             if clipped:
@@ -228,11 +228,11 @@ class Descent:
                 self._curvature = part * curvature
                 self._state = ActiveState(state.active, pressure, state.active.gather(self.gap), state.weights)
                 return True
-            self._length *= _CAREFUL
+            self._length *= _CAREFUL_LENGTH
         return False
 
     def _add_to_gap(self, change: RealArray, part: np.float32) -> None:
-        """Add a part of a change, flat, of which that part is left."""
+        """Add a part of a change, flat, to the gap; the change is scaled to that part."""
         gap = self.gap
 
         def add(tile: slice) -> None:
@@ -246,18 +246,18 @@ class Descent:
     ) -> tuple[float, Array]:
         """Return the part of the step to be taken, zero for none, and the pressure there; set the next length.
 
-        `part` is where along the step the energy has its minimum.
+        `part` is the position of the minimum of the energy along the step.
         """
         if not clipped:
-            self._length = min(_LONGEST, self._length * min(max(part, 0.25), 4.0))
+            self._length = min(_MAX_LENGTH, self._length * min(max(part, 0.25), 4.0))
             full = _between(before, trial, part)
             if not self._is_outside(full, limit):
                 return part, full
             part = min(part, 1.0)
-        elif part > _FULL:
-            self._length = min(_LONGEST, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
+        elif part > _FULL_STEP_PART:
+            self._length = min(_MAX_LENGTH, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
             return 1.0, trial
-        elif part > _SHORTENED:
+        elif part > _SHORTENED_STEP_PART:
             self._length *= max(part, 0.5)
         else:
             return 0.0, before

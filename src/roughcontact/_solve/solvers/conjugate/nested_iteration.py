@@ -5,32 +5,31 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array, IntArray, Mask, RealArray
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray, sum_of_products
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel
 from roughcontact._solve.solvers.base import Monitor, Task, starting_pressure
-from roughcontact._solve.solvers.conjugate.openings import NearlyFull
-from roughcontact._solve.solvers.conjugate.refinement import Refinement
+from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, Refinement
 
-# Axes are halved down to this many cells, and to the second number where only the approach is wanted.
-_COARSEST = 32
-_ESTIMATE = 64
-# Error and iterations at which a coarse solve ends: its grid makes it no better than that.
-_TOLERANCE = 4e-2
-_ITERATIONS = 5
-# ... and one from which an approach is estimated.
-_ESTIMATED = 1e-2
-_ESTIMATES = 60
-# Factor on the estimated approach, for its error; a window that proves too small is enlarged.
-_MARGIN = 1.02
-# Sides of a window are multiples of so many cells, so that they can be halved.
-_ROUND = 32
-# Fraction of the domain above which a window saves nothing.
-_WORTH = 0.7
-# Fraction of the coarser grid in contact above which the gap is sought instead of the pressure.
-_NEARLY_FULL = 0.6
+# Minimum cells along a halved axis, and maximum cells of the grid that estimates the approach.
+_MIN_COARSE_CELLS = 32
+_MAX_ESTIMATE_CELLS = 64
+# Error and iterations at which a coarse solve ends, which its grid limits to that accuracy, and at which the solve that
+# estimates the approach ends.
+_COARSE_TOLERANCE = 4e-2
+_COARSE_ITERATIONS = 5
+_ESTIMATE_TOLERANCE = 1e-2
+_ESTIMATE_ITERATIONS = 60
+# Factor on the estimated approach, for its error; a window that is too small is enlarged.
+_APPROACH_MARGIN = 1.02
+# Cells of which the sides of a window are multiples, so that they can be halved.
+_WINDOW_MULTIPLE = 32
+# Maximum fraction of the domain for which a window saves work.
+_MAX_WINDOW_FRACTION = 0.7
+# Minimum fraction of the coarser grid in contact for a solve for the gap instead of the pressure.
+_NEARLY_FULL_FRACTION = 0.6
 
 
 @attrs.frozen(eq=False)
@@ -42,11 +41,11 @@ class InitialGuess:
     products
         Cost in convolutions on the grid of the pressure.
     closed
-        Whether the pressure closes every gap, so that it is the solution.
+        Whether the pressure closes every gap: it is then the solution.
     met_limit
         Whether the pressure limit shortened a step on any coarser grid.
     nearly_full
-        The same start by its gap, near full contact.
+        The gap of the same start near full contact.
     """
 
     pressure: Array
@@ -58,7 +57,7 @@ class InitialGuess:
 
 
 def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGuess:
-    """Return the pressure of the next coarser grid, itself solved so, interpolated to the grid of the task."""
+    """Return the pressure of the next coarser grid, itself solved by nested iteration, interpolated to the grid."""
     halved = coarsen(convolution.setup.grid, task)
     if halved is None:
         return _guess_without_grids(convolution, task)
@@ -67,7 +66,7 @@ def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGue
     guess = nested_iteration(coarse, coarse_task)
     gap = np.zeros(guess.pressure.shape, dtype=np.float32, like=guess.pressure)
     if not guess.closed:
-        monitor = Monitor(coarse_task, _TOLERANCE, _ITERATIONS)
+        monitor = Monitor(coarse_task, _COARSE_TOLERANCE, _COARSE_ITERATIONS)
         refinement = Refinement(coarse, coarse_task, monitor, guess.nearly_full)
         pressure, gap = refinement.approximate(guess.pressure)
         guess = attrs.evolve(
@@ -82,10 +81,10 @@ def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGue
 
 
 def start_from(convolution: PreparedConvolution, task: Task, start: Array) -> InitialGuess:
-    """Return the pressure of a start, copied; near full contact the gap that it leaves too, as from a coarser grid."""
+    """Return a copy of a start, near full contact with its gap, as a guess."""
     guess = InitialGuess(start.copy(), 0.0)
     bearing = start > 0.0
-    if task.capped or np.count_nonzero(bearing) <= _NEARLY_FULL * start.size:
+    if task.capped or np.count_nonzero(bearing) <= _NEARLY_FULL_FRACTION * start.size:
         return guess
     full = _close(convolution, task)
     if full is None or not full.inverse.exact:
@@ -94,7 +93,7 @@ def start_from(convolution: PreparedConvolution, task: Task, start: Array) -> In
         return InitialGuess(full.closing, 1, closed=True)
     gap = convolution.apply(start.astype(np.float32))
     gap += task.initial_gap
-    gap -= np.float32(float(np.einsum("ij,ij->", start, gap)) / float(start.sum()))
+    gap -= np.float32(sum_of_products(start, gap) / float(start.sum()))
     nearly_full = attrs.evolve(full, gap=np.where(bearing, np.float32(0.0), np.maximum(gap, np.float32(0.0))))
     return attrs.evolve(guess, products=2, nearly_full=nearly_full)
 
@@ -102,9 +101,9 @@ def start_from(convolution: PreparedConvolution, task: Task, start: Array) -> In
 def _refine(
     convolution: PreparedConvolution, task: Task, coarse: Task, guess: InitialGuess, displacement: RealArray
 ) -> InitialGuess:
-    """Return a guess on a grid from that on the coarser one and its displacement.
+    """Return a guess on a grid from the guess on the coarser grid and its displacement.
 
-    The pressure is interpolated where it bears on the coarse grid, or where it must because the gap is negative.
+    The pressure is interpolated where the coarse grid is in contact, and where the gap is negative.
     """
     pressure = guess.pressure
     shape = task.initial_gap.shape
@@ -115,7 +114,7 @@ def _refine(
     gap += task.initial_gap
     is_open = (gap >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)
     contact = np.count_nonzero(pressure) / pressure.size
-    if contact == 1.0 or (contact > _NEARLY_FULL and not task.capped):
+    if contact == 1.0 or (contact > _NEARLY_FULL_FRACTION and not task.capped):
         full = _close(convolution, task)
         products += 0 if full is None else 1
         if full is not None and full.is_closed(task.pressure_limit):
@@ -134,13 +133,13 @@ def _refine(
 
 
 def _repeat(mask: Mask, fx: int, fy: int) -> Mask:
-    """Return the mask on the finer grid, in which a cell is fx x fy."""
+    """Return the mask on the grid with fx x fy cells for each."""
     return np.repeat(np.repeat(mask, fy, axis=1), fx, axis=0)
 
 
 def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
-    """Return the grid with every axis halved that is even and long enough, and its task; None if there is none."""
-    shape = tuple(n // 2 if n % 2 == 0 and n // 2 >= _COARSEST else n for n in grid.shape)
+    """Return the grid with all even and long axes halved, and its task; None if there is no such axis."""
+    shape = tuple(n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in grid.shape)
     if shape == grid.shape:
         return None
     half = Grid(shape, grid.size)
@@ -149,7 +148,7 @@ def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
 
 
 def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[float | None, bool]:
-    """Return the approach at the load of a task, from a coarse grid, and whether the limit shortened a step.
+    """Return the approach at the load of a task from a coarse grid, and whether the limit shortened a step.
 
     The approach is None if there is no coarse grid.
     """
@@ -158,17 +157,17 @@ def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[flo
     half = coarsen(convolution.setup.grid, attrs.evolve(task, start=None))
     if half is None:
         return None, False
-    while max(half[0].shape) > _ESTIMATE and (coarser := coarsen(*half)) is not None:
+    while max(half[0].shape) > _MAX_ESTIMATE_CELLS and (coarser := coarsen(*half)) is not None:
         half = coarser
     coarse = convolution.on(half[0])
     coarse_task = half[1]
-    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _ESTIMATED, _ESTIMATES))
+    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _ESTIMATE_TOLERANCE, _ESTIMATE_ITERATIONS))
     _, violation, _ = refinement.run(_guess_without_grids(coarse, coarse_task).pressure)
     return violation.approach, refinement.met_limit
 
 
 def _close(convolution: PreparedConvolution, task: Task) -> NearlyFull | None:
-    """Return the pressure that closes every gap of a periodic surface at a load, whatever its bounds."""
+    """Return the pressure that closes every gap of a periodic surface at a load, without regard to its bounds."""
     if convolution.setup.boundary is not Boundary.PERIODIC or task.mean_pressure is None:
         return None
     inverse = convolution.inverse()
@@ -197,7 +196,7 @@ def _average(values: Array, shape: tuple[int, int]) -> Array:
 
 def _interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
     """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
-    # The second axis first, while there are fewer rows: its steps are not contiguous.
+    # The second axis, whose steps are not contiguous, comes first, while there are fewer rows.
     if fy == 2:
         coarse = values
         fine = np.empty((values.shape[0], 2 * values.shape[1]), dtype=values.dtype, like=values)
@@ -233,15 +232,15 @@ def _double(coarse: RealArray, fine: RealArray) -> None:
 class Window:
     """A rectangle of cells outside which a free domain cannot touch.
 
-    Pressure displaces every other cell away: with K and p not negative the gap is at least h - approach,
-    so that contact lies where the initial gap h is below the approach.
+    Pressure moves every cell away from the other body: with K and p not negative the gap is at least h - approach, so
+    that contact needs an initial gap h below the approach.
     """
 
     rows: slice
     columns: slice
 
     def restrict(self, values: Array) -> Array:
-        """Return the part of a field inside the window."""
+        """Return the field inside the window."""
         return values[self.rows, self.columns].copy()
 
     def embed(self, values: Array, shape: tuple[int, int]) -> Array:
@@ -280,11 +279,11 @@ def find_window(convolution: PreparedConvolution, task: Task, approach: float) -
     """Return the window of the cells that can touch at about this approach; None if it saves nothing."""
     if convolution.setup.boundary is not Boundary.FREE:
         return None
-    touching = task.initial_gap <= _MARGIN * approach
+    touching = task.initial_gap <= _APPROACH_MARGIN * approach
     if not touching.any():
         return None
     rows, columns = (_extent(np.flatnonzero(touching.any(axis=axis)), touching.shape[1 - axis]) for axis in (1, 0))
-    if touching[rows, columns].size > _WORTH * touching.size:
+    if touching[rows, columns].size > _MAX_WINDOW_FRACTION * touching.size:
         return None
     capacity = np.sum(np.broadcast_to(task.pressure_limit, touching.shape)[rows, columns])
     mean = task.mean_pressure
@@ -292,9 +291,9 @@ def find_window(convolution: PreparedConvolution, task: Task, approach: float) -
 
 
 def _extent(marked: IntArray, count: int) -> slice:
-    """Return a range that contains the marked of `count` cells and is a multiple of `_ROUND` long."""
+    """Return a range of `count` cells that contains the marked ones, `_WINDOW_MULTIPLE` times a whole number long."""
     first = int(marked[0])
     last = int(marked[-1]) + 1
-    length = min(-(-(last - first + 2) // _ROUND) * _ROUND, count)
+    length = min(-(-(last - first + 2) // _WINDOW_MULTIPLE) * _WINDOW_MULTIPLE, count)
     start = min(max(first - (length - (last - first)) // 2, 0), count - length)
     return slice(start, start + length)

@@ -1,32 +1,275 @@
-"""The inverse kernel on the active cells, corrected for long waves and for rigid motion."""
+"""The inverse kernel on the active cells: flat-punch weights, long waves, rigid motion, stiff layers."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from functools import lru_cache
 
+import attrs
 import numpy as np
 
-from roughcontact._base.checks import RealArray
+from roughcontact._base.arrays import IntArray, Mask, Pair, RealArray, sum_of_products
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
 from roughcontact._solve.solvers.conjugate.active import ActiveCells, Partition
-from roughcontact._solve.solvers.conjugate.extension import ExtendedInverse, half_space_inverse, is_steep
-from roughcontact._solve.solvers.conjugate.weights import PunchWeights
 from roughcontact._solve.solvers.projection import dot, total
 
-# Waves are long up to this multiple of the wave whose stiffness is the mean weight; blocks resolve so much more.
-_CUT = 3.0
-_RESOLVED = 1.5
+# Maximum changed cells before weights are computed anew, over the active cells or, if these are fewer, the passive ones
+# plus a fraction of the grid: the stencil omits distant effects.
+_MAX_CHANGED_FRACTION = 0.5
+_PASSIVE_ALLOWANCE = 0.02
+# Maximum fraction of all cells that change at once for the stencil; a product is faster above.
+_MAX_STENCIL_FRACTION = 0.03
+# Cells of the stencil to each side of a cell that joins or leaves: the inverse kernel falls as the third power of the
+# distance.
+_STENCIL_REACH = 3
+# Minimum weight, over the mean: smaller ones are ringing of the inverse.
+_MIN_WEIGHT = 1e-3
+# Minimum steepness (see `is_steep`) for which the extension saves products. Love's kernel has 0.7; a layer five times
+# stiffer than its substrate and as thick as a cell 9, one ten times stiffer 12 and 28 at half a cell and a cell,
+# and 7 at four cells.
+_MIN_STEEPNESS = 10.0
+# Minimum cells along an axis whose waves show the steepness.
+_MIN_STEEPNESS_CELLS = 16
+# Decay length of the average, in blocks.
+_DECAY_BLOCKS = 0.7
+# Weight of zero in the average: the extension ends where the active cells together weigh less.
+_EXTENSION_END_WEIGHT = 0.01
+# Cut between long and short waves, over the wave whose stiffness is the mean weight, and resolution of blocks, over it.
+_LONG_WAVE_CUT = 3.0
+_BLOCK_RESOLUTION = 1.5
 # Maximum cells along a block, and minimum blocks along an axis.
-_LARGEST_BLOCK = 64
-_FEWEST_BLOCKS = 8
-# Conjugate gradients on the blocks at most, and the relative residual at which they end.
-_STEPS = 4
-_ENOUGH = 0.02
-# Bound of the exponent that cuts the short waves off: exp(30) = 1e13 is beyond float32's resolution.
-_EXPONENT = 30.0
-# Singular values of the two rigid pressures, over the larger, below which they are one; float32 has 1e-7.
-_DISTINCT = 1e-6
+_MAX_BLOCK_CELLS = 64
+_MIN_BLOCKS = 8
+# Maximum steps of conjugate gradients on the blocks, and relative residual at which they end.
+_MAX_BLOCK_STEPS = 4
+_BLOCK_RESIDUAL = 0.02
+# Maximum exponent in the cut of the short waves: exp(30) = 1e13 is beyond the resolution of float32.
+_MAX_EXPONENT = 30.0
+# Minimum ratio of the singular values of two distinct rigid pressures; float32 has 1e-7.
+_MIN_SINGULAR_RATIO = 1e-6
+
+
+class PunchWeights:
+    """The pressure M 1 of the active cells under a flat punch, M the inverse kernel.
+
+    A cell that joins or leaves changes the weights nearby by the inverse kernel: a stencil adds this change, and the
+    product is only repeated after many cells have changed.
+    """
+
+    def __init__(self, inverse: InverseConvolution, shape: tuple[int, int]) -> None:
+        self._inverse = inverse
+        self._shape = shape
+        self._mask: Mask = np.zeros(0, dtype=bool)
+        # M 1 on all cells, flat.
+        self._field: RealArray = np.zeros(0, dtype=np.float32)
+        self._stencil: RealArray | None = None
+        self._changed = 0
+        self.products = 0
+        # Whether the weights were computed anew, because many cells have changed.
+        self.renewed = False
+
+    def update(self, active: ActiveCells) -> RealArray | None:
+        """Return the vector of the weights, above zero; None if ringing of the inverse leaves none."""
+        mask = active.mask
+        changed = np.flatnonzero(mask ^ self._mask) if self._mask.size else None
+        self._changed += 0 if changed is None else changed.size
+        self.renewed = (
+            changed is None
+            or changed.size > _MAX_STENCIL_FRACTION * mask.size
+            or self._changed > _MAX_CHANGED_FRACTION * _smaller(active)
+        )
+        if self.renewed:
+            self._changed = 0
+        if changed is None or self.renewed or (changed.size and not self._inverse.local):
+            self.products += 1
+            self._field = self._inverse.apply(active.scatter(active.ones).reshape(self._shape)).ravel()
+        elif changed.size:
+            self._add(changed, np.where(mask[changed], np.float32(1.0), np.float32(-1.0)))
+        self._mask = mask
+        weights = active.gather(self._field)
+        mean = total(weights) / active.count
+        if not mean > 0.0:
+            return None
+        return np.maximum(weights, np.float32(_MIN_WEIGHT * mean) * active.ones)
+
+    def _add(self, cells: IntArray, amounts: RealArray) -> None:
+        """Add amounts times the inverse kernel around cells."""
+        if self._stencil is None:
+            self._stencil = self._inverse.coefficients(_STENCIL_REACH)
+        nx, ny = self._shape
+        padded = self._inverse.padded
+        # On a small periodic grid a cell is reached once.
+        x, y = (np.arange(-reach, reach + 1) for reach in (min(_STENCIL_REACH, (m - 1) // 2) for m in padded))
+        rows, columns = np.divmod(cells, ny)
+        far = (np.minimum(rows, nx - 1 - rows) >= _STENCIL_REACH) & (
+            np.minimum(columns, ny - 1 - columns) >= _STENCIL_REACH
+        )
+        inner = cells[far]
+        inner_amounts = amounts[far]
+        near = ~far
+        rows = rows[near]
+        columns = columns[near]
+        near_amounts = amounts[near]
+        for i, j in itertools.product(x.tolist(), y.tolist()):
+            value = self._stencil[abs(i), abs(j)]
+            self._field[inner + (i * ny + j)] += value * inner_amounts
+            if near_amounts.size:
+                row = (rows + i) % padded[0]
+                column = (columns + j) % padded[1]
+                inside = (row < nx) & (column < ny)
+                self._field[row[inside] * ny + column[inside]] += value * near_amounts[inside]
+
+
+def _smaller(active: ActiveCells) -> float:
+    """Return the number of active cells or, if less, of passive cells and a fraction of the grid."""
+    cells = active.mask.size
+    return min(active.count, cells - active.count + _PASSIVE_ALLOWANCE * cells)
+
+
+def is_steep(inverse: InverseConvolution) -> bool:
+    """Return whether the inverse rises much faster than the wave number.
+
+    The stiffness S of an elastic half-space is proportional to the wave number. With the shortest wave N along an
+    axis, the longest one 1 and one of four times the shortest length, the steepness is the product
+    (S_N / S_1 / N) (S_N / S_{N/4} / 4): large if short waves are much stiffer than long ones, above all near the length
+    of the cells.
+    """
+    return any(
+        float(axis[m // 2]) ** 2 > _MIN_STEEPNESS * 4 * (m // 2) * float(axis[1]) * float(axis[m // 8])
+        for axis, m in zip(inverse.axes, inverse.padded, strict=True)
+        if m >= _MIN_STEEPNESS_CELLS
+    )
+
+
+def half_space_inverse(inverse: InverseConvolution, spacing: Pair) -> InverseConvolution:
+    """Return the inverse of a half-space with the stiffness of another inverse for its longest wave along y.
+
+    Its flat-punch weights are above zero; the weights of a steep inverse ring.
+    """
+    mx, my = inverse.padded
+    dx, dy = spacing
+    q = np.hypot(np.fft.fftfreq(mx, dx)[:, np.newaxis], np.fft.rfftfreq(my, dy)[np.newaxis, :])
+    scale = float(inverse.axes[1][1]) / float(q[0, 1])
+    stiffness = np.asarray(scale * q, dtype=inverse.stiffness.dtype, like=inverse.stiffness)
+    return attrs.evolve(inverse, stiffness=stiffness, exact=False)
+
+
+class ExtendedInverse:
+    r"""The inverse kernel M applied to a displacement that is continued smoothly beyond the active cells.
+
+    A displacement that is continued by zero has a step around each contact, which needs a large pressure if the kernel
+    is stiff for short waves. With the extension E, a matrix,
+
+    .. math:: z = E^T M E\,r, \qquad E\,r = \begin{cases} r & \text{on active cells} \\
+        \dfrac{G r}{G 1 + \epsilon} & \text{elsewhere} \end{cases}
+
+    G averages over the neighbourhood, on blocks of 2 x 2 cells. The result is symmetric and not negative. If E r
+    minimised the energy of M, z would be exact; a uniform displacement gives none, so that rigid motion has to be
+    excluded or treated on its own.
+    """
+
+    def __init__(self, inverse: InverseConvolution, shape: tuple[int, int]) -> None:
+        self._inverse = inverse
+        self._shape = shape
+        self._average = _BlockAverage.of(inverse)
+        self._mask: Mask | None = None
+        # Zero on active cells; elsewhere the reciprocal weight of the active cells.
+        self._factor: RealArray = np.zeros(0, dtype=np.float32, like=inverse.stiffness)
+        self._averages = 0
+
+    @property
+    def products(self) -> int:
+        """Products so far: an average takes a quarter of one."""
+        return -(-self._averages // 4)
+
+    def update(self, active: ActiveCells) -> None:
+        """Set the active cells."""
+        if self._mask is not None and not (self._mask ^ active.mask).any():
+            return
+        self._mask = active.mask
+        indicator = self._embed(active.mask.astype(np.float32))
+        weight = np.maximum(self._apply_average(indicator), np.float32(0.0))
+        self._factor = (np.float32(1.0) - indicator) / (weight + np.float32(_EXTENSION_END_WEIGHT))
+
+    def apply(self, active: ActiveCells, residual: RealArray) -> RealArray:
+        """Return the vector of the preconditioned residual, without its rigid part."""
+        nx, ny = self._shape
+        mx, my = self._inverse.padded
+        field = self._embed(active.scatter(residual))
+        field += self._factor * self._apply_average(field)
+        # A last row or column beyond the padded grid stays zero.
+        field[:mx, :my] = self._inverse.apply(field[:mx, :my])
+        field += self._apply_average(self._factor * field)
+        return active.gather(field[:nx, :ny].copy().ravel())
+
+    def _apply_average(self, field: RealArray) -> RealArray:
+        self._averages += 1
+        return self._average.apply(field)
+
+    def _embed(self, flat: RealArray) -> RealArray:
+        """Return a field on the padded grid, which has an even number of cells along both axes."""
+        hx, hy = self._average.blocks
+        field = np.zeros((2 * hx, 2 * hy), dtype=np.float32, like=flat)
+        field[: self._shape[0], : self._shape[1]] = flat.reshape(self._shape)
+        return field
+
+
+@attrs.frozen(eq=False)
+class _BlockAverage:
+    """A symmetric weighted mean over the neighbourhood, which falls exponentially, on a periodic grid."""
+
+    inverse: InverseConvolution
+    blocks: tuple[int, int]
+    symbol: RealArray
+
+    @classmethod
+    def of(cls, inverse: InverseConvolution) -> _BlockAverage:
+        """Return the average on a grid of at least the cells of an inverse, in blocks of 2 x 2."""
+        cells = inverse.padded
+        hx, hy = blocks = (-(-cells[0] // 2), -(-cells[1] // 2))
+        waves = np.hypot(np.fft.fftfreq(hx)[:, np.newaxis], np.fft.rfftfreq(hy)[np.newaxis, :])
+        # Transform of exp(-r / reach) in two dimensions.
+        symbol = (1.0 + (2.0 * np.pi * _DECAY_BLOCKS * waves) ** 2) ** -1.5
+        return cls(inverse, blocks, np.asarray(symbol, dtype=np.float32, like=inverse.stiffness))
+
+    def apply(self, field: RealArray) -> RealArray:
+        """Return the average, of the shape of the field."""
+        means = _gather_blocks(_gather_blocks(field, 0), 1)
+        means = self.inverse.multiply(means, self.symbol, self.blocks)
+        return _spread_blocks(_spread_blocks(means, 1), 0)
+
+
+def _spread_blocks(values: RealArray, axis: int) -> RealArray:
+    """Interpolate linearly from block centres to cell centres along an axis."""
+    coarse = np.moveaxis(values, axis, 0)
+    shape = [n * (1 + (k == axis)) for k, n in enumerate(values.shape)]
+    result = np.empty(shape, dtype=values.dtype, like=values)
+    fine = np.moveaxis(result, axis, 0)
+    quarter = np.float32(0.25) * coarse
+    np.multiply(coarse, np.float32(0.75), out=fine[0::2])
+    fine[1::2] = fine[0::2]
+    fine[2::2] += quarter[:-1]
+    fine[0] += quarter[-1]
+    fine[1:-1:2] += quarter[1:]
+    fine[-1] += quarter[0]
+    return result
+
+
+def _gather_blocks(values: RealArray, axis: int) -> RealArray:
+    """Apply half of the transpose of `_spread_blocks`: weighted means."""
+    fine = np.moveaxis(values, axis, 0)
+    first = fine[0::2]
+    second = fine[1::2]
+    means = first + second
+    means *= np.float32(0.375)
+    eighth = np.float32(0.125) * first
+    means[:-1] += eighth[1:]
+    means[-1] += eighth[0]
+    np.multiply(second, np.float32(0.125), out=eighth)
+    means[1:] += eighth[:-1]
+    means[0] += eighth[-1]
+    return np.moveaxis(means, 0, axis).copy()
 
 
 class Preconditioner:
@@ -101,7 +344,7 @@ def multiply_active(
 
 
 class CoarseCorrection:
-    r"""Corrects :math:`z_0 = M_0 r` for the waves that are longer than the distance of contacts.
+    r"""Corrects :math:`z_0 = M_0 r` for waves longer than the distance of contacts.
 
     Splitting the kernel into a near and a far part, with the flat-punch weights w of the near one,
     Woodbury's formula gives
@@ -125,7 +368,7 @@ class CoarseCorrection:
         half = np.fft.fftfreq(bx, 1 / bx).astype(int)
         stiffness = inverse.stiffness[half][:, : by // 2 + 1]
         size = mx * my / (bx * by)
-        growth = np.minimum((stiffness / (_CUT * mean)) ** 2, _EXPONENT)
+        growth = np.minimum((stiffness / (_LONG_WAVE_CUT * mean)) ** 2, _MAX_EXPONENT)
         far = stiffness * np.exp(growth) * np.float32(size)
         self._mean = np.float32(size * mean)
         self._approximate = 1.0 / (far + self._mean)
@@ -143,22 +386,22 @@ class CoarseCorrection:
             return solution
         # Squares of small residuals would leave the range of float32.
         residual = right / np.float32(size)
-        first = math.sqrt(_dot(residual, residual))
+        first = math.sqrt(sum_of_products(residual, residual))
         direction = response = np.zeros_like(right)
         previous = math.inf
-        for _ in range(_STEPS):
+        for _ in range(_MAX_BLOCK_STEPS):
             image = self._inverse.multiply(residual, self._approximate, right.shape)
-            product = _dot(residual, image)
+            product = sum_of_products(residual, image)
             factor = np.float32(product / previous)
             direction = image + factor * direction
-            # The system is the inverse of the approximation and what the diagonal exceeds its mean by.
+            # The system is the inverse of the approximation plus the diagonal less its mean.
             response = residual + (self._diagonal - self._mean) * image + factor * response
-            curvature = _dot(direction, response)
+            curvature = sum_of_products(direction, response)
             if not (curvature > 0.0 and product > 0.0):
                 break
             solution += np.float32(product / curvature) * direction
             residual = residual - np.float32(product / curvature) * response
-            if math.sqrt(_dot(residual, residual)) < _ENOUGH * first:
+            if math.sqrt(sum_of_products(residual, residual)) < _BLOCK_RESIDUAL * first:
                 break
             previous = product
         return solution * np.float32(size)
@@ -179,7 +422,7 @@ class RigidCorrection:
             active.gather(convolution.apply(active.scatter(vector).reshape(shape)).ravel()) for vector in vectors
         ]
         products = [[dot(one, other) for other in responses] for one in vectors]
-        self._inverse = np.linalg.pinv(np.array(products), rcond=_DISTINCT)
+        self._inverse = np.linalg.pinv(np.array(products), rcond=_MIN_SINGULAR_RATIO)
 
     def apply(self, active: ActiveCells, image: RealArray, residual: RealArray, weights: RealArray) -> RealArray:
         """Return the preconditioned residual with its rigid part made exact."""
@@ -191,8 +434,8 @@ class RigidCorrection:
 def _count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
     """Return the number of blocks along an axis: few, but enough for all long waves."""
     size = 1
-    while 2 * size <= _LARGEST_BLOCK and count // (2 * size) >= _FEWEST_BLOCKS:
-        if stiffness[max(count // (4 * size), 1)] < _RESOLVED * _CUT * mean:
+    while 2 * size <= _MAX_BLOCK_CELLS and count // (2 * size) >= _MIN_BLOCKS:
+        if stiffness[max(count // (4 * size), 1)] < _BLOCK_RESOLUTION * _LONG_WAVE_CUT * mean:
             break
         size *= 2
     return max(count // size, 1)
@@ -200,10 +443,6 @@ def _count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
 
 @lru_cache(maxsize=4)
 def _divide(shape: tuple[int, int], padded: tuple[int, int], blocks: tuple[int, int]) -> Partition:
-    """Return the partition of the cells; a solve needs the same few repeatedly."""
+    """Return the partition of the cells; a solve repeats a few of them."""
     rows, columns = (((np.arange(n) * b) // m).astype(np.int32) for n, m, b in zip(shape, padded, blocks, strict=True))
     return Partition(shape, blocks, rows, columns)
-
-
-def _dot(one: RealArray, other: RealArray) -> float:
-    return float(np.einsum("ij,ij->", one, other))

@@ -1,4 +1,4 @@
-"""The default solver, from the top."""
+"""The default solver: windows, starts, and a second method if the first stalls."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from roughcontact._base.checks import Array
+from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import Status
@@ -30,19 +30,19 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import (
 from roughcontact._solve.solvers.conjugate.refinement import Refinement
 from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 
-# Iterations for a given approach after which loads are searched instead, where that is possible: 40 and 160 change
-# the products of the 26 contacts by -6 and +14 %, all in the one that needs the search.
-_PATIENT = 80
-# Approach over that of full contact above which they are: below, each digit of the approach needs one of the load.
-_NEAR_FULL = 0.5
-# Loads to try at most.
-_TRIES = 60
-# Loads that may fail, each followed by one nearer to the last that was solved.
-_FAILURES = 6
-# First guess of the power law between the load and the gap that are missing to full contact.
-_POWER = 2.0
-# Minimum missing load, and gap, over those of full contact at zero load: log(0) is avoided.
-_NEAREST = 1e-9
+# Maximum iterations for a given approach before a search over loads, if that is possible: 40 and 160 change the
+# products of the 26 contacts by -6 and +14 %, all in the one that needs the search.
+_MAX_APPROACH_ITERATIONS = 80
+# Minimum approach for a search over loads, over full contact: below, each digit of the approach needs one of the load.
+_LOAD_SEARCH_APPROACH = 0.5
+# Maximum loads to try.
+_MAX_LOAD_TRIES = 60
+# Maximum loads that may fail; after each, one nearer to the last solved load is tried.
+_MAX_LOAD_FAILURES = 6
+# First exponent of the power law between the missing load and the remaining gap to full contact.
+_FIRST_POWER = 2.0
+# Minimum missing load and remaining gap, over their values at zero load, to avoid log(0).
+_MIN_MISSING_FRACTION = 1e-9
 
 
 @attrs.frozen(eq=False)
@@ -59,10 +59,9 @@ class ProjectedConjugateGradient(Solver):
     """Projected conjugate gradients, preconditioned by the inverse kernel on the active cells.
 
     Load or approach control, with or without a pressure limit, on any boundary. The number of
-    iterations hardly grows with the grid. The descent runs in float32, every result is verified in
-    float64. If it stalls, `SpectralGradient` continues, or, for an approach near the full contact of
-    a periodic surface, a search over loads; the status says so. What a start does not lead to is solved
-    once more without it.
+    iterations hardly grows with the grid. The descent runs in float32, every result is verified in float64. If it
+    stalls, `SpectralGradient` continues, or, for an approach near the full contact of a periodic surface, a search over
+    loads; the status says so. If a start does not lead to the solution, the solve is repeated without it.
 
     Parameters
     ----------
@@ -95,14 +94,14 @@ class ProjectedConjugateGradient(Solver):
 
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the contact pressure; see `Solver.solve`."""
-        # What follows serves arrays of any kind: it makes new ones of the kind of those that it has.
+        # The code below serves any kind of array: new arrays are made like existing ones.
         outcome = self._solve(convolution, task.convert(convolution.from_numpy))
         return attrs.evolve(outcome, pressure=convolution.to_numpy(outcome.pressure))
 
     def _solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
-        """Solve; where the limit shortened steps but is reached nowhere in the end, solve again without it.
+        """Solve; if the limit shortened steps but no cell reaches it in the end, solve again without it.
 
-        So a limit that is not reached changes no bit of the result.
+        A limit that is not reached then changes no bit of the result.
         """
         found = self._solve_in_window(convolution, task)
         limited = found.outcome
@@ -133,7 +132,7 @@ class ProjectedConjugateGradient(Solver):
         return attrs.evolve(found, met_limit=met_limit or found.met_limit)
 
     def _solve_on_grid(self, convolution: PreparedConvolution, task: Task) -> GridSolution:
-        """Solve on all cells of the convolution; where a start does not lead to the solution, once more without it."""
+        """Solve on all cells of the convolution; again without a start that does not lead to the solution."""
         found = self._descend(convolution, task)
         if task.start is None or found.outcome.status.success:
             return found
@@ -142,16 +141,16 @@ class ProjectedConjugateGradient(Solver):
         return attrs.evolve(again, outcome=outcome, met_limit=found.met_limit or again.met_limit)
 
     def _descend(self, convolution: PreparedConvolution, task: Task) -> GridSolution:
-        """Solve on all cells of the convolution, by a second method where the first stalls."""
+        """Solve on all cells of the convolution, by a second method if the first stalls."""
         given = task.start
         start = nested_iteration(convolution, task) if given is None else start_from(convolution, task, given)
         searchable = _can_search_loads(convolution, task)
-        patience = min(self.max_iterations, _PATIENT) if searchable else self.max_iterations
+        patience = min(self.max_iterations, _MAX_APPROACH_ITERATIONS) if searchable else self.max_iterations
         monitor = Monitor(task, self.tolerance, patience)
         refinement = Refinement(convolution, task, monitor, start.nearly_full)
         pressure = start.pressure
         if start.levels and not start.closed:
-            # Far from the solution the gap need not be exact.
+            # Far from the solution an approximate gap is enough.
             pressure = refinement.approximate(pressure)[0]
         pressure, violation, status = refinement.run(pressure)
         outcome = monitor.outcome(pressure, status, round(start.products + refinement.products))
@@ -161,7 +160,7 @@ class ProjectedConjugateGradient(Solver):
         return GridSolution(outcome, violation.approach, start.met_limit or refinement.met_limit)
 
     def _rescue(self, convolution: PreparedConvolution, task: Task, stalled: Outcome) -> Outcome:
-        """Continue with a method that is slower but more robust."""
+        """Continue with a slower but more robust method."""
         if _can_search_loads(convolution, task):
             rescue = self._search_loads(convolution, task, stalled.pressure)
         else:
@@ -173,11 +172,10 @@ class ProjectedConjugateGradient(Solver):
     def _search_loads(self, convolution: PreparedConvolution, task: Task, pressure: Array) -> Outcome:
         """Solve for loads until one gives the approach of the task.
 
-        Near full contact the approach hardly depends on the load, so that the load is badly determined
-        by it; but each load gives its approach. The logarithms of the missing load and of the remaining
-        gap are nearly proportional: the secant through the last two, kept inside a bracket, finds the
-        approach in a few steps. Beyond full contact, where cells are saturated and overlap, the bracket is
-        halved instead.
+        Near full contact the approach hardly depends on the load and determines it badly, but each load determines its
+        approach. The logarithms of the missing load and of the remaining gap are nearly proportional: the secant
+        through the last two, within a bracket, finds the approach in a few steps. Beyond full contact, with saturated
+        cells that overlap, the bracket is halved instead.
         """
         assert task.approach is not None
         monitor = Monitor(task, self.tolerance, self.max_iterations)
@@ -190,31 +188,31 @@ class ProjectedConjugateGradient(Solver):
             return monitor.outcome(pressure, status or Status.STALLED, 1)
         low = -math.inf
         high = math.log(closing)
-        missing = math.log(max(closing - (float(pressure.mean()) or 0.5 * closing), _NEAREST * closing))
-        power = _POWER
+        missing = math.log(max(closing - (float(pressure.mean()) or 0.5 * closing), _MIN_MISSING_FRACTION * closing))
+        power = _FIRST_POWER
         before = None
         work = []
-        for _ in range(_TRIES):
+        for _ in range(_MAX_LOAD_TRIES):
             mean = closing - math.exp(missing)
             start = np.minimum(pressure * (mean / (float(pressure.mean()) or mean)), task.pressure_limit)
             found = self._solve_on_grid(convolution, attrs.evolve(task, approach=None, mean_pressure=mean, start=start))
             outcome = found.outcome
             work.append(outcome)
             failures = sum(not one.status.success for one in work)
-            if before is not None and not outcome.status.success and failures <= _FAILURES:
+            if before is not None and not outcome.status.success and failures <= _MAX_LOAD_FAILURES:
                 missing = 0.5 * (missing + before[0])
                 continue
             pressure = outcome.pressure
             _, status = monitor.judge(pressure, convolution.apply(pressure))
             if status is not None or not outcome.status.success:
                 break
-            excess = math.log(max(end - found.approach, _NEAREST * remaining) / remaining)
+            excess = math.log(max(end - found.approach, _MIN_MISSING_FRACTION * remaining) / remaining)
             low, high = (low, missing) if excess > 0.0 else (missing, high)
             if before is not None and (missing - before[0]) * (excess - before[1]) > 0.0:
                 power = (excess - before[1]) / (missing - before[0])
             before = (missing, excess)
             trial = missing - excess / power
-            # Between full contact and the first saturated cell the approach is constant: only halving gets past.
+            # Between full contact and the first saturated cell the approach is constant: the bracket is halved.
             if beyond or not low < trial < high:
                 trial = 0.5 * (low + high) if math.isfinite(low) else high - 1.0
             missing = trial
@@ -228,7 +226,7 @@ class ProjectedConjugateGradient(Solver):
 
 
 def _append(before: Outcome, after: Outcome) -> Outcome:
-    """Return an outcome with the work of the one before it added to its own."""
+    """Return an outcome with the work of an earlier one added."""
     return attrs.evolve(
         after,
         iterations=before.iterations + after.iterations,
@@ -242,7 +240,7 @@ def _can_search_loads(convolution: PreparedConvolution, task: Task) -> bool:
         return False
     full = float(task.initial_gap.mean())
     limited = bool(np.isfinite(task.pressure_limit).all())
-    return task.approach > _NEAR_FULL * full and (limited or task.approach < full)
+    return task.approach > _LOAD_SEARCH_APPROACH * full and (limited or task.approach < full)
 
 
 def _final_load(convolution: PreparedConvolution, task: Task, *, beyond: bool) -> tuple[float, float]:

@@ -11,8 +11,7 @@ import attrs
 
 from roughcontact._answers.refinement import on_grid, solve_ladder
 from roughcontact._base.checks import number
-from roughcontact._parts.grid import Grid
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Grid, Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -22,10 +21,10 @@ UNITS = {"area": "m2", "p_max": "Pa", "approach": "m"}
 QUANTITIES = tuple(UNITS)
 _ALLOWED = "a KnownAnswer, or an object or dict with at least one of area (m2), p_max (Pa) and approach (m)"
 # The reference has this many times the cells a side of the finest case, up to 4096 x 4096 cells in all.
-_FINER = 2
-_MAX_CELLS = 2**24
+_REFINEMENT = 2
+_MAX_REFERENCE_CELLS = 2**24
 # Grids of the reference: three give a limit and an order, the fourth tests both.
-_GRIDS = 4
+_MAX_REFERENCE_GRIDS = 4
 
 
 def _value(name: str) -> Any:
@@ -56,7 +55,7 @@ class KnownAnswer:
     source
         Where it comes from, in words.
     shape
-        Cells (nx, ny) of the solution that it is, if it is one: that is not compared with itself.
+        Cells (nx, ny) if it is a solution, which is not compared with itself.
 
     Raises
     ------
@@ -101,7 +100,7 @@ class KnownAnswer:
 
 
 def read_reference(given: object) -> KnownAnswer:
-    """Return a `KnownAnswer` from what a user gave: one, a dict, or an object such as `reference.Hertz`.
+    """Return a `KnownAnswer` from one, a dict, or an object such as `reference.Hertz`.
 
     Raises
     ------
@@ -127,9 +126,8 @@ def solve_reference(
 
     Surfaces that are smooth between the cells are solved on grids up to twice as fine as the finest case,
     and extrapolated where the grids agree on an order. A map that is not smooth is solved on its own grid.
-    The error bound of the area is two standard deviations; that of pressure and approach is the step to the
-    extrapolated value, or else the last change between grids, half the one before, and so on, whichever is
-    largest.
+    The error bound of the area is two standard deviations. The error bound of pressure and approach is the step to
+    the extrapolated value, or else the largest of the last change between grids, half the change before, and so on.
 
     Raises
     ------
@@ -161,11 +159,11 @@ def _make_problems(
 ) -> list[ContactProblem]:
     """Return the problem on the grids of the reference, from coarse to fine; only the finest must be possible."""
     nx, ny = finest if smooth else problem.plan.grid.shape
-    if smooth and nx * ny * _FINER**2 <= _MAX_CELLS:
-        nx = _FINER * nx
-        ny = _FINER * ny
+    if smooth and nx * ny * _REFINEMENT**2 <= _MAX_REFERENCE_CELLS:
+        nx = _REFINEMENT * nx
+        ny = _REFINEMENT * ny
     problems = [problem if (nx, ny) == problem.plan.grid.shape else on_grid(problem, (nx, ny), interpolation)]
-    for level in range(1, _GRIDS):
+    for level in range(1, _MAX_REFERENCE_GRIDS):
         if nx % 2**level or ny % 2**level or min(nx, ny) < 2 ** (level + 1):
             break
         try:
@@ -176,7 +174,7 @@ def _make_problems(
 
 
 def _is_smooth(problem: ContactProblem, interpolation: str | None) -> bool:
-    """Return whether the surfaces are smooth between the cells: bilinear ones have a ridge at each of them."""
+    """Return whether the surfaces are smooth between the cells: bilinear surfaces have a ridge at each cell."""
     surfaces = [problem.body.surface, problem.counterbody.surface]
     if not all(surface.is_smooth for surface in surfaces):
         return False
@@ -192,7 +190,7 @@ def _is_smooth(problem: ContactProblem, interpolation: str | None) -> bool:
 
 def _extrapolate(cells: list[int], values: list[float], smooth: bool) -> tuple[float, float]:
     """Return the value at infinite resolution, and its error bound."""
-    if smooth and len(values) == _GRIDS:
+    if smooth and len(values) == _MAX_REFERENCE_GRIDS:
         limit = richardson(cells, values)
         if limit.trustworthy and limit.value > 0.0:
             return limit.value, abs(limit.value - values[-1])

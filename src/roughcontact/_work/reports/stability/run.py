@@ -8,12 +8,18 @@ import attrs
 
 from roughcontact._base.checks import choice
 from roughcontact._base.tables import Table
-from roughcontact._parts.load import Load
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import ContactSolution
-from roughcontact._work.reports.stability import field_checks, kernel_checks, repeat_checks
-from roughcontact._work.reports.stability.check import Check, SolvedProblem, Verdict, find_worst, skip, summarize
-from roughcontact._work.reports.stability.rules import RULES
+from roughcontact._work.reports.stability.check import RULES, Check, SolvedProblem, Verdict, find_worst, skip, summarize
+from roughcontact._work.reports.stability.checks import (
+    check_area,
+    check_kernel,
+    check_model,
+    check_precision,
+    check_residuals,
+    check_variants,
+)
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
@@ -40,22 +46,25 @@ class StabilityReport:
         """The checks as they are shown: a notebook omits rows in the middle of a long table."""
         return sorted(self.checks, key=lambda check: list(Verdict).index(check.verdict), reverse=True)
 
+    @property
+    def _summary(self) -> str:
+        return summarize([check.verdict for check in self.checks])
+
     def __repr__(self) -> str:
-        return f"<StabilityReport {summarize([check.verdict for check in self.checks])}>"
+        return f"<StabilityReport {self._summary}>"
 
     def _repr_html_(self) -> str:
         checks = self._worst_first
-        texts = [f"{check.finding}. {check.advice}" if check.advice else check.finding for check in checks]
         columns: dict[str, list[Any]] = {
             "verdict": [check.verdict for check in checks],
             "check": [check.name for check in checks],
             "value": [check.value for check in checks],
-            "what was measured; what to do": texts,
+            "what was measured; what to do": [check.text for check in checks],
         }
-        return Table(columns).to_html(summarize([check.verdict for check in self.checks]))
+        return Table(columns).to_html(self._summary)
 
     def __str__(self) -> str:
-        lines = [summarize([check.verdict for check in self.checks]), ""]
+        lines = [self._summary, ""]
         before = ""
         for check in self._worst_first:
             lines.append(str(attrs.evolve(check, finding="as above") if check.finding == before else check))
@@ -86,7 +95,7 @@ def stability(
     Returns
     -------
     StabilityReport
-        Checks with measured values and verdicts; those that cannot be made are skipped, with the reason.
+        Checks with measured values and verdicts; a check that cannot be made is skipped, with the reason.
 
     Raises
     ------
@@ -106,11 +115,11 @@ def stability(
         raise InputError.about("The problem", problem, "a ContactProblem")
     solution = problem.solve(pressure=pressure, force=force, approach=approach, throw=False)
     solved = SolvedProblem(problem, solution, Load.of(pressure=pressure, force=force, approach=approach))
-    checks = field_checks.check_residuals(solved)
+    checks = check_residuals(solved)
     if solution.status.success:
-        checks += [*kernel_checks.check_kernel(solved), *field_checks.check_model(solved)]
-        checks += [repeat_checks.check_precision(solved), *repeat_checks.check_variants(solved)]
-        checks += field_checks.check_area(solution)
+        checks += [*check_kernel(solved), *check_model(solved)]
+        checks += [check_precision(solved), *check_variants(solved)]
+        checks += check_area(solution)
     else:
         checks += [skip(name, "the solution is not converged") for name in list(RULES)[len(checks) :]]
     return StabilityReport(tuple(checks), solution)

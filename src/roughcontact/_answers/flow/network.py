@@ -1,0 +1,352 @@
+"""Reynolds' equation on the open cells: a network of conductances, its pressures, and how far cells resolve it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact.errors import MissingPackage
+
+# Gap over the widest gap below which float64 does not tell it from zero.
+_MIN_FILM_RATIO = 1e-14
+# Neighbours of a cell: liquid passes through sides, not through corners.
+_SIDE_NEIGHBOURS = np.array(((0, 1, 0), (1, 1, 1), (0, 1, 0)), dtype=bool)
+# Cells up to which elimination is used, 2048 x 2048 with 30 % in contact: it then takes 2.7 GiB and a third of the time
+# of conjugate gradients, and needs no package and no stopping rule.
+MAX_ELIMINATION_CELLS = 3_000_000
+# Conjugate gradients end at this residual over the right side, once the flow changes by less over so many iterations
+# and inflow and outflow agree. The residual alone hides throats: at 1e-4 the flow is up to 58 % too large.
+_RESIDUAL_TOLERANCE = 1e-6
+_FLOW_TOLERANCE = 1e-4
+_STEADY_ITERATIONS = 5
+_MAX_ITERATIONS = 300
+# Weights of the three measures of the uncertainty (`estimate_uncertainty`), set on twelve rough surfaces at four loads
+# and four grids so that 95 % of the errors are within two standard deviations; other surfaces confirm them
+# (docs/studies/leakage.py). They contain a factor of 5/4, because tight contacts on oblong domains and cells had
+# errors of 2.5 standard deviations without it (benchmarks/response_classes.py).
+_THROAT_WEIGHT = 0.94
+_RULE_WEIGHT = 0.125
+_EDGE_WEIGHT = 0.25
+# Cells beyond a periodic border in which the nearest contact is searched.
+_MAX_PADDING_CELLS = 16
+
+
+@attrs.frozen(eq=False)
+class FlowNetwork:
+    """The open cells that join both ends of the domain; liquid flows along axis 0 of its arrays.
+
+    Conductances are dimensionless: a face between square cells with the widest gap has 1.
+
+    Attributes
+    ----------
+    shape
+        Cells (along, across) the flow.
+    widest
+        The widest gap, m.
+    cells
+        Flat indices of the open cells that join both ends, ascending.
+    film
+        Gap of each of these cells over the widest gap.
+    first, second
+        The two cells of each face, as positions in `cells`.
+    along
+        Number of the faces that are crossed along the flow: they come first.
+    conductance
+        Conductance of each face.
+    inlet, outlet
+        Positions of the cells at both ends.
+    inlet_conductance, outlet_conductance
+        Conductances of the half cells between their centres and the border.
+    """
+
+    shape: tuple[int, int]
+    widest: float
+    cells: RealArray
+    film: Array
+    first: RealArray
+    second: RealArray
+    along: int
+    conductance: Array
+    inlet: RealArray
+    outlet: RealArray
+    inlet_conductance: Array
+    outlet_conductance: Array
+
+    def make_matrix(self) -> tuple[Any, Array]:
+        """Return the matrix of the flow balance of each cell, in CSR, and its right side for the inlet at 1."""
+        from scipy import sparse
+
+        c = self.conductance
+        right = self._gather((self.inlet, self.inlet_conductance))
+        diagonal = right + self._gather((self.first, c), (self.second, c), (self.outlet, self.outlet_conductance))
+        each = np.arange(self.cells.size, dtype=np.int32)
+        rows = np.concatenate((self.first, self.second, each))
+        columns = np.concatenate((self.second, self.first, each))
+        entries: Any = (np.concatenate((-c, -c, diagonal)), (rows, columns))
+        return sparse.csr_matrix(entries, shape=(each.size, each.size)), right
+
+    def _gather(self, *parts: tuple[RealArray, Array]) -> Array:
+        """Return the sum of values at positions for each cell."""
+        count = self.cells.size
+        sums = (np.bincount(where, values, count) for where, values in parts)
+        return np.asarray(sum(sums), dtype=np.float64)
+
+    def find_flow(self, pressure: Array) -> Array:
+        """Return the flow through each face, from its first to its second cell."""
+        return np.asarray(self.conductance * (pressure[self.first] - pressure[self.second]))
+
+    def find_ends(self, pressure: Array) -> tuple[float, float]:
+        """Return the flow in at the inlet and the flow out at the outlet."""
+        into, out = self._find_end_flows(pressure)
+        return float(np.sum(into)), float(np.sum(out))
+
+    def _find_end_flows(self, pressure: Array) -> tuple[Array, Array]:
+        """Return the flow into each cell at the inlet, and out of each cell at the outlet."""
+        return self.inlet_conductance * (1.0 - pressure[self.inlet]), self.outlet_conductance * pressure[self.outlet]
+
+    def residual(self, pressure: Array) -> Array:
+        """Return the flow into each cell less the flow out of it."""
+        faces = self.find_flow(pressure)
+        into, out = self._find_end_flows(pressure)
+        return self._gather((self.second, faces), (self.first, -faces), (self.inlet, into), (self.outlet, -out))
+
+    def dissipation(self, pressure: Array) -> tuple[Array, Array]:
+        """Return the power lost in each face and in each cell: they sum to the flow at unit pressure.
+
+        A face joins half of either cell in series, so that the tighter cell loses more.
+        """
+        faces = self.conductance * (pressure[self.first] - pressure[self.second]) ** 2
+        cubes = self.film**3
+        part = faces * cubes[self.second] / (cubes[self.first] + cubes[self.second])
+        into = self.inlet_conductance * (1.0 - pressure[self.inlet]) ** 2
+        out = self.outlet_conductance * pressure[self.outlet] ** 2
+        halves = (self.first, part), (self.second, faces - part)
+        lost = self._gather(*halves, (self.inlet, into), (self.outlet, out))
+        return faces, lost
+
+    def find_flow_of_cells(self, pressure: Array) -> tuple[Array, Array]:
+        """Return the flow through each cell along and across: the mean of the flows through its two faces."""
+        half = 0.5 * self.find_flow(pressure)
+        fields = np.zeros((2, *self.shape))
+        one = slice(None, self.along)
+        other = slice(self.along, None)
+        into, out = self._find_end_flows(pressure)
+        ends = (self.inlet, 0.5 * into), (self.outlet, 0.5 * out)
+        for field, part, extra in ((fields[0], one, ends), (fields[1], other, ())):
+            faces = (self.first[part], half[part]), (self.second[part], half[part])
+            field.reshape(-1)[self.cells] = self._gather(*faces, *extra)
+        return fields[0], fields[1]
+
+
+def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool) -> FlowNetwork | None:
+    """Return the network of the open cells, or None if no path of cell sides joins both ends.
+
+    Parameters
+    ----------
+    gap, open_cells
+        Gap, and the cells that are not in contact, shape (along, across) the flow.
+    aspect
+        Length of a cell across the flow over its length along it.
+    periodic
+        Whether the gap repeats across the flow.
+    """
+    widest = float(gap.max(where=open_cells, initial=0.0))
+    if widest <= 0.0:
+        return None
+    film = np.asarray(gap / widest)
+    kept = find_paths(open_cells & (film > _MIN_FILM_RATIO), periodic=periodic)
+    if not kept.any():
+        return None
+    cells = np.flatnonzero(kept)
+    number = np.full(gap.shape, -1, dtype=np.int32)
+    number[kept] = np.arange(cells.size, dtype=np.int32)
+    along = _pair_cells(number[:-1], number[1:])
+    across = _pair_cells(number[:, :-1], number[:, 1:])
+    if periodic and gap.shape[1] > 1:
+        around = _pair_cells(number[:, -1], number[:, 0])
+        across = np.concatenate((across, around), axis=1)
+    film = film.reshape(-1)[cells]
+    cubes = film**3
+    conductance = np.concatenate([_join_cubes(cubes, along) * aspect, _join_cubes(cubes, across) / aspect])
+    first, second = np.concatenate((along, across), axis=1)
+    inlet, outlet = (row[row >= 0] for row in (number[0], number[-1]))
+    ends = (2.0 * aspect * cubes[end] for end in (inlet, outlet))
+    return FlowNetwork(gap.shape, widest, cells, film, first, second, along.shape[1], conductance, inlet, outlet, *ends)
+
+
+def find_paths(open_cells: Mask, *, periodic: bool, corners: bool = False) -> Mask:
+    """Return the open cells of paths that join the first and the last row.
+
+    Parameters
+    ----------
+    open_cells
+        Shape (along, across) the flow.
+    periodic
+        Whether the domain repeats beyond its borders beside the flow.
+    corners
+        Whether a path may also pass through corners of cells.
+    """
+    from scipy import ndimage, sparse
+
+    labels, count = ndimage.label(open_cells, structure=np.ones((3, 3), dtype=bool) if corners else _SIDE_NEIGHBOURS)
+    piece: RealArray = np.arange(count + 1)
+    if periodic and count:
+        one = labels[:, -1]
+        other = labels[:, 0]
+        if corners:
+            one = np.tile(one, 3)
+            other = np.concatenate([other, _shift_row(other, 1), _shift_row(other, -1)])
+        both = (one > 0) & (other > 0)
+        links = sparse.coo_matrix((np.ones(both.sum()), (one[both], other[both])), shape=(count + 1, count + 1))
+        piece = sparse.csgraph.connected_components(links, directed=False)[1]
+    first, last = (np.unique(piece[row[row > 0]]) for row in (labels[0], labels[-1]))
+    joined = np.isin(piece, np.intersect1d(first, last))
+    joined[0] = False
+    return np.asarray(joined[labels])
+
+
+def _shift_row(values: RealArray, step: int) -> RealArray:
+    """Return values moved by one step along the row, with zero at the end that becomes free."""
+    moved = np.roll(values, step)
+    moved[0 if step == 1 else -1] = 0
+    return moved
+
+
+def _pair_cells(one: RealArray, other: RealArray) -> RealArray:
+    """Return the pairs of neighbours that are both in the network, shape (2, n)."""
+    both = (one >= 0) & (other >= 0)
+    return np.stack((one[both], other[both]))
+
+
+def _join_cubes(cubes: Array, pairs: RealArray) -> Array:
+    """Return the harmonic mean of both cells: the trapezoidal rule for the integral of 1/g^3 along the flow."""
+    one = cubes[pairs[0]]
+    other = cubes[pairs[1]]
+    return np.asarray(2.0 * one * other / (one + other))
+
+
+def solve_network(network: FlowNetwork) -> tuple[Array, bool]:
+    """Return the pressure in each cell, 1 at the inlet and 0 at the outlet, and whether the flow has converged."""
+    if network.cells.size <= MAX_ELIMINATION_CELLS:
+        return eliminate(network), True
+    return iterate(network)
+
+
+def eliminate(network: FlowNetwork) -> Array:
+    """Return the pressure by elimination, with one step of refinement: SuperLU."""
+    from scipy.sparse.linalg import splu
+
+    matrix, right = network.make_matrix()
+    # Diagonally dominant and symmetric: no pivoting.
+    factors = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    pressure = factors.solve(right)
+    return np.asarray(pressure + factors.solve(network.residual(pressure)))
+
+
+def iterate(network: FlowNetwork) -> tuple[Array, bool]:
+    """Return the pressure by conjugate gradients with smoothed aggregation, and whether the flow has converged."""
+    matrix, right = network.make_matrix()
+    precondition = _prepare_multigrid(matrix)
+    pressure = np.zeros(right.size)
+    residual = right.copy()
+    corrected = precondition @ residual
+    direction = corrected
+    product = float(residual @ corrected)
+    allowed = _RESIDUAL_TOLERANCE * float(np.linalg.norm(right))
+    flows = [np.inf]
+    for _ in range(_MAX_ITERATIONS):
+        pushed = matrix @ direction
+        step = product / float(direction @ pushed)
+        pressure += step * direction
+        residual -= step * pushed
+        into, out = network.find_ends(pressure)
+        flows.append(into)
+        steady = abs(into - flows[max(0, len(flows) - 1 - _STEADY_ITERATIONS)]) <= _FLOW_TOLERANCE * into
+        if steady and abs(into - out) <= _FLOW_TOLERANCE * into and np.linalg.norm(residual) <= allowed:
+            return pressure, True
+        corrected = precondition @ residual
+        product, before = float(residual @ corrected), product
+        direction = corrected + (product / before) * direction
+    return pressure, False
+
+
+def _prepare_multigrid(matrix: Any) -> Any:
+    """Return one cycle of smoothed aggregation as an operator.
+
+    Strength by the evolution of errors finds the throats: classical multigrid hardly converges on these matrices.
+    """
+    try:
+        import pyamg
+    except ImportError:
+        raise MissingPackage(
+            f"The flow through {matrix.shape[0]} cells needs the package pyamg: pip install 'roughcontact[flow]'."
+        ) from None
+    return pyamg.smoothed_aggregation_solver(matrix, strength="evolution").aspreconditioner()
+
+
+def estimate_uncertainty(
+    network: FlowNetwork,
+    faces: Array,
+    lost: Array,
+    open_cells: Mask,
+    *,
+    aspect: float,
+    periodic: bool,
+    gap_error: float,
+) -> float:
+    """Return one standard deviation of the flow over the flow.
+
+    Means over the cells, weighted with the power that they lose, tell what matters: the change to another rule for
+    the faces, and 1/d^2 and 1/d^3 of the distance d to the contact in cells. An edge that is a fraction of a cell off
+    changes the gap beside it as 1/d, and a wall of steps the flow along it.
+
+    Parameters
+    ----------
+    network, faces, lost
+        The network, and the power lost in its faces and cells.
+    open_cells
+        Cells that are not in contact, shape (along, across) the flow.
+    aspect
+        Length of a cell across the flow over its length along it.
+    periodic
+        Whether the gap repeats across the flow.
+    gap_error
+        Error of the gap by the residual of the contact, over the widest gap.
+    """
+    flow = float(lost.sum())
+    rule = _compare_rules(network, faces, flow)
+    # The longer sides of the cells place the edge of the contact.
+    oblong = math.sqrt(max(aspect, 1.0 / aspect))
+    near = oblong / _find_distances(network, open_cells, aspect=aspect, periodic=periodic)
+    squared, cubed = (float(np.sum(lost * near**power)) / flow for power in (2, 3))
+    residual = 3.0 * gap_error * float(np.sum(lost / network.film)) / flow
+    return math.hypot(_THROAT_WEIGHT * math.sqrt(rule * squared), _RULE_WEIGHT * rule, _EDGE_WEIGHT * cubed, residual)
+
+
+def _compare_rules(network: FlowNetwork, faces: Array, flow: float) -> float:
+    """Return how much the flow rises if the film is linear between two cells, over the flow.
+
+    It is the lower bound of that rise by Thomson's principle, with the flow through each face as it is.
+    """
+    one = network.film[network.first]
+    other = network.film[network.second]
+    excess = (one - other) ** 2 / (one**2 - one * other + other**2)
+    return 1.0 / (1.0 - float(np.sum(faces * excess)) / flow) - 1.0
+
+
+def _find_distances(network: FlowNetwork, open_cells: Mask, *, aspect: float, periodic: bool) -> Array:
+    """Return the distance of each cell of the network to the contact, in cells; infinite without any."""
+    from scipy import ndimage
+
+    if open_cells.all():
+        return np.full(network.cells.size, math.inf)
+    beyond = min(_MAX_PADDING_CELLS, open_cells.shape[1]) if periodic else 0
+    extended = np.pad(open_cells, ((0, 0), (beyond, beyond)), mode="wrap") if beyond else open_cells
+    side = math.sqrt(aspect)
+    distances = ndimage.distance_transform_edt(extended, sampling=(1.0 / side, side))
+    inside = distances[:, beyond : beyond + open_cells.shape[1]]
+    return np.asarray(inside[np.divmod(network.cells, open_cells.shape[1])], dtype=np.float64)

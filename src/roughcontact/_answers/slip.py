@@ -1,0 +1,344 @@
+"""Partial slip after Ciavarella and Jaeger, and its loop of force and displacement."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+
+from roughcontact._answers.areas.approach import find_shift
+from roughcontact._answers.linear.tangential import find_tangential_compliance, judge_coupling, tangential_axis
+from roughcontact._base.arrays import Array, Mask, read_only
+from roughcontact._base.checks import integer, number
+from roughcontact._base.units import ContactWarning, outlined, si
+from roughcontact._parts.grid import Boundary, Load
+from roughcontact._solve.problem import predict_pressure, problem_of
+from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
+from roughcontact.errors import InputError
+
+# Fraction of the force of sliding up to which the errors of the two approaches cancel (measured on balls of 3 to 24
+# cells radius: the error is the error of the stiffness for small forces).
+_CANCELLATION_FORCE = 0.2
+# Distance of a straight edge, as at a free border that cuts the contact, inside the edge of its cells, cells.
+_BORDER_INSET_CELLS = 0.17
+# Relative standard deviation over Poisson's ratio near sliding, where the traction across the force takes a part of the
+# friction: set by comparison with tractions that obey friction in every cell (benchmarks/response_classes.py).
+_LATERAL_STD = 0.02
+# Relative standard deviation above which the energy is called unresolved.
+_MAX_ENERGY_STD = 0.5
+
+
+@attrs.frozen(eq=False)
+class FrettingLoop:
+    """Tangential force and displacement at first loading, and in the cycles that follow.
+
+    Attributes
+    ----------
+    force
+        Tangential force at first loading, shape (points + 1,), N, from zero.
+    displacement
+        Tangential displacement, shape (points + 1,), m.
+    uncertainty
+        Standard deviation of the displacement, shape (points + 1,), m.
+    """
+
+    force: Array = attrs.field(converter=read_only, repr=outlined)
+    displacement: Array = attrs.field(converter=read_only, repr=outlined)
+    uncertainty: Array = attrs.field(converter=read_only, repr=outlined)
+
+    @property
+    def cycle(self) -> tuple[Array, Array]:
+        """Force, N, and displacement, m, of a cycle from the maximum force and back, shape (2 points + 1,).
+
+        After a reversal the change is twice the displacement of the first loading at half the change of force (Masing).
+        """
+        force = self.force[-1] - 2.0 * self.force
+        moved = self.displacement[-1] - 2.0 * self.displacement
+        return np.concatenate((force, -force[1:])), np.concatenate((moved, -moved[1:]))
+
+    @property
+    def energy(self) -> float:
+        """Area within the cycle by the trapezoidal rule, J."""
+        force, moved = self.cycle
+        return float(abs(np.trapezoid(force, moved)))
+
+    def __str__(self) -> str:
+        lines = [f"{'force':>12} {'displacement':>14}"]
+        lines += [f"{si(q, 'N'):>12} {si(u, 'm'):>14}" for q, u in zip(self.force, self.displacement, strict=True)]
+        return "\n".join(lines)
+
+
+def _force(value: float) -> float:
+    return number(value, "The tangential force", "N", at_least=0.0)
+
+
+def _friction(value: float) -> float:
+    return number(value, "The coefficient of friction", above=0.0)
+
+
+@attrs.frozen(eq=False)
+class PartialSlip:
+    """A contact under a constant normal force and a tangential force that does not make it slide.
+
+    Attributes
+    ----------
+    tangential_force, friction
+        Tangential force Q, N, and coefficient of friction, no unit.
+    axis
+        Direction of the force: 0 along x, 1 along y.
+    contact
+        The normal contact under the normal force P.
+    stick_contact
+        The normal contact under P - Q / friction, whose contact is the stick zone.
+    traction
+        Tangential traction in the direction of the force, shape (nx, ny), Pa.
+    stick, slip
+        Cells that stick and cells that slip, shape (nx, ny).
+    stick_area, slip_area
+        Area that sticks and area that slips, each with its uncertainty, m2.
+    displacement
+        Tangential displacement of the bodies far from the contact, m: on a periodic boundary the excess over bodies
+        that are joined over the whole plane.
+    energy
+        Energy dissipated in a cycle between Q and -Q, J.
+    compliance_ratio
+        Tangential over normal compliance along the axis: (2 - nu) / (2 - 2 nu) of like materials if round; no unit.
+    warnings
+        Why the values must not be trusted, in sentences; empty without a reason.
+    """
+
+    tangential_force: float
+    friction: float
+    axis: int
+    contact: ContactSolution
+    stick_contact: ContactSolution
+    compliance_ratio: float
+    stick_area: Estimate
+    slip_area: Estimate
+    displacement: Estimate
+    energy: Estimate
+    warnings: tuple[str, ...] = ()
+    _unsure: float = attrs.field(default=0.0, repr=False)
+
+    @property
+    def traction(self) -> Array:
+        return read_only(self.friction * (self.contact.pressure - self.stick_contact.pressure))
+
+    @property
+    def stick(self) -> Mask:
+        return self.stick_contact.contact
+
+    @property
+    def slip(self) -> Mask:
+        return read_only(self.contact.contact & ~self.stick)
+
+    def loop(self, points: int = 16) -> FrettingLoop:
+        """Return the tangential force over the displacement, at first loading and in cycles between Q and -Q.
+
+        Parameters
+        ----------
+        points
+            Steps of the first loading; each takes one normal solve, from the solution before.
+        """
+        points = integer(points, "The number of points", at_least=1)
+        forces = np.linspace(0.0, self.tangential_force, points + 1)
+        moved = np.zeros(points + 1)
+        std = np.zeros(points + 1)
+        near = [self.contact]
+        for k in range(1, points + 1):
+            last = k == points
+            found = self.stick_contact if last else _solve_stick(near, self.contact, forces[k] / self.friction)
+            near = [*near[-1:], found]
+            one = _widen(_displace(self.contact, found, self.friction * self.compliance_ratio), self._unsure)
+            moved[k] = one.value
+            std[k] = one.uncertainty
+        return FrettingLoop(forces, moved, std)
+
+    def __str__(self) -> str:
+        sliding = self.tangential_force / (self.friction * self.contact.force)
+        both = self.stick_area, self.slip_area
+        areas = (f"{si(area.value, 'm2', 5)} +- {si(area.uncertainty, 'm2', 2)}" for area in both)
+        rows = {
+            "tangential force": f"{si(self.tangential_force, 'N')}, {100 * sliding:.3g} % of the force of sliding",
+            "direction": "xy"[self.axis],
+            "displacement": self.displacement,
+            **dict(zip(("area that sticks", "area that slips"), areas, strict=True)),
+            "energy in a cycle": self.energy,
+        }
+        lines = [f"{name:18} {value}" for name, value in rows.items()]
+        return "\n".join([*lines, *(f"warning: {text}" for text in self.warnings)])
+
+
+@responses.register("partial-slip")
+@attrs.frozen(kw_only=True)
+class CiavarellaJaeger(Response[PartialSlip]):
+    r"""Partial slip under a tangential force Q that grows after a normal force P, which stays constant.
+
+    The tangential traction is friction times the difference of two normal pressures,
+
+    .. math:: q = \mu\,[p(P) - p(P^*)], \quad \mu (P - P^*) = Q, \quad
+              \delta_x = \mu c\,[\delta(P) - \delta(P^*)], \quad
+              c = \frac{\sum_i c_i\, (1 - \nu_i \langle\cos^2\theta\rangle) / (1 - \nu_i)}{\sum_i c_i}, \quad
+              c_i = \frac{1 - \nu_i^2}{E_i},
+
+    and the contact under P* sticks. The angle of a wave of q to the force is :math:`\theta`, and the mean of its cosine
+    squared, 1/2 for round contacts, is weighted by the elastic energy of the waves. A cycle between Q and -Q follows by
+    superposition (Masing), and dissipates
+
+    .. math:: W = 4 c \mu^2 \left\{2\,[U(P) - U(P^*)] - (P - P^*)\,[\delta(P) + \delta(P^*)]\right\}, \quad
+              U = P\delta - \frac{1}{2}\int p\,u\,\mathrm{d}A .
+
+    Parameters
+    ----------
+    tangential_force
+        Tangential force Q, N, from zero to less than friction times the normal force.
+    friction
+        Coefficient of friction.
+    axis
+        Direction of the force: 0 along x, 1 along y.
+
+    Notes
+    -----
+    Exact for plane contacts of like materials, and for all contacts if Poisson's ratio is zero; else the direction of
+    slip differs from the direction of the traction by a few per cent, which the uncertainty contains.
+
+    References
+    ----------
+    Ciavarella, Int. J. Solids Struct. 35 (1998) 2349-2362, https://doi.org/10.1016/S0020-7683(97)00154-6;
+    Jaeger, J. Tribol. 120 (1998) 677-684, https://doi.org/10.1115/1.2833765
+    """
+
+    tangential_force: float = attrs.field(converter=_force)
+    friction: float = attrs.field(converter=_friction)
+    axis: int = attrs.field(default=0, converter=tangential_axis)
+
+    def respond(self, solution: ContactSolution) -> PartialSlip:
+        """Return the contact under the tangential force; see `Response.respond`."""
+        problem = problem_of(solution)
+        materials = (problem.body.material, problem.counterbody.material)
+        _require_elastic(solution)
+        warnings = judge_coupling(materials, solution.modulus)
+        lost = self.tangential_force / self.friction
+        # There is no contact to solve under a normal force that is zero but for rounding.
+        if not lost < solution.force * (1.0 - 1e-12):
+            raise InputError(
+                f"The bodies slide: the tangential force of {si(self.tangential_force, 'N')} is not below friction "
+                f"times the normal force, {si(self.friction * solution.force, 'N')}."
+            )
+        stuck = _solve_stick([solution], solution, lost)
+        # Without a tangential force nothing moves, whatever the traction.
+        traction = solution.pressure if stuck is solution else solution.pressure - stuck.pressure
+        compliance = find_tangential_compliance(solution, traction, stuck.contact, self.axis)
+        ratio = compliance.ratio
+        sliding = lost / solution.force
+        unsure = math.hypot(compliance.excess, _LATERAL_STD * compliance.anisotropy * sliding**2)
+        stick_area, slip_area = _compare_areas(solution, stuck)
+        energy = _widen(_dissipate(solution, stuck, 4.0 * self.friction**2 * ratio), unsure)
+        if energy.uncertainty > _MAX_ENERGY_STD * energy.value and energy.uncertainty > 0.0:
+            text = "the slip zone is too narrow for this grid to resolve the dissipated energy"
+            warnings += (ContactWarning(text, "resolution"),)
+        warnings += stick_area.warnings
+        warnings += tuple(
+            ContactWarning(str(one.status), "convergence") for one in (solution, stuck) if not one.status.success
+        )
+        return PartialSlip(
+            tangential_force=self.tangential_force,
+            friction=self.friction,
+            axis=self.axis,
+            contact=solution,
+            stick_contact=stuck,
+            compliance_ratio=ratio,
+            stick_area=stick_area,
+            slip_area=slip_area,
+            displacement=_widen(_displace(solution, stuck, self.friction * ratio), unsure),
+            energy=energy,
+            warnings=tuple(dict.fromkeys(warnings)),
+            unsure=unsure,
+        )
+
+
+def _require_elastic(solution: ContactSolution) -> None:
+    """Raise `InputError` unless the contact is elastic, of homogeneous bodies, on a free or periodic boundary."""
+    if solution.boundary is Boundary.WRAPPED:
+        raise InputError("Partial slip needs boundary='free' or 'periodic': on 'wrapped' the approach has no meaning.")
+    if solution.moduli is not None:
+        raise InputError(
+            "Partial slip needs homogeneous bodies: the tangential compliance of the layers is not known from the "
+            "normal one."
+        )
+    if solution.saturated.any():
+        raise InputError(
+            "Partial slip needs an elastic contact, but the pressure reaches its limit: lower the load, or take "
+            "Elastic materials."
+        )
+
+
+def _solve_stick(near: list[ContactSolution], contact: ContactSolution, lost: float) -> ContactSolution:
+    """Return the contact under a normal force that is less by `lost`, N, solved from the solutions nearest to it."""
+    if lost == 0.0:
+        return contact
+    load = Load("pressure", max(contact.force - lost, 0.0) / contact.grid.area)
+    problem = problem_of(contact)
+    found: ContactSolution = problem.solve(pressure=load.value, start=predict_pressure(near, load))
+    return found
+
+
+def _compare_areas(contact: ContactSolution, stuck: ContactSolution) -> tuple[Estimate, Estimate]:
+    """Return the areas that stick and that slip."""
+    total = contact.area()
+    stick = total if stuck is contact else stuck.area()
+    warnings = tuple(dict.fromkeys((*total.warnings, *stick.warnings)))
+    slip = 0.0 if stuck is contact else math.hypot(total.uncertainty, stick.uncertainty)
+    return (
+        Estimate(stick.value, stick.uncertainty, "m2", stick.warnings),
+        Estimate(max(total.value - stick.value, 0.0), slip, "m2", warnings),
+    )
+
+
+def _displace(contact: ContactSolution, stuck: ContactSolution, factor: float) -> Estimate:
+    """Return the tangential displacement: a factor times the difference of the approaches."""
+    value = factor * max(contact.approach - stuck.approach, 0.0)
+    std = math.hypot(factor * _approach_std(contact, stuck), _BORDER_INSET_CELLS * _cut_fraction(contact) * value)
+    return Estimate(value, std, "m")
+
+
+def _widen(estimate: Estimate, relative: float) -> Estimate:
+    """Return an estimate with a further, relative standard deviation."""
+    return attrs.evolve(estimate, uncertainty=math.hypot(estimate.uncertainty, relative * estimate.value))
+
+
+def _cut_fraction(contact: ContactSolution) -> float:
+    """Return half the number of contact cells along a free border, over the number of all cells."""
+    if contact.boundary is not Boundary.FREE:
+        return 0.0
+    ends = contact.contact[[0, -1]], contact.contact[:, [0, -1]]
+    return 0.5 * sum(np.count_nonzero(cells) for cells in ends) / contact.contact.size
+
+
+def _approach_std(contact: ContactSolution, stuck: ContactSolution) -> float:
+    """Return the standard deviation of the difference of two approaches, m: their errors cancel if they are close."""
+    if stuck is contact:
+        return 0.0
+    sliding = 1.0 - stuck.force / contact.force
+    different = sliding / math.hypot(sliding, _CANCELLATION_FORCE)
+    different *= max(contact.grid.spacing) / min(contact.grid.spacing)
+    shifts = (different * find_shift(one)[1] for one in (contact, stuck))
+    solved = (one.residuals.error * one.residuals.scale for one in (contact, stuck))
+    std = math.hypot(*shifts, *solved)
+    # Even on few cells the difference lies between zero and about twice its value.
+    return min(std, abs(contact.approach - stuck.approach))
+
+
+def _dissipate(contact: ContactSolution, stuck: ContactSolution, factor: float) -> Estimate:
+    """Return the energy dissipated in a cycle, J: a factor times the area between approach over force and its chord."""
+    lost = contact.force - stuck.force
+    between = 2.0 * (_complementary_energy(contact) - _complementary_energy(stuck))
+    area = between - lost * (contact.approach + stuck.approach)
+    return Estimate(factor * max(area, 0.0), factor * lost * _approach_std(contact, stuck), "J")
+
+
+def _complementary_energy(solution: ContactSolution) -> float:
+    """Return the integral of the approach over the force, J."""
+    stored = 0.5 * float(np.einsum("ij,ij->", solution.pressure, solution.displacement)) * solution.grid.cell_area
+    return solution.force * solution.approach - stored

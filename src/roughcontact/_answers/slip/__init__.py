@@ -1,1 +1,0 @@
-"""Partial slip under a tangential force."""

@@ -1,0 +1,242 @@
+"""Checks of input values: each returns the clean value or raises an `InputError`."""
+
+from __future__ import annotations
+
+import contextlib
+import inspect
+import math
+import mmap
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact._base.arrays import Array, Pair, frozen_array
+from roughcontact._base.units import EXAMPLES, parse_quantity
+from roughcontact.errors import InputError, NoSuchItem
+from roughcontact.errors.door import outside
+
+T = TypeVar("T")
+# Magnitudes of quantities in SI units; products of a few of them stay within float64.
+MIN_MAGNITUDE = 1e-60
+MAX_MAGNITUDE = 1e60
+# Characters of a path: PATH_MAX of Linux, the largest of the systems.
+_MAX_PATH_CHARACTERS = 4096
+
+
+def number(
+    value: object,
+    what: str,
+    unit: str = "",
+    *,
+    above: float | None = None,
+    at_least: float | None = None,
+    at_most: float | None = None,
+) -> float:
+    """Return `value` as a finite float inside the given bounds.
+
+    Parameters
+    ----------
+    value
+        The value given by the user: a number in SI units, or a text with a unit such as ``"210GPa"``.
+    what, unit
+        The name of the quantity and its SI unit, for the sentence.
+    above, at_least, at_most
+        Bounds: exclusive lower, inclusive lower, inclusive upper.
+
+    Raises
+    ------
+    InputError
+        If `value` is not a real finite number or is out of bounds.
+    """
+    bounds = [
+        f"above {above:g}" if above is not None else "",
+        f"at least {at_least:g}" if at_least is not None else "",
+        f"at most {at_most:g}" if at_most is not None else "",
+    ]
+    limits = " and ".join(filter(None, bounds))
+    allowed = "a finite number" + (f", {limits}" if limits else "") + (f" ({unit})" if unit else "")
+    if isinstance(value, str) and unit and unit in EXAMPLES:
+        with contextlib.suppress(ValueError):
+            value = parse_quantity(value, unit)
+    kind = getattr(getattr(value, "dtype", None), "kind", "f")
+    if kind not in "fiu" or isinstance(value, (bool, complex)) or not hasattr(value, "__float__"):
+        raise InputError.about(what, value, allowed)
+    try:
+        result = math.nan if np.ma.is_masked(value) or np.ndim(value) else float(value)  # type: ignore[arg-type]
+    # A class of the user may raise anything.
+    except Exception:
+        raise InputError.about(what, value, allowed) from None
+    inside = (
+        math.isfinite(result)
+        and (above is None or result > above)
+        and (at_least is None or result >= at_least)
+        and (at_most is None or result <= at_most)
+    )
+    if not inside:
+        raise InputError.about(what, value, allowed)
+    if abs(result) > MAX_MAGNITUDE or (above == 0.0 and result < MIN_MAGNITUDE):
+        allowed = f"between {MIN_MAGNITUDE:g} and {MAX_MAGNITUDE:g} in magnitude"
+        raise InputError.about(what, result, allowed, "Check its unit.")
+    return result
+
+
+def integer(value: object, what: str, *, at_least: int) -> int:
+    """Return `value` as an int of at least `at_least`, or raise `InputError`."""
+    allowed = f"a whole number of at least {at_least}"
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < at_least:
+        raise InputError.about(what, value, allowed)
+    return int(value)
+
+
+def item_of(items: tuple[T, ...], index: object, what: str) -> T | tuple[T, ...]:
+    """Return the item at a position, or the items of a slice, or raise `InputError`."""
+    if isinstance(index, slice):
+        try:
+            chosen = items[index]
+        except (TypeError, ValueError):
+            chosen = ()
+        if not chosen:
+            raise InputError.about(what, index, f"a slice of at least one of {len(items)}")
+        return chosen
+    whole = isinstance(index, (int, np.integer)) and not isinstance(index, bool)
+    if not (whole and -len(items) <= index < len(items)):  # type: ignore[operator]
+        error = NoSuchItem if whole else InputError
+        raise error.about(what, index, f"a whole number from 0 to {len(items) - 1}, or a slice")
+    return items[int(index)]  # type: ignore[call-overload]
+
+
+def flag(value: object, what: str) -> bool:
+    """Return `value` as a bool, or raise `InputError` if it is something else."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError.about(what, value, "True or False")
+    return bool(value)
+
+
+def pair(
+    value: float | Sequence[float],
+    what: str,
+    unit: str = "",
+    *,
+    above: float | None = None,
+    at_least: float | None = None,
+) -> Pair:
+    """Return one value or two as an (x, y) pair of finite floats, or raise `InputError`."""
+    is_list = isinstance(value, (tuple, list, np.ndarray)) and np.ndim(value)
+    items: list[Any] = list(value) if is_list else [value, value]  # type: ignore[arg-type]
+    if len(items) != 2:
+        raise InputError.about(what, value, f"one value or two, (x, y) ({unit or 'no unit'})")
+    x, y = (number(item, what, unit, above=above, at_least=at_least) for item in items)
+    return x, y
+
+
+def choice(value: object, what: str, allowed: Sequence[str]) -> str:
+    """Return `value` if it is one of the words in `allowed`, or raise `InputError`."""
+    if not isinstance(value, str) or value not in allowed:
+        words = ", ".join(repr(word) for word in allowed)
+        raise InputError.about(what, value, f"one of {words}")
+    return str(value)
+
+
+def instance_of(base: type, what: str, allowed: str) -> Callable[[Any, Any, Any], None]:
+    """Return an attrs validator that requires an instance of `base`; `what` and `allowed` are for the message."""
+
+    def check(_: Any, __: Any, value: Any) -> None:
+        if not isinstance(value, base):
+            raise InputError.about(what, value, allowed)
+
+    return check
+
+
+def path(value: object, what: str) -> Path:
+    """Return a text or a path as a `Path` of admissible length, or raise `InputError`."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise InputError.about(what, value, "a str or a path")
+    name = os.fspath(value)
+    if not isinstance(name, str) or not 0 < len(name) <= _MAX_PATH_CHARACTERS or "\0" in name:
+        raise InputError.about(
+            what, name, f"a path of 1 to {_MAX_PATH_CHARACTERS} characters, without the character NUL"
+        )
+    return Path(name)
+
+
+def callback(value: object, what: str, *given: str) -> Callable[..., Any] | None:
+    """Return a user's function of the arguments `given`, wrapped so that its errors stay as they are, or None."""
+    if value is None:
+        return None
+    allowed = f"a function of {len(given)} argument{'s'[: len(given) > 1]}, {', '.join(given)}"
+    if not callable(value):
+        raise InputError.about(what, value, allowed)
+    try:
+        inspect.signature(value).bind(*given)
+    except TypeError:
+        raise InputError.about(what, value, allowed) from None
+    # Functions written in C have no signature.
+    except ValueError:
+        pass
+    return outside(value)
+
+
+def numbers(values: object, what: str, allowed: str) -> Array:
+    """Return `values` as an array of float64, or raise `InputError` if it is something else."""
+    try:
+        # numpy would omit an imaginary part, with a warning, and read texts and times as numbers.
+        if np.asarray(values).dtype.kind not in "biufO":
+            raise TypeError
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError, RecursionError):
+        raise InputError.about(what, values, allowed) from None
+
+
+def _is_mapped(values: object) -> bool:
+    """Return whether values belong to a file that is mapped read-only, as by ``mmap_mode="r"`` of numpy."""
+    mapped = False
+    while isinstance(values, np.ndarray) and not values.flags.writeable:
+        mapped = mapped or isinstance(values, np.memmap)
+        values = values.base
+    return mapped and isinstance(values, mmap.mmap)
+
+
+def measured_heights(values: npt.ArrayLike) -> Array:
+    """Return `heights_array` of heights that may be NaN or masked, but not everywhere."""
+    return heights_array(values, nan=True)
+
+
+def heights_array(values: npt.ArrayLike, *, nan: bool = False) -> Array:
+    """Return a read-only copy of a height map after checking it; a map of a file on disk is not copied.
+
+    `InputError` if the array is not two-dimensional, holds fewer than two cells, no numbers, or values that are not
+    finite (missing points of a measurement, usually).
+    """
+    what = "The height map"
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        values = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)
+    try:
+        array = np.asarray(values) if _is_mapped(values) else np.array(values)
+    except ValueError:
+        raise InputError(f"{what} must be a rectangular array, but its rows differ in length.") from None
+    if array.dtype.kind not in "fiu":
+        raise InputError.about(what, array, "an array of real numbers (m)")
+    if array.ndim != 2 or array.size < 2:
+        raise InputError.about(what, array.shape, "a two-dimensional array [x, y] of at least two cells")
+    array = np.ascontiguousarray(array, dtype=np.float64)
+    low = float(array.min())
+    high = float(array.max())
+    if nan and math.isnan(low):
+        measured = array[~np.isnan(array)]
+        if not measured.size:
+            raise InputError("No point of the height map was measured: at least one is needed.")
+        low = float(measured.min())
+        high = float(measured.max())
+    if not (math.isfinite(low) and math.isfinite(high)):
+        missing = array.size - int(np.count_nonzero(np.isfinite(array)))
+        raise InputError(
+            f"{what} must be finite everywhere, but {missing} of {array.size} points are NaN or infinite. "
+            "Fill them first, for instance with read_surface(path, non_measured='fill')."
+        )
+    if max(high, -low) > MAX_MAGNITUDE:
+        raise InputError(f"{what} must hold heights of at most {MAX_MAGNITUDE:g} m: check the unit.")
+    return frozen_array(array)

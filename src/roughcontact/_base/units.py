@@ -1,0 +1,354 @@
+"""Numbers with units and uncertainties, and warnings: read from texts such as ``210GPa``, and written for people."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import re
+import textwrap
+from collections.abc import Sequence
+from decimal import Decimal
+from typing import Any, TypeAlias
+
+import attrs
+import numpy as np
+
+from roughcontact.errors.door import guarded
+
+_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
+# Areas and volumes, whose prefix is raised to the power behind it; and units with another power or an inverse.
+_AREA_OR_VOLUME = re.compile(r"m([23])\b")
+_UNIT_WITH_POWER = re.compile(r"[^\W\d]+\d|1/")
+
+# Decimals beyond which a number is written with an exponent.
+_MAX_DECIMALS = 9
+_SUPERSCRIPTS = {1: "", 2: "²", 3: "³"}
+# A number, and the prefix of its unit.
+_NUMBER_WITH_PREFIX = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
+# An example of each kind of quantity, by its SI unit; the empty one is that of plain numbers.
+EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3", "J/m2": "50mJ/m2"}
+_USUAL_UNITS = {
+    "Pa": "Pa, MPa or GPa",
+    "m": "mm, um or nm",
+    "N": "N or mN",
+    "rad": "deg or rad",
+    "J/m2": "mJ/m2 or J/m2",
+}
+# Characters of a wrong text that are shown.
+_MAX_QUOTED_CHARACTERS = 80
+# A number with a decimal point, its exponent of at most three digits (float64 ends at 1e308), and a unit such as N or
+# N/mm^2, of names of at most 30 letters.
+_UNIT_NAME = r"[^\W\d_²³]{1,30}(?:(?:\^|\*\*)?[1-4]|[²³])?"
+_QUANTITY = re.compile(
+    r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?)\s*"
+    rf"({_UNIT_NAME}(?:[*/]{_UNIT_NAME}){{0,5}}|[%°]|)\s*"
+)
+_UNIT_FACTOR = re.compile(r"([*/]?)([^\W\d_²³]+|[%°])(?:\^|\*\*)?([1-4²³]?)")
+# What a power in the name of a unit means.
+_POWERS = {"": 1, "²": 2, "³": 3}
+# Powers of ten of the prefixes of SI; two letters look like mu.
+_POWERS_OF_PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "c": -2, "d": -1}
+_POWERS_OF_PREFIXES |= {"": 0, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12}
+Dimension: TypeAlias = tuple[int, int, int, int]
+# Powers of metre, kilogram, second and radian.
+_LENGTH = (1, 0, 0, 0)
+_MASS = (0, 1, 0, 0)
+_TIME = (0, 0, 1, 0)
+_ANGLE = (0, 0, 0, 1)
+# The same of forces, of pressures and of numbers.
+_FORCE = (1, 1, -2, 0)
+_ENERGY = (2, 1, -2, 0)
+_PRESSURE = (-1, 1, -2, 0)
+_NO_DIMENSION = (0, 0, 0, 0)
+# Units that take a prefix: their power of ten in SI units.
+_METRIC_UNITS: dict[str, tuple[int, Dimension]] = {
+    "m": (0, _LENGTH),
+    "g": (-3, _MASS),
+    "s": (0, _TIME),
+    "N": (0, _FORCE),
+    "J": (0, _ENERGY),
+    "Pa": (0, _PRESSURE),
+    "bar": (5, _PRESSURE),
+    "rad": (0, _ANGLE),
+}
+# Units that take none: their value in SI units (NIST SP 811, appendix B).
+_POUND = 4.4482216152605
+_INCH = 0.0254
+_OTHER_UNITS: dict[str, tuple[float, Dimension]] = {
+    "Å": (1e-10, _LENGTH),
+    "in": (_INCH, _LENGTH),
+    "inch": (_INCH, _LENGTH),
+    "kgf": (9.80665, _FORCE),
+    "lbf": (_POUND, _FORCE),
+    "psi": (_POUND / _INCH**2, _PRESSURE),
+    "ksi": (1e3 * _POUND / _INCH**2, _PRESSURE),
+    "atm": (101325.0, _PRESSURE),
+    "deg": (math.pi / 180.0, _ANGLE),
+    "°": (math.pi / 180.0, _ANGLE),
+    "%": (1e-2, _NO_DIMENSION),
+}
+# Width of what is printed, characters: that of a terminal as it opens, and of a page of mail or of a log.
+WIDTH = 80
+# Control characters, those that turn the direction of writing among them.
+_CONTROL_CHARACTER = re.compile(r"[\x00-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+# What stands before the text of a line: blanks, and a label with two blanks or more behind it.
+_LINE_LABEL = re.compile(r"\s*(?:\S(?:\S| (?! ))*\s{2,})?")
+# A blank behind a number, before a unit, and behind the sign of an uncertainty; and the blank that is not broken.
+_UNBREAKABLE_BLANK = re.compile(r"(?<=\d) (?=%|[fpnµmkMGT]?(?:m[23]?|Pa|N|s)\b|\+- )|(?<=\+-) ")
+_NO_BREAK = "\N{NO-BREAK SPACE}"
+
+
+@guarded
+def si(value: float, unit: str, digits: int = 4) -> str:
+    """Return a value with its unit, such as ``12.5 µm`` or ``360 µm2``, with `digits` significant digits."""
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value:g} {unit}"
+    raised = _AREA_OR_VOLUME.match(unit)
+    order = int(raised[1]) if raised else 1
+    # Areas have 0.01 to 10000 of their unit and volumes 0.001 to a million, as people write them.
+    shift = order if raised else 0
+    power = 3 * math.floor((math.log10(abs(value)) + shift) / (3 * order) + 1e-9)
+    if power not in _PREFIXES or (raised and power > 0) or (has_power(unit) and not raised):
+        return f"{value:.{digits}g} {unit}"
+    rounded = float(f"{value / 10.0 ** (order * power):.{digits}g}")
+    return f"{rounded:.{max(digits, 3 * order)}g} {_PREFIXES[power]}{unit}"
+
+
+def has_power(unit: str) -> bool:
+    """Return whether a unit begins with a power or an inverse, such as ``m3/s``: a prefix would be misread."""
+    return _UNIT_WITH_POWER.match(unit) is not None
+
+
+def with_spread(value: float, uncertainty: float) -> str:
+    """Return a number and its uncertainty, of two digits, such as ``(1.142 +- 0.012)``."""
+    if not (uncertainty > 0.0 and math.isfinite(value) and math.isfinite(uncertainty)):
+        return f"{value:.5g}"
+    decimals = 1 - math.floor(math.log10(uncertainty))
+    if abs(decimals) > _MAX_DECIMALS:
+        return f"({value:.5g} +- {uncertainty:.2g})"
+    texts = (f"{round(number, decimals):.{max(0, decimals)}f}" for number in (value, uncertainty))
+    return f"({' +- '.join(texts)})"
+
+
+class PlainText(str):
+    """A text that a notebook and the interpreter show as it prints, line by line."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
+def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
+    """Return the factor and the prefixed unit in which numbers up to `largest`, in ``unit**power``, are written.
+
+    An area has the unit ``"m"`` and the power 2.
+    """
+    thousands = 0
+    if 0.0 < largest < math.inf:
+        # An area of 0.5 µm² is not 500000 nm².
+        thousands = 3 * math.floor((math.log10(largest) + 2 * (power - 1)) / (3 * power) + 1e-9)
+    exponent = min(max(thousands, min(_PREFIXES)), max(_PREFIXES))
+    return 10.0 ** (-exponent * power), f"{_PREFIXES[exponent]}{unit}{_SUPERSCRIPTS[power]}"
+
+
+@guarded
+def binary(size: float) -> str:
+    """Return a number of bytes as text, such as ``1.5 GiB``."""
+    power = min(max(0, int(size).bit_length() - 1) // 10, 4)
+    return f"{size / 2 ** (10 * power):.4g} {('bytes', 'KiB', 'MiB', 'GiB', 'TiB')[power]}"
+
+
+def counted(count: int, what: str) -> str:
+    """Return a number of things as text: ``1 load``, ``2 loads``."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def outlined(value: Any) -> str:
+    """Return a field of a result for its `repr`: an array as ``<8 x 8 float64>``."""
+    if isinstance(value, np.ndarray):
+        return f"<{' x '.join(map(str, value.shape))} {value.dtype}>" if value.ndim else repr(value.item())
+    return repr(value)
+
+
+class ContactWarning(str):
+    """Why a number or a contact must not be trusted, in a sentence that suits every reader.
+
+    Parameters
+    ----------
+    text
+        What was found, and what to do about it.
+    rule
+        Name of the rule that found it, such as ``"resolution"`` or ``"tilt"``.
+    value
+        The number that broke it, in the unit of the rule; nan where there is none.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> heights = rc.SphereSurface(radius=1e-3).heights(rc.Grid((32, 32), 100e-6))
+    >>> problem = rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=100e-6), rc.Elastic(210e9, 0.3)))
+    >>> for warning in problem.solve(force=60.0).warnings:
+    ...     print(warning.rule, f"{warning.value:.2f}")
+    edge contact 1.00
+    """
+
+    rule: str
+    value: float
+
+    def __new__(cls, text: str, rule: str = "", value: float = math.nan) -> ContactWarning:
+        made = super().__new__(cls, text)
+        made.rule = rule
+        made.value = value
+        return made
+
+    def __getnewargs__(self) -> tuple[str, str, float]:  # type: ignore[override]
+        return str(self), self.rule, self.value
+
+
+def warn_about(name: str, warning: str) -> ContactWarning:
+    """Return the warning of an estimate with the name of the quantity, such as the contact area."""
+    value: float = getattr(warning, "value", math.nan)
+    return ContactWarning(f"The {name} is uncertain: {warning}", f"{name}: {kind_of(warning)}", value)
+
+
+def kind_of(warning: str) -> str:
+    """Return the rule of a warning; of a plain text, from a file or a plug-in, the text without its numbers."""
+    return getattr(warning, "rule", "") or _NUMBER_WITH_PREFIX.sub("#", warning)
+
+
+@attrs.frozen
+class Estimate:
+    """A number with its uncertainty.
+
+    Attributes
+    ----------
+    value
+        The number, in the unit.
+    uncertainty
+        One standard deviation: the true value should lie within two of them.
+    unit
+        SI unit; empty for a count.
+    warnings
+        Why the value must not be trusted, in sentences; empty without a reason.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> stiffness = rc.Estimate(12.3e6, 0.2e6, "N/m")
+    >>> print(stiffness)
+    12.3 MN/m +- 1.6 %
+    """
+
+    value: float
+    uncertainty: float
+    unit: str
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def _reasons(self) -> str:
+        """Why the value must not be trusted, at the end of a line."""
+        return "".join(f"; uncertain: {warning}" for warning in self.warnings)
+
+    def __str__(self) -> str:
+        if not self.unit:
+            return f"{self.value:.6g} +- {self.uncertainty:.2g}{self._reasons}"
+        if math.isinf(self.value):
+            return f"{si(self.value, self.unit)}{self._reasons}"
+        spread = f"{100 * self.uncertainty / abs(self.value):.2g} %" if self.value else si(self.uncertainty, self.unit)
+        return f"{si(self.value, self.unit, 5)} +- {spread}{self._reasons}"
+
+
+@guarded
+def write_column(column: Sequence[Estimate]) -> list[str]:
+    """Return the texts of values of one quantity, all in the unit that suits the middle of their range."""
+    numbers, unit = scale_column(column)
+    return [f"{number} {unit}".strip() for number in numbers]
+
+
+def scale_column(column: Sequence[Estimate]) -> tuple[list[str], str]:
+    """Return the numbers of `write_column` without their unit, and the unit."""
+    base, power = ("m", 2) if column[0].unit == "m2" else (column[0].unit, 1)
+    sizes = [size for one in column if 0.0 < (size := max(abs(one.value), one.uncertainty)) < math.inf]
+    middle = math.sqrt(min(sizes)) * math.sqrt(max(sizes)) if sizes else 0.0
+    # A prefix before m3/s or 1/m would be read as one inside the power.
+    factor, unit = (1.0, base) if not base or has_power(base) else prefixed(middle, base, power)
+    return [_write(one, factor) for one in column], unit
+
+
+def _write(one: Estimate, factor: float) -> str:
+    if math.isnan(one.value):
+        return "-"
+    if not one.uncertainty:
+        return f"{one.value * factor:.6g}"
+    return with_spread(one.value * factor, one.uncertainty * factor).strip("()").replace("+-", "±")
+
+
+def parse_quantity(text: str, unit: str) -> float:
+    """Return a text such as ``100MPa``, one number and one unit, as a number in an SI unit of `EXAMPLES`.
+
+    A number without a unit is accepted only where the quantity has no dimension: 210 may be Pa or GPa. `ValueError` if
+    it is something else, or of another dimension; its text says why, without a full stop.
+    """
+    found = _QUANTITY.fullmatch(text)
+    if found is None:
+        raise _refusal(text, f"is not one number with a decimal point{' and one unit' if unit else ''}", unit)
+    if unit and not found[2]:
+        raise _refusal(text, f"has no unit ({_USUAL_UNITS[unit]}?)", unit)
+    value = math.nan
+    with contextlib.suppress(KeyError, ArithmeticError):
+        factor, ten, dimension = _unit_of(found[2])
+        if dimension == _unit_of(unit)[2]:
+            # The float64 nearest to the decimal number: 250 um are 250e-6 m to the last bit.
+            value = factor * float(f"{Decimal(found[1]).scaleb(ten)}")
+    if not math.isfinite(value):
+        raise _refusal(text, f"is not a quantity in units of {unit}" if unit else "is not a plain number", unit)
+    return value
+
+
+def _refusal(text: str, reason: str, unit: str) -> ValueError:
+    return ValueError(f"{text[:_MAX_QUOTED_CHARACTERS]!r} {reason}; write it like {EXAMPLES[unit]}")
+
+
+def _unit_of(name: str) -> tuple[float, int, Dimension]:
+    """Return factor, power of ten and dimension of a unit in SI units; `KeyError` if it is not known."""
+    factor = 1.0
+    ten = 0
+    total = [0, 0, 0, 0]
+    for sign, one, power in _UNIT_FACTOR.findall(name):
+        exponent = (-1 if sign == "/" else 1) * (_POWERS.get(power) or int(power))
+        value, prefix, dimension = _one_unit(one)
+        factor = factor * value**exponent
+        ten = ten + exponent * prefix
+        total = [before + exponent * more for before, more in zip(total, dimension, strict=True)]
+    return factor, ten, (total[0], total[1], total[2], total[3])
+
+
+def _one_unit(name: str) -> tuple[float, int, Dimension]:
+    if name in _OTHER_UNITS:
+        value, dimension = _OTHER_UNITS[name]
+        return value, 0, dimension
+    for unit, (ten, dimension) in _METRIC_UNITS.items():
+        if name.endswith(unit) and name.removesuffix(unit) in _POWERS_OF_PREFIXES:
+            return 1.0, _POWERS_OF_PREFIXES[name.removesuffix(unit)] + ten, dimension
+    raise KeyError(name)
+
+
+def printable(text: str) -> str:
+    """Return a text with its control characters, such as escape, written as in Python's source."""
+    return _CONTROL_CHARACTER.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+def fit(text: str) -> str:
+    """Return a text with long lines wrapped, and continued below their own text."""
+    lines = []
+    for line in text.split("\n"):
+        if len(line) <= WIDTH:
+            lines.append(line)
+            continue
+        label = _LINE_LABEL.match(line)
+        indent = " " * min(label.end() if label else 0, WIDTH // 2)
+        # Neither a path nor the name of an option is broken, nor a number from its unit or its uncertainty.
+        kept = _UNBREAKABLE_BLANK.sub(_NO_BREAK, line)
+        lines += textwrap.wrap(kept, WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines).replace(_NO_BREAK, " ")

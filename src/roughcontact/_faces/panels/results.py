@@ -1,0 +1,302 @@
+"""Panels of a sweep, and the figures of a law and of an error report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, final
+
+import attrs
+import numpy as np
+
+from roughcontact._answers.laws import LawColumn, PowerFit
+from roughcontact._base.arrays import Array
+from roughcontact._base.units import prefixed
+from roughcontact._faces.panels.base import Panel
+from roughcontact._faces.panels.curves import add_key, draw_band, scale_axes
+from roughcontact._faces.panels.figures import loads_of, write_picture
+from roughcontact._faces.panels.theme import apply_theme, require_matplotlib, style, theme_of
+from roughcontact._solve.problem import AdhesionCycle, Sweep
+from roughcontact._solve.solution import Estimate
+from roughcontact._work.reports.error import ErrorReport
+from roughcontact._work.reports.error.result import ReportRow, find_varying_parts, group_by_setup
+from roughcontact.errors import InputError
+
+# Minimum load over the maximum one, of the loads for which a unit is chosen.
+_MIN_LOAD_RATIO = 1e-4
+Box = tuple[float, float, float, float]  # left, lower, right and upper end, points
+_MARKERS = "oDs^vP*X<>hp"
+_DASHES = ("-", "--", "-.", ":")
+_TITLES = {"area": "real contact area", "p_max": "maximum pressure", "approach": "approach"}
+# An error is drawn no lower than the error bound of the reference, below which it tells nothing, or than 1e-7 %.
+_MIN_DRAWN_ERROR = 1e-9
+# Axes whose ends have a smaller ratio get ticks between the powers of ten.
+_MAX_FINE_TICK_RATIO = 300.0
+# Those whose ends have a smaller ratio get ticks at equal distances.
+_MAX_EVEN_TICK_RATIO = 5.0
+# Numbers with a smaller ratio are one and the same.
+_MIN_AXIS_RATIO = 1.001
+# Size of the numbers beside the points, points, and where they may stand: from the point, in points.
+_NUMBER_POINTS = 7
+_NUMBER_OFFSETS = ((5, 4), (5, -10), (-20, 4), (-20, -10))
+
+
+def _scale_loads(sweep: Sweep) -> tuple[Array, str]:
+    """Return the loads in the unit that suits them and a label."""
+    loads, name, unit = loads_of(sweep)
+    # The unit suits the middle of the range.
+    factor, prefixed_unit = prefixed(
+        float(np.sqrt(loads.max() * max(loads.min(), _MIN_LOAD_RATIO * loads.max()))), unit
+    )
+    return factor * loads, f"{name}, {prefixed_unit}"
+
+
+def _draw(axes: Any, sweep: Sweep, estimates: list[tuple[float, float]], unit: str, name: str) -> None:
+    """Draw values and standard deviations over the load, with logarithmic axes where both are positive."""
+    loads, label = _scale_loads(sweep)
+    values, deviations = np.array(estimates).T
+    drawn = np.isfinite(values) & np.isfinite(loads)
+    if not drawn.any():
+        raise InputError(f"The {name} is not finite at any load, so that there is nothing to draw.")
+    order = np.argsort(loads[drawn], kind="stable")
+    x, y, spread = (column[drawn][order] for column in (loads, values, deviations))
+    factor, prefixed_unit = prefixed(float(np.abs(y).max()), unit) if unit != "%" else (100.0, "% of nominal")
+    positive = bool((x > 0.0).all() and (y > 0.0).all())
+    scale_axes(axes, x=label, y=f"{name}, {prefixed_unit}", logarithmic="xy" if positive else "")
+    draw_band(axes, x, factor * y, factor * spread)
+
+
+@final
+@attrs.frozen
+class AreaLoadPanel(Panel):
+    """The real contact area over the load."""
+
+    subject = "sweep"
+
+    def draw(self, subject: Any, axes: Any) -> None:
+        found = [solution.area() for solution in subject.solutions]
+        nominal = subject.solutions[0].grid.area
+        _draw(axes, subject, [(one.fraction, one.uncertainty / nominal) for one in found], "%", "contact area")
+
+
+@final
+@attrs.frozen
+class StiffnessLoadPanel(Panel):
+    """The normal stiffness over the load; infinite ones, of full contact, are not drawn."""
+
+    subject = "sweep"
+
+    def draw(self, subject: Any, axes: Any) -> None:
+        found = [solution.stiffness() for solution in subject.solutions]
+        _draw(axes, subject, [(one.value, one.uncertainty) for one in found], "N/m", "stiffness")
+
+
+@final
+@attrs.frozen
+class LoadApproachPanel(Panel):
+    """The load over the approach, since the first touch of the summits between the cells."""
+
+    subject = "sweep"
+
+    def draw(self, subject: Any, axes: Any) -> None:
+        found: list[Estimate] = [solution.response("approach") for solution in subject.solutions]
+        loads, label = _scale_loads(subject)
+        approach, deviation = (np.array([getattr(one, name) for one in found]) for name in ("value", "uncertainty"))
+        factor, unit = prefixed(float(np.abs(approach).max()), "m")
+        order = np.argsort(approach, kind="stable")
+        x = factor * approach[order]
+        y = loads[order]
+        spread = factor * deviation[order]
+        scale_axes(axes, x=f"approach since first touch, {unit}", y=label)
+        line = draw_band(axes, x, y, np.zeros(y.size))
+        axes.fill_betweenx(y, x - 2.0 * spread, x + 2.0 * spread, color=line.get_color(), alpha=0.25, linewidth=0.0)
+
+
+def draw_cycle(cycle: AdhesionCycle, axes: Any, dark: bool = False) -> Any:
+    """Draw the force of loading and of unloading over the approach; see `AdhesionCycle.plot`."""
+    require_matplotlib()
+    from matplotlib import pyplot
+    from matplotlib.axes import Axes
+
+    if axes is None:
+        with style(dark):
+            axes = pyplot.subplots(layout="constrained")[1]
+    if not isinstance(axes, Axes):
+        raise InputError.about("The axes", axes, "an Axes of matplotlib, or None")
+    branches = {"loading": cycle.loading, "unloading": cycle.unloading}
+    force_factor, force_unit = prefixed(max(float(np.abs(one.force).max()) for one in branches.values()), "N")
+    length_factor, length_unit = prefixed(float(np.abs(cycle.loading.approach).max()), "m")
+    theme = theme_of(axes)
+    with style(theme.is_dark):
+        for name, sweep in branches.items():
+            spread = np.zeros(len(sweep))
+            draw_band(axes, length_factor * sweep.approach, force_factor * sweep.force, spread, label=name)
+        axes.axhline(0.0, color=theme.ink, linewidth=0.5)
+        scale_axes(axes, x=f"approach since first touch, {length_unit}", y=f"force, {force_unit}", logarithmic="")
+        add_key(axes)
+    return axes
+
+
+def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes: Any) -> Any:
+    """Draw a column over the pressure; see `InterfaceLaw.plot`."""
+    require_matplotlib()
+    from matplotlib import pyplot
+    from matplotlib.axes import Axes
+
+    if axes is None:
+        with style():
+            axes = pyplot.subplots(layout="constrained")[1]
+    if not isinstance(axes, Axes):
+        raise InputError.about("The axes", axes, "an Axes of matplotlib, or None")
+    values = column.values
+    theme = theme_of(axes)
+    shown = np.isfinite(values) & (values > 0.0)
+    factor, unit = prefixed(float(np.sqrt(pressures.min() * pressures.max())), "Pa")
+    name = column.name.replace("_", " ")
+    with style(theme.is_dark):
+        scale, named = _unit_of(column)
+        spread = scale * column.uncertainties[shown]
+        draw_band(axes, factor * pressures[shown], scale * values[shown], spread, label=name)
+        if fit is not None:
+            ends = np.array(fit.pressures)
+            label = f"exponent {fit.exponent:.3f} ± {fit.exponent_std:.1g}"
+            power = scale * fit.factor * (ends / fit.pivot) ** fit.exponent
+            axes.plot(factor * ends, power, "--", color=theme.ink, zorder=3, label=label)
+        # The mean gap falls with the logarithm of the pressure, the others rise with powers of it.
+        scales = "x" if column.name == "mean_gap" else "xy"
+        scale_axes(
+            axes, x=f"nominal mean pressure, {unit}", y=f"{name}, {named}" if named else name, logarithmic=scales
+        )
+        add_key(axes)
+    return axes
+
+
+def _unit_of(column: LawColumn) -> tuple[float, str]:
+    """Return the factor of the values of a column as drawn, and their unit."""
+    if column.unit == "m":
+        return prefixed(float(np.nanmax(column.values)), "m")
+    if column.name == "area":
+        return 1.0, "fraction of nominal"
+    return 1.0, column.unit.replace("m2", "m²").replace("m3", "m³")
+
+
+def draw_report(report: ErrorReport, path: Path) -> None:
+    """Draw a panel for each quantity of the reference into a file; see `ErrorReport.draw`."""
+    require_matplotlib()
+    from matplotlib.figure import Figure
+
+    names = report.reference.quantities
+    with apply_theme():
+        figure = Figure(figsize=(5.6 * len(names), 5.6), layout="constrained")
+        known = figure.canvas.get_supported_filetypes()
+        if path.suffix.removeprefix(".") not in known:
+            raise InputError.about("The ending of a picture", path.suffix, f"one of {', '.join(sorted(known))}")
+        for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
+            draw_errors(axes, report, name)
+        write_picture(figure, path, dpi=150)
+
+
+def draw_errors(axes: Any, report: ErrorReport, quantity: str) -> None:
+    """Draw the errors of ``"area"``, ``"p_max"`` or ``"approach"`` against CPU time."""
+    axes.set_title(_TITLES[quantity])
+    lines = _select_lines(report.rows, quantity)
+    if not lines:
+        axes.text(0.5, 0.5, "nothing to compare", ha="center", transform=axes.transAxes)
+        return
+    bound = report.reference.relative_uncertainty(quantity)
+    parts = find_varying_parts(report.rows)
+    estimators = list(dict.fromkeys(rows[0].estimator for rows in lines))
+    setups = list(dict.fromkeys(rows[0].setup[:-1] for rows in lines))
+    for rows in lines:
+        setup = setups.index(rows[0].setup[:-1])
+        # A colour for each estimator and a marker for each setup; a colour for each setup where one estimator is shown.
+        single = quantity != "area" or len(estimators) == 1
+        color = f"C{(setup if single else estimators.index(rows[0].estimator)) % 10}"
+        label = rows[0].describe(parts)
+        if quantity != "area":
+            label = label.removeprefix(rows[0].estimator).removeprefix(", ") or rows[0].solver
+        _draw_line(axes, rows, quantity, bound, color, setup, label)
+    front = report.front(quantity)
+    x = [row.cost(quantity) for row in front]
+    y = [_height(row, quantity, bound) for row in front]
+    axes.plot(x, y, color="0.8", linewidth=7, solid_capstyle="round", zorder=0, label="Pareto front")
+    if bound > 0.0:
+        label = "error bound of the reference"
+        axes.axhline(100 * bound, color="0.4", linestyle="--", linewidth=1, label=label)
+    _set_axes(axes)
+    drawn = [row for line in lines for row in line]
+    _write_numbers(axes, [(row.cost(quantity), _height(row, quantity, bound), row.shape[0]) for row in drawn])
+
+
+def _write_numbers(axes: Any, points: Sequence[tuple[float, float, int]]) -> None:
+    """Write the cells along x beside each point where there is room, so that no number covers another or a point."""
+    pixel = axes.figure.dpi / 72
+    places = axes.transData.transform([point[:2] for point in points]) / pixel
+    taken = [(x - 3, y - 3, x + 3, y + 3) for x, y in places]
+    for (x, y), (across, up, cells) in zip(places, points, strict=True):
+        width = 0.65 * _NUMBER_POINTS * len(str(cells))
+        for right, above in _NUMBER_OFFSETS:
+            box = (x + right, y + above, x + right + width, y + above + _NUMBER_POINTS)
+            if not any(_overlap(box, other) for other in taken):
+                taken.append(box)
+                axes.annotate(
+                    str(cells),
+                    (across, up),
+                    (right, above),
+                    textcoords="offset points",
+                    fontsize=_NUMBER_POINTS,
+                    color="0.3",
+                )
+                break
+
+
+def _overlap(box: Box, other: Box) -> bool:
+    return box[0] < other[2] and other[0] < box[2] and box[1] < other[3] and other[1] < box[3]
+
+
+def _set_axes(axes: Any) -> None:
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+
+    low, high = axes.dataLim.intervaly
+    if not high > _MIN_AXIS_RATIO * low:
+        # A single number, also one with its rounding, spans no axis.
+        axes.set_ylim(0.5 * low, 2.0 * high)
+    axes.set(xscale="log", yscale="log", xlabel="CPU time, s (beside the points: cells along x)", ylabel="error, %")
+    axes.grid(True)
+    axes.margins(x=0.12)
+    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+        logarithmic = LogLocator(subs=(1.0, 2.0, 5.0) if high < _MAX_FINE_TICK_RATIO * low else (1.0,), numticks=12)
+        axis.set_major_locator(logarithmic if high > _MAX_EVEN_TICK_RATIO * low else MaxNLocator(5))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
+    axes.legend(
+        fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, handlelength=4, frameon=False
+    )
+
+
+def _select_lines(rows: Sequence[ReportRow], quantity: str) -> list[list[ReportRow]]:
+    """Return the rows of each line; pressure and approach need no estimator, so its rows are taken once."""
+    lines = group_by_setup([row for row in rows if quantity not in row.of_reference])
+    if quantity == "area":
+        return lines
+    return list({line[0].setup[:-1]: line for line in reversed(lines)}.values())[::-1]
+
+
+def _draw_line(
+    axes: Any, rows: Sequence[ReportRow], quantity: str, bound: float, color: str, setup: int, label: str
+) -> None:
+    marker = _MARKERS[setup % len(_MARKERS)]
+    dashes = _DASHES[setup % len(_DASHES)]
+    x = [row.cost(quantity) for row in rows]
+    y = [_height(row, quantity, bound) for row in rows]
+    times = [row.timing(quantity) for row in rows]
+    spread = [[time.median - time.minimum for time in times], [time.maximum - time.median for time in times]]
+    axes.errorbar(x, y, xerr=spread, linewidth=1.2, linestyle=dashes, elinewidth=0.8, color=color)
+    for across, up, row in zip(x, y, rows, strict=True):
+        face = "white" if quantity in row.unresolved else color
+        axes.plot(across, up, marker, markerfacecolor=face, color=color)
+    axes.plot([], [], marker, linestyle=dashes, color=color, label=label)
+
+
+def _height(row: ReportRow, quantity: str, bound: float) -> float:
+    return 100 * max(row.error(quantity), bound, _MIN_DRAWN_ERROR)

@@ -1,0 +1,233 @@
+"""Materials: the interface, isotropic ones, and typical ones by name."""
+
+from __future__ import annotations
+
+import abc
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array, frozen_array, restore_state
+from roughcontact._base.checks import MAX_MAGNITUDE, MIN_MAGNITUDE, number
+from roughcontact._base.registry import Registry
+from roughcontact.errors import InputError
+
+
+class Material(abc.ABC):
+    """The material of a body; a class of your own gives its compliance and its pressure limit.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> class Cork(rc.Material):
+    ...     compliance = 1.0 / 20e6
+    ...     pressure_limit = 1e6
+    >>> rc.Body(rc.FlatSurface(), Cork()).material.pressure_limit
+    1000000.0
+    """
+
+    @property
+    @abc.abstractmethod
+    def compliance(self) -> float:
+        """Plane-strain compliance (1 - nu^2) / E, 1/Pa; zero for a rigid body."""
+
+    @property
+    @abc.abstractmethod
+    def pressure_limit(self) -> float | Array:
+        """Maximum contact pressure, Pa, a number or an array of the grid's shape (nx, ny); `math.inf` if unlimited."""
+
+
+materials = Registry(Material, "material", "roughcontact.materials")
+
+
+def contact_modulus(one: Material, other: Material) -> float:
+    """Return the contact modulus E*, Pa.
+
+    1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2: the plane-strain moduli, not Young's moduli. `InputError` if both bodies are
+    rigid, or a compliance is not a finite number of at least zero.
+    """
+    compliance = sum(
+        number(material.compliance, "The compliance of a material", "1/Pa", at_least=0.0) for material in (one, other)
+    )
+    if compliance == 0.0:
+        raise InputError("Both bodies are rigid, so nothing can deform: make one of them Elastic(young, poisson).")
+    modulus = 1.0 / compliance
+    if not math.isfinite(modulus):
+        raise InputError.about("The contact modulus E*", modulus, "a finite number (Pa)", "The bodies are too stiff.")
+    return modulus
+
+
+def combined_pressure_limit(one: Material, other: Material) -> Array:
+    """Return the pressure limit of the softer body at each cell, shape () or (nx, ny), Pa.
+
+    `InputError` if a pressure limit is not positive, or the limits of the bodies differ in shape.
+    """
+    limits = [np.asarray(material.pressure_limit) for material in (one, other)]
+    for limit in limits:
+        if limit.dtype.kind not in "fiu" or not np.all(limit > 0.0):
+            raise InputError.about("The pressure limit of a material", limit, "a number above 0, or inf (Pa)")
+    shapes = {limit.shape for limit in limits if limit.ndim}
+    if len(shapes) > 1:
+        raise InputError(f"The pressure limits of the bodies are arrays of different shapes, {sorted(shapes)}.")
+    softer = np.asarray(np.minimum(*limits), dtype=np.float64)
+    softer.flags.writeable = False
+    return softer
+
+
+def _young(value: float) -> float:
+    return number(value, "Young's modulus", "Pa", above=0.0)
+
+
+def _poisson(value: float) -> float:
+    return number(value, "Poisson's ratio", above=-1.0, at_most=0.5)
+
+
+def _hardness(value: float | Array) -> float | Array:
+    if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:
+        return number(value, "The hardness", "Pa", above=0.0)
+    try:
+        array = np.array(value)
+    except ValueError:
+        array = np.empty(0)
+    is_real = array.ndim == 2 and array.size > 0 and array.dtype.kind in "fiu" and not np.ma.is_masked(value)
+    if not (is_real and array.min() >= MIN_MAGNITUDE and array.max() <= MAX_MAGNITUDE):
+        raise InputError.about("The hardness", value, "a number or an array (nx, ny), finite and above 0 (Pa)")
+    return frozen_array(array)
+
+
+@attrs.frozen
+class Elastic(Material):
+    """Homogeneous, isotropic, linear elastic half-space.
+
+    Parameters
+    ----------
+    young
+        Young's modulus, Pa, above zero.
+    poisson
+        Poisson's ratio, above -1 and at most 0.5.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> steel = rc.Elastic(young=210e9, poisson=0.3)
+    >>> print(f"{steel.young / 1e9:g} GPa")
+    210 GPa
+    """
+
+    young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
+    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
+
+    @property
+    def compliance(self) -> float:
+        """Plane-strain compliance (1 - nu^2) / E, 1/Pa."""
+        return (1.0 - self.poisson**2) / self.young
+
+    @property
+    def pressure_limit(self) -> float:
+        """Infinite."""
+        return math.inf
+
+
+@attrs.frozen(eq=False)
+class ElasticPerfectlyPlastic(Material):
+    """Elastic until the contact pressure reaches the hardness, which it never exceeds.
+
+    The limited pressure displaces an elastic half-space; in saturated cells the surfaces may overlap by the plastic
+    flattening.
+
+    Parameters
+    ----------
+    young
+        Young's modulus, Pa, above zero.
+    poisson
+        Poisson's ratio, above -1 and at most 0.5.
+    hardness
+        Contact pressure at full plasticity, Pa, above zero: a number, or an array of the grid's shape (nx, ny).
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), steel)
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> print(f"{problem.solve(force=3.0).pressure.max() / 1e9:g} GPa")
+    2 GPa
+    """
+
+    young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
+    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
+    hardness: float | Array = attrs.field(converter=_hardness, metadata={"unit": "Pa"})
+
+    __setstate__ = restore_state
+
+    @property
+    def compliance(self) -> float:
+        """Plane-strain compliance (1 - nu^2) / E, 1/Pa."""
+        return (1.0 - self.poisson**2) / self.young
+
+    @property
+    def pressure_limit(self) -> float | Array:
+        """The hardness, Pa."""
+        return self.hardness
+
+
+@attrs.frozen
+class Rigid(Material):
+    """A body that does not deform.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rigid = rc.Body(rc.SphereSurface(radius=1e-3), rc.Rigid())
+    >>> rubber = rc.Body(rc.FlatSurface(), rc.Elastic(young=2e6, poisson=0.5))
+    >>> problem = rc.ContactProblem(rigid, rubber, grid=rc.Grid((32, 32), 200e-6))
+    >>> print(problem.solve(force=1e-5).area())
+    (625.924 +- 0.014) µm2, (1.564811 +- 0.000035) % of nominal [blend]
+    """
+
+    @property
+    def compliance(self) -> float:
+        """Zero."""
+        return 0.0
+
+    @property
+    def pressure_limit(self) -> float:
+        """Infinite."""
+        return math.inf
+
+
+# Young's modulus, Pa, Poisson's ratio, and Vickers hardness, Pa, as typical in textbooks, rounded. Polymers have no
+# hardness here: they creep, so that it depends on time.
+TYPICAL: Mapping[str, Material] = MappingProxyType({
+    "bearing steel": ElasticPerfectlyPlastic(210e9, 0.3, 7e9),
+    "structural steel": ElasticPerfectlyPlastic(210e9, 0.3, 1.5e9),
+    "stainless steel": ElasticPerfectlyPlastic(195e9, 0.3, 1.8e9),
+    "grey cast iron": ElasticPerfectlyPlastic(120e9, 0.26, 2e9),
+    "aluminium alloy": ElasticPerfectlyPlastic(70e9, 0.33, 1.1e9),
+    "copper": ElasticPerfectlyPlastic(120e9, 0.34, 0.8e9),
+    "brass": ElasticPerfectlyPlastic(100e9, 0.35, 1.2e9),
+    "titanium alloy": ElasticPerfectlyPlastic(114e9, 0.34, 3.4e9),
+    "silicon nitride": ElasticPerfectlyPlastic(310e9, 0.27, 15e9),
+    "alumina": ElasticPerfectlyPlastic(370e9, 0.22, 16e9),
+    "glass": ElasticPerfectlyPlastic(70e9, 0.22, 5.5e9),
+    "PTFE": Elastic(0.5e9, 0.46),
+    "PEEK": Elastic(3.8e9, 0.4),
+    "rubber": Elastic(4e6, 0.495),
+})  # fmt: skip
+
+
+def resolve_material(choice: object) -> Material:
+    """Return a material that is given as an instance, by a registered name, or by the name of a typical one.
+
+    `InputError` if there is no material of that name, or the choice is something else.
+    """
+    if isinstance(choice, str) and choice not in materials:
+        if choice not in TYPICAL:
+            raise InputError.unknown("material", choice, (*materials, *TYPICAL))
+        return TYPICAL[choice]
+    if isinstance(choice, (str, Material)):
+        return materials.resolve(choice)
+    raise InputError.about("The material of a body", choice, "a Material, or the name of one such as 'bearing steel'")

@@ -1,0 +1,299 @@
+"""Paths of surfaces that attract each other: loads in their order, loading and unloading, jumps and pull-off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, Protocol
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array
+from roughcontact._base.tables import Table
+from roughcontact._base.units import Estimate, si
+from roughcontact._parts.grid import Load
+from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._solve.problem.sweep import Sweep
+from roughcontact._solve.problem.task import make_task
+from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, trapping_error
+from roughcontact._solve.solvers import stability_margin
+from roughcontact.errors import InputError
+
+# Steps of the approach on the way to pull-off, and by how much of the lowest force the force must have risen behind it.
+_MAX_STEPS = 200
+_RISEN = 0.02
+# Rounds that halve the steps around the lowest force.
+_REFINEMENTS = 4
+# Relative standard deviation of the lowest force by the size of the cells, beside sticking to them; measured on balls.
+_CELL_ERROR = 1e-3
+# The same where few cells touch or attract each other strongly, times their number: the maximum error of balls at
+# random places, of 4 to 16 cells in the contact radius, but for one in forty.
+_COARSE_ERROR = 0.3
+# Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the
+# sum of both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
+_JUMP_OF_WORK = 0.1
+_JUMP_OF_LOWEST = 0.05
+
+
+class Solve(Protocol):
+    """A solve at a load, from a pressure and a gap."""
+
+    def __call__(self, load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
+        """Return the certified solution."""
+
+
+@attrs.frozen(eq=False)
+class AdhesionCycle:
+    """Loading and unloading of surfaces that attract each other.
+
+    Attributes
+    ----------
+    loading, unloading
+        The states in the order in which they were passed; the first of unloading is the last of loading.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-6), rc.Elastic(young=10e6, poisson=0.5))
+    >>> law = rc.Exponential(work="50mJ/m2", range="60nm")
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((48, 48), 2e-6), adhesion=law)
+    >>> cycle = problem.cycle(approach=np.linspace(-0.3e-6, 0.1e-6, 5))
+    >>> len(cycle.loading), len(cycle.unloading)
+    (5, 5)
+    """
+
+    loading: Sweep
+    unloading: Sweep
+
+    @cached_property
+    def energies(self) -> tuple[Array, Array]:
+        """Elastic energy and energy of the attraction together, J, of the states of loading and of unloading."""
+        return _find_energies(self.loading), _find_energies(self.unloading)
+
+    @property
+    def losses(self) -> tuple[Array, Array]:
+        """Energy lost in each step, J, of loading and of unloading: the work done minus the energy gained."""
+        loading, unloading = self.energies
+        return _find_losses(self.loading, loading), _find_losses(self.unloading, unloading)
+
+    @property
+    def dissipated(self) -> Estimate:
+        """Energy lost in the cycle, J: the area of the loop of force and approach."""
+        lost = math.fsum(float(np.sum(part)) for part in self.losses)
+        # Where nothing jumps the trapezoidal rule errs by a twelfth of the second differences of the force.
+        error = sum(_find_rule_error(part) for part in (self.loading, self.unloading))
+        return Estimate(lost, error + trapping_error(_cells_of(self.loading[0])) * abs(lost), "J", self._warnings)
+
+    @property
+    def pull_in(self) -> Estimate:
+        """Minimum of the force on loading, N: that at which the surfaces snap together."""
+        return _find_minimum(self.loading, self._warnings)
+
+    @property
+    def pull_off(self) -> Estimate:
+        """Minimum of the force on unloading, N: that at which they come apart."""
+        return _find_minimum(self.unloading, self._warnings)
+
+    @property
+    def jumps(self) -> tuple[tuple[float, float], ...]:
+        """Approaches, m, between which the contact jumps: much of the work of such a step is lost."""
+        found = []
+        lowest = abs(min(float(sweep.force.min()) for sweep in (self.loading, self.unloading)))
+        for sweep, lost in zip((self.loading, self.unloading), self.losses, strict=True):
+            steps = np.abs(np.diff(sweep.approach))
+            work = np.abs(0.5 * (sweep.force[1:] + sweep.force[:-1])) * steps
+            allowed = _JUMP_OF_WORK * work + _JUMP_OF_LOWEST * lowest * steps
+            found += [(float(sweep.approach[k]), float(sweep.approach[k + 1])) for k in np.flatnonzero(lost > allowed)]
+        return tuple(found)
+
+    def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
+        """Draw the force of both branches over the approach (extra ``plot``); see `ContactSolution.plot`."""
+        from roughcontact.plotting import draw_cycle
+
+        return draw_cycle(self, axes, dark)
+
+    @property
+    def _warnings(self) -> tuple[str, ...]:
+        return tuple(text for text in self.loading[0].warnings if getattr(text, "rule", "") == "cohesive length")
+
+    def __str__(self) -> str:
+        columns: dict[str, Any] = {"branch": [], "approach": [], "force": [], "area, %": []}
+        for name, sweep in (("loading", self.loading), ("unloading", self.unloading)):
+            columns["branch"] += [name] * len(sweep)
+            columns["approach"] += sweep.approach.tolist()
+            columns["force"] += sweep.force.tolist()
+            columns["area, %"] += (100.0 * sweep.area / sweep[0].grid.area).tolist()
+        table = Table(columns, {"approach": "m", "force": "N"}).to_text()
+        jumps = "; ".join(f"{si(a, 'm', 3)} to {si(b, 'm', 3)}" for a, b in self.jumps) or "none"
+        lines = [f"pull-off    {self.pull_off}", f"dissipated  {self.dissipated}", f"jumps       {jumps}"]
+        return "\n".join([table, *lines])
+
+    def __repr__(self) -> str:
+        return f"<AdhesionCycle {len(self.loading)} and {len(self.unloading)} states, pull-off {self.pull_off}>"
+
+
+def require_resolved(plan: SolvePlan) -> None:
+    """Raise `InputError` unless there is adhesion and the cells resolve it well enough to follow a path."""
+    if plan.interaction is None:
+        raise InputError("Without adhesion= nothing is pulled apart: give the problem a law, such as Exponential.")
+    cells = plan.interaction.cohesive_cells(plan.grid.spacing, plan.modulus)
+    if cells < TRAPPED_CELLS:
+        raise InputError(f"A path cannot be followed: {describe_range(plan.interaction, plan.grid, plan.modulus)}.")
+
+
+def follow_loads(solve: Solve, loads: Sequence[Load], first: ContactSolution | None = None) -> Sweep:
+    """Return the solutions in the order of the loads, each from the ones before."""
+    solutions: list[ContactSolution] = [] if first is None else [first]
+    for load in loads if first is None else loads[1:]:
+        solutions.append(_follow(solve, solutions, load))
+    return Sweep(tuple(solutions))
+
+
+def _follow(solve: Solve, before: Sequence[ContactSolution], load: Load) -> ContactSolution:
+    """Return the solution at a load that continues those before."""
+    if not before:
+        return solve(load)
+    last = before[-1]
+    gap = np.where(last.contact, 0.0, np.maximum(last.gap, 0.0))
+    return solve(load, last.pressure, start_gap=gap)
+
+
+def step_approach(solution: ContactSolution, change: float) -> ContactSolution:
+    """Return the state whose approach, m, differs by a change, continued from a solution with adhesion."""
+    if solution.origin is None or solution.origin.source is None:
+        raise InputError("The solution has no problem that could be solved again: solve it anew.")
+    found: ContactSolution = _follow(
+        solution.origin.source._solve, [solution], Load("approach", solution.approach + change)
+    )
+    return found
+
+
+def find_stability(solution: ContactSolution) -> float:
+    """Return how far a state with adhesion is from a jump: 1 far away, 0 at one, negative where it is unstable."""
+    if solution.tension is None:
+        raise InputError("Without adhesion each state is stable: there is no jump.")
+    if solution.origin is None or solution.origin.source is None:
+        raise InputError("The solution has no problem that could be solved again: solve it anew.")
+    problem = solution.origin.source
+    task = make_task(problem.plan, solution.initial_gap, Load.signed(**solution.origin.load))
+    gap = np.where(solution.contact, 0.0, np.maximum(solution.gap, 0.0)) / problem.plan.peak_to_valley
+    return stability_margin(problem.convolution, task, gap)
+
+
+def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:
+    """Return both branches over ascending approaches."""
+    values = [load.value for load in loads]
+    if len(values) < 2 or any(after <= before for before, after in pairwise(values)):
+        raise InputError("The approaches of a cycle must ascend, two of them or more: unloading passes them backwards.")
+    loading = follow_loads(solve, loads)
+    return AdhesionCycle(loading, follow_loads(solve, loads[::-1], loading[-1]))
+
+
+def find_pull_off(solve: Solve, plan: SolvePlan) -> Estimate:
+    """Return the minimum of the force on unloading from zero load; see `ContactProblem.pull_off`."""
+    states = [solve(Load("pressure", 0.0))]
+    step = _first_step(plan, states[0])
+    for _ in range(_MAX_STEPS):
+        states.append(_follow(solve, states, Load("approach", states[-1].approach - step)))
+        force = np.array([state.force for state in states])
+        lowest = int(force.argmin())
+        has_risen = force[-1] - force[lowest] > -_RISEN * force[lowest]
+        if force[lowest] < 0.0 and (has_risen or not states[-1].contact.any()):
+            break
+        if force[-2] - force[-1] < 0.1 * abs(force.min()):
+            step *= 1.5
+    path = states
+    for _ in range(_REFINEMENTS):
+        path = _refine(solve, path)
+    sweep = Sweep(tuple(path))
+    warning = None if plan.interaction is None else describe_range(plan.interaction, plan.grid, plan.modulus)
+    return _find_minimum(sweep, () if warning is None else (warning,))
+
+
+def _first_step(plan: SolvePlan, state: ContactSolution) -> float:
+    """Return a step of the approach: a tenth of the displacement, or of the reach of the law if that is longer."""
+    moved = float(state.displacement.max() - state.displacement.min())
+    law = plan.interaction
+    range_of_law = 0.0 if law is None else float(np.max(np.asarray(law.work) / np.asarray(law.strength)))
+    return 0.1 * max(moved, range_of_law)
+
+
+def _refine(solve: Solve, path: Sequence[ContactSolution]) -> list[ContactSolution]:
+    """Return the three states around the lowest force with two more between them, on the way down."""
+    force = [state.force for state in path]
+    lowest = min(max(int(np.argmin(force)), 1), len(path) - 2)
+    found = [path[lowest - 1]]
+    for state in path[lowest : lowest + 2]:
+        middle = 0.5 * (found[-1].approach + state.approach)
+        found.append(_follow(solve, found, Load("approach", middle)))
+        found.append(_follow(solve, found, Load("approach", state.approach)))
+    return found
+
+
+def _find_minimum(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
+    """Return the lowest force of a path by the parabola through three states, N."""
+    force = sweep.force
+    k = int(force.argmin())
+    cells = _cells_of(sweep[0])
+    counted = _COARSE_ERROR / _count_attracted(sweep[k])
+    trapped = math.hypot(trapping_error(cells), _CELL_ERROR, counted) * abs(float(force[k]))
+    if not 0 < k < len(force) - 1:
+        text = "the lowest force is at the end of the path: continue it"
+        return Estimate(float(force[k]), float(np.ptp(force)), "N", (*warnings, text))
+    places = sweep.approach[k - 1 : k + 2]
+    values = force[k - 1 : k + 2]
+    curvature, slope, _ = np.polyfit(places - places[1], values - values[1], 2)
+    below = slope**2 / (4.0 * curvature) if curvature > 0.0 else 0.0
+    jumps = abs(float(values[0] - values[2])) > 0.5 * abs(float(values[1]))
+    bracket = abs(float(values[0] - values[1])) if jumps else 0.0
+    uncertainty = math.hypot(0.5 * below + bracket, trapped)
+    return Estimate(float(values[1]) - (0.0 if jumps else below), uncertainty, "N", warnings)
+
+
+def _count_attracted(state: ContactSolution) -> int:
+    """Return the number of cells that touch, or whose tension exceeds half of the strength; one at least."""
+    assert state.tension is not None
+    strong = state.tension > 0.5 * float(state.tension.max())
+    return max(int(np.count_nonzero(strong | state.contact)), 1)
+
+
+def _find_energies(sweep: Sweep) -> Array:
+    found = []
+    for state in sweep:
+        assert state.origin is not None
+        law = state.origin.source.plan.interaction
+        elastic = 0.5 * float(np.sum(state.pressure * state.displacement))
+        attraction = float(np.sum(law.energy(np.where(state.contact, 0.0, np.maximum(state.gap, 0.0)))))
+        found.append((elastic + attraction) * state.grid.cell_area)
+    return np.array(found)
+
+
+def _find_losses(sweep: Sweep, energies: Array) -> Array:
+    work = 0.5 * (sweep.force[1:] + sweep.force[:-1]) * np.diff(sweep.approach)
+    return np.asarray(work - np.diff(energies))
+
+
+def _second_differences(sweep: Sweep) -> Array:
+    """Return the error of the trapezoidal rule in each step, J."""
+    force = sweep.force
+    if len(force) < 3:
+        return np.full(len(force) - 1, math.inf)
+    bends = np.abs(np.diff(force, 2))
+    around = np.maximum(np.append(bends, bends[-1]), np.insert(bends, 0, bends[0]))
+    return np.asarray(around / 12.0 * np.abs(np.diff(sweep.approach)))
+
+
+def _find_rule_error(sweep: Sweep) -> float:
+    # A jump bends the force as well, but the energies on both of its sides are known: the median step counts.
+    return float(np.median(_second_differences(sweep))) * math.sqrt(len(sweep))
+
+
+def _cells_of(state: ContactSolution) -> float:
+    assert state.origin is not None
+    plan = state.origin.source.plan
+    cells: float = plan.interaction.cohesive_cells(plan.grid.spacing, plan.modulus)
+    return cells

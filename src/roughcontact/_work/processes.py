@@ -1,0 +1,378 @@
+"""Repeated loading: plastic flattening, and running in until shakedown."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Callable, Sequence
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.checks import callback, integer, number
+from roughcontact._base.registry import Registry
+from roughcontact._base.tables import Table
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Boundary
+from roughcontact._parts.surfaces import HeightMap, repeats
+from roughcontact._solve.problem import Body, ContactProblem
+from roughcontact._solve.solution import Area, ContactSolution
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+
+# Most positions of the counterbody whose last pressure is kept as a start: each takes the memory of a field.
+_MAX_KEPT_PRESSURES = 16
+# Loss of height, over the approach, up to which it is rounding and printed as zero.
+_MIN_PRINTED_LOSS_RATIO = 1e-12
+
+
+class FlatteningModel(abc.ABC):
+    """A model of plastic flattening; a class of your own gives the loss of height.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> class HalfOverlap(rc.Overlap):
+    ...     def height_loss(self, solution):
+    ...         return 0.5 * super().height_loss(solution)
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    >>> body = rc.Body(wave, steel)
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> print(rc.run_in(problem, pressure=100e6, model=HalfOverlap()).shakedown)
+    True
+    """
+
+    @abc.abstractmethod
+    def height_loss(self, solution: ContactSolution) -> Array:
+        """Return the loss of height of both bodies together after unloading, shape (nx, ny), m.
+
+        Negative where the surfaces rise. The elastic displacement recovers completely.
+        """
+
+
+flattening_models = Registry(FlatteningModel, "flattening model", "roughcontact.flattening_models")
+
+
+@attrs.frozen
+class Overlap(FlatteningModel):
+    """The overlap of the saturated cells remains as flattening; its volume is lost into the bulk.
+
+    Pressure and position of the bodies under load are conserved: loaded again in the same place, the surfaces
+    carry the same pressure elastically, so that one cycle is shakedown. (The approach counts from first touch, which
+    is later by the height that the highest summit lost.) The volume is not conserved. The same rule is used, for
+    instance, by Weber et al., Nat. Commun. 9 (2018) 888, https://doi.org/10.1038/s41467-018-02981-y
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    >>> body = rc.Body(wave, steel)
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> print(rc.run_in(problem, pressure=100e6, model=rc.Overlap()).shakedown)
+    True
+    """
+
+    def height_loss(self, solution: ContactSolution) -> Array:
+        """Return the overlap of the saturated cells, shape (nx, ny), m, zero elsewhere."""
+        return np.where(solution.saturated, np.maximum(-solution.gap, 0.0), 0.0)
+
+
+@attrs.frozen
+class UniformRise(FlatteningModel):
+    """The volume of the overlap comes back as a uniform rise of all cells that are not in contact.
+
+    The volume, and so the mean height, is conserved. Loaded again in the same place, the raised surface carries part of
+    the load. In full contact all cells rise. The rise was observed on confined specimens by Pullen and Williamson,
+    Proc. R. Soc. Lond. A 327 (1972) 159, https://doi.org/10.1098/rspa.1972.0038
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    >>> body = rc.Body(wave, steel)
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> print(rc.run_in(problem, pressure=100e6, model=rc.UniformRise()).shakedown)
+    True
+    """
+
+    def height_loss(self, solution: ContactSolution) -> Array:
+        """Return the overlap less the rise, shape (nx, ny), m; its mean is zero.
+
+        Raises
+        ------
+        InputError
+            If the volume exceeds the volume of the gap.
+        """
+        loss = Overlap().height_loss(solution)
+        open_cells = ~solution.contact
+        count = np.count_nonzero(open_cells)
+        if count == 0:
+            return np.asarray(loss - loss.mean(), dtype=np.float64)
+        displaced = float(loss.sum())
+        if displaced > float(solution.gap[open_cells].sum()):
+            raise InputError(
+                "The open cells cannot take the displaced volume: the gap there is smaller. Choose a smaller load, or "
+                "the model 'overlap'."
+            )
+        loss[open_cells] -= displaced / count
+        return loss
+
+
+@attrs.frozen(kw_only=True)
+class Cycle:
+    """One cycle of loading, flattening and unloading.
+
+    Attributes
+    ----------
+    shift
+        Cells (x, y) by which the counterbody was displaced.
+    volume
+        Volume flattened in this cycle, of both bodies, m3.
+    deepest
+        Maximum loss of height in this cycle, of both bodies, m.
+    area, saturated
+        Real contact area under load, and the saturated part of it.
+    approach
+        Approach under load, m.
+    """
+
+    shift: tuple[int, int]
+    volume: float
+    deepest: float
+    area: Area
+    saturated: Area
+    approach: float
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class RunIn:
+    """Surfaces that were run in, and a record of the cycles.
+
+    Attributes
+    ----------
+    problem
+        The problem with the residual topographies, unloaded, the counterbody in its first position.
+    cycles
+        One record for each cycle.
+    shakedown
+        Whether the last round of cycles flattened no more than the tolerance.
+    height_loss
+        Loss of height of the body and of the counterbody, each of shape (nx, ny), m.
+    solution
+        The last contact under load.
+    """
+
+    problem: ContactProblem
+    cycles: tuple[Cycle, ...]
+    shakedown: bool
+    height_loss: tuple[Array, Array]
+    solution: ContactSolution
+
+    @property
+    def volume(self) -> float:
+        """Volume flattened in all cycles, m3."""
+        return sum(cycle.volume for cycle in self.cycles)
+
+    def __repr__(self) -> str:
+        return f"<RunIn {str(self).splitlines()[0]}>"
+
+    def __str__(self) -> str:
+        nominal = self.problem.plan.grid.area
+        end = "shakedown" if self.shakedown else "no shakedown yet"
+        rows = []
+        for place, cycle in enumerate(self.cycles, start=1):
+            lost = cycle.deepest > _MIN_PRINTED_LOSS_RATIO * cycle.approach
+            volume, deepest = (cycle.volume, cycle.deepest) if lost else (0.0, 0.0)
+            loss = (f"{volume * 1e18:.4g}", si(deepest, "m", 3))
+            areas = (f"{100 * cycle.area.value / nominal:.4g}", f"{100 * cycle.saturated.value / nominal:.3g}")
+            rows.append((str(place), str(cycle.shift), *loss, *areas))
+        table = Table.from_rows(("cycle", "shift", "volume, um3", "deepest", "area, %", "saturated, %"), rows)
+        summary = f"{end} after {len(self.cycles)} cycles, {self.volume * 1e18:.4g} um3 flattened"
+        return f"{summary}\n{table.to_text()}"
+
+
+@guarded
+def run_in(
+    problem: ContactProblem,
+    *,
+    pressure: float | None = None,
+    force: float | None = None,
+    model: str | FlatteningModel = "overlap",
+    shifts: Sequence[tuple[int, int]] = ((0, 0),),
+    rounds: int = 20,
+    tolerance: float = 1e-3,
+    on_cycle: Callable[[RunIn], None] | None = None,
+) -> RunIn:
+    """Return two bodies after repeated loading, flattening and unloading, until shakedown.
+
+    Each cycle solves the contact and takes the loss of height from the softer body, or half of it from each where
+    they are equally hard. From cycle to cycle the counterbody is displaced by whole cells, periodically across the
+    border, as a ring moves under a ball. Each cycle starts from the pressure of the last one in the same position.
+
+    Parameters
+    ----------
+    problem
+        The fresh bodies; at least one has a pressure limit.
+    pressure, force
+        Exactly one load, as in `ContactProblem.solve`. (An approach is counted from first touch, which flattening
+        moves.)
+    model
+        Registered name or instance of a flattening model: ``"overlap"`` or ``"uniform-rise"``.
+    shifts
+        Cells (x, y) by which the counterbody is displaced from its first position, for each cycle of a round.
+    rounds
+        Maximum number of rounds.
+    tolerance
+        Shakedown is reached when a round flattens no more than this fraction of the volume so far.
+    on_cycle
+        Called after each cycle with the `RunIn` so far; its problem may be saved, and run in further.
+
+    Raises
+    ------
+    InputError
+        If neither body has a pressure limit, the load is not admissible or flattens everything, the counterbody is
+        displaced although its heights do not repeat, or the model does not return heights.
+    NotConverged
+        If a contact is not certified.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
+    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    >>> body = rc.Body(wave, steel)
+    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
+    >>> worn = rc.run_in(problem, pressure=100e6)
+    >>> print(f"{1e18 * worn.volume:.0f} µm3 flattened, shakedown: {worn.shakedown}")
+    78 µm3 flattened, shakedown: True
+    """
+    if not isinstance(problem, ContactProblem):
+        raise InputError.about("The problem", problem, "a ContactProblem")
+    chosen = flattening_models.resolve(model)
+    moves = _check_shifts(shifts, problem)
+    rounds = integer(rounds, "The number of rounds", at_least=1)
+    tolerance = number(tolerance, "The tolerance of shakedown", at_least=0.0, at_most=1.0)
+    on_cycle = callback(on_cycle, "on_cycle=", "result")
+    problem.require_load(pressure=pressure, force=force)
+    state = _State(problem)
+    cycles: list[Cycle] = []
+    pressures: dict[tuple[int, int], Array] = {}
+    while True:
+        for shift in moves:
+            start = pressures.get(shift)
+            solution = state.shifted_problem(shift).solve(pressure=pressure, force=force, start=start)
+            if len(pressures) < _MAX_KEPT_PRESSURES or shift in pressures:
+                pressures[shift] = solution.pressure
+            cycles.append(state.flatten(solution, _height_loss(chosen, solution), shift))
+            volumes = [cycle.volume for cycle in cycles]
+            # Only a complete round counts.
+            complete = len(cycles) % len(moves) == 0
+            shakedown = complete and sum(volumes[-len(moves) :]) <= tolerance * sum(volumes)
+            if on_cycle is not None:
+                on_cycle(state.result(cycles, shakedown, solution))
+        if shakedown or len(cycles) >= rounds * len(moves):
+            return state.result(cycles, shakedown, solution)
+
+
+class _State:
+    """The heights of both bodies, changed from cycle to cycle."""
+
+    def __init__(self, problem: ContactProblem) -> None:
+        self._problem = problem
+        self._grid = problem.plan.grid
+        self._sides = (problem.body, problem.counterbody)
+        self._fresh = [side.heights(self._grid) for side in self._sides]
+        self._heights = [heights.copy() for heights in self._fresh]
+        self._masks = [side.non_measured(self._grid) for side in self._sides]
+        self._fraction = _fraction_of_body(problem)
+
+    def shifted_problem(self, shift: tuple[int, int]) -> ContactProblem:
+        """Return the problem with the heights as they are and the counterbody displaced."""
+        one, other = self._masks
+        moved = None if other is None else np.roll(other, shift, axis=(0, 1))
+        heights = [self._heights[0], np.roll(self._heights[1], shift, axis=(0, 1))]
+        return self._problem_of(heights, [one, moved], [(), ()])
+
+    def flatten(self, solution: ContactSolution, height_loss: Array, shift: tuple[int, int]) -> Cycle:
+        """Take the loss of height from both bodies and return the record of the cycle."""
+        self._heights[0] -= self._fraction * height_loss
+        back = (-shift[0], -shift[1])
+        self._heights[1] -= np.roll((1.0 - self._fraction) * height_loss, back, axis=(0, 1))
+        return Cycle(
+            shift=shift,
+            volume=float(np.maximum(height_loss, 0.0).sum()) * self._grid.cell_area,
+            deepest=max(float(height_loss.max()), 0.0),
+            area=solution.area(),
+            saturated=solution.saturated_area(),
+            approach=solution.approach,
+        )
+
+    def result(self, cycles: Sequence[Cycle], shakedown: bool, solution: ContactSolution) -> RunIn:
+        """Return the result so far."""
+        histories = [(*side.provenance, f"run in by {len(cycles)} cycles") for side in self._sides]
+        body, counterbody = (fresh - now for fresh, now in zip(self._fresh, self._heights, strict=True))
+        return RunIn(
+            problem=self._problem_of(self._heights, self._masks, histories),
+            cycles=tuple(cycles),
+            shakedown=shakedown,
+            height_loss=(body, counterbody),
+            solution=solution,
+        )
+
+    def _problem_of(
+        self, heights: list[Array], masks: list[Mask | None], histories: list[tuple[str, ...]]
+    ) -> ContactProblem:
+        if np.ptp(heights[0] + heights[1]) == 0.0:
+            raise InputError("The load has flattened everything, and nothing is left to run in: choose a smaller one.")
+        periodic = self._problem.boundary is not Boundary.FREE
+        body, counterbody = (
+            Body(HeightMap(z, self._grid.size, periodic=periodic, non_measured=mask, history=history), side.material)
+            for z, mask, history, side in zip(heights, masks, histories, self._sides, strict=True)
+        )
+        return attrs.evolve(self._problem, body=body, counterbody=counterbody, grid=self._grid)
+
+
+def _height_loss(model: FlatteningModel, solution: ContactSolution) -> Array:
+    height_loss = np.asarray(model.height_loss(solution))
+    if height_loss.shape != solution.grid.shape or height_loss.dtype.kind != "f" or not np.isfinite(height_loss).all():
+        raise InputError(
+            f"The flattening model {model!r} must give finite real heights of shape {solution.grid.shape}, but gave an "
+            f"array of shape {height_loss.shape} and type {height_loss.dtype}."
+        )
+    return height_loss
+
+
+def _fraction_of_body(problem: ContactProblem) -> float | Array:
+    """Return the body's fraction of the flattening: all where it is softer, half where both are equal."""
+    one, other = (np.asarray(side.material.pressure_limit) for side in (problem.body, problem.counterbody))
+    if np.isinf(one).all() and np.isinf(other).all():
+        raise InputError(
+            "Neither material has a pressure limit, so nothing is flattened: make one ElasticPerfectlyPlastic(...)."
+        )
+    sign = np.sign(other - one, where=one != other, out=np.zeros(np.broadcast(one, other).shape))
+    fraction = 0.5 * (1.0 + sign)
+    return float(fraction) if fraction.ndim == 0 else fraction
+
+
+def _check_shifts(shifts: Sequence[tuple[int, int]], problem: ContactProblem) -> list[tuple[int, int]]:
+    try:
+        array = np.asarray(shifts)
+    except ValueError:
+        array = np.empty(0)
+    if array.ndim != 2 or array.shape[0] < 1 or array.shape[1] != 2 or array.dtype.kind not in "iu":
+        allowed = "a list of pairs (x, y) of integer numbers of cells"
+        raise InputError.about("The shifts of the counterbody", shifts, allowed)
+    if array.any():
+        if any(np.ndim(side.material.pressure_limit) for side in (problem.body, problem.counterbody)):
+            raise InputError("The pressure limit is an array, so the counterbody cannot be shifted: leave shifts= out.")
+        heights = problem.counterbody.surface.heights(problem.plan.grid)
+        for axis, name in enumerate("xy"):
+            if array[:, axis].any() and not repeats(heights, axis):
+                raise InputError(
+                    f"The counterbody's heights do not repeat along {name}, so that shifting it puts a step into the "
+                    f"contact: use a map that repeats, or shifts of zero along {name}."
+                )
+    return [(int(x), int(y)) for x, y in array]

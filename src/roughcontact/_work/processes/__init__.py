@@ -1,1 +1,0 @@
-"""Repeated loading that changes the surfaces."""

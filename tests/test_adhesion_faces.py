@@ -1,0 +1,204 @@
+"""Adhesion through the doors of those who do not script: command line, study files, figures, reports, the kit."""
+
+from __future__ import annotations
+
+import json
+import runpy
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact import testing as kit
+from roughcontact.__main__ import main
+
+LAW = ["--adhesion", "exponential", "work=50mJ/m2", "range=60nm"]
+BODY = ["--young", "5MPa", "--poisson", "0.5"]
+
+
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory):
+    grid = rc.Grid((32, 32), 8e-6)
+    path = tmp_path_factory.mktemp("maps") / "ball.npz"
+    np.savez(path, heights=rc.ParaboloidSurface(2e-6).heights(grid), size=grid.size)
+    return path
+
+
+def run(capsys, *arguments):
+    try:
+        status = main([str(argument) for argument in arguments])
+    except SystemExit as ended:
+        status = ended.code
+    return status, capsys.readouterr()
+
+
+def make_problem(**options):
+    body = rc.Body(rc.ParaboloidSurface(2e-6), rc.Elastic("5MPa", 0.5))
+    return rc.ContactProblem(body, grid=rc.Grid((32, 32), 8e-6), adhesion=rc.Exponential("50mJ/m2", "200nm"), **options)
+
+
+@pytest.fixture(scope="module")
+def solution():
+    return make_problem().solve(pressure=0.0)
+
+
+class TestCommand:
+    def test_solves_without_a_load_as_a_script_does(self, ball, capsys):
+        _, printed = run(capsys, "solve", ball, "--force", "0N", *BODY, *LAW, "--json")
+        found = json.loads(printed.out)
+        heights = rc.read_surface(ball)
+        problem = rc.ContactProblem(
+            rc.Body(heights, rc.Elastic(5e6, 0.5)), adhesion=rc.Exponential(work=0.05, range=60e-9)
+        )
+        expected = problem.solve(force=0.0)
+        assert found["area"]["value"] == expected.area().value
+        assert found["attractive_area"]["value"] == expected.attractive_area().value
+        assert found["force"]["value"] == 0.0
+        assert 0.0 < found["residuals"]["tension"] < 1e-4
+
+    def test_finds_pull_off(self, ball, capsys):
+        law = ["--adhesion", "exponential", "work=50mJ/m2", "range=200nm"]
+        _, printed = run(capsys, "solve", ball, "--force", "0N", *BODY, *law, "--pull-off")
+        (line,) = (line for line in printed.out.splitlines() if line.startswith("pull-off"))
+        assert "-" in line
+        assert "nN +-" in line
+
+    def test_pulls_at_several_loads_in_their_order(self, ball, capsys):
+        _, printed = run(capsys, "solve", ball, "--loads", "20nN", "0nN", "-20nN", *BODY, *LAW, "--csv")
+        rows = [line.split(",") for line in printed.out.splitlines()]
+        force = [float(row[rows[0].index("force [N]")]) for row in rows[1:]]
+        assert force == pytest.approx([20e-9, 0.0, -20e-9], abs=1e-15)
+
+    @pytest.mark.parametrize(
+        ("arguments", "sentence"),
+        [
+            (["--adhesion", "exponential", "work=50", "range=60nm"], "'50' has no unit (mJ/m2 or J/m2?)"),
+            (["--adhesion", "exponential", "work=50mJ/m2"], "needs FIELD=VALUE for each of its fields"),
+            (["--adhesion", "exponential", "work=50mJ/m2", "reach=1nm"], "one of work, range"),
+            (["--adhesion", "glue", "work=50mJ/m2"], "There is no interaction named 'glue'"),
+            (["--pull-off"], "--pull-off is for surfaces that attract each other"),
+        ],
+    )
+    def test_refuses_in_a_sentence(self, ball, capsys, arguments, sentence):
+        status, printed = run(capsys, "solve", ball, "--force", "1nN", *BODY, *arguments)
+        assert status == 2
+        assert sentence in printed.err
+        assert printed.out == ""
+
+
+def test_study_file(tmp_path):
+    (tmp_path / "study.toml").write_text(
+        """
+[problems.sticky]
+grid = {shape = [32, 32], size = ["8um", "8um"]}
+body = {surface = {type = "paraboloid", radius = "2um"}, material = {type = "elastic", young = "5MPa", poisson = 0.5}}
+adhesion = {type = "exponential", work = "50mJ/m2", range = "200nm"}
+
+[study]
+force = [0.0, 20e-9]
+""",
+        encoding="utf-8",
+    )
+    from roughcontact._work.studies.toml import read_study
+
+    result = read_study(tmp_path / "study.toml").run(tmp_path / "results")
+    states = [result.solution(record) for record in result]
+    assert [state.force for state in states] == pytest.approx([0.0, 20e-9], abs=1e-15)
+    assert all(state.status.success for state in states)
+    expected = make_problem().solve(force=0.0)
+    assert states[0].area().value == expected.area().value
+
+
+class TestFigures:
+    def test_tension_is_drawn_outside_the_contact(self, solution):
+        axes = solution.plot("tension")
+        image = axes.images[0].get_array()
+        drawn = ~np.ma.getmaskarray(np.ma.masked_invalid(image))
+        assert np.count_nonzero(drawn) == np.count_nonzero(~solution.contact)
+        plain = make_plain()
+        with pytest.raises(rc.InputError, match="do not attract"):
+            plain.plot("tension")
+
+    def test_pressure_is_that_of_the_contact(self, solution):
+        image = solution.plot("pressure").images[0].get_array()
+        assert np.nanmin(np.ma.filled(image, np.nan)) > 0.0
+
+    def test_cycle_shows_both_branches(self):
+        cycle = make_problem().cycle(approach=np.linspace(-0.3e-6, 0.3e-6, 5))
+        axes = cycle.plot()
+        labels = {line.get_label(): line for line in axes.lines}
+        assert {"loading", "unloading"} <= set(labels)
+        drawn = labels["unloading"].get_ydata()
+        assert drawn / np.abs(drawn).max() == pytest.approx(
+            cycle.unloading.force / np.abs(cycle.unloading.force).max(), rel=1e-6
+        )
+        assert "dissipated" in str(cycle)
+
+
+def make_plain():
+    body = rc.Body(rc.ParaboloidSurface(2e-6), rc.Elastic("5MPa", 0.5))
+    return rc.ContactProblem(body, grid=rc.Grid((32, 32), 8e-6)).solve(force=1e-8)
+
+
+def test_report_solves_it_again(solution, tmp_path, capsys):
+    text = solution.to_html()
+    start = text.index("import hashlib")
+    script = text[start : text.index("</", start)].replace("&quot;", '"').replace("&#x27;", "'").replace("&gt;", ">")
+    assert "rc.Exponential(" in script
+    path = tmp_path / "again.py"
+    path.write_text(script, encoding="utf-8")
+    again = runpy.run_path(str(path))["solution"]
+    assert np.array_equal(again.pressure, solution.pressure)
+    assert np.array_equal(again.tension, solution.tension)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        rc.Exponential(0.05, 2e-9),
+        rc.Dugdale(0.05, 1e7),
+        rc.VanDerWaals(0.03, 3e-10),
+        rc.ShortRange(0.05),
+        rc.Exponential(np.linspace(0.02, 0.05, 12).reshape(3, 4), 2e-9),
+    ],
+    ids=str,
+)
+def test_laws_hold_what_is_claimed(law):
+    kit.check(law).raise_for_failures()
+
+
+class Rising(rc.Interaction):
+    """A law whose slope is that of another one."""
+
+    def tension(self, gap):
+        return 1e6 * np.exp(-np.asarray(gap) / 1e-9)
+
+    def slope(self, gap):
+        return 1e15 * np.exp(-np.asarray(gap) / 1e-9)
+
+    def energy(self, gap):
+        return -1e-3 * np.exp(-np.asarray(gap) / 1e-9)
+
+
+def test_the_kit_finds_a_wrong_slope():
+    broken = [finding.claim for finding in kit.check(Rising()).failures]
+    assert "slope is the derivative of the tension" in broken
+
+
+class TestStiffness:
+    def test_is_the_slope_of_the_force_over_the_approach(self, solution):
+        found = solution.stiffness()
+        step = 2e-9
+        above, below = (
+            make_problem().solve(approach=solution.approach + change, start=solution.pressure).force
+            for change in (step, -step)
+        )
+        assert found.value == pytest.approx((above - below) / (2.0 * step), rel=0.02)
+        assert 0.0 < found.uncertainty < 0.1 * found.value
+
+    def test_differs_from_that_of_the_contact_alone(self, solution):
+        # The tension beside the contact falls as the bodies part: the contact alone would be stiffer.
+        body = rc.Body(rc.ParaboloidSurface(2e-6), rc.Elastic("5MPa", 0.5))
+        plain = rc.ContactProblem(body, grid=rc.Grid((32, 32), 8e-6))
+        same_area = plain.solve_area(solution.area().fraction)
+        assert solution.stiffness().value < 0.98 * same_area.stiffness().value
