@@ -444,6 +444,7 @@ class PastewkaRobbins:
         return self.ratio < 1.0
 
 
+@guarded
 @attrs.frozen
 class FullContactEnergies:
     """The energies of two surfaces pressed into full contact, per nominal area.
