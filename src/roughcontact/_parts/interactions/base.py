@@ -218,3 +218,7 @@ class BoundInteraction:
     def stretched(self, factor: float) -> BoundInteraction:
         """Return the interaction with its range times a factor and its strength over it: the same work of adhesion."""
         return attrs.evolve(self, length=self.length / factor, pressure=self.pressure * factor)
+
+    def weakened(self, fraction: float) -> BoundInteraction:
+        """Return the interaction with its work of adhesion and its strength times a fraction: the same range."""
+        return attrs.evolve(self, pressure=self.pressure / fraction)

@@ -45,7 +45,7 @@ class AdhesiveViolation:
     bounds
         Maximum amount by which the pressure leaves its bounds, minus the strength and the limit, over the strength.
     scale
-        The smaller of the standard deviation of the initial gap and the range of the displacement.
+        The smaller of the standard deviation of the initial gap and, in contact, the range of the displacement.
     floor
         The error that rounding in float64 may cause on these fields, over `scale`.
     """
@@ -105,7 +105,7 @@ class AdhesiveConditions:
         carried = float(contact.sum())
         opened = float(np.einsum("ij,ij->", contact, np.abs(closing))) / carried if carried > 0.0 else 0.0
         overlap = max(0.0, -float(closing.min()))
-        scale = self._find_scale(displacement, pressure)
+        scale = self._find_scale(displacement, pressure, carried)
         off = self._tension_error(gap, tension, contact)
         strength = float(np.max(self.interaction.strength))
         below = float((-np.asarray(self.interaction.strength) - pressure).max())
@@ -131,8 +131,11 @@ class AdhesiveConditions:
         moved = displacement + self.initial_gap
         return float(moved[saturated].max()) if saturated.any() else float(moved.min())
 
-    def _find_scale(self, displacement: Array, pressure: Array) -> float:
+    def _find_scale(self, displacement: Array, pressure: Array, carried: float) -> float:
         rms = float(self.initial_gap.std()) if self.rms is None else self.rms
+        if carried == 0.0 and rms > 0.0:
+            # Surfaces that do not touch may hardly deform.
+            return rms
         moved = float(displacement.max() - displacement.min())
         elastic = moved if moved > _ROUNDING * float(np.abs(pressure).max()) else 0.0
         return min(rms, elastic) or max(rms, elastic) or 1.0

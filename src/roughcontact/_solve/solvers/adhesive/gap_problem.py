@@ -86,8 +86,14 @@ def hold_mean(problem: GapProblem, task: Task, gap: Array) -> Array:
 
 
 def gap_scale(task: Task, gap: Array, problem: GapProblem) -> float:
-    """Return the smaller of the standard deviation of the initial gap and the range of the displacement."""
+    """Return the smaller of the standard deviation of the initial gap and, in contact, the range of the displacement.
+
+    Surfaces that do not touch may hardly deform.
+    """
     rms = float(task.initial_gap.std()) if task.rms_gap is None else task.rms_gap
-    displacement = problem.stiffness.inner(gap) - task.initial_gap
+    inside = problem.stiffness.inner(gap)
+    displacement = inside - task.initial_gap
     moved = float(displacement.max() - displacement.min())
+    if inside.min() > 0.0 and rms > 0.0:
+        return rms
     return min(rms, moved) or max(rms, moved) or 1.0
