@@ -10,9 +10,11 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
+from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.reference.closed_forms import Westergaard
+from roughcontact.reference.roughness import list_waves
 
 # Angles arccos(a/c) of Maugis' equations between which states are found: their contact radii span ten decades.
 _SMALLEST_ANGLE = 1e-5
@@ -440,3 +442,58 @@ class PastewkaRobbins:
     def sticks(self) -> bool:
         """Whether a finite force is needed to separate the surfaces."""
         return self.ratio < 1.0
+
+
+@guarded
+@attrs.frozen
+class FullContactEnergies:
+    """The energies of two surfaces pressed into full contact, per nominal area.
+
+    Attributes
+    ----------
+    elastic
+        Elastic energy of closing all gaps, J/m2.
+    released
+        Work of adhesion less the elastic energy, J/m2: what full contact releases, or costs if it is negative. It is
+        the effective work of adhesion of Persson and Tosatti without the area that the roughness adds.
+    """
+
+    elastic: float
+    released: float
+
+
+@guarded
+def full_contact_energies(heights: Array, grid: Grid, work: float, modulus: float) -> FullContactEnergies:
+    r"""Return the energies of full contact of a surface that repeats, by the power of its waves.
+
+    .. math:: U = \frac{E^*}{4} \sum_q q\,|h_q|^2
+
+    Parameters
+    ----------
+    heights
+        Heights, shape (nx, ny), m.
+    grid
+        Their grid.
+    work
+        Work of adhesion, J/m2.
+    modulus
+        Contact modulus E*, Pa.
+
+    References
+    ----------
+    Persson, Tosatti, J. Chem. Phys. 115 (2001) 5597-5610, https://doi.org/10.1063/1.1398300
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.reference import full_contact_energies
+    >>> grid = rc.Grid((64, 64), 64e-6)
+    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=32e-6).heights(grid)
+    >>> energies = full_contact_energies(wave, grid, work=0.05, modulus=1e6)
+    >>> print(f"{energies.elastic:.4f} J/m2 of 0.05 J/m2")
+    0.0491 J/m2 of 0.05 J/m2
+    """
+    waves = list_waves(heights, grid, periodic=True)
+    strain = waves.sum(np.sqrt(waves.square)) * waves.height**2 / waves.cell
+    elastic = 0.25 * _pascal(modulus) * strain
+    return FullContactEnergies(elastic, _work(work) - elastic)
