@@ -146,7 +146,7 @@ TABLE = {
     "load negative": (lambda: problem().solve(force=-1.0), "above 0"),
     "load infinite": (lambda: problem().solve(pressure=INF), "finite number"),
     "load nan": (lambda: problem().solve(pressure=NAN), "finite number"),
-    "load in words": (lambda: problem().solve(pressure="100MPa"), "'100MPa'"),
+    "load in words": (lambda: problem().solve(pressure="100 pounds"), "'100 pounds'"),
     "approach zero": (lambda: problem().solve(approach=0.0), "above 0"),
     "approach beyond full contact": (
         lambda: problem(boundary="periodic").solve(approach=3e-6),

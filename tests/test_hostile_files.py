@@ -193,7 +193,7 @@ PARTS = {
         "fields of the surface 'flat' are nothing",
     ),
     "a field too few": (SURFACE, part("surface", "wavy"), "fields of the surface 'wavy' are amplitude"),
-    "a wrong value": (SURFACE, part("surface", "sphere", radius="1 m"), "does not take its fields"),
+    "a wrong value": (SURFACE, part("surface", "sphere", radius="1 N"), "does not take its fields"),
     "fields in a list": (SURFACE, {"kind": "surface", "name": "flat", "fields": []}, "does not describe a part"),
     "a word more": (SURFACE, {**part("surface", "flat"), "then": "os:system"}, "does not describe a part"),
     "an array that is not there": (SURFACE, {"array": "../../x"}, "does not describe a part"),

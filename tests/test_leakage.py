@@ -342,7 +342,7 @@ def test_large_flows_need_pyamg(monkeypatch):
         ({"viscosity": -1.0}, "viscosity"),
         ({"viscosity": math.nan}, "viscosity"),
         ({"pressure_drop": 0.0}, "pressure drop"),
-        ({"pressure_drop": "1 bar"}, "pressure drop"),
+        ({"pressure_drop": "1 m"}, "pressure drop"),
     ],
 )
 def test_bad_input_gets_a_sentence(change, message):

@@ -115,7 +115,7 @@ def test_a_decimal_comma_solves_nothing(tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("young", ["2,5e9", "210GPa", "9**9**9**9", "nan", "1e999", "1_0_"])
+@pytest.mark.parametrize("young", ["2,5e9", "210m", "9**9**9**9", "nan", "1e999", "1_0_"])
 def test_fields_of_a_part_are_plain_numbers(young, capsys):
     assert main(["check", "elastic", "--with", f"young={young}", "poisson=0.3"]) == 2
     assert "Young's modulus must be a finite number, above 0 (Pa), but got" in capsys.readouterr().err

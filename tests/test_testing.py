@@ -343,7 +343,43 @@ class Scribbles(rc.Panel):
             axes.plot([0.0, 1.0], [0.0, np.random.default_rng().random() if self.fault == "moody" else 1.0])
 
 
+class Misattracts(rc.Interaction):
+    """An exponential law with one fault."""
+
+    def __init__(self, fault):
+        self.fault = fault
+
+    def decay(self, gap):
+        return (1e-9 if self.fault == "weak" else 1.0) * np.exp(-np.asarray(gap) / 1e-9)
+
+    def tension(self, gap):
+        sign = -1.0 if self.fault == "repels" else 1.0
+        values = sign * 1e6 * self.decay(gap)
+        return values.ravel() if self.fault == "flat" and values.ndim > 1 else values
+
+    def slope(self, gap):
+        return (2e15 if self.fault == "slope" else -1e15) * self.decay(gap)
+
+    def energy(self, gap):
+        lasting = 1e-6 if self.fault == "lasting" else 0.0
+        return (-2e-3 if self.fault == "energy" else -1e-3) * self.decay(gap) - lasting
+
+    @property
+    def reach(self):
+        return 1.4e-8
+
+    def resolve(self, spacing, modulus):
+        # On other grids than the kit's own it hardly attracts.
+        return Misattracts("weak") if self.fault == "moody" and modulus != 1e7 else self
+
+
 BROKEN = [
+    (Misattracts("repels"), "attracts"),
+    (Misattracts("energy"), "tension is the derivative of the energy"),
+    (Misattracts("slope"), "slope is the derivative of the tension"),
+    (Misattracts("lasting"), "ends at its reach"),
+    (Misattracts("flat"), "shape"),
+    (Misattracts("moody"), "contact"),
     (Answers("mute"), "serves a rough contact"),
     (Answers("words"), "valid numbers and warnings"),
     (Answers("moody"), "repeatable"),

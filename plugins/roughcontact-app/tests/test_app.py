@@ -812,7 +812,11 @@ def test_the_report_opens_alone_and_runs_no_script(solved):
 def test_there_is_a_picture_of_each_panel(solved):
     client, state = solved
     pictures = {one["panel"]: one["file"] for one in state["outputs"] if one["role"] == "picture"}
-    assert set(pictures) == {name for name in rc.panels if rc.panels[name].subject in ("sweep", "solution")}
+    assert set(pictures) == {
+        name
+        for name in rc.panels
+        if rc.panels[name].subject in ("sweep", "solution") and not rc.panels[name].needs_adhesion
+    }
     assert next(iter(pictures)) == "area-load"
     for file in pictures.values():
         assert client.get(f"runs/{state['id']}/{file}")[:4] == b"\x89PNG"
@@ -912,6 +916,33 @@ def test_quantities_are_those_of_a_script_to_the_last_bit(text, unit, value):
 
 def test_loads_are_separated_by_blanks_or_semicolons():
     assert load_values(read_settings({"loads": " 1 2;  5 ; ", "load_unit": "MPa"})) == [1e6, 2e6, 5e6]
+
+
+STICKY = {"surface": "sphere", "radius": "6", "radius_unit": "um", "side": "8", "cells": "32", "young": "5"}
+STICKY |= {"young_unit": "MPa", "poisson": "0.5", "load": "force", "load_unit": "nN", "adhesion": "exponential"}
+
+
+def test_surfaces_that_attract_each_other_are_those_of_a_script():
+    settings = read_settings({**STICKY, "load_unit": "N", "loads": "0 -2e-8", "range": "200"})
+    problem = make_problem(settings, make_scene(settings, None))
+    law = problem.adhesion
+    assert (type(law), law.work, law.range) == (rc.Exponential, 50e-3, 200e-9)
+    loads = make_loads(settings, problem)
+    assert [load.value for load in loads] == [0.0, -2e-8]
+    assert problem.solve(**loads[0].arguments).status.success
+
+
+def test_only_surfaces_that_attract_each_other_are_pulled():
+    with pytest.raises(rc.InputError, match="must be above 0, but got -2 N"):
+        load_values(read_settings({**STICKY, "load_unit": "N", "loads": "-2", "adhesion": "none"}))
+
+
+def test_adhesion_is_solved_and_drawn(client):
+    run = client.post("api/runs", {**STICKY, "load_unit": "N", "loads": "0", "range": "200"})["id"]
+    state = client.wait(run)
+    assert state["phase"] == "done", state
+    drawn = {one["panel"] for one in state["outputs"] if one["role"] == "picture"}
+    assert {"pressure", "gap", "tension"} <= drawn
 
 
 def test_the_first_settings_are_a_problem_that_can_be_solved():

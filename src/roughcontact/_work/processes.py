@@ -251,6 +251,8 @@ def run_in(
     """
     if not isinstance(problem, ContactProblem):
         raise InputError.about("The problem", problem, "a ContactProblem")
+    if problem.adhesion is not None:
+        raise InputError("Running in knows no tension: omit adhesion=, or follow the loads by problem.sweep.")
     chosen = flattening_models.resolve(model)
     moves = _check_shifts(shifts, problem)
     rounds = integer(rounds, "The number of rounds", at_least=1)

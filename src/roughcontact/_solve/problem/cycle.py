@@ -58,7 +58,7 @@ class AdhesionCycle:
     --------
     >>> import numpy as np
     >>> import roughcontact as rc
-    >>> ball = rc.Body(rc.SphereSurface(radius=1e-6), rc.Elastic(young=10e6, poisson=0.5))
+    >>> ball = rc.Body(rc.ParaboloidSurface(radius=1e-6), rc.Elastic(young=10e6, poisson=0.5))
     >>> law = rc.Exponential(work="50mJ/m2", range="60nm")
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((48, 48), 2e-6), adhesion=law)
     >>> cycle = problem.cycle(approach=np.linspace(-0.3e-6, 0.1e-6, 5))

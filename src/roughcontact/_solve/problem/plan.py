@@ -310,10 +310,12 @@ def _resolve_interaction(adhesion: Interaction, grid: Grid, modulus: float, solv
     if not solver.adhesive:
         raise InputError(f"The solver {solver!r} knows no tension: with adhesion choose solver='auto' or 'majorise'.")
     law = adhesion.resolve(grid.spacing, modulus)
-    for values, name in ((law.work, "work of adhesion"), (law.strength, "strength of the interaction")):
-        if np.shape(values) not in ((), grid.shape):
+    kind: Any = type(law)
+    for field in attrs.fields(kind) if attrs.has(kind) else ():
+        shape = np.shape(getattr(law, field.name))
+        if len(shape) > 1 and shape != grid.shape:
             raise InputError(
-                f"The {name} is an array of shape {np.shape(values)}, but the grid has {grid.shape} cells."
+                f"The {field.alias} of the adhesion is an array of shape {shape}, but the grid has {grid.shape} cells."
             )
     return law
 

@@ -12,6 +12,7 @@ from roughcontact._base.units import WIDTH, Estimate, counted, kind_of, prefixed
 from roughcontact._parts.grid import FIRST_LOADING, Load
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
+from roughcontact._solve.solution.attraction import average_gap
 from roughcontact._solve.solution.plausibility import exceeds_metals
 from roughcontact._solve.solution.results import Area
 from roughcontact.errors.door import guarded
@@ -174,8 +175,12 @@ def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], lis
     """Return the quantities of a solution by name, in SI units, and all warnings."""
     area = solution.area()
     peak = solution.peak_pressure()
-    gap: Estimate = solution.response("mean-gap")
-    patches: Estimate = solution.response("patches")
+    if solution.tension is None:
+        gap: Estimate = solution.response("mean-gap")
+        patches: Estimate = solution.response("patches")
+    else:
+        gap = average_gap(solution)
+        patches = Estimate(float(solution.patches.areas.size), 0.0, "")
     found = {
         "contact area": Estimate(area.value, area.uncertainty, "m2"),
         "contact area fraction": Estimate(area.fraction, area.uncertainty / solution.grid.area, ""),

@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
+from roughcontact._base.checks import instance_of
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.base import (
@@ -27,6 +28,9 @@ _INNER = 0.1
 _LOOSE = 0.02
 # Estimated rate of convergence at most: a slower one is not told from none.
 _SLOWEST = 0.995
+
+
+_is_solver = instance_of(Solver, "The solver of the contacts without adhesion", "a Solver such as PolonskyKeer()")
 
 
 @attrs.frozen
@@ -65,7 +69,7 @@ class Majorise(Solver):
 
     tolerance: float = attrs.field(converter=positive_tolerance, default=DEFAULT_TOLERANCE)
     max_rounds: int = attrs.field(converter=iteration_limit, default=2000)
-    solver: Solver = attrs.field(factory=ProjectedConjugateGradient, kw_only=True)
+    solver: Solver = attrs.field(factory=ProjectedConjugateGradient, kw_only=True, validator=_is_solver)
 
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the pressure and the tension; see `Solver.solve`."""
