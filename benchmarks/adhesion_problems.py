@@ -149,7 +149,7 @@ def judge(convolution: PreparedConvolution, task: Task, outcome: Outcome) -> dic
     gap = gap - approach
     scale = float(task.initial_gap.std())
     if contact.any():
-        scale = min(scale, float(moved.max() - moved.min()))
+        scale = min(scale, float(moved.max() - moved.min())) or scale or 1.0
     saturated = pressure >= task.pressure_limit
     opened = contact <= 0.0
     strength = float(np.max(task.interaction.strength))
