@@ -137,7 +137,7 @@ def judge(convolution: PreparedConvolution, task: Task, outcome: Outcome) -> dic
     pressure = outcome.pressure
     tension = outcome.tension
     gap = displace(convolution, pressure) + task.initial_gap
-    contact = pressure + tension
+    contact = np.maximum(pressure + tension, 0.0)
     touching = (contact > 0.0) & (pressure < task.pressure_limit)
     if task.approach is not None:
         approach = task.approach
@@ -147,7 +147,9 @@ def judge(convolution: PreparedConvolution, task: Task, outcome: Outcome) -> dic
         approach = float(gap.min())
     moved = gap - task.initial_gap
     gap = gap - approach
-    scale = min(float(task.initial_gap.std()), float(moved.max() - moved.min())) or 1.0
+    scale = float(task.initial_gap.std())
+    if contact.any():
+        scale = min(scale, float(moved.max() - moved.min())) or scale or 1.0
     saturated = pressure >= task.pressure_limit
     opened = contact <= 0.0
     strength = float(np.max(task.interaction.strength))

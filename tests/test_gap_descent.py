@@ -13,7 +13,7 @@ from roughcontact._solve.solution import Status
 from roughcontact._solve.solution.attraction import AdhesiveConditions
 from roughcontact._solve.solvers import Task
 from roughcontact._solve.solvers.adhesive import GapDescent, Majorise, stability_margin
-from roughcontact.reference import JohnsonWave, MaugisDugdale
+from roughcontact.reference import MaugisDugdale
 
 TOLERANCE = 1e-5
 
@@ -139,38 +139,6 @@ def test_force_is_the_derivative_of_the_energy():
     step = (approaches[1] - approaches[0]) * ball.unit
     slope = np.polyfit(np.arange(9) - 4, energies, 4)[-2] / step
     assert slope == pytest.approx(np.polyfit(np.arange(9) - 4, forces, 4)[-1], rel=2e-3)
-
-
-def test_wave_comes_off_at_the_pressure_of_johnson():
-    cells, alpha = 256, 0.2
-    grid = rc.Grid((cells, 2), (float(cells), 2.0))
-    amplitude = 0.02 * cells
-    work = alpha**2 * math.pi**2 * amplitude**2 / (2 * cells)
-    theory = JohnsonWave(amplitude, cells, 1.0, work)
-    gap = amplitude * (1.0 - np.cos(2.0 * np.pi * grid.x / cells)) + 0.0 * grid.y
-    convolution = prepare(grid)
-    task = Task(initial_gap=gap, mean_pressure=0.0, interaction=make_law(work, 2.0))
-    outcome = solve(convolution, task)
-    assert contact_of(outcome).mean() == pytest.approx(2.0 * theory.half_width(0.0) / cells, abs=0.02)
-    held = GapDescent().solve(convolution, attrs.evolve(task, mean_pressure=0.9 * theory.pull_off))
-    assert held.status is Status.CONVERGED
-    apart = GapDescent().solve(convolution, attrs.evolve(task, mean_pressure=1.1 * theory.pull_off))
-    assert apart.status is Status.SEPARATED
-    assert not apart.status.success
-    assert not apart.pressure.any()
-
-
-@pytest.mark.parametrize(("alpha", "closes"), [(0.45, False), (0.7, True)])
-def test_wave_closes_by_itself_where_attraction_wins(alpha, closes):
-    cells = 256
-    grid = rc.Grid((cells, 2), (float(cells), 2.0))
-    amplitude = 0.02 * cells
-    work = alpha**2 * math.pi**2 * amplitude**2 / (2 * cells)
-    gap = amplitude * (1.0 - np.cos(2.0 * np.pi * grid.x / cells)) + 0.0 * grid.y
-    task = Task(initial_gap=gap, mean_pressure=0.0, interaction=make_law(work, 2.0))
-    outcome = solve(prepare(grid), task)
-    assert bool(contact_of(outcome).all()) is closes
-    assert (JohnsonWave(amplitude, cells, 1.0, work).pressure_of_full_contact < 0.0) is closes
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free", "wrapped"])

@@ -17,7 +17,7 @@ from roughcontact.errors import InputError
 # denormal, which is slow.
 _LOWEST_EXPONENT = {np.dtype(np.float32): -60.0, np.dtype(np.float64): -600.0}
 # Cells of the cohesive length of a law that a grid just resolves: fewer make the edge of the contact stick to the
-# cells, and pull-off wrong by 30 % exp(-2 cells).
+# cells, and pull-off too strong by about 80 % exp(-2 cells).
 _RESOLVED = 2.0
 
 
