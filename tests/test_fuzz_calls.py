@@ -225,7 +225,7 @@ BAD |= {
 # Results, which users do not make; enumerations; what has no arguments.
 SKIPPED = {"Area", "ContactSolution", "Boundary", "Status", "reference.Hertz"}
 # Results again; a figure for each call would be too many.
-SKIPPED |= {"reference.PerssonContact", "reference.Roughness", "InterfaceLaw.plot"}
+SKIPPED |= {"reference.PerssonContact", "reference.Roughness", "reference.FullContactEnergies", "InterfaceLaw.plot"}
 SKIPPED |= {
     f"{name}.plot" for name in ("WavySurface", "SelfAffineSurface", "HeightMap", "SurfaceSum", "PlacedMap", "Sweep")
 }
