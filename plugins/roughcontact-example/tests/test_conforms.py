@@ -8,6 +8,7 @@ import roughcontact_example as example
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=20e-6, shortest=3e-6, seed=1)
 PARTS = [
     example.Foam(young=70e9, strength=200e6, density=0.1),
+    example.Capillary(surface_energy=0.072, kelvin_radius=1e-9, smoothing=3e-10),
     example.Springs(thickness=2e-6),
     example.SignalConvolver(),
     example.AcceleratedGradient(),

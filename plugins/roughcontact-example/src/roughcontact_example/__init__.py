@@ -3,6 +3,7 @@
 from roughcontact_example.area import Between
 from roughcontact_example.convolver import SignalConvolver
 from roughcontact_example.flattening import Springback
+from roughcontact_example.interaction import Capillary
 from roughcontact_example.kernel import Springs
 from roughcontact_example.material import Foam
 from roughcontact_example.panel import PatchForces
@@ -15,6 +16,7 @@ __all__ = [
     "AcceleratedGradient",
     "Between",
     "Capacitance",
+    "Capillary",
     "Dimples",
     "Foam",
     "PatchForces",
