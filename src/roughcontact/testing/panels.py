@@ -13,7 +13,7 @@ from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.plotting import Panel, SampledSurface, make_figure
 from roughcontact.testing.claim import DoesNotApply, claim, pickled, require
 from roughcontact.testing.generic import claim_repeatable
-from roughcontact.testing.problems import list_contacts, rough_contact
+from roughcontact.testing.problems import adhesive_contact, list_contacts, rough_contact
 
 _SUBJECTS = ("solution", "surface", "sweep")
 
@@ -24,6 +24,8 @@ def _list_subjects(panel: Panel) -> Iterator[tuple[str, Any]]:
     if panel.subject == "solution":
         names = "a rough surface", "a plastic rough surface on a free boundary", "a sphere", "full contact"
         yield from list_contacts(*names)(panel)
+    if panel.needs_adhesion:
+        yield "surfaces that attract each other", adhesive_contact()
     if panel.subject == "surface":
         heights = -rough.initial_gap
         lost = np.where(np.arange(heights.size).reshape(heights.shape) % 7 == 0, np.nan, heights)

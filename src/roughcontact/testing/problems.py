@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact._parts.grid import Boundary, Grid, Load
+from roughcontact._parts.interactions import Exponential
 from roughcontact._parts.kernels import BoundKernel
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import HeightMap, ParaboloidSurface, SelfAffineSurface, WavySurface
@@ -252,6 +253,14 @@ def sphere_contact(cells: float, offset: tuple[float, float]) -> ContactSolution
     body = Body(ParaboloidSurface(radius, center=centre), ELASTIC)
     force = 4.0 * MODULUS * (cells * grid.spacing[0]) ** 3 / (3.0 * radius)
     return ContactProblem(body, grid=grid).solve(force=force)
+
+
+@cache
+def adhesive_contact() -> ContactSolution:
+    """Return a ball and a flat that attract each other, without a load."""
+    body = Body(ParaboloidSurface(2e-6), Elastic(5e6, 0.5))
+    law = Exponential(work=0.05, range=2e-7)
+    return ContactProblem(body, grid=Grid((32, 32), 8e-6), adhesion=law).solve(force=0.0)
 
 
 CONTACTS: Mapping[str, Callable[[], ContactSolution]] = {

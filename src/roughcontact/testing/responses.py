@@ -13,7 +13,14 @@ from roughcontact._solve.solution import ContactSolution, Estimate, Response
 from roughcontact.errors import InputError
 from roughcontact.testing.claim import DoesNotApply, claim, pickled, require
 from roughcontact.testing.generic import claim_invariant, claim_repeatable, read_fields, read_numbers, require_valid
-from roughcontact.testing.problems import ChangedContact, list_contacts, mirror_images, scale_units, shifted_copies
+from roughcontact.testing.problems import (
+    ChangedContact,
+    adhesive_contact,
+    list_contacts,
+    mirror_images,
+    scale_units,
+    shifted_copies,
+)
 
 # Maximum relative difference of two numbers by rounding, of iterations in float32.
 _MAX_NUMBER_DIFFERENCE = 1e-4
@@ -40,7 +47,8 @@ def _estimate(response: Response[Any], solution: ContactSolution) -> list[float]
 
 @claim("response", "serves a rough contact")
 def _serves(response: Response[Any]) -> None:
-    found = (_respond(response, solution) for _, solution in _all_contacts(response))
+    contacts = [*(solution for _, solution in _all_contacts(response)), adhesive_contact()]
+    found = (_respond(response, solution) for solution in contacts)
     require(any(result is not None for result in found), "it refuses every contact that is tried, or returns nothing")
 
 
