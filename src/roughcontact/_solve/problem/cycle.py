@@ -158,8 +158,12 @@ def _follow(solve: Solve, before: Sequence[ContactSolution], load: Load) -> Cont
     if not before:
         return solve(load)
     last = before[-1]
-    gap = np.where(last.contact, 0.0, np.maximum(last.gap, 0.0))
-    return solve(load, last.pressure, start_gap=gap)
+    return solve(load, last.pressure, start_gap=_open_gap(last))
+
+
+def _open_gap(state: ContactSolution) -> Array:
+    """Return the gap, shape (nx, ny), m: exactly zero where the surfaces touch."""
+    return np.where(state.contact, 0.0, np.maximum(state.gap, 0.0))
 
 
 def step_approach(solution: ContactSolution, change: float) -> ContactSolution:
@@ -180,8 +184,7 @@ def find_stability(solution: ContactSolution) -> float:
         raise InputError("The solution has no problem that could be solved again: solve it anew.")
     problem = solution.origin.source
     task = make_task(problem.plan, solution.initial_gap, Load.signed(**solution.origin.load))
-    gap = np.where(solution.contact, 0.0, np.maximum(solution.gap, 0.0)) / problem.plan.peak_to_valley
-    return stability_margin(problem.convolution, task, gap)
+    return stability_margin(problem.convolution, task, _open_gap(solution) / problem.plan.peak_to_valley)
 
 
 def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:
@@ -267,7 +270,7 @@ def _find_energies(sweep: Sweep) -> Array:
         assert state.origin is not None
         law = state.origin.source.plan.interaction
         elastic = 0.5 * float(np.sum(state.pressure * state.displacement))
-        attraction = float(np.sum(law.energy(np.where(state.contact, 0.0, np.maximum(state.gap, 0.0)))))
+        attraction = float(np.sum(law.energy(_open_gap(state))))
         found.append((elastic + attraction) * state.grid.cell_area)
     return np.array(found)
 

@@ -6,7 +6,7 @@ import contextlib
 import math
 import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -279,7 +279,7 @@ def _solve(
     deepened = 0
     while True:
         task = attrs.evolve(make_task(plan, gap.values, load, start, start_gap), on_step=on_step)
-        outcome = _solve_confirmed(plan, problem.convolution, gap.values, task)
+        outcome = plan.solver.solve(problem.convolution, task)
         # A clock may be set back, for instance on a suspended machine.
         seconds = max(0.0, time.perf_counter() - started)
         solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
@@ -296,31 +296,6 @@ def _solve(
         outcome = attrs.evolve(outcome, pressure=np.where(np.asarray(gap.non_measured), 0.0, outcome.pressure))
         solution = certify(plan, problem.convolution, gap.values, task, outcome, seconds=seconds)
     return solution
-
-
-# Factor by which the tolerance of an adhesive solve is lowered where its residuals do not confirm it, and how often.
-_STRICTER = 0.1
-_MAXIMUM_STRICTER = 2
-
-
-def _solve_confirmed(plan: SolvePlan, convolution: PreparedConvolution, initial_gap: Array, task: Task) -> Outcome:
-    """Return the outcome of the solver; with adhesion at a lower tolerance where its residuals exceed its own.
-
-    A solver of gaps measures its error by a preconditioner, which counts long waves for less than they displace.
-    """
-    outcome = plan.solver.solve(convolution, task)
-    solver: Any = plan.solver
-    for _ in range(_MAXIMUM_STRICTER):
-        if task.interaction is None or not hasattr(solver, "tolerance"):
-            break
-        found = certify(plan, convolution, initial_gap, task, outcome, seconds=0.0)
-        if found.status is not Status.UNCONFIRMED:
-            break
-        solver = attrs.evolve(solver, tolerance=_STRICTER * solver.tolerance)
-        again = solver.solve(convolution, task)
-        spent = outcome.convolutions + again.convolutions
-        outcome = attrs.evolve(again, convolutions=spent)
-    return outcome
 
 
 def require_success(solution: ContactSolution) -> ContactSolution:

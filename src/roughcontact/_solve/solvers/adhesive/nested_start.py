@@ -16,8 +16,7 @@ from roughcontact._solve.solvers.adhesive.gap_problem import GapProblem, gap_sca
 from roughcontact._solve.solvers.adhesive.stiffness import SurfaceStiffness, surface_stiffness
 from roughcontact._solve.solvers.base import Task
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
-from roughcontact._solve.solvers.conjugate.nested_iteration import _interpolate as interpolate
-from roughcontact._solve.solvers.conjugate.nested_iteration import coarsen
+from roughcontact._solve.solvers.conjugate.nested_iteration import coarsen, interpolate
 
 # Error of the contact without adhesion at which a descent starts from it.
 _ROUGHLY = 1e-2

@@ -110,7 +110,7 @@ def _refine(
     fx, fy = (n // m for n, m in zip(shape, pressure.shape, strict=True))
     products = guess.products / (fx * fy)
     nearly_full = None
-    gap = _interpolate(displacement, fx, fy)
+    gap = interpolate(displacement, fx, fy)
     gap += task.initial_gap
     is_open = (gap >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)
     contact = np.count_nonzero(pressure) / pressure.size
@@ -121,7 +121,7 @@ def _refine(
             return InitialGuess(full.closing, products, guess.levels, closed=True)
         if full is not None and full.inverse.exact and not task.capped:
             nearly_full = attrs.evolve(full, gap=np.where(is_open, gap, np.float32(0.0)))
-    fine = np.maximum(_interpolate(pressure, fx, fy), 0.0)
+    fine = np.maximum(interpolate(pressure, fx, fy), 0.0)
     fine[is_open] = 0.0
     met_limit = guess.met_limit
     if task.capped:
@@ -194,7 +194,7 @@ def _average(values: Array, shape: tuple[int, int]) -> Array:
     return values / (cells // values.size)
 
 
-def _interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
+def interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
     """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
     # The second axis, whose steps are not contiguous, comes first, while there are fewer rows.
     if fy == 2:
