@@ -13,7 +13,7 @@ from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import Boundary
-from roughcontact._solve.problem import find_stability, step_approach
+from roughcontact._solve.problem import find_stability, problem_of, step_approach
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
 
@@ -241,7 +241,7 @@ class StabilityMargin(Response[Estimate]):
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the margin; see `Response.respond`."""
-        margin = find_stability(solution)
+        margin = find_stability(problem_of(solution), solution)
         warnings: tuple[str, ...] = ()
         if margin < _NEAR_JUMP_MARGIN:
             text = "the state is close to a jump: a slightly other load may separate or join the surfaces"
@@ -256,8 +256,9 @@ def _compare_neighbours(solution: ContactSolution) -> Estimate:
     """
     moved = float(solution.displacement.max() - solution.displacement.min())
     step = _ADHESIVE_STEP * moved
-    above = step_approach(solution, step)
-    below = step_approach(solution, -step)
+    problem = problem_of(solution)
+    above = step_approach(problem, solution, step)
+    below = step_approach(problem, solution, -step)
     forward = (above.force - solution.force) / step
     backward = (solution.force - below.force) / step
     value = 0.5 * (forward + backward)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import attrs
 import numpy as np
@@ -21,6 +21,9 @@ from roughcontact._solve.problem.task import make_task
 from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, trapping_error
 from roughcontact._solve.solvers import stability_margin
 from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact._solve.problem.problem import ContactProblem
 
 # Steps of the approach on the way to pull-off, and by how much of the lowest force the force must have risen behind it.
 _MAX_STEPS = 200
@@ -166,23 +169,15 @@ def _open_gap(state: ContactSolution) -> Array:
     return np.where(state.contact, 0.0, np.maximum(state.gap, 0.0))
 
 
-def step_approach(solution: ContactSolution, change: float) -> ContactSolution:
-    """Return the state whose approach, m, differs by a change, continued from a solution with adhesion."""
-    if solution.origin is None or solution.origin.source is None:
-        raise InputError("The solution has no problem that could be solved again: solve it anew.")
-    found: ContactSolution = _follow(
-        solution.origin.source._solve, [solution], Load("approach", solution.approach + change)
-    )
-    return found
+def step_approach(problem: ContactProblem, solution: ContactSolution, change: float) -> ContactSolution:
+    """Return the state of a problem whose approach, m, differs by a change, continued from a solution with adhesion."""
+    return _follow(problem._solve, [solution], Load("approach", solution.approach + change))
 
 
-def find_stability(solution: ContactSolution) -> float:
+def find_stability(problem: ContactProblem, solution: ContactSolution) -> float:
     """Return how far a state with adhesion is from a jump: 1 far away, 0 at one, negative where it is unstable."""
-    if solution.tension is None:
+    if solution.tension is None or solution.origin is None:
         raise InputError("Without adhesion each state is stable: there is no jump.")
-    if solution.origin is None or solution.origin.source is None:
-        raise InputError("The solution has no problem that could be solved again: solve it anew.")
-    problem = solution.origin.source
     task = make_task(problem.plan, solution.initial_gap, Load.signed(**solution.origin.load))
     return stability_margin(problem.convolution, task, _open_gap(solution) / problem.plan.peak_to_valley)
 
