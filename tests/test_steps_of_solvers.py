@@ -19,10 +19,10 @@ from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.nested_iteration import (
     _average,
     _extent,
-    _interpolate,
     coarsen,
     estimate_approach,
     find_window,
+    interpolate,
 )
 from roughcontact._solve.solvers.conjugate.preconditioner import (
     CoarseCorrection,
@@ -317,11 +317,11 @@ def test_values_between_coarse_cells_are_those_of_parabolas(factors, shape):
     def parabola(i, j):
         return 1.0 + 0.3 * i[:, np.newaxis] - 0.2 * i[:, np.newaxis] ** 2 + 0.1 * j + 0.05 * j**2
 
-    found = _interpolate(parabola(*coarse), *factors)
+    found = interpolate(parabola(*coarse), *factors)
     expected = parabola(*fine)
     inner = tuple(slice(2, -2) for _ in range(2))
     np.testing.assert_allclose(found[inner], expected[inner], rtol=1e-9, atol=1e-9)
-    moved = _interpolate(np.roll(parabola(*coarse), (3, 5), (0, 1)), *factors)
+    moved = interpolate(np.roll(parabola(*coarse), (3, 5), (0, 1)), *factors)
     np.testing.assert_allclose(moved, np.roll(found, (3 * factors[0], 5 * factors[1]), (0, 1)), rtol=1e-12)
 
 
