@@ -72,7 +72,8 @@ def shear_amplitude(component: str, qx: Array, qy: Array, compliance: float, pai
     """Return the amplitudes of a component for waves of shear, without cells; see `SupportsShear.shear_spectrum`."""
     length = np.hypot(qx, qy)
     normal = {"x": qx / length, "y": qy / length}
-    first, second = component
+    first = component[0]
+    second = component[1]
     if first == "z":
         factor = -pair.beta * normal[second]
     else:
