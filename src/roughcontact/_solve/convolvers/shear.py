@@ -12,6 +12,7 @@ import numpy.typing as npt
 import scipy.fft
 
 from roughcontact._base.arrays import Array, Pair, RealArray, Waves
+from roughcontact._base.checks import choice
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.kernels import BoundKernel, odd_axes
@@ -26,7 +27,12 @@ from roughcontact.errors import InputError
 
 
 def find_component(to: str, of: str) -> tuple[str, int]:
-    """Return the component that a kernel knows and the sign with which it gives the displacement `to` by `of`."""
+    """Return the component that a kernel knows and the sign with which it gives the displacement `to` by `of`.
+
+    `InputError` if a letter is not x, y or z.
+    """
+    for letter in (to, of):
+        choice(letter, "The letter of a traction or displacement", ("x", "y", "z"))
     if of == "z" and to != "z":
         return of + to, -1
     return ("xy" if to + of == "yx" else to + of), 1
