@@ -8,6 +8,7 @@ from typing import TypeAlias
 import attrs
 import numpy as np
 
+from roughcontact._answers.linear.adhesive_tangent import AdhesiveTangent, tangent_of
 from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base.arrays import Array, IntArray, read_only
 from roughcontact._base.checks import callback, choice, numbers
@@ -94,17 +95,23 @@ def _of_mean_gap(solution: ContactSolution) -> Sensitivity:
 
 def _of_participation(solution: ContactSolution) -> Sensitivity:
     # Squares of very large or small pressures leave the range of float64.
-    largest = float(solution.pressure.max())
+    largest = float(solution.contact_pressure.max())
     if largest == 0.0:
         raise InputError("The participation has no gradient where nothing is in contact.")
-    relative = solution.pressure / largest
+    relative = solution.contact_pressure / largest
     total = float(relative.sum())
     square = float(np.einsum("ij,ij->", relative, relative))
     factor = 2.0 * _PARTICIPATION_FACTOR * solution.grid.cell_area * total / square
-    return Sensitivity(pressure=factor * (1.0 - total / square * relative) / largest)
+    by_pressure = factor * (1.0 - total / square * relative) / largest
+    return Sensitivity(pressure=np.where(solution.contact, by_pressure, 0.0))
 
 
 def _of_area(solution: ContactSolution) -> Sensitivity:
+    if solution.tension is not None:
+        raise InputError(
+            "The area has no gradient where surfaces attract each other: its edge is that of a crack, and it does not "
+            "grow as Hertz's area. Take the difference of two solves."
+        )
     patches = solution.patches
     area = solution.area()
     # Contact everywhere has no edge that could move.
@@ -250,13 +257,15 @@ class Gradient(Response[Array]):
     :math:`\frac{9}{8} (\int p)^2 / \int p^2`, the area of Hertzian spots of one size.
     """
 
+    with_adhesion = "total pressure"
+
     of: str | PressureDerivative = attrs.field(converter=_number)
     with_respect_to: str = attrs.field(default="heights", converter=_variable)
 
     def respond(self, solution: ContactSolution) -> Array:
         """Return the derivatives; see `Response.respond`."""
         # The tangent refuses a solution that does not say what was solved.
-        tangent = Tangent(solution)
+        tangent = tangent_of(solution)
         sensitivity = self._differentiate(solution)
         kind = next(iter(solution.origin.load)) if solution.origin is not None else ""
         if kind == "approach":
@@ -305,7 +314,7 @@ class _Adjoint:
     load: float
 
     @classmethod
-    def at_approach(cls, tangent: Tangent, sensitivity: Sensitivity) -> _Adjoint:
+    def at_approach(cls, tangent: Tangent | AdhesiveTangent, sensitivity: Sensitivity) -> _Adjoint:
         """Return the derivatives at a given approach."""
         if tangent.is_rigid:
             raise InputError("In full contact on a periodic boundary the approach does not determine the pressure.")
@@ -314,7 +323,7 @@ class _Adjoint:
         return cls(surface, -by_position, by_position)
 
     @classmethod
-    def under_load(cls, tangent: Tangent, sensitivity: Sensitivity) -> _Adjoint:
+    def under_load(cls, tangent: Tangent | AdhesiveTangent, sensitivity: Sensitivity) -> _Adjoint:
         """Return the derivatives under a given load."""
         if not tangent.cells.any():
             raise InputError("All cells in contact are at the pressure limit: how they share a change of load is open.")
@@ -331,6 +340,6 @@ class _Adjoint:
         return cls(surface, 0.0, mean + sensitivity.position * compliance)
 
 
-def _solve(tangent: Tangent, right: Array) -> Array:
+def _solve(tangent: Tangent | AdhesiveTangent, right: Array) -> Array:
     """Return the pressure on the cells in contact for a right side of shape () or (nx, ny)."""
     return tangent.solve(np.broadcast_to(right, tangent.cells.shape), _ADJOINT_TOLERANCE).values

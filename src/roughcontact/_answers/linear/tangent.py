@@ -43,19 +43,36 @@ class LinearSolution:
     ----------
     values
         The solution q, shape (nx, ny), zero outside the cells, in Pa for a right side in m.
-    residual
-        The right side less K q, shape (nx, ny), zero outside the cells, in the unit of the right side.
+    product
+        Sum of the right side times q, m Pa, whose relative error is about the square of `error`.
     error
-        Norm of the residual over the norm of the right side.
+        Norm of the residual, the right side less K q, over the norm of the right side.
     iterations, products
         Iterations, and applications of the kernel and of its approximate inverse.
+    margin
+        Of surfaces that attract each other: the stability margin at a given approach, as far as it was met.
     """
 
     values: Array = attrs.field(converter=read_only)
-    residual: Array = attrs.field(converter=read_only)
+    product: float
     error: float
     iterations: int
     products: int
+    margin: float = 1.0
+
+    def in_units(self, size: float, unit: float) -> LinearSolution:
+        """Return the solution of a right side times a size, m, where a pressure of one displaces by a unit, m."""
+        return attrs.evolve(self, values=self.values * (size / unit), product=self.product * size * (size / unit))
+
+
+def require_found(error: float, tolerance: float, iterations: int, solution: ContactSolution) -> None:
+    """Raise `NotConverged` if the error of a linear answer is above a tolerance and rounding."""
+    if not error <= max(tolerance, _ROUNDING_RESIDUAL):
+        raise NotConverged(
+            f"The linear answer of the contact was not found: after {iterations} iterations the residual is "
+            f"{error:.1e} of the right side.",
+            solution,
+        )
 
 
 class Tangent:
@@ -114,16 +131,11 @@ class Tangent:
             right -= right.mean()
         size = float(np.abs(right).max())
         if size == 0.0:
-            return LinearSolution(np.zeros_like(right), np.zeros_like(right), 0.0, 0, 0)
+            return LinearSolution(np.zeros_like(right), 0.0, 0.0, 0, 0)
         with computing(self._problem):
             found = self._solve(right / size, tolerance)
-        if not found.error <= max(tolerance, _ROUNDING_RESIDUAL):
-            raise NotConverged(
-                f"The linear answer of the contact was not found: after {found.iterations} iterations the residual is "
-                f"{found.error:.1e} of the right side.",
-                self._solution,
-            )
-        return attrs.evolve(found, values=found.values * (size / self._unit), residual=found.residual * size)
+        require_found(found.error, tolerance, found.iterations, self._solution)
+        return found.in_units(size, self._unit)
 
     def _solve(self, right: Array, tolerance: float) -> LinearSolution:
         """Return the solution in dimensionless variables: lengths in cells, E* = 1."""
@@ -141,7 +153,9 @@ class Tangent:
         if self.is_rigid:
             found -= found.mean()
         error = float(np.linalg.norm(left) / np.linalg.norm(right))
-        return LinearSolution(found, left, error, iterations, products)
+        # The error of the product is the square of the residual.
+        product = float(np.add.reduce(found * (right + left), axis=None))
+        return LinearSolution(found, product, error, iterations, products)
 
     @cached_property
     def _operator(self) -> PreparedConvolution:
