@@ -52,6 +52,15 @@ _ADHESIVE_TOLERANCE = 1e-3
 _MARGIN_STD = 0.02
 
 
+# Standard deviation of the stiffness over the pull of the open cells, times the width of the ring of them in cells; and
+# as a fraction of the stiffness, because the edge sticks to the cells: a factor, and the fall with the cells of the
+# cohesive length. Set on 675 balls of Maugis' parameter 0.25 to 2 and exponential laws of Tabor's number 0.5 to 2 at
+# random places, on 24 to 96 cells at three loads: 95 % of the errors lie within two standard deviations.
+_PULL_STD = 0.03
+_STUCK_STD = 1.5
+_STUCK_FALL = 1.5
+
+
 @attrs.frozen(eq=False)
 class EdgeCorrection:
     """The correction of each patch, shape (count,), N/m, and the standard deviation of their sum, N/m."""
@@ -206,7 +215,9 @@ class Stiffness(Response[Estimate]):
     .. math:: K_{AA}\, q = 1, \qquad S = q \cdot (1 + r)\, \Delta x \Delta y + dS
 
     with the cells A in contact below the pressure limit, the residual :math:`r = 1 - K q`, so that the error is
-    the square of the residual, and the correction dS of the edge (`roughcontact._answers.linear.stiffness`). Over
+    the square of the residual, and the correction dS of the edge (`roughcontact._answers.linear.stiffness`). Where
+    surfaces attract each other open cells answer too, by the slope of the law (`LinearisedGap`), and the stiffness may
+    be negative. Over
     ``solution.grid.area`` it is the stiffness of the interface, Pa/m. It is infinite in full contact on a periodic
     boundary, and zero where no cell is in contact below the limit.
 
@@ -277,7 +288,25 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
     if not tangent.cells.any():
         return NormalAnswer(answer.values, value, 0.0, warnings)
     correction = correct_edges(solution, answer.values, tangent.cells, area)
-    return NormalAnswer(answer.values, value + float(correction.patches.sum()), correction.uncertainty, warnings)
+    value += float(correction.patches.sum())
+    std = correction.uncertainty
+    if solution.tension is not None:
+        std = math.hypot(std, _find_pull_std(solution, answer.values, value))
+    return NormalAnswer(answer.values, value, std, warnings)
+
+
+def _find_pull_std(solution: ContactSolution, answer: Array, value: float) -> float:
+    """Return the standard deviation of a stiffness by the cells in which open surfaces attract each other, N/m."""
+    law = problem_of(solution).plan.interaction
+    pull = np.abs(answer[~solution.contact])
+    total = float(pull.sum())
+    if law is None or total == 0.0:
+        return 0.0
+    # Cells that pull alike in a ring around the contact, whose sides are 4/pi times its length.
+    count = total**2 / float(np.einsum("i,i->", pull, pull))
+    width = count / (0.25 * math.pi * max(count_sides(solution.contact, solution.boundary), 1))
+    stuck = _STUCK_STD * math.exp(-_STUCK_FALL * law.cohesive_cells(solution.grid.spacing, solution.modulus))
+    return math.hypot(_PULL_STD * total * solution.grid.cell_area / width, stuck * value)
 
 
 def require_mean_gap(solution: ContactSolution, what: str) -> None:

@@ -127,7 +127,7 @@ class LinearisedGap:
             residual = self._cells * (self._multiply(vector, self._symbol) + self._slope * vector) - before
             diagonal.append(float(np.vdot(vector, residual)))
             residual -= diagonal[-1] * dual
-        return _lowest_eigenvalue(diagonal, beside[1:])
+        return _lowest_eigenvalue(np.array(diagonal), np.array(beside[1:]))
 
     def solve(self, heights: Array, tolerance: float) -> GapResponse:
         """Return the answer to small heights, by conjugate gradients.
@@ -205,18 +205,17 @@ def _find_ritz_value(squares: list[float], curvatures: list[float]) -> float:
     """Return the lowest eigenvalue that conjugate gradients have met; 1 without iterations."""
     if curvatures and not curvatures[-1] > 0.0:
         return min(curvatures[-1] / squares[-1], 0.0)
-    inverse_steps = [curvature / square for curvature, square in zip(curvatures, squares, strict=False)]
-    ratios = [after / before for before, after in zip(squares, squares[1:], strict=False)]
-    diagonal = [
-        one + (ratios[k - 1] * inverse_steps[k - 1] if k else 0.0) for k, one in enumerate(inverse_steps)
-    ]
-    beside = [math.sqrt(ratio) * one for ratio, one in zip(ratios, inverse_steps[:-1], strict=False)]
-    return _lowest_eigenvalue(diagonal, beside)
+    square = np.array(squares)
+    ratios = square[1:] / square[:-1]
+    inverse_steps = np.array(curvatures) / square[:-1]
+    parts = ratios * inverse_steps
+    return _lowest_eigenvalue(inverse_steps + np.append(0.0, parts)[:-1], np.sqrt(ratios) * inverse_steps)
 
 
-def _lowest_eigenvalue(diagonal: list[float], beside: list[float]) -> float:
-    """Return the lowest eigenvalue of a symmetric tridiagonal matrix; 1 without entries."""
-    if not diagonal:
+def _lowest_eigenvalue(diagonal: Array, beside: Array) -> float:
+    """Return the lowest eigenvalue of a symmetric tridiagonal matrix, by its entries; 1 without any."""
+    count = len(diagonal)
+    if count == 0:
         return 1.0
-    matrix = np.diag(diagonal) + np.diag(beside, 1) + np.diag(beside, -1)
-    return float(np.linalg.eigvalsh(matrix)[0])
+    sides = beside[: count - 1]
+    return float(np.linalg.eigvalsh(np.diag(diagonal) + np.diag(sides, 1) + np.diag(sides, -1))[0])
