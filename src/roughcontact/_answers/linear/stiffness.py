@@ -285,11 +285,11 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
     jump = describe_jump(answer.margin)
     warnings = warnings if jump is None else (*warnings, jump)
     value = answer.product * solution.grid.cell_area
-    if not tangent.cells.any():
-        return NormalAnswer(answer.values, value, 0.0, warnings)
-    correction = correct_edges(solution, answer.values, tangent.cells, area)
-    value += float(correction.patches.sum())
-    std = correction.uncertainty
+    std = 0.0
+    if tangent.cells.any():
+        correction = correct_edges(solution, answer.values, tangent.cells, area)
+        value += float(correction.patches.sum())
+        std = correction.uncertainty
     if solution.tension is not None:
         std = math.hypot(std, _find_pull_std(solution, answer.values, value))
     return NormalAnswer(answer.values, value, std, warnings)

@@ -184,7 +184,7 @@ def linearise(problem: ContactProblem, solution: ContactSolution, *, holds_appro
     if plan.interaction is None or solution.tension is None:
         raise InputError("Without adhesion each state is stable: there is no jump.")
     if solution.status is Status.SEPARATED:
-        raise InputError("The surfaces have come apart: they have no contact whose small changes could be told.")
+        raise InputError("The surfaces have come apart: there is no contact that could change a little.")
     return LinearisedGap(
         surface_stiffness(problem.convolution),
         bind_interaction(plan, plan.interaction),

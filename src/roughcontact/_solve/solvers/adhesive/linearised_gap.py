@@ -116,7 +116,8 @@ class LinearisedGap:
         diagonal: list[float] = []
         beside: list[float] = []
         for _ in range(steps):
-            image, _ = self._precondition(residual)
+            image, shift = self._precondition(residual)
+            residual -= shift * self._cells
             norm = math.sqrt(max(float(np.vdot(residual, image)), 0.0))
             if not norm > _COMPLETE * max(map(abs, diagonal), default=0.0):
                 break
