@@ -47,7 +47,7 @@ _HIDDEN_RADIUS_FACTOR = 0.375
 # Relative residual of the answer to a unit displacement: the relative error of the stiffness is its square.
 _RESIDUAL_TOLERANCE = 1e-2
 # The same with adhesion, where the pull of the open cells is subtracted, and the margin is met on the way.
-_ADHESIVE_TOLERANCE = 1e-3
+_ADHESIVE_TOLERANCE = 3e-3
 # Relative standard deviation of the stability margin by the steps of Lanczos' method.
 _MARGIN_STD = 0.02
 

@@ -98,7 +98,7 @@ class LinearisedGap:
         self._inverse = stiffness.precondition(self._symbol, punch)
         # On a periodic boundary the mean displacement by pressure is zero.
         self._holds_mean = holds_approach and stiffness.mean_compliance == 0.0 and count > 0.0
-        self._weights = cells * self._multiply(cells, self._inverse)
+        self._weights = cells * self._multiply(cells, self._inverse) if self._holds_mean else cells
         self._total = float(self._weights.sum())
 
     def find_margin(self, steps: int = _STEPS) -> float:
