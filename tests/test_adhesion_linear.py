@@ -241,7 +241,7 @@ class TestStiffness:
             found = problem.solve(force=force).stiffness()
             assert found.value == pytest.approx(exact, rel=0.03)
             assert abs(found.value - exact) < 3.0 * found.uncertainty
-            assert found.uncertainty < 0.03 * exact
+            assert found.uncertainty < 0.05 * exact
 
     def test_where_the_edge_sticks_to_the_cells_it_says_so(self):
         coarse, fine = (Scene("free", rc.Exponential(0.3, 1.2e-8), shape=(n, n)).solve(**APPROACH) for n in (16, 128))
