@@ -9,7 +9,7 @@ import math
 from pathlib import Path
 
 import numpy as np
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, pick, write_tables
 
 import roughcontact as rc
 from roughcontact.errors import InputError, NotConverged
@@ -247,7 +247,9 @@ def draw(folder: Path = FIGURES, cells: int = 128) -> None:
 
 TABLES = {
     "adhesion-balls": DocTable(make_ball_rows, seconds=30),
-    "adhesion-stiffness": DocTable(make_stiffness_rows, seconds=20),
+    "adhesion-stiffness": DocTable(
+        make_stiffness_rows, seconds=20, shown=pick(lines=[f"{part:g}; 64 x 64" for part in (0.25, 0.5, 1.0, 2.0)])
+    ),
     "adhesion-range": DocTable(make_range_rows, seconds=4),
     "adhesion-cost": DocTable(make_cost_rows, seconds=15),
     "adhesion-cycle": DocTable(make_cycle_rows, seconds=25),

@@ -78,10 +78,15 @@ class AdhesiveTangent:
                 "to a stable one by problem.sweep(approach=[...])."
             )
         require_found(found.error, tolerance, found.iterations, self._solution)
-        answer = LinearSolution(
-            found.pressure, found.product, found.error, found.iterations, found.products, found.margin
+        scale = size / self._unit
+        return LinearSolution(
+            found.pressure * scale,
+            found.product * size * scale,
+            found.error,
+            found.iterations,
+            found.products,
+            found.margin,
         )
-        return answer.in_units(size, self._unit)
 
     @cached_property
     def _linearised(self) -> LinearisedGap:

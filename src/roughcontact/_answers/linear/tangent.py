@@ -60,10 +60,6 @@ class LinearSolution:
     products: int
     margin: float = 1.0
 
-    def in_units(self, size: float, unit: float) -> LinearSolution:
-        """Return the solution of a right side times a size, m, where a pressure of one displaces by a unit, m."""
-        return attrs.evolve(self, values=self.values * (size / unit), product=self.product * size * (size / unit))
-
 
 def require_found(error: float, tolerance: float, iterations: int, solution: ContactSolution) -> None:
     """Raise `NotConverged` if the error of a linear answer is above a tolerance and rounding."""
@@ -133,12 +129,16 @@ class Tangent:
         if size == 0.0:
             return LinearSolution(np.zeros_like(right), 0.0, 0.0, 0, 0)
         with computing(self._problem):
-            found = self._solve(right / size, tolerance)
-        require_found(found.error, tolerance, found.iterations, self._solution)
-        return found.in_units(size, self._unit)
+            found, left, iterations, products = self._solve(right / size, tolerance)
+        error = float(np.linalg.norm(left) / np.linalg.norm(right / size))
+        require_found(error, tolerance, iterations, self._solution)
+        values = found * (size / self._unit)
+        # The error of the product is the square of the residual.
+        product = float(np.add.reduce(values * (right + left * size), axis=None))
+        return LinearSolution(values, product, error, iterations, products)
 
-    def _solve(self, right: Array, tolerance: float) -> LinearSolution:
-        """Return the solution in dimensionless variables: lengths in cells, E* = 1."""
+    def _solve(self, right: Array, tolerance: float) -> tuple[Array, Array, int, int]:
+        """Return the solution and its residual, lengths in cells and E* = 1; iterations, and products."""
         operator = self._operator
         dtype = np.float32 if tolerance >= _FLOAT32_TOLERANCE else np.float64
         flat = operator.from_numpy(right).astype(dtype).ravel()
@@ -152,10 +152,7 @@ class Tangent:
         )
         if self.is_rigid:
             found -= found.mean()
-        error = float(np.linalg.norm(left) / np.linalg.norm(right))
-        # The error of the product is the square of the residual.
-        product = float(np.add.reduce(found * (right + left), axis=None))
-        return LinearSolution(found, product, error, iterations, products)
+        return found, left, iterations, products
 
     @cached_property
     def _operator(self) -> PreparedConvolution:
