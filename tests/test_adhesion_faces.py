@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import runpy
 
+import attrs
 import numpy as np
 import pytest
 
@@ -188,12 +189,12 @@ def test_the_kit_finds_a_wrong_slope():
 class TestStiffness:
     def test_is_the_slope_of_the_force_over_the_approach(self, solution):
         found = solution.stiffness()
-        step = 2e-9
-        above, below = (
-            make_problem().solve(approach=solution.approach + change, start=solution.pressure).force
-            for change in (step, -step)
-        )
-        assert found.value == pytest.approx((above - below) / (2.0 * step), rel=0.02)
+        # As the contact grows cell by cell, the slope on one grid oscillates about that of a finer one.
+        fine = attrs.evolve(make_problem(), grid=rc.Grid((128, 128), 8e-6))
+        step = 4e-8
+        middle = fine.solve(pressure=0.0)
+        above, below = (fine.solve(approach=middle.approach + change).force for change in (step, -step))
+        assert found.value == pytest.approx((above - below) / (2.0 * step), rel=0.03)
         assert 0.0 < found.uncertainty < 0.1 * found.value
 
     def test_differs_from_that_of_the_contact_alone(self, solution):

@@ -17,9 +17,9 @@ from roughcontact._base.units import Estimate, si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.sweep import Sweep
-from roughcontact._solve.problem.task import make_task
-from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, trapping_error
-from roughcontact._solve.solvers import stability_margin
+from roughcontact._solve.problem.task import bind_interaction
+from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, Status, describe_range, trapping_error
+from roughcontact._solve.solvers import LinearisedGap, surface_stiffness
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -169,17 +169,29 @@ def _open_gap(state: ContactSolution) -> Array:
     return np.where(state.contact, 0.0, np.maximum(state.gap, 0.0))
 
 
-def step_approach(problem: ContactProblem, solution: ContactSolution, change: float) -> ContactSolution:
-    """Return the state of a problem whose approach, m, differs by a change, continued from a solution with adhesion."""
-    return _follow(problem._solve, [solution], Load("approach", solution.approach + change))
-
-
 def find_stability(problem: ContactProblem, solution: ContactSolution) -> float:
     """Return how far a state with adhesion is from a jump: 1 far away, 0 at one, negative where it is unstable."""
-    if solution.tension is None or solution.origin is None:
+    held = "" if solution.origin is None else next(iter(solution.origin.load))
+    return linearise(problem, solution, holds_approach=held == "approach").find_margin()
+
+
+def linearise(problem: ContactProblem, solution: ContactSolution, *, holds_approach: bool) -> LinearisedGap:
+    """Return the linear problem of small changes of a solution with adhesion, at a given approach or load.
+
+    Its pressures are in E* over the cell, times the unit of the heights.
+    """
+    plan = problem.plan
+    if plan.interaction is None or solution.tension is None:
         raise InputError("Without adhesion each state is stable: there is no jump.")
-    task = make_task(problem.plan, solution.initial_gap, Load.signed(**solution.origin.load))
-    return stability_margin(problem.convolution, task, _open_gap(solution) / problem.plan.peak_to_valley)
+    if solution.status is Status.SEPARATED:
+        raise InputError("The surfaces have come apart: there is no contact that could change a little.")
+    return LinearisedGap(
+        surface_stiffness(problem.convolution),
+        bind_interaction(plan, plan.interaction),
+        _open_gap(solution) / plan.peak_to_valley,
+        solution.saturated,
+        holds_approach=holds_approach,
+    )
 
 
 def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:

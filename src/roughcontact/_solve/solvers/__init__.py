@@ -1,6 +1,6 @@
 """Solvers: the pressure that satisfies the conditions of contact."""
 
-from roughcontact._solve.solvers.adhesive import GapDescent, Majorise, stability_margin
+from roughcontact._solve.solvers.adhesive import GapDescent, LinearisedGap, Majorise, surface_stiffness
 from roughcontact._solve.solvers.base import (
     Monitor,
     Outcome,
@@ -22,6 +22,7 @@ from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 __all__ = [
     "ActiveCells",
     "GapDescent",
+    "LinearisedGap",
     "Majorise",
     "MaskedCells",
     "Monitor",
@@ -40,7 +41,7 @@ __all__ = [
     "project_to_load",
     "rescale_to_load",
     "solvers",
-    "stability_margin",
     "starting_pressure",
+    "surface_stiffness",
     "total",
 ]
