@@ -14,7 +14,7 @@ from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.reference.closed_forms import Westergaard
-from roughcontact.reference.roughness import list_waves
+from roughcontact.reference.roughness import Waves, list_waves
 
 # Angles arccos(a/c) of Maugis' equations between which states are found: their contact radii span ten decades.
 _SMALLEST_ANGLE = 1e-5
@@ -386,8 +386,8 @@ class JohnsonWave:
 class PastewkaRobbins:
     r"""Whether rough surfaces stick: the criterion of Pastewka and Robbins.
 
-    At the edges of contact patches of mean diameter :math:`d = 4h'/h''` the gap opens with the power 3/2 of the
-    distance. Where it is below the range :math:`\Delta r` the surfaces attract each other with :math:`w/\Delta r`, and
+    Contact patches have the mean diameter :math:`d = 4h'/h''`, where a cap of the mean curvature h''/2 has the slope
+    h' at its edge. Beside the edges the gap opens with the power 3/2 of the distance. Where it is below the range :math:`\Delta r` the surfaces attract each other with :math:`w/\Delta r`, and
     they stick if that is more than what carries the patches, :math:`E^* h'/\kappa` with :math:`\kappa = 2`:
 
     .. math:: \frac{E^* h' \Delta r}{\kappa w}\left[\frac{h' d}{4\Delta r}\right]^{2/3}
@@ -400,7 +400,7 @@ class PastewkaRobbins:
     rms_slope
         Root mean square h' of the gradient.
     rms_curvature
-        Root mean square h'' of half the Laplacian, 1/m.
+        Root mean square h'' of the Laplacian, 1/m.
     modulus
         Contact modulus E*, Pa.
     work
@@ -493,7 +493,11 @@ def full_contact_energies(heights: Array, grid: Grid, work: float, modulus: floa
     >>> print(f"{energies.elastic:.4f} J/m2 of 0.05 J/m2")
     0.0491 J/m2 of 0.05 J/m2
     """
-    waves = list_waves(heights, grid, periodic=True)
+    return evaluate_full_contact(list_waves(heights, grid, periodic=True), _work(work), _pascal(modulus))
+
+
+def evaluate_full_contact(waves: Waves, work: float, modulus: float) -> FullContactEnergies:
+    """Return the energies of full contact of a surface with given waves; see `full_contact_energies`."""
     strain = waves.sum(np.sqrt(waves.square)) * waves.height**2 / waves.cell
-    elastic = 0.25 * _pascal(modulus) * strain
-    return FullContactEnergies(elastic, _work(work) - elastic)
+    elastic = 0.25 * modulus * strain
+    return FullContactEnergies(elastic, work - elastic)

@@ -294,7 +294,9 @@ class ContactProblem:
             limit_load(self.plan, self.initial_gap, load)
         return run_sweep(self._solve, loads) if self.adhesion is None else follow_loads(self._solve, loads)
 
-    def cycle(self, *, approach: Iterable[float]) -> AdhesionCycle:
+    def cycle(
+        self, *, approach: Iterable[float], on_state: Callable[[ContactSolution], None] | None = None
+    ) -> AdhesionCycle:
         """Press surfaces that attract each other together and pull them apart again, along given approaches.
 
         Parameters
@@ -302,6 +304,8 @@ class ContactProblem:
         approach
             Approaches of loading, m, ascending; those of unloading are the same in the other order. Negative ones are
             before the first touch. On a periodic boundary the mean gap is the mean of the initial gap minus them.
+        on_state
+            Called with each state when it is found.
 
         Returns
         -------
@@ -319,7 +323,15 @@ class ContactProblem:
         loads = Load.signed_sequence(approach=approach)
         for load in loads:
             limit_load(self.plan, self.initial_gap, load)
-        return run_cycle(self._solve, loads)
+        told = callback(on_state, "on_state=", "solution")
+
+        def solve(load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
+            state = self._solve(load, start, start_gap=start_gap)
+            if told is not None:
+                told(state)
+            return state
+
+        return run_cycle(solve, loads)
 
     def pull_off(self) -> Estimate:
         """Return the force at which surfaces that attract each other come apart, N, negative: the minimum on unloading.
