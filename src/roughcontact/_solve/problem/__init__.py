@@ -2,7 +2,7 @@
 
 from roughcontact._solve.problem.accuracy import resample_problem
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
-from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, step_approach
+from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, make_cycle_table, step_approach
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.run import computing
@@ -19,6 +19,7 @@ __all__ = [
     "Sweep",
     "computing",
     "find_stability",
+    "make_cycle_table",
     "make_table",
     "make_task",
     "maximum_pressure",

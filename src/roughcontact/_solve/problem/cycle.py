@@ -171,7 +171,7 @@ class AdhesionCycle:
         texts = {}
         for name, one in found.items():
             reasons = "; ".join(text for text in one.warnings if text not in self._warnings)
-            texts[name] = f"{write_column([one])[0]}{f' ({reasons})' if reasons else ''}".replace("\u00b1", "+-")
+            texts[name] = f"{write_column([one])[0]}{f' ({reasons})' if reasons else ''}".replace("±", "+-")
         return texts
 
     def _name_jumps(self) -> str:
