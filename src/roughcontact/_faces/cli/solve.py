@@ -91,6 +91,8 @@ examples:
             plan = fit(problem.explain())
             print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
         loads = tuple(problem.require_load(**load.arguments) for load in loads_of(options))
+        if options.cycle is not None:
+            problem.require_cycle(approach=options.cycle)
         if options.dry_run:
             return 0
         if options.cycle is not None:

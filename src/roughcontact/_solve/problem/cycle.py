@@ -246,11 +246,15 @@ def find_stability(problem: ContactProblem, solution: ContactSolution) -> float:
     return stability_margin(problem.convolution, task, _open_gap(solution) / problem.plan.peak_to_valley)
 
 
-def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:
-    """Return both branches over ascending approaches."""
+def require_ascending(loads: Sequence[Load]) -> None:
+    """Raise `InputError` unless the approaches of a cycle ascend."""
     values = [load.value for load in loads]
     if len(values) < 2 or any(after <= before for before, after in pairwise(values)):
         raise InputError("The approaches of a cycle must ascend, two of them or more: unloading passes them backwards.")
+
+
+def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:
+    """Return both branches over ascending approaches."""
     loading = follow_loads(solve, loads)
     return AdhesionCycle(loading, follow_loads(solve, loads[::-1], loading[-1]))
 

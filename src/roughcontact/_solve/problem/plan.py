@@ -341,7 +341,7 @@ def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool
     texts = [_OMITTED_IMAGES[boundary]]
     if not capped:
         texts.append("pressure limit: neither material has one")
-    texts.append("repulsion at a distance: the bodies are hard where they touch" if adhesive else "adhesion: none is given")
+    texts.append("the repulsive part of the law: the wall is hard" if adhesive else "adhesion: none is given")
     if boundary is Boundary.PERIODIC:
         texts.append("kernel in real space: its spectrum is used")
     for body in bodies:

@@ -19,7 +19,14 @@ from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution, convolvers
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
-from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, require_resolved, run_cycle
+from roughcontact._solve.problem.cycle import (
+    AdhesionCycle,
+    find_pull_off,
+    follow_loads,
+    require_ascending,
+    require_resolved,
+    run_cycle,
+)
 from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
 from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
 from roughcontact._solve.problem.sweep import Sweep, find_load_of_area, run_sweep
@@ -319,10 +326,7 @@ class ContactProblem:
         NotConverged
             If a state is not certified.
         """
-        require_resolved(self.plan)
-        loads = Load.signed_sequence(approach=approach)
-        for load in loads:
-            limit_load(self.plan, self.initial_gap, load)
+        loads = self.require_cycle(approach=approach)
         told = callback(on_state, "on_state=", "solution")
 
         def solve(load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
@@ -332,6 +336,15 @@ class ContactProblem:
             return state
 
         return run_cycle(solve, loads)
+
+    def require_cycle(self, *, approach: Iterable[float]) -> tuple[Load, ...]:
+        """Return the loads of a branch of a cycle; `InputError` if it cannot be followed; see `cycle`."""
+        require_resolved(self.plan)
+        loads = Load.signed_sequence(approach=approach)
+        require_ascending(loads)
+        for load in loads:
+            limit_load(self.plan, self.initial_gap, load)
+        return loads
 
     def pull_off(self) -> Estimate:
         """Return the force at which surfaces that attract each other come apart, N, negative: the minimum on unloading.
