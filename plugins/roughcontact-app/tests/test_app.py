@@ -998,7 +998,8 @@ def test_loads_with_adhesion_follow_each_other_as_in_a_script(client):
     assert state["phase"] == "done", state
     known = read_settings(settings)
     sweep = make_problem(known, make_scene(known, None)).sweep(force=[20e-9, -20e-9, 0.0])
-    areas = [one["value"] for answer in state["answers"] for one in answer["quantities"] if one["name"] == "contact area"]
+    quantities = [one for answer in state["answers"] for one in answer["quantities"]]
+    areas = [one["value"] for one in quantities if one["name"] == "contact area"]
     assert areas == pytest.approx(sweep.area, rel=1e-4)
 
 

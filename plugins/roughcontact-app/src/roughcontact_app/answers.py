@@ -45,7 +45,11 @@ def describe_cycle(cycle: AdhesionCycle) -> dict[str, Any]:
     """Return the answer of a cycle, in the form of the answer at a load."""
     states = (*cycle.loading, *cycle.unloading[1:])
     shared = dict.fromkeys((*cycle.pull_off.warnings, *cycle.pull_in.warnings))
-    others = [(name_load(state), [text for text in state.warnings if text not in shared]) for state in states]
+    # Both branches have a state at each approach.
+    others: dict[str, list[str]] = {}
+    for state in states:
+        known = others.setdefault(name_load(state), [])
+        known += [text for text in state.warnings if text not in (*shared, *known)]
     found = {"pull-off": cycle.pull_off, "pull-in": cycle.pull_in, "energy lost": cycle.dissipated}
     quantities = [_describe(name, one, write_column([one])[0]) for name, one in found.items()]
     places = "; ".join(f"{si(first, 'm', 3)} to {si(last, 'm', 3)}" for first, last in cycle.jumps)
@@ -57,7 +61,7 @@ def describe_cycle(cycle: AdhesionCycle) -> dict[str, Any]:
         "certified": all(state.status.success for state in states),
         "seconds": sum(state.seconds for state in states),
         "quantities": quantities,
-        "warnings": [end_sentence(text) for text in (*shared, *gather_warnings(others))],
+        "warnings": [end_sentence(text) for text in (*shared, *gather_warnings([*others.items()]))],
     }
 
 

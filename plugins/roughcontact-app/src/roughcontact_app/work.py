@@ -34,7 +34,8 @@ _CORRECTED = (
 Send = Callable[[dict[str, Any]], None]
 
 # The beginnings of settings that the surface does not follow from: they do not make it anew.
-_OF_OTHERS = ("young", "poisson", "hardness", "counterbody", "adhesion", "work", "range", "load", "cycle", "states", "scheme")
+_OF_MATERIALS = ("young", "poisson", "hardness", "counterbody", "adhesion", "work", "range")
+_OF_OTHERS = (*_OF_MATERIALS, "load", "cycle", "states", "scheme")
 
 
 def run(task: dict[str, Any], send: Send) -> dict[str, Any]:

@@ -141,7 +141,7 @@ class AdhesionCycle:
         make_cycle_table(self).to_csv(path)
 
     def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
-        """Draw the force of both branches over the approach, and the jumps (extra ``plot``); see `ContactSolution.plot`."""
+        """Draw the force of both branches over the approach (extra ``plot``); see `ContactSolution.plot`."""
         from roughcontact.plotting import draw_cycle
 
         return draw_cycle(self, axes, dark)
@@ -166,7 +166,7 @@ class AdhesionCycle:
         return self._list_states().to_html(*results, f"jumps: {self._name_jumps()}", *self._warnings)
 
     def _list_results(self) -> dict[str, str]:
-        """Return pull-in, pull-off and the energy lost as texts, without the warnings of the range, which they share."""
+        """Return pull-in, pull-off and the energy lost as texts, without the warnings that they share."""
         found = {"pull-in": self.pull_in, "pull-off": self.pull_off, "dissipated": self.dissipated}
         texts = {}
         for name, one in found.items():

@@ -12,9 +12,9 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.interactions import Interaction
-from roughcontact.reference.adhesion import FullContactEnergies, PastewkaRobbins, evaluate_full_contact
 from roughcontact.reference.persson import PerssonContact, evaluate_persson
 from roughcontact.reference.roughness import Waves, find_lay, find_shape, transform_waves
+from roughcontact.reference.stickiness import FullContactEnergies, PastewkaRobbins, evaluate_full_contact
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
