@@ -91,8 +91,8 @@ class TestCycleOfTheCommand:
     LAW = ("--adhesion", "exponential", "work=50mJ/m2", "range=200nm")
     CYCLE = ("--cycle", "-300nm", "300nm", "--states", "5")
 
-    @staticmethod
     @pytest.fixture(scope="class")
+    @staticmethod
     def cycle():
         return make_problem().cycle(approach=np.linspace(-300e-9, 300e-9, 5))
 

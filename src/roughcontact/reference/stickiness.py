@@ -31,7 +31,7 @@ def _curvature(value: float) -> float:
 class PastewkaRobbins:
     r"""Whether rough surfaces stick: the criterion of Pastewka and Robbins.
 
-    Contact patches have the mean diameter :math:`d = 4h'/h''`, where a cap of the mean curvature h''/2 has the slope
+    Contact patches have the mean diameter :math:`d = 4h'/h''`, where a summit of the mean curvature h''/2 has the slope
     h' at its edge. Beside the edges the gap opens with the power 3/2 of the distance. Where it is below the range
     :math:`\Delta r` the surfaces attract each other with :math:`w/\Delta r`, and they stick if that is more than what
     carries the patches, :math:`E^* h'/\kappa` with :math:`\kappa = 2`:

@@ -19,6 +19,8 @@ from roughcontact._faces.panels.figures import save_figure
 from roughcontact._solve.problem import AdhesionCycle, make_cycle_table
 from roughcontact._solve.solution import versions
 
+# States on each branch.
+_STATES = 41
 # Options of a solve that say nothing of a cycle.
 _OF_SOLVES = ("refine", "area", "area_within", "peak_within", "report", "pull_off")
 
@@ -28,9 +30,11 @@ def solve_cycle(options: argparse.Namespace, problem: rc.ContactProblem) -> Adhe
     pictures = [plan_picture(name) for name in options.output]
     if options.tolerance is not None:
         problem = attrs.evolve(problem, solver=problem.plan.solver.with_tolerance(options.tolerance))
-    total = 2 * options.states - 1
+    low, high = options.cycle
+    states = _STATES if options.states is None else options.states
+    total = 2 * states - 1
     with show_progress(f"state 1 of {total}", quiet=options.quiet) as change:
-        cycle = problem.cycle(approach=np.linspace(*options.cycle, options.states), on_state=_count(total, change))
+        cycle = problem.cycle(approach=np.linspace(low, high, states), on_state=_count(total, change))
     for path in pictures:
         save_figure(cycle.plot(), path)
     if not options.quiet:
@@ -53,8 +57,7 @@ def refuse_for_cycle(options: argparse.Namespace) -> None:
         if getattr(options, name) not in (None, False):
             shown = f"--{name.replace('_', '-')}"
             raise rc.InputError(f"{shown} is for single loads: omit it with --cycle, which has many states.")
-    options.states = 41 if options.states is None else options.states
-    if options.states < 2:
+    if options.states is not None and options.states < 2:
         raise rc.InputError.about("The number of --states", options.states, "at least 2")
     low, high = options.cycle
     if not low < high:
