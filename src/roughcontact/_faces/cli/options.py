@@ -96,7 +96,8 @@ OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
 
 def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None:
     """Declare a contact problem of measured height maps, and its loads; or a study file, which needs neither."""
-    loads = "--pressure P | --force F | --approach D" + ("" if study else " | --loads L ... | --cycle FROM TO")
+    others = "" if study else " |\n            --loads L ... | --cycle FROM TO"
+    loads = f"--pressure P | --force F | --approach D{others}"
     parser.usage = f"%(prog)s MAP [MAP] (--young E | --material NAME) [options]\n           ({loads})"
     _add_maps(parser, study)
     _add_pair(parser)
