@@ -17,7 +17,8 @@ results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
              `MatchedPair`, `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`,
-             `TheoryBeside`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`, `ContactWarning`
+             `TheoryBeside`, `Stickiness`, `AdhesionCycle`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`,
+             `ContactWarning`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 responses    `Leakage`, `Throat`, `Percolation`
 ===========  ==========================================================================================================
@@ -53,6 +54,7 @@ from roughcontact._solve.solution import (
     GridLevel,
     Origin,
     Residuals,
+    Stickiness,
     TheoryBeside,
     Trial,
     Violation,
@@ -138,6 +140,7 @@ __all__ = [
     "SolvePlan",
     "StabilityReport",
     "Step",
+    "Stickiness",
     "Stress",
     "StressField",
     "StressMaximum",

@@ -1,17 +1,10 @@
 """Closed forms and theories of contact mechanics to compare with; SI units, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
 
-from roughcontact.reference.adhesion import (
-    DMT,
-    JKR,
-    FullContactEnergies,
-    JohnsonWave,
-    MaugisDugdale,
-    PastewkaRobbins,
-    full_contact_energies,
-)
+from roughcontact.reference.adhesion import DMT, JKR, JohnsonWave, MaugisDugdale
 from roughcontact.reference.closed_forms import FlatPunch, Hertz, WavyContact, Westergaard, hertz_elliptic, hertz_sphere
 from roughcontact.reference.persson import PerssonContact, persson
 from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
+from roughcontact.reference.stickiness import FullContactEnergies, PastewkaRobbins, full_contact_energies
 
 __all__ = [
     "DMT",

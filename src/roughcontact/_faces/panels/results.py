@@ -113,7 +113,7 @@ class LoadApproachPanel(Panel):
 
 
 def draw_cycle(cycle: AdhesionCycle, axes: Any, dark: bool = False) -> Any:
-    """Draw the force of loading and of unloading over the approach; see `AdhesionCycle.plot`."""
+    """Draw the force of both branches over the approach, and the jumps; see `AdhesionCycle.plot`."""
     require_matplotlib()
     from matplotlib import pyplot
     from matplotlib.axes import Axes
@@ -131,6 +131,13 @@ def draw_cycle(cycle: AdhesionCycle, axes: Any, dark: bool = False) -> Any:
         for name, sweep in branches.items():
             spread = np.zeros(len(sweep))
             draw_band(axes, length_factor * sweep.approach, force_factor * sweep.force, spread, label=name)
+        label: str | None = "jump"
+        for sweep, jumps in zip(branches.values(), cycle.jump_steps, strict=True):
+            for step in np.flatnonzero(jumps):
+                ends = slice(step, step + 2)
+                x, y = length_factor * sweep.approach[ends], force_factor * sweep.force[ends]
+                axes.plot(x, y, ":", color=theme.ink, linewidth=2.5, label=label)
+                label = None
         axes.axhline(0.0, color=theme.ink, linewidth=0.5)
         scale_axes(axes, x=f"approach since first touch, {length_unit}", y=f"force, {force_unit}", logarithmic="")
         add_key(axes)

@@ -2,7 +2,7 @@
 
 from roughcontact._solve.problem.accuracy import resample_problem
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
-from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, linearise
+from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, linearise, make_cycle_table
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.run import computing
@@ -20,6 +20,7 @@ __all__ = [
     "computing",
     "find_stability",
     "linearise",
+    "make_cycle_table",
     "make_table",
     "make_task",
     "maximum_pressure",

@@ -19,7 +19,14 @@ from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution, convolvers
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
-from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, require_resolved, run_cycle
+from roughcontact._solve.problem.cycle import (
+    AdhesionCycle,
+    find_pull_off,
+    follow_loads,
+    require_ascending,
+    require_resolved,
+    run_cycle,
+)
 from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
 from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
 from roughcontact._solve.problem.sweep import Sweep, find_load_of_area, run_sweep
@@ -294,7 +301,9 @@ class ContactProblem:
             limit_load(self.plan, self.initial_gap, load)
         return run_sweep(self._solve, loads) if self.adhesion is None else follow_loads(self._solve, loads)
 
-    def cycle(self, *, approach: Iterable[float]) -> AdhesionCycle:
+    def cycle(
+        self, *, approach: Iterable[float], on_state: Callable[[ContactSolution], None] | None = None
+    ) -> AdhesionCycle:
         """Press surfaces that attract each other together and pull them apart again, along given approaches.
 
         Parameters
@@ -302,6 +311,8 @@ class ContactProblem:
         approach
             Approaches of loading, m, ascending; those of unloading are the same in the other order. Negative ones are
             before the first touch. On a periodic boundary the mean gap is the mean of the initial gap minus them.
+        on_state
+            Called with each state when it is found.
 
         Returns
         -------
@@ -315,11 +326,25 @@ class ContactProblem:
         NotConverged
             If a state is not certified.
         """
+        loads = self.require_cycle(approach=approach)
+        told = callback(on_state, "on_state=", "solution")
+
+        def solve(load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
+            state = self._solve(load, start, start_gap=start_gap)
+            if told is not None:
+                told(state)
+            return state
+
+        return run_cycle(solve, loads)
+
+    def require_cycle(self, *, approach: Iterable[float]) -> tuple[Load, ...]:
+        """Return the loads of a branch of a cycle; `InputError` if it cannot be followed; see `cycle`."""
         require_resolved(self.plan)
         loads = Load.signed_sequence(approach=approach)
+        require_ascending(loads)
         for load in loads:
             limit_load(self.plan, self.initial_gap, load)
-        return run_cycle(self._solve, loads)
+        return loads
 
     def pull_off(self) -> Estimate:
         """Return the force at which surfaces that attract each other come apart, N, negative: the minimum on unloading.

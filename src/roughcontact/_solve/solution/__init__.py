@@ -38,7 +38,7 @@ from roughcontact._solve.solution.summary import (
     name_load,
     note_loads,
 )
-from roughcontact._solve.solution.theory import TheoryBeside
+from roughcontact._solve.solution.theory import Stickiness, TheoryBeside
 from roughcontact._solve.solution.writers import SolutionWriter, page_or_file, writers
 
 __all__ = [
@@ -64,6 +64,7 @@ __all__ = [
     "Rule",
     "SolutionWriter",
     "Status",
+    "Stickiness",
     "TheoryBeside",
     "Trial",
     "Violation",

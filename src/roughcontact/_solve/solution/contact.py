@@ -33,7 +33,7 @@ from roughcontact._solve.solution.results import (
     responses,
 )
 from roughcontact._solve.solution.summary import abbreviate, summarize
-from roughcontact._solve.solution.theory import TheoryBeside, compare_with_theory
+from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compare_with_theory, find_stickiness
 from roughcontact._solve.solution.writers import page_or_file, to_pyvista, write_solution, writers
 from roughcontact.errors import InputError
 
@@ -319,6 +319,15 @@ class ContactSolution(ContactFields):
         many waves, most of them longer than four cells; grids have at most 2048 x 2048 cells.
         """
         return compare_with_theory(self) if self.tension is None else None
+
+    @cached_property
+    def stickiness(self) -> Stickiness | None:
+        """Whether the surfaces stick by theory, and the energy of full contact; None without adhesion.
+
+        The energy needs a periodic boundary without saturated cells and a law that is the same everywhere, the
+        criterion also the roughness of `theory` and a range that is short beside the heights.
+        """
+        return find_stickiness(self)
 
     @property
     def _materials(self) -> dict[str, Material]:
