@@ -14,8 +14,8 @@ from hypothesis.extra import numpy as hnp
 from scipy import optimize
 
 import roughcontact as rc
-from roughcontact._answers.subsurface.field import StressField, find_steps, maximum_shear
-from roughcontact._answers.subsurface.free import COMPONENTS, ODD_IN_X, ODD_IN_Y, FreePlanes, cell_stress
+from roughcontact._answers.subsurface.field import COMPONENTS, StressField, find_steps, is_odd, maximum_shear
+from roughcontact._answers.subsurface.free import FreePlanes, cell_stress
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
 from roughcontact._base import machine
 from roughcontact.reference import hertz_sphere
@@ -108,23 +108,23 @@ def rough(cells, seed, boundary="periodic", load=2e-3, length=1e-3, young=200e9,
     return problem.solve(pressure=load * young), problem
 
 
-def superpose(pressure, z, nu, sides, images):
+def superpose(load, z, nu, sides, images, letter="z"):
     """Return the stress by all cells and so many rings of images of the domain, summed one by one, float64."""
-    nx, ny = pressure.shape
+    nx, ny = load.shape
     reach_x, reach_y = max(nx * images, nx - 1), max(ny * images, ny - 1)
-    table = cell_stress(z, nu, (reach_x + 1, reach_y + 1), sides, np.float64)
+    table = cell_stress(z, nu, (reach_x + 1, reach_y + 1), sides, np.float64, letter)
     x, y = np.arange(-reach_x, reach_x + 1), np.arange(-reach_y, reach_y + 1)
     # The outermost image lies half on each side.
     ends = [np.where(images * (np.abs(o) == n * images), 0.5, 1.0) for o, n in ((x, nx), (y, ny))]
     stress = np.empty((6, nx, ny))
-    for place in range(6):
+    for place, component in enumerate(COMPONENTS):
         kernel = table[place][np.abs(x)][:, np.abs(y)] * ends[0][:, np.newaxis] * ends[1]
-        kernel *= np.sign(x)[:, np.newaxis] if ODD_IN_X[place] else 1.0
-        kernel *= np.sign(y) if ODD_IN_Y[place] else 1.0
+        kernel *= np.sign(x)[:, np.newaxis] if is_odd("x", component, letter) else 1.0
+        kernel *= np.sign(y) if is_odd("y", component, letter) else 1.0
         mx, my = (nx, ny) if images else (2 * nx, 2 * ny)
         folded = np.zeros((mx, my))
         np.add.at(folded, ((x % mx)[:, np.newaxis], y % my), kernel)
-        whole = np.fft.ifft2(np.fft.fft2(folded) * np.fft.fft2(pressure, (mx, my))).real
+        whole = np.fft.ifft2(np.fft.fft2(folded) * np.fft.fft2(load, (mx, my))).real
         stress[place] = whole[:nx, :ny]
     return stress
 
@@ -294,7 +294,8 @@ def test_stresses_add_and_follow_the_symmetry(planes):
     turned = planes(np.ascontiguousarray(one.T)).at(1.5, NU, (1, 1)).transpose(0, 2, 1)
     np.testing.assert_allclose(turned, first[[YY, XX, ZZ, XZ, YZ, XY]], atol=2e-6)
     mirrored = planes(np.ascontiguousarray(one[::-1])).at(1.5, NU, (1, 1))[:, ::-1]
-    signs = np.where(ODD_IN_X, -1.0, 1.0)[:, np.newaxis, np.newaxis]
+    signs = np.array([-1.0 if is_odd("x", component, "z") else 1.0 for component in COMPONENTS])
+    signs = signs[:, np.newaxis, np.newaxis]
     np.testing.assert_allclose(mirrored, signs * first, atol=2e-6)
 
 

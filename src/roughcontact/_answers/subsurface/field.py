@@ -1,4 +1,4 @@
-"""The stress in one plane below a surface, its invariants, and the waves of the pressure above it."""
+"""The stress in one plane below a surface, its invariants, and the waves of the load above it."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from roughcontact._base.arrays import Array, Pair, RealArray, Waves, read_only
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 
+# The components of the stress, in Voigt's order.
+COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 # Cells of a block in the depth: the waves that blocks of side s do not resolve have decayed to exp(-pi z / s) at the
 # depth z, which is 5e-5 for a quarter of the depth.
 _MIN_STEPS_IN_DEPTH = 4.0
@@ -21,8 +23,22 @@ _MIN_STEPS_IN_DEPTH = 4.0
 _MIN_POINTS = 16
 
 
+def is_odd(axis: str, component: str, load: str) -> bool:
+    """Return whether a component of the stress is odd along an axis, around a cell with a unit load.
+
+    The load is ``"z"``, a pressure, or ``"x"`` or ``"y"``, a traction along this axis.
+    """
+    return (component + load).count(axis) % 2 == 1
+
+
+def list_loads(pressure: RealArray, traction: RealArray | None) -> dict[str, RealArray]:
+    """Return the loads of the surface by their letters, without a traction that is zero."""
+    shear = {} if traction is None else dict(zip("xy", traction, strict=True))
+    return {"z": pressure} | {letter: field for letter, field in shear.items() if field.any()}
+
+
 class StressPlanes(abc.ABC):
-    """The stress below a pressure, one depth at a time, in units of the pressure and of a cell's side along x.
+    """The stress below a load, one depth at a time, in units of the pressure and of a cell's side along x.
 
     Deep below the surface the short waves have decayed, and the stress is found at the centres of blocks of cells. A
     block has a power of two of cells along each axis, which divides the cells of the axis.

@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.subsurface.field import (
+    COMPONENTS,
     StressField,
     StressPlanes,
     common_step,
@@ -19,7 +20,7 @@ from roughcontact._answers.subsurface.field import (
     shear_invariant,
     von_mises,
 )
-from roughcontact._answers.subsurface.free import COMPONENTS, FreePlanes
+from roughcontact._answers.subsurface.free import FreePlanes
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
 from roughcontact._base.arrays import Array, RealArray, frozen_array, read_only
 from roughcontact._base.checks import choice, numbers
