@@ -139,6 +139,11 @@ class StressField:
         """Maximum shear stress, half the difference of the extreme principal stresses, shape (nx, ny), Pa."""
         return np.asarray(maximum_shear(self.values) * np.float64(self.scale))
 
+    @property
+    def principal(self) -> Array:
+        """Maximum principal stress, shape (nx, ny), Pa; tension is positive."""
+        return np.asarray(maximum_principal(self.values) * np.float64(self.scale))
+
     def __str__(self) -> str:
         return (
             f"stress at a depth of {si(self.depth, 'm')} on {self.grid}: "
@@ -168,12 +173,31 @@ def maximum_shear(values: RealArray) -> RealArray:
 
     .. math:: \tau = \sqrt{J_2} \sin(\theta + \pi/3), \quad \cos 3\theta = \frac{3\sqrt 3}{2} \frac{J_3}{J_2^{3/2}}
     """
+    root, angle = _find_lode_angle(values)
+    return np.asarray(root * np.sin(angle + math.pi / 3.0))
+
+
+def maximum_principal(values: RealArray) -> RealArray:
+    r"""Return the maximum principal stress of stresses in the order `COMPONENTS`, along the first axis.
+
+    .. math:: \sigma_1 = \tfrac13 \operatorname{tr}\sigma + 2 \sqrt{J_2/3} \cos\theta
+    """
+    root, angle = _find_lode_angle(values)
+    return np.asarray(mean_stress(values) + 2.0 / math.sqrt(3.0) * root * np.cos(angle))
+
+
+def mean_stress(values: RealArray) -> RealArray:
+    """Return the mean of the normal stresses of stresses in the order `COMPONENTS`, along the first axis."""
+    return np.asarray((values[0] + values[1] + values[2]) / 3.0)
+
+
+def _find_lode_angle(values: RealArray) -> tuple[RealArray, RealArray]:
+    """Return the root of the second invariant of the deviator and the angle of `maximum_shear`."""
     root = np.sqrt(shear_invariant(values))
     # Over the root, so that the third invariant does not leave the range of float32.
     size = np.where(root > 0.0, root, 1.0)
-    mean = (values[0] + values[1] + values[2]) / 3.0
+    mean = mean_stress(values)
     xx, yy, zz = ((normal - mean) / size for normal in values[:3])
     yz, xz, xy = (shear / size for shear in values[3:])
     cube = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-    angle = np.arccos(np.clip(1.5 * math.sqrt(3.0) * cube, -1.0, 1.0)) / 3.0
-    return np.asarray(root * np.sin(angle + math.pi / 3.0))
+    return root, np.asarray(np.arccos(np.clip(1.5 * math.sqrt(3.0) * cube, -1.0, 1.0)) / 3.0)

@@ -6,7 +6,8 @@ import math
 
 import attrs
 
-from roughcontact._answers.subsurface.stress import StressBelow, StressMaximum, body_name
+from roughcontact._answers.subsurface.stress import StressBelow, StressMaximum, body_name, coefficient, degrees
+from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
@@ -85,6 +86,10 @@ class FirstYield(Response[YieldPoint]):
         Yield stress of the body in tension, Pa.
     body
         ``"body"`` or ``"counterbody"``.
+    friction
+        Coefficient of friction in full sliding, a number or shape (nx, ny); see `StressBelow`.
+    direction
+        Direction of the traction on the body, degrees from x towards y.
 
     References
     ----------
@@ -93,6 +98,8 @@ class FirstYield(Response[YieldPoint]):
 
     yield_stress: float = attrs.field(converter=_strength)
     body: str = attrs.field(default="body", converter=body_name)
+    friction: Array | None = attrs.field(default=None, converter=coefficient)
+    direction: float = attrs.field(default=0.0, converter=degrees)
 
     def respond(self, solution: ContactSolution) -> YieldPoint:
         """Return the load of first yield, searched from the load of the solution; see `Response.respond`."""
@@ -120,7 +127,8 @@ class FirstYield(Response[YieldPoint]):
         return YieldPoint(Estimate(force, relative * force, "N", warnings), last.maximum, last.solution)
 
     def _measure(self, solution: ContactSolution) -> _Trial:
-        maximum = StressBelow(None, self.body).respond(solution).maximum
+        below = StressBelow(None, self.body, friction=self.friction, direction=self.direction)
+        maximum = below.respond(solution).maximum
         return _Trial(solution, maximum, math.log(maximum.value / self.yield_stress))
 
 

@@ -10,12 +10,14 @@ from typing import Any
 import attrs
 import numpy as np
 
+from roughcontact._answers.subsurface.fatigue import find_crossland, find_dang_van, list_paths
 from roughcontact._answers.subsurface.field import (
     COMPONENTS,
     StressField,
     StressPlanes,
     common_step,
     find_steps,
+    maximum_principal,
     maximum_shear,
     shear_invariant,
     von_mises,
@@ -23,7 +25,7 @@ from roughcontact._answers.subsurface.field import (
 from roughcontact._answers.subsurface.free import FreePlanes
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
 from roughcontact._base.arrays import Array, RealArray, frozen_array, read_only
-from roughcontact._base.checks import choice, numbers
+from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
 from roughcontact._base.units import ContactWarning, Estimate, outlined, si
 from roughcontact._parts.grid import Boundary, Grid
@@ -40,6 +42,11 @@ _INTERPOLATION_ERROR = 0.3
 _MIN_RELATIVE_ERROR = 2e-4
 # Depth in cells below which the stress depends on the shape of the cells at the edges of the contact.
 _MIN_DEPTH_CELLS = 2.0
+# Relative error of a shear stress at the surface, whose peak at the rear edge of a sliding contact the cells smooth.
+_SURFACE_ERROR = 0.05
+# Error of the principal stress at this peak, over the difference that an average over 2 x 2 points makes: it falls with
+# the root of the cell, and both were set on balls.
+_PEAK_FACTOR = 2.0
 # Default depths: the first, in cells; the ratio of each to the one before; the last, in radii of the largest patch, and
 # its bounds, in cells and in sides of the domain.
 _FIRST_DEPTH_CELLS = 0.5
@@ -47,12 +54,16 @@ _DEPTH_RATIO = 1.15
 _LAST_DEPTH_RADII = 2.0
 _MIN_LAST_DEPTH_CELLS = 4.0
 _MAX_LAST_DEPTH_SIDES = 0.5
+# Largest traction, in maximum pressures, for which the stress is computed.
+_MAX_TRACTION_RATIO = 1e6
 # Largest depth, in sides of the domain, for which the stress is computed.
 _MAX_DEPTH_SIDES = 100.0
 _SHARP_EDGE_WARNING = ContactWarning(
     "the contact has a sharp edge or reaches the border, where the stress is unbounded: it depends on the grid",
     "sharp edge",
 )
+_ALLOWED_TRACTION = "numbers of shape (2, nx, ny), along x and y (Pa)"
+_ALLOWED_FRICTION = "a number of at least 0, or such numbers of the shape of the grid"
 _ALLOWED_DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1e60"
 
 
@@ -102,6 +113,11 @@ def find_von_mises(field: StressField, boundary: Boundary) -> PlanePeak:
     return _find_peak(field, boundary, von_mises(field.values), von_mises)
 
 
+def find_principal(field: StressField, boundary: Boundary) -> PlanePeak:
+    """Return the largest of the maximum principal stresses in a plane, between the points by parabolas."""
+    return _find_peak(field, boundary, maximum_principal(field.values), maximum_principal)
+
+
 def find_shear(field: StressField, boundary: Boundary) -> PlanePeak:
     """Return the largest of the maximum shear stresses in a plane, between the points by a parabola along each axis."""
     # The shear stress lies between sqrt(3)/2 and 1 of this root, so that few points need the angle.
@@ -110,6 +126,14 @@ def find_shear(field: StressField, boundary: Boundary) -> PlanePeak:
     near = np.nonzero(root >= float(shear.max()))
     shear[near] = maximum_shear(field.values[:, near[0], near[1]])
     return _find_peak(field, boundary, shear, maximum_shear)
+
+
+def _average_points(field: StressField) -> StressField:
+    """Return the averages over 2 x 2 points, the stress below loads that are constant on 2 x 2 cells."""
+    values = field.values
+    for axis in (1, 2):
+        values = 0.5 * (values + np.roll(values, 1, axis))
+    return attrs.evolve(field, values=values)
 
 
 def _find_peak(
@@ -169,16 +193,18 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
     depth = float(depths[top])
     rise = 0.0
     warnings = []
-    inside = 0 < top < values.size - 1 and depths[top - 1] > 0.0
-    if inside:
-        place = np.log(depths[top - 1 : top + 2] / depths[top])
+    at_surface = depth == 0.0 and values.size > 1
+    if 0 < top < values.size - 1:
+        near = depths[top - 1 : top + 2]
+        logarithmic = near[0] > 0.0
+        place = np.log(near / depth) if logarithmic else near / depth - 1.0
         coefficients = np.polyfit(place, values[top - 1 : top + 2], 2)
         if coefficients[0] < 0.0:
             shift = float(np.clip(-0.5 * coefficients[1] / coefficients[0], place[0], place[2]))
             rise = float(np.polyval(coefficients, shift)) - value
             value = value + rise
-            depth = depth * math.exp(shift)
-    else:
+            depth = depth * (math.exp(shift) if logarithmic else 1.0 + shift)
+    elif not at_surface:
         end = "the smallest" if top == 0 else "the largest"
         text = f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
         warnings.append(ContactWarning(text, "depths", depth))
@@ -186,10 +212,13 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
     if cells < _MIN_DEPTH_CELLS:
         text = f"the maximum lies only {cells:.2g} cells below the surface, where it depends on the grid"
         warnings.append(ContactWarning(text, "resolution", cells))
-    inverse = 1.0 / max(cells, 1e-3) ** 2
-    relative = math.hypot(
-        _MIN_RELATIVE_ERROR, min(_GRID_ERROR_TERMS[0] * inverse + _GRID_ERROR_TERMS[1] * inverse**2, 1.0)
-    )
+    if at_surface:
+        relative = _SURFACE_ERROR
+    else:
+        inverse = 1.0 / max(cells, 1e-3) ** 2
+        relative = math.hypot(
+            _MIN_RELATIVE_ERROR, min(_GRID_ERROR_TERMS[0] * inverse + _GRID_ERROR_TERMS[1] * inverse**2, 1.0)
+        )
     uncertainty = math.hypot(relative * value, _INTERPOLATION_ERROR * rise)
     return StressMaximum(value * scale, uncertainty * scale, peaks[top].x, peaks[top].y, depth, tuple(warnings))
 
@@ -208,11 +237,14 @@ class Stress:
         Depths below the surface, shape (depths,), m.
     poisson
         Poisson's ratio of the body.
+    traction
+        Tangential traction on this body along x and y, shape (2, nx, ny), Pa; None without.
     """
 
     solution: ContactSolution = attrs.field(repr=False)
     depths: Array = attrs.field(converter=frozen_array, repr=outlined)
     poisson: float
+    traction: Array | None = attrs.field(default=None, converter=attrs.converters.optional(frozen_array), repr=False)
     _threads: int = attrs.field(default=1, repr=False)
 
     @property
@@ -256,6 +288,86 @@ class Stress:
         """The maximum shear stress, of all directions, with its place and uncertainty."""
         return self._find_maximum(1)
 
+    @cached_property
+    def maximum_principal(self) -> StressMaximum:
+        """The maximum principal stress at the surface, where brittle bodies crack; tension is positive.
+
+        Behind a sliding contact it has a peak, which cells of constant load smooth: the value is extrapolated by the
+        difference that cells of twice the side make, and this difference is its uncertainty.
+        """
+        boundary = self.solution.boundary
+        surface = self._field(0.0, (1, 1))
+        found = find_principal(surface, boundary)
+        smoothed = _average_points(surface)
+        lost = abs(found.value - find_principal(smoothed, boundary).value)
+        value = (found.value + _PEAK_FACTOR * lost) * self._scale
+        uncertainty = max(lost * self._scale, _MIN_RELATIVE_ERROR * abs(value))
+        return self._warn_of_edges(StressMaximum(value, uncertainty, found.x, found.y, 0.0, warnings=self.warnings))
+
+    def crossland(self, alpha: float, axis: int = 0) -> Array:
+        r"""Return Crossland's fatigue number at each depth for a contact that rolls or slides along an axis.
+
+        A point of the body passes through all stresses s along the axis. From its path, with :math:`R` the radius of
+        the smallest sphere around the deviators, in the norm :math:`\sqrt{s_{ij} s_{ij}}`, and :math:`\sigma_H` a third
+        of the trace,
+
+        .. math:: \sqrt{J_{2,a}} + \alpha\, \max_t \sigma_H(t), \quad \sqrt{J_{2,a}} = R / \sqrt 2
+
+        The point comes from where there is no stress; on a periodic boundary from the period before. A life is endless
+        where the number is below the fatigue limit in torsion.
+
+        Parameters
+        ----------
+        alpha
+            Sensitivity to the mean stress, a constant of the material.
+        axis
+            Axis of rolling: 0 (x) or 1 (y).
+
+        Returns
+        -------
+        numpy.ndarray
+            The maximum over all paths, shape (depths,), Pa.
+
+        References
+        ----------
+        Crossland, Proc. Int. Conf. Fatigue of Metals, Inst. Mech. Eng. (1956) 138-149
+        """
+        return self._find_fatigue(find_crossland, alpha, axis)
+
+    def dang_van(self, alpha: float, axis: int = 0) -> Array:
+        r"""Return Dang Van's fatigue number at each depth for a contact that rolls or slides along an axis.
+
+        The mesoscopic shear stress is that around the centre :math:`s^*` of the smallest sphere of `crossland`:
+
+        .. math:: \max_t \left[\tau(t) + \alpha\, \sigma_H(t)\right], \quad
+                  \tau = \tfrac12 (\hat s_1 - \hat s_3), \quad \hat s = s(t) - s^*
+
+        Parameters
+        ----------
+        alpha
+            Sensitivity to the mean stress, a constant of the material.
+        axis
+            Axis of rolling: 0 (x) or 1 (y).
+
+        Returns
+        -------
+        numpy.ndarray
+            The maximum over all paths, shape (depths,), Pa.
+
+        References
+        ----------
+        Dang Van, Griveau, Message, in: Biaxial and Multiaxial Fatigue, EGF 3 (1989) 479-496
+        """
+        return self._find_fatigue(find_dang_van, alpha, axis)
+
+    def _find_fatigue(self, find: Callable[[RealArray, float], float], alpha: float, axis: int) -> Array:
+        alpha = number(alpha, "The sensitivity to the mean stress", at_least=0.0)
+        if isinstance(axis, bool) or axis not in (0, 1):
+            raise InputError.about("The axis of rolling", axis, "0 (x) or 1 (y)")
+        starts_unloaded = self.solution.boundary is not Boundary.PERIODIC
+        paths = (list_paths(field.values, axis, starts_unloaded) for field in self)
+        return np.array([find(path, alpha) for path in paths]) * self._scale
+
     @property
     def profile(self) -> Array:
         """The maximum of the von Mises stress at each depth, shape (depths,), Pa."""
@@ -265,9 +377,14 @@ class Stress:
     def _find_maximum(self, measure: int) -> StressMaximum:
         peaks = [peak[measure] for peak in self._peaks]
         found = find_maximum(np.unique(self.depths), peaks, self._scale, max(self._grid.spacing))
-        if self._reaches_border or (found.warnings and self._has_sharp_edge):
-            found = attrs.evolve(found, uncertainty=found.value, warnings=(*found.warnings, _SHARP_EDGE_WARNING))
+        if self._reaches_border or found.warnings:
+            found = self._warn_of_edges(found)
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
+
+    def _warn_of_edges(self, found: StressMaximum) -> StressMaximum:
+        if not (self._reaches_border or self._has_sharp_edge):
+            return found
+        return attrs.evolve(found, uncertainty=abs(found.value), warnings=(*found.warnings, _SHARP_EDGE_WARNING))
 
     @property
     def _reaches_border(self) -> bool:
@@ -307,10 +424,11 @@ class Stress:
     @cached_property
     def _planes(self) -> StressPlanes:
         pressure = (self.solution.pressure / self._scale).astype(np.float32)
+        traction = None if self.traction is None else (self.traction / self._scale).astype(np.float32)
         if self.solution.boundary is Boundary.PERIODIC:
-            return PeriodicPlanes(pressure, self._sides)
+            return PeriodicPlanes(pressure, self._sides, traction)
         steps = [find_steps(self._grid.shape, self._sides, float(z)) for z in self.depths / self._grid.spacing[0]]
-        return FreePlanes(pressure, self._sides, common_step(steps))
+        return FreePlanes(pressure, self._sides, common_step(steps), traction)
 
     def _field(self, depth: float, steps: tuple[int, int]) -> StressField:
         grid = self._grid
@@ -348,6 +466,36 @@ def _depths(value: Any) -> Array | None:
     return frozen_array(depths)
 
 
+def _traction(value: Any) -> Array | None:
+    return None if value is None else frozen_array(numbers(value, "The traction", _ALLOWED_TRACTION))
+
+
+def coefficient(value: Any) -> Array | None:
+    """Return a coefficient of friction, shape () or (nx, ny), or raise `InputError`."""
+    if value is None:
+        return None
+    found = numbers(value, "The coefficient of friction", _ALLOWED_FRICTION)
+    if found.ndim not in (0, 2) or not np.all((found >= 0.0) & np.isfinite(found)):
+        raise InputError.about("The coefficient of friction", value, _ALLOWED_FRICTION)
+    return frozen_array(found).reshape(found.shape)
+
+
+def degrees(value: Any) -> float:
+    """Return a direction in degrees, or raise `InputError`."""
+    return number(value, "The direction", "degrees from the x axis")
+
+
+def sliding_traction(solution: ContactSolution, friction: Array, direction: float) -> Array:
+    """Return the traction on the body in full sliding, shape (2, nx, ny), Pa, along a direction in degrees."""
+    shape = solution.grid.shape
+    if friction.ndim and friction.shape != shape:
+        raise InputError.about("The shape of the coefficient of friction", friction.shape, f"() or {shape}")
+    limit = friction * solution.contact_pressure
+    # Exactly along an axis, where a direction is.
+    along = np.round([math.cos(math.radians(direction)), math.sin(math.radians(direction))], 15)
+    return along[:, np.newaxis, np.newaxis] * limit
+
+
 def body_name(value: str) -> str:
     """Return the name of one of the bodies, or raise `InputError`."""
     return choice(value, "The body", ("body", "counterbody"))
@@ -356,25 +504,44 @@ def body_name(value: str) -> str:
 @responses.register("stress")
 @attrs.frozen(eq=False)
 class StressBelow(Response[Stress]):
-    """Stress below the surface of one of the bodies, by Love's solution for each cell of the contact.
+    r"""Stress below the surface of one of the bodies, by the solutions of Love and Cerruti for each cell of the contact.
+
+    A traction on the body along x presses it together ahead of the contact, at larger x, and pulls it behind. The
+    counterbody has the opposite traction, so that it is pulled at larger x. The stress :math:`\sigma_{xz}` has the
+    opposite sign of the traction, as z points into the body.
 
     Parameters
     ----------
     depths
         Depths below the surface, m; None: from half a cell to two radii of the largest contact patch, each 1.15 times
-        the last.
+        the last, and the surface itself where there is a tangential traction.
     body
         ``"body"`` or ``"counterbody"``.
+    traction
+        Tangential traction on the body along x and y, shape (2, nx, ny), Pa; the counterbody has the opposite one.
+    friction
+        In place of a traction: the coefficient of friction, a number or shape (nx, ny), of a contact in full sliding,
+        whose traction is the friction times the contact pressure.
+    direction
+        Direction of this traction on the body, degrees from x towards y: against the sliding of the body.
 
     References
     ----------
-    Love, Phil. Trans. R. Soc. A 228 (1929) 377-420, https://doi.org/10.1098/rsta.1929.0009
+    Love, Phil. Trans. R. Soc. A 228 (1929) 377-420, https://doi.org/10.1098/rsta.1929.0009;
+    Johnson, Contact Mechanics (1985), sec. 3.6, https://doi.org/10.1017/CBO9781139171731
     """
 
     with_adhesion = "total pressure"
 
     depths: Array | None = attrs.field(default=None, converter=_depths)
     body: str = attrs.field(default="body", converter=body_name)
+    traction: Array | None = attrs.field(default=None, converter=_traction)
+    friction: Array | None = attrs.field(default=None, converter=coefficient)
+    direction: float = attrs.field(default=0.0, converter=degrees)
+
+    def __attrs_post_init__(self) -> None:
+        if self.traction is not None and self.friction is not None:
+            raise InputError("Both a traction and a friction were given: give one of them.")
 
     def respond(self, solution: ContactSolution) -> Stress:
         """Return the stress; see `Response.respond`."""
@@ -397,12 +564,31 @@ class StressBelow(Response[Stress]):
             raise InputError(
                 f"{what} no stress below its surface: ask for body='{other}', or give it a Poisson's ratio."
             )
-        depths = default_depths(solution) if self.depths is None else self.depths
+        traction = self._find_traction(solution)
+        depths = self.depths
+        if depths is None:
+            depths = default_depths(solution)
+            depths = depths if traction is None else np.concatenate(([0.0], depths))
         deepest = _MAX_DEPTH_SIDES * max(solution.grid.size)
         if float(depths.max()) > deepest:
             allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
             raise InputError.about("A depth", float(depths.max()), allowed, "Depths are in metres.")
-        return Stress(solution, depths, float(poisson), threads=problem.plan.thread_choice[0])
+        return Stress(solution, depths, float(poisson), traction, threads=problem.plan.thread_choice[0])
+
+    def _find_traction(self, solution: ContactSolution) -> Array | None:
+        """Return the traction on the chosen body, shape (2, nx, ny), Pa."""
+        traction = self.traction
+        if self.friction is not None:
+            traction = sliding_traction(solution, self.friction, self.direction)
+        if traction is None:
+            return None
+        shape = (2, *solution.grid.shape)
+        if traction.shape != shape:
+            raise InputError.about("The shape of the traction", traction.shape, f"{shape}, along x and y")
+        if not np.abs(traction).max() <= _MAX_TRACTION_RATIO * solution.pressure.max():
+            allowed = f"finite, at most {_MAX_TRACTION_RATIO:g} times the maximum pressure"
+            raise InputError.about("The traction", float(np.abs(traction).max()), allowed, "Tractions are in pascals.")
+        return traction if self.body == "body" else -traction
 
 
 def default_depths(solution: ContactSolution) -> Array:
