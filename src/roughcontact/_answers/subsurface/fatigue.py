@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
 
 from roughcontact._answers.subsurface.field import maximum_shear, mean_stress
-from roughcontact._base.arrays import IntArray, RealArray
+from roughcontact._base.arrays import IntArray, Mask, RealArray
 
-# Relative error of the square of the radius of a smallest sphere, and number of steps in its search.
-_SPHERE_TOLERANCE = 1e-4
-_MAX_SPHERE_STEPS = 2000
+# Relative error of the square of the radius of a smallest sphere, and number of spheres in its search.
+_SPHERE_TOLERANCE = 1e-6
+_MAX_SPHERES = 200
+# Points that a smallest sphere in the five dimensions of deviators needs, and the choices of them beside another one.
+_MAX_HELD = 6
+_CHOICES = np.array([choice for choice in itertools.product((False, True), repeat=_MAX_HELD) if sum(choice) < _MAX_HELD])
+# Smallest eigenvalue, over the largest square, of the equations of a sphere.
+_RIDGE = 1e-12
 # Weights of the components, in the order of `COMPONENTS`, with which the norm of a vector is that of the tensor.
 _WEIGHTS = np.sqrt(np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0]))
 
@@ -57,65 +63,75 @@ def _deviators(paths: RealArray) -> RealArray:
 def find_spheres(points: RealArray) -> tuple[RealArray, RealArray]:
     """Return the centres and radii of the smallest spheres around sets of points.
 
-    The centre is a mean of the points, whose weights move towards the farthest point or away from the nearest one that
-    has a weight.
+    A sphere grows until no point lies outside: the farthest point joins those on it, and of their smallest spheres,
+    found for each choice of them, the largest is the next one.
 
     Parameters
     ----------
     points
-        Shape (sets, points, dimensions).
+        Deviators as vectors, shape (sets, points, 6).
 
     Returns
     -------
     tuple
-        Centres, shape (sets, dimensions), and radii, shape (sets,): all points lie inside, and the squares of the radii
-        are at most 1e-4 too large.
-
-    References
-    ----------
-    Yildirim, SIAM J. Optim. 19 (2008) 1368-1391, https://doi.org/10.1137/070690419
+        Centres, shape (sets, 6), and radii, shape (sets,).
     """
-    sets = np.arange(points.shape[0])
-    first = _square_distances(points, points[:, 0]).argmax(axis=1)
-    second = _square_distances(points, points[sets, first]).argmax(axis=1)
-    weights = np.zeros(points.shape[:2])
-    weights[sets, first] += 0.5
-    weights[sets, second] += 0.5
-    centres = 0.5 * (points[sets, first] + points[sets, second])
-    radii = np.zeros(sets.size)
-    active: IntArray = sets
-    for _ in range(_MAX_SPHERE_STEPS):
-        near = points[active]
-        weight = weights[active]
-        square = _square_distances(near, centres[active])
-        radii[active] = np.sqrt(square.max(axis=1))
-        # The mean square distance is a lower bound of the square of the radius.
-        bound = np.einsum("ij,ij->i", weight, square)
-        farthest = square.argmax(axis=1)
-        nearest = np.where(weight > 0.0, square, np.inf).argmin(axis=1)
-        rows = np.arange(active.size)
-        scale = np.where(bound > 0.0, bound, 1.0)
-        excess = square[rows, farthest] / scale - 1.0
-        lack = 1.0 - square[rows, nearest] / scale
-        going = (bound > 0.0) & (np.maximum(excess, lack) > _SPHERE_TOLERANCE)
-        if not going.any():
+    count = points.shape[0]
+    centres = points[:, 0].copy()
+    squares = np.zeros(count)
+    held = np.zeros((count, _MAX_HELD, points.shape[2]))
+    is_held = np.zeros((count, _MAX_HELD), dtype=bool)
+    active: IntArray = np.arange(count)
+    for _ in range(_MAX_SPHERES):
+        distances = _square_distances(points[active], centres[active])
+        farthest = distances.argmax(axis=1)
+        outside = distances.max(axis=1) > squares[active] * (1.0 + _SPHERE_TOLERANCE) + np.finfo(np.float64).tiny
+        active, farthest = active[outside], farthest[outside]
+        if active.size == 0:
             break
-        forward = excess >= lack
-        chosen = np.where(forward, farthest, nearest)
-        share = weight[rows, chosen]
-        back = np.minimum(
-            0.5 * lack / np.maximum(1.0 - lack, 1e-12), share / np.maximum(1.0 - share, 1e-12)
-        )
-        step = np.where(forward, 0.5 * excess / (1.0 + excess), -back)
-        weight *= (1.0 - step)[:, np.newaxis]
-        weight[rows, chosen] += step
-        weight[rows, chosen] = np.where(weight[rows, chosen] < 1e-12, 0.0, weight[rows, chosen])
-        centre = centres[active]
-        centre += step[:, np.newaxis] * (near[rows, chosen] - centre)
-        weights[active[going]] = weight[going]
-        centres[active[going]] = centre[going]
-        active = active[going]
-    return centres, radii
+        added = points[active, farthest]
+        apart = held[active] - added[:, np.newaxis]
+        weights, kept, square = _enclose(apart, is_held[active])
+        centres[active] = added + np.einsum("ij,ijk->ik", weights, apart)
+        squares[active] = square
+        free = kept.argmin(axis=1)
+        held[active, free] = added
+        kept[np.arange(active.size), free] = True
+        is_held[active] = kept
+    return centres, np.sqrt(_square_distances(points, centres).max(axis=1))
+
+
+def _enclose(apart: RealArray, is_held: Mask) -> tuple[RealArray, Mask, RealArray]:
+    """Return the smallest sphere through the origin around other points, for several sets.
+
+    Parameters
+    ----------
+    apart
+        The points, shape (sets, held, dimensions).
+    is_held
+        Which of them there are, shape (sets, held).
+
+    Returns
+    -------
+    tuple
+        The weights of the points in the centre and which of them lie on the sphere, shape (sets, held) each; the square
+        of its radius, shape (sets,).
+    """
+    products = np.einsum("ijk,ilk->ijl", apart, apart)
+    squares = np.einsum("ijj->ij", products)
+    chosen = _CHOICES & is_held[:, np.newaxis]
+    both = chosen[..., :, np.newaxis] & chosen[..., np.newaxis, :]
+    smallest = _RIDGE * squares.max(axis=1)[:, np.newaxis, np.newaxis]
+    diagonal = np.where(chosen, smallest, 1.0)
+    matrix = np.where(both, products[:, np.newaxis], 0.0) + diagonal[..., np.newaxis] * np.eye(_MAX_HELD)
+    right = np.where(chosen, 0.5 * squares[:, np.newaxis], 0.0)
+    weights = np.linalg.solve(matrix, right[..., np.newaxis])[..., 0]
+    # A sphere is the smallest one of its points where its centre lies between them.
+    inside = (weights >= 0.0).all(axis=2) & (weights.sum(axis=2) <= 1.0)
+    square = np.where(inside, np.einsum("ijk,ijk->ij", weights, right), -1.0)
+    best = square.argmax(axis=1)
+    sets = np.arange(best.size)
+    return weights[sets, best], chosen[sets, best], square[sets, best]
 
 
 def _square_distances(points: RealArray, centres: RealArray) -> RealArray:

@@ -42,10 +42,10 @@ _INTERPOLATION_ERROR = 0.3
 _MIN_RELATIVE_ERROR = 2e-4
 # Depth in cells below which the stress depends on the shape of the cells at the edges of the contact.
 _MIN_DEPTH_CELLS = 2.0
-# Relative error of a shear stress at the surface, whose peak at the rear edge of a sliding contact the cells smooth.
-_SURFACE_ERROR = 0.05
-# Error of the principal stress at this peak, over the difference that an average over 2 x 2 points makes: it falls with
-# the root of the cell, and both were set on balls.
+# Relative error of a maximum at the surface inside a contact.
+_SURFACE_ERROR = 0.01
+# Error of the stress at the peak behind a sliding contact over the difference that an average over 2 x 2 points makes:
+# 1/(sqrt(2) - 1) where it falls with the root of the cell's side, less on balls.
 _PEAK_FACTOR = 2.0
 # Default depths: the first, in cells; the ratio of each to the one before; the last, in radii of the largest patch, and
 # its bounds, in cells and in sides of the domain.
@@ -113,9 +113,44 @@ def find_von_mises(field: StressField, boundary: Boundary) -> PlanePeak:
     return _find_peak(field, boundary, von_mises(field.values), von_mises)
 
 
-def find_principal(field: StressField, boundary: Boundary) -> PlanePeak:
-    """Return the largest of the maximum principal stresses in a plane, between the points by parabolas."""
-    return _find_peak(field, boundary, maximum_principal(field.values), maximum_principal)
+@attrs.frozen(eq=False)
+class EdgeStress:
+    """The stress where the maximum principal stress at the surface is largest: at an edge, behind a sliding contact.
+
+    There the stress has a peak, which cells of constant load smooth by an amount that falls with the root of their
+    side. Averages over 2 x 2 points are the stress of cells of twice the side.
+
+    Attributes
+    ----------
+    x, y
+        The place, m.
+    values
+        The components at the nearest point, in the scale of the field, shape (6,).
+    averages
+        The averages over 2 x 2 points beside it with the largest maximum principal stress, shape (6,).
+    """
+
+    x: float
+    y: float
+    values: RealArray
+    averages: RealArray
+
+    def extrapolate(self, measure: Callable[[RealArray], RealArray]) -> tuple[float, float]:
+        """Return a measure of the stress for cells without size, and its uncertainty, in the scale of the field."""
+        value = float(measure(self.values + _PEAK_FACTOR * (self.values - self.averages)))
+        return value, abs(value - float(measure(self.values))) / _PEAK_FACTOR
+
+
+def find_edge_stress(field: StressField) -> EdgeStress:
+    """Return the stress at the point of a surface with the largest maximum principal stress."""
+    values = field.values
+    stress = maximum_principal(values)
+    i, j = (int(place) for place in np.unravel_index(int(np.argmax(stress)), stress.shape))
+    around = values.take(range(i - 1, i + 2), axis=1, mode="wrap").take(range(j - 1, j + 2), axis=2, mode="wrap")
+    averages = 0.25 * (around[:, 1:, 1:] + around[:, 1:, :-1] + around[:, :-1, 1:] + around[:, :-1, :-1])
+    averages = averages.reshape(len(COMPONENTS), -1)
+    largest = averages[:, int(np.argmax(maximum_principal(averages)))]
+    return EdgeStress(float(field.grid.x[i, 0]), float(field.grid.y[0, j]), values[:, i, j], largest)
 
 
 def find_shear(field: StressField, boundary: Boundary) -> PlanePeak:
@@ -126,14 +161,6 @@ def find_shear(field: StressField, boundary: Boundary) -> PlanePeak:
     near = np.nonzero(root >= float(shear.max()))
     shear[near] = maximum_shear(field.values[:, near[0], near[1]])
     return _find_peak(field, boundary, shear, maximum_shear)
-
-
-def _average_points(field: StressField) -> StressField:
-    """Return the averages over 2 x 2 points, the stress below loads that are constant on 2 x 2 cells."""
-    values = field.values
-    for axis in (1, 2):
-        values = 0.5 * (values + np.roll(values, 1, axis))
-    return attrs.evolve(field, values=values)
 
 
 def _find_peak(
@@ -210,8 +237,7 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
         warnings.append(ContactWarning(text, "depths", depth))
     cells = depth / cell
     if cells < _MIN_DEPTH_CELLS:
-        text = f"the maximum lies only {cells:.2g} cells below the surface, where it depends on the grid"
-        warnings.append(ContactWarning(text, "resolution", cells))
+        warnings.append(warn_of_depth(cells))
     if at_surface:
         relative = _SURFACE_ERROR
     else:
@@ -221,6 +247,12 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
         )
     uncertainty = math.hypot(relative * value, _INTERPOLATION_ERROR * rise)
     return StressMaximum(value * scale, uncertainty * scale, peaks[top].x, peaks[top].y, depth, tuple(warnings))
+
+
+def warn_of_depth(cells: float) -> ContactWarning:
+    """Return the warning that a maximum lies so few cells below the surface."""
+    place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"
+    return ContactWarning(f"the maximum lies {place} the surface, where it depends on the grid", "resolution", cells)
 
 
 @attrs.frozen(eq=False)
@@ -281,28 +313,25 @@ class Stress:
     @property
     def maximum(self) -> StressMaximum:
         """The maximum of the von Mises stress, between the points and the depths, with its place and uncertainty."""
-        return self._find_maximum(0)
+        return self._find_maximum(0, von_mises)
 
     @property
     def maximum_shear(self) -> StressMaximum:
         """The maximum shear stress, of all directions, with its place and uncertainty."""
-        return self._find_maximum(1)
+        return self._find_maximum(1, maximum_shear)
 
     @cached_property
     def maximum_principal(self) -> StressMaximum:
         """The maximum principal stress at the surface, where brittle bodies crack; tension is positive.
 
-        Behind a sliding contact it has a peak, which cells of constant load smooth: the value is extrapolated by the
-        difference that cells of twice the side make, and this difference is its uncertainty.
+        Behind a sliding contact it has a peak, which cells of constant load smooth: the value is extrapolated from this
+        grid and cells of twice the side.
         """
-        boundary = self.solution.boundary
-        surface = self._field(0.0, (1, 1))
-        found = find_principal(surface, boundary)
-        smoothed = _average_points(surface)
-        lost = abs(found.value - find_principal(smoothed, boundary).value)
-        value = (found.value + _PEAK_FACTOR * lost) * self._scale
-        uncertainty = max(lost * self._scale, _MIN_RELATIVE_ERROR * abs(value))
-        return self._warn_of_edges(StressMaximum(value, uncertainty, found.x, found.y, 0.0, warnings=self.warnings))
+        value, uncertainty = self._edge.extrapolate(maximum_principal)
+        uncertainty = max(uncertainty, _MIN_RELATIVE_ERROR * abs(value)) * self._scale
+        edge = self._edge
+        found = StressMaximum(value * self._scale, uncertainty, edge.x, edge.y, 0.0, self.warnings)
+        return self._warn_of_edges(found)
 
     def crossland(self, alpha: float, axis: int = 0) -> Array:
         r"""Return Crossland's fatigue number at each depth for a contact that rolls or slides along an axis.
@@ -374,12 +403,27 @@ class Stress:
         known = {float(depth): peak[0].value for depth, peak in zip(np.unique(self.depths), self._peaks, strict=True)}
         return np.array([known[float(depth)] * self._scale for depth in self.depths])
 
-    def _find_maximum(self, measure: int) -> StressMaximum:
-        peaks = [peak[measure] for peak in self._peaks]
+    def _find_maximum(self, place: int, measure: Callable[[RealArray], RealArray]) -> StressMaximum:
+        peaks = [peak[place] for peak in self._peaks]
         found = find_maximum(np.unique(self.depths), peaks, self._scale, max(self._grid.spacing))
+        if self.traction is not None and (self.depths == 0.0).any():
+            found = self._compare_with_edge(found, measure)
         if self._reaches_border or found.warnings:
             found = self._warn_of_edges(found)
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
+
+    def _compare_with_edge(self, found: StressMaximum, measure: Callable[[RealArray], RealArray]) -> StressMaximum:
+        """Return the larger one of a maximum between the cells and the peak at an edge, which the cells smooth."""
+        value, uncertainty = (part * self._scale for part in self._edge.extrapolate(measure))
+        if value > found.value:
+            warning = warn_of_depth(0.0)
+            return StressMaximum(value, uncertainty, self._edge.x, self._edge.y, 0.0, warnings=(warning,))
+        above = max(value + 2.0 * uncertainty - found.value, 0.0)
+        return attrs.evolve(found, uncertainty=math.hypot(found.uncertainty, above))
+
+    @cached_property
+    def _edge(self) -> EdgeStress:
+        return find_edge_stress(self._field(0.0, (1, 1)))
 
     def _warn_of_edges(self, found: StressMaximum) -> StressMaximum:
         if not (self._reaches_border or self._has_sharp_edge):
