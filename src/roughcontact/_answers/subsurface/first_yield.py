@@ -25,8 +25,10 @@ _MIN_SLOPE = 0.05
 _MAX_LOAD_STEP = math.log(300.0)
 # Width of a bracket of logarithmic loads below which the stress jumps across the yield stress from cell to cell.
 _MIN_BRACKET_WIDTH = 1e-4
-# Distance of two logarithmic loads from which their slope is used.
+# Distance of two logarithmic loads from which their slope is used: in the search, and for the uncertainty, which must
+# not follow the steps of a maximum at the surface from cell to cell.
 _MIN_LOAD_DISTANCE = 1e-2
+_UNCERTAINTY_LOAD_DISTANCE = 0.1
 # Largest load that is tried, over the load that the bodies can carry.
 _MAX_LOAD_FRACTION = 0.999
 
@@ -120,7 +122,7 @@ class FirstYield(Response[YieldPoint]):
                 )
             trials.append(self._measure(_solve(problem, trials, load)))
         last = min(trials, key=lambda one: abs(one.excess))
-        slope = max(_find_slope(trials), _MIN_SLOPE)
+        slope = max(_find_slope(trials, _UNCERTAINTY_LOAD_DISTANCE), _MIN_SLOPE)
         relative = math.hypot(last.maximum.uncertainty / last.maximum.value, last.excess) / slope
         force = last.solution.force * math.exp(-last.excess / slope)
         warnings = last.maximum.warnings
@@ -158,10 +160,10 @@ def _solve(problem: ContactProblem, trials: list[_Trial], load: float) -> Contac
     return problem.solve(force=force, start=start)
 
 
-def _find_slope(trials: list[_Trial]) -> float:
-    """Return the slope through the last load and the nearest other one; the slope of a ball if there is none."""
+def _find_slope(trials: list[_Trial], distance: float = _MIN_LOAD_DISTANCE) -> float:
+    """Return the slope through the last load and the nearest one at a distance; the slope of a ball without one."""
     last = trials[-1]
-    apart = [one for one in trials if abs(one.load - last.load) >= _MIN_LOAD_DISTANCE]
+    apart = [one for one in trials if abs(one.load - last.load) >= distance]
     if not apart:
         return _BALL_SLOPE
     other = min(apart, key=lambda one: abs(one.load - last.load))

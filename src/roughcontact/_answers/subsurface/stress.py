@@ -42,8 +42,8 @@ _INTERPOLATION_ERROR = 0.3
 _MIN_RELATIVE_ERROR = 2e-4
 # Depth in cells below which the stress depends on the shape of the cells at the edges of the contact.
 _MIN_DEPTH_CELLS = 2.0
-# Relative error of a maximum at the surface inside a contact.
-_SURFACE_ERROR = 0.01
+# Relative error of a maximum at the surface inside a contact, where cells may smooth a larger one at its edge.
+_SURFACE_ERROR = 0.03
 # Error of the stress at the peak behind a sliding contact over the difference that an average over 2 x 2 points makes:
 # 1/(sqrt(2) - 1) where it falls with the root of the cell's side, less on balls.
 _PEAK_FACTOR = 2.0
@@ -418,8 +418,11 @@ class Stress:
         if value > found.value:
             warning = warn_of_depth(0.0)
             return StressMaximum(value, uncertainty, self._edge.x, self._edge.y, 0.0, warnings=(warning,))
-        above = max(value + 2.0 * uncertainty - found.value, 0.0)
-        return attrs.evolve(found, uncertainty=math.hypot(found.uncertainty, above))
+        above = max(value + uncertainty - found.value, 0.0)
+        # Inside the contact the stress at the surface is as uncertain as the pressure.
+        peak = self.solution.peak_pressure()
+        inside = found.value * peak.uncertainty / peak.value if found.depth == 0.0 else 0.0
+        return attrs.evolve(found, uncertainty=math.hypot(found.uncertainty, above, inside))
 
     @cached_property
     def _edge(self) -> EdgeStress:
