@@ -162,6 +162,7 @@ def test_the_mean_pressure_of_a_periodic_body_is_confined():
 
 
 @pytest.mark.parametrize("planes", [FreePlanes, PeriodicPlanes])
+@pytest.mark.parametrize("slides", [False, True])
 @pytest.mark.parametrize(
     ("shape", "z", "sides"),
     [
@@ -175,17 +176,20 @@ def test_the_mean_pressure_of_a_periodic_body_is_confined():
         ((128, 64), 17.0, (1.0, 0.4)),
     ],
 )
-def test_fewer_points_at_depth_lose_nothing(planes, shape, z, sides):
+def test_fewer_points_at_depth_lose_nothing(planes, slides, shape, z, sides):
     rng = np.random.default_rng(int(z))
-    pressure = (rng.random(shape) * (rng.random(shape) < 0.2)).astype(np.float32)
     steps = find_steps(shape, sides, z)
     assert max(steps) > 1
-    made = planes(pressure, sides, steps) if planes is FreePlanes else planes(pressure, sides)
-    few = made.at(z, NU, steps)
+
+    def make(fields, steps):
+        pressure, traction = fields[0], fields[1:] if slides else None
+        return planes(pressure, sides, steps, traction) if planes is FreePlanes else planes(pressure, sides, traction)
+
+    fields = (rng.random((3, *shape)) * (rng.random((3, *shape)) < 0.2)).astype(np.float32)
+    few = make(fields, steps).at(z, NU, steps)
     # A finer grid has points there: each cell is cut into 2 x 2, and the middle of the block is a corner of the cells.
-    fine = np.kron(pressure, np.ones((2, 2), np.float32))
-    double = planes(fine, sides, (1, 1)) if planes is FreePlanes else planes(fine, sides)
-    many = double.at(2.0 * z, NU, (1, 1))
+    fine = np.kron(fields, np.ones((1, 2, 2), np.float32))
+    many = make(fine, (1, 1)).at(2.0 * z, NU, (1, 1))
     for axis, step in ((1, steps[0]), (2, steps[1])):
         # Cubic interpolation halfway between four points.
         first = np.arange(few.shape[axis]) * 2 * step + step - 1
@@ -251,11 +255,12 @@ def test_far_away_the_contact_is_a_point():
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_the_stress_is_in_equilibrium(boundary):
+@pytest.mark.parametrize("friction", [None, 0.6])
+def test_the_stress_is_in_equilibrium(boundary, friction):
     solution, _ = rough(64, 1, boundary, aspect=2)
     dx, dy = solution.grid.spacing
     z, step = 6.0 * dx, 0.25 * dx
-    above, here, below = solution.stress([z - step, z, z + step]).components
+    above, here, below = solution.stress([z - step, z, z + step], friction=friction, direction=25.0).components
     inner = (slice(3, -3), slice(3, -3))
 
     def differ(field, axis, spacing):
@@ -326,8 +331,14 @@ def test_units_change_nothing_but_the_scale(boundary, length, stiffness):
         for factor, material in ((1.0, STEEL), (length, rc.Elastic(200e9 * stiffness, NU)))
     )
     depths = np.array([0.3, 4.0, 12.0]) * one.grid.spacing[0]
-    np.testing.assert_array_equal(one.stress(depths).components * stiffness, other.stress(depths * length).components)
-    assert one.stress().maximum.value * stiffness == other.stress().maximum.value
+    for friction in (None, 0.4):
+        found = one.stress(depths, friction=friction).components
+        np.testing.assert_array_equal(
+            found * stiffness, other.stress(depths * length, friction=friction).components
+        )
+        found = one.stress(friction=friction)
+        assert found.maximum.value * stiffness == other.stress(friction=friction).maximum.value
+        assert found.maximum_principal.value * stiffness == other.stress(friction=friction).maximum_principal.value
 
 
 @pytest.mark.parametrize(

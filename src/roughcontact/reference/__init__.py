@@ -12,6 +12,7 @@ from roughcontact.reference.adhesion import (
 from roughcontact.reference.closed_forms import FlatPunch, Hertz, WavyContact, Westergaard, hertz_elliptic, hertz_sphere
 from roughcontact.reference.persson import PerssonContact, persson
 from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
+from roughcontact.reference.sliding import SlidingCylinder, SlidingSphere
 
 __all__ = [
     "DMT",
@@ -25,6 +26,8 @@ __all__ = [
     "PastewkaRobbins",
     "PerssonContact",
     "Roughness",
+    "SlidingCylinder",
+    "SlidingSphere",
     "WavyContact",
     "Westergaard",
     "bearing_area",
