@@ -10,8 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy import optimize
-from test_sliding_reference import tangential_point_force
-from test_stress import NU, RADIUS, STEEL, XX, XY, XZ, YY, YZ, ZZ, press_ball, rough, superpose
 
 import roughcontact as rc
 from roughcontact._answers.subsurface.fatigue import find_crossland, find_dang_van, find_spheres, list_paths
@@ -19,6 +17,8 @@ from roughcontact._answers.subsurface.field import von_mises
 from roughcontact._answers.subsurface.free import FreePlanes, cell_stress
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
 from roughcontact.reference import SlidingCylinder, SlidingSphere
+from test_sliding_reference import tangential_point_force
+from test_stress import NU, RADIUS, STEEL, XX, XY, XZ, YY, YZ, ZZ, press_ball, rough, superpose
 
 EXCHANGED = [YY, XX, ZZ, XZ, YZ, XY]
 
@@ -87,10 +87,10 @@ def test_transforms_are_the_sums_over_cells(sides, z):
 
     free = FreePlanes(none, sides, (4, 1), traction).at(z, NU, (1, 1))
     np.testing.assert_allclose(free, add(traction, 0), atol=1e-5)
-    # The sum over images converges without a mean, with the square of their number.
+    # Without a mean the error of the sum over images falls with their number.
     traction -= traction.mean(axis=(1, 2), keepdims=True, dtype=np.float64).astype(np.float32)
     periodic = PeriodicPlanes(none, sides, traction).at(z, NU, (1, 1))
-    np.testing.assert_allclose(periodic, (4.0 * add(traction, 24) - add(traction, 12)) / 3.0, atol=2e-5)
+    np.testing.assert_allclose(periodic, 2.0 * add(traction, 24) - add(traction, 12), atol=4e-5)
 
 
 @pytest.mark.parametrize("mu", [0.1, 0.25, 0.5])
@@ -128,13 +128,9 @@ def test_the_surface_carries_the_traction(boundary):
     rng = np.random.default_rng(4)
     traction = rng.standard_normal((2, *solution.grid.shape)) * solution.pressure
     peak = solution.pressure.max()
-    for body, sign in (("body", 1.0), ("other", -1.0)):
-        if body == "other":
-            continue
-        stress = solution.stress(0.0, traction=traction).components[0]
-        np.testing.assert_allclose(stress[ZZ], -solution.pressure, atol=3e-6 * peak)
-        np.testing.assert_allclose(stress[XZ], -sign * traction[0], atol=5e-6 * peak)
-        np.testing.assert_allclose(stress[YZ], -sign * traction[1], atol=5e-6 * peak)
+    stress = solution.stress(0.0, traction=traction).components[0]
+    np.testing.assert_allclose(stress[ZZ], -solution.pressure, atol=3e-6 * peak)
+    np.testing.assert_allclose(stress[[XZ, YZ]], -traction, atol=5e-6 * peak)
 
 
 def test_a_plane_carries_the_force():
@@ -145,9 +141,10 @@ def test_a_plane_carries_the_force():
         assert mean[ZZ] == pytest.approx(-1.0, abs=1e-4)
         assert mean[[XZ, YZ]] == pytest.approx([-0.2, -0.4 * math.sin(math.pi / 3.0)], abs=1e-4)
     free, _, _ = press_ball(4.0, (96, 96))
-    stress = free.stress(0.5 * free.grid.spacing[0], friction=0.4).components[0]
+    # What passes beyond the border grows with the depth.
+    stress = free.stress(0.05 * free.grid.spacing[0], friction=0.4).components[0]
     cell = free.grid.area / free.grid.shape[0] ** 2
-    assert stress[XZ].sum() * cell == pytest.approx(-0.4 * free.force, rel=0.01)
+    assert stress[XZ].sum() * cell == pytest.approx(-0.4 * free.force, rel=2e-3)
 
 
 def test_a_friction_is_a_traction():
@@ -181,7 +178,7 @@ def test_adhesion_does_not_pull_sideways():
     problem = rc.ContactProblem(
         rc.Body(rc.ParaboloidSurface(RADIUS), STEEL),
         grid=rc.Grid((48, 48), 2e-4),
-        adhesion=rc.Exponential(work=0.5, length=2e-8),
+        adhesion=rc.Exponential(work=0.5, range=2e-8),
         threads=1,
     )
     solution = problem.solve(force=2.0)

@@ -196,7 +196,7 @@ def test_fewer_points_at_depth_lose_nothing(planes, slides, shape, z, sides):
         taken = [np.take(many, np.clip(first + k, 0, many.shape[axis] - 1), axis=axis) for k in (-1, 0, 1, 2)]
         many = (9.0 * (taken[1] + taken[2]) - taken[0] - taken[3]) / 16.0
     inner = (slice(None), slice(1, -1), slice(1, -1))
-    assert np.abs(few - many)[inner].max() < 3e-4 * np.abs(many).max()
+    assert np.abs(few - many)[inner].max() < (4e-4 if slides else 3e-4) * np.abs(many).max()
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -333,9 +333,7 @@ def test_units_change_nothing_but_the_scale(boundary, length, stiffness):
     depths = np.array([0.3, 4.0, 12.0]) * one.grid.spacing[0]
     for friction in (None, 0.4):
         found = one.stress(depths, friction=friction).components
-        np.testing.assert_array_equal(
-            found * stiffness, other.stress(depths * length, friction=friction).components
-        )
+        np.testing.assert_array_equal(found * stiffness, other.stress(depths * length, friction=friction).components)
         found = one.stress(friction=friction)
         assert found.maximum.value * stiffness == other.stress(friction=friction).maximum.value
         assert found.maximum_principal.value * stiffness == other.stress(friction=friction).maximum_principal.value

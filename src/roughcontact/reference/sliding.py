@@ -30,11 +30,11 @@ def _friction(value: float) -> float:
 def _places(*places: Array | float, scale: float) -> list[Array]:
     """Return places over a length, the depth last, of one shape."""
     allowed = "numbers (m) of shapes that broadcast"
-    values = [numbers(place, "A place", allowed) for place in places]
+    given = [numbers(place, "A place", allowed) for place in places]
     try:
-        values = np.broadcast_arrays(*values)
+        values = np.broadcast_arrays(*given)
     except ValueError:
-        raise InputError.about("The places", [value.shape for value in values], allowed) from None
+        raise InputError.about("The places", [value.shape for value in given], allowed) from None
     if not all(np.isfinite(value).all() for value in values):
         raise InputError.about("A place", "not finite", allowed)
     if (values[-1] < 0.0).any():

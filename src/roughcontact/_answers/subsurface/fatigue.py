@@ -15,7 +15,9 @@ _SPHERE_TOLERANCE = 1e-6
 _MAX_SPHERES = 200
 # Points that a smallest sphere in the five dimensions of deviators needs, and the choices of them beside another one.
 _MAX_HELD = 6
-_CHOICES = np.array([choice for choice in itertools.product((False, True), repeat=_MAX_HELD) if sum(choice) < _MAX_HELD])
+_CHOICES = np.array(
+    [choice for choice in itertools.product((False, True), repeat=_MAX_HELD) if sum(choice) < _MAX_HELD]
+)
 # Smallest eigenvalue, over the largest square, of the equations of a sphere.
 _RIDGE = 1e-12
 # Weights of the components, in the order of `COMPONENTS`, with which the norm of a vector is that of the tensor.

@@ -173,12 +173,10 @@ class FreePlanes(StressPlanes):
     def waves(self) -> dict[str, Waves]:
         """The waves of the padded loads by their letters, shape (mx, my // 2 + 1) each."""
         workers = threads_for(self.padded[0] * self.padded[1])
-        waves = {}
+        waves: dict[str, Waves] = {}
         for load, field in list_loads(self.pressure, self.traction).items():
             rows = scipy.fft.rfft(field, n=self.padded[1], axis=1, workers=workers)
-            waves[load] = np.asarray(
-                scipy.fft.fft(rows, n=self.padded[0], axis=0, overwrite_x=True, workers=workers)
-            )
+            waves[load] = scipy.fft.fft(rows, n=self.padded[0], axis=0, overwrite_x=True, workers=workers)
         return waves
 
     def at(self, z: float, poisson: float, steps: tuple[int, int]) -> RealArray:

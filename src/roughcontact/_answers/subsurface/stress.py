@@ -551,7 +551,7 @@ def body_name(value: str) -> str:
 @responses.register("stress")
 @attrs.frozen(eq=False)
 class StressBelow(Response[Stress]):
-    r"""Stress below the surface of one of the bodies, by the solutions of Love and Cerruti for each cell of the contact.
+    r"""Stress below the surface of one of the bodies, by Love's and Cerruti's solutions for each cell of the contact.
 
     A traction on the body along x presses it together ahead of the contact, at larger x, and pulls it behind. The
     counterbody has the opposite traction, so that it is pulled at larger x. The stress :math:`\sigma_{xz}` has the

@@ -213,9 +213,7 @@ class ContactSolution(ContactFields):
         InputError
             If the body has no stress: it is rigid or layered; or if a traction has another shape than the grid.
         """
-        asked = responses.create(
-            "stress", depths, body=body, traction=traction, friction=friction, direction=direction
-        )
+        asked = responses.create("stress", depths, body=body, traction=traction, friction=friction, direction=direction)
         stress: Stress = self.response(asked)
         return stress
 
