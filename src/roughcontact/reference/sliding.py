@@ -76,7 +76,7 @@ class SlidingSphere:
 
     References
     ----------
-    Hamilton, Proc. Inst. Mech. Eng. 197C (1983) 53-59; Hamilton, Goodman, J. Appl. Mech. 33 (1966) 371-376
+    Hamilton, Proc. Inst. Mech. Eng. 197 (1983) 53-59
 
     Examples
     --------
@@ -209,8 +209,15 @@ class SlidingCylinder:
 
     References
     ----------
-    McEwen, Phil. Mag. 40 (1949) 454-459; Johnson, Contact Mechanics (1985), sec. 7.1,
+    Smith, Liu, J. Appl. Mech. 20 (1953) 157-168; Johnson, Contact Mechanics (1985), sec. 7.1,
     https://doi.org/10.1017/CBO9781139171731
+
+    Examples
+    --------
+    >>> from roughcontact.reference import SlidingCylinder
+    >>> cylinder = SlidingCylinder(half_width=1.0, p_max=1.0, friction=0.25, poisson=0.3)
+    >>> print(cylinder.stress(-1.0, 0.0)[0].round(3))
+    0.5
     """
 
     half_width: float = attrs.field(converter=_length)

@@ -356,10 +356,6 @@ class Stress:
         -------
         numpy.ndarray
             The maximum over all paths, shape (depths,), Pa.
-
-        References
-        ----------
-        Crossland, Proc. Int. Conf. Fatigue of Metals, Inst. Mech. Eng. (1956) 138-149
         """
         return self._find_fatigue(find_crossland, alpha, axis)
 
