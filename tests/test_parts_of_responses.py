@@ -23,7 +23,7 @@ from roughcontact._answers.flow.network import (
 from roughcontact._answers.flow.percolation import _BLOCKS, _CORNERS, _SIDES, _is_open
 from roughcontact._answers.linear.stiffness import _find_loss, _find_trust, _measure_rows
 from roughcontact._answers.subsurface.first_yield import _choose_load, _find_slope
-from roughcontact._answers.subsurface.stress import PlanePeak, _fit_parabola, find_maximum
+from roughcontact._answers.subsurface.maximum import PlanePeak, _fit_parabola, find_maximum
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])

@@ -102,11 +102,14 @@ class SlidingSphere:
         x, y, z = _places(x, y, z, scale=self.contact_radius)
         nu = self.poisson
         d = _Derivatives(x * x + y * y, z)
-        # First derivatives of A, over x or y, and its second ones.
-        a_1, a_2, a_z, a_1z = d.potential(0, 1), d.potential(0, 2), d.potential(-1, 0), d.potential(-1, 1)
-        a_xx, a_yy, a_xy = 2.0 * a_1 + 4.0 * x * x * a_2, 2.0 * a_1 + 4.0 * y * y * a_2, 4.0 * x * y * a_2
+        # The numbers count derivatives with respect to s.
+        a_1, a_2 = (d.potential(0, order) for order in (1, 2))
+        a_z, a_1z = (d.potential(-1, order) for order in (0, 1))
+        a_xx = 2.0 * a_1 + 4.0 * x * x * a_2
+        a_yy = 2.0 * a_1 + 4.0 * y * y * a_2
+        a_xy = 4.0 * x * y * a_2
         c_1, c_2, c_3 = (-d.potential(1, order) for order in (1, 2, 3))
-        b_2, b_3 = d.potential(2, 2), d.potential(2, 3)
+        b_2, b_3 = (d.potential(2, order) for order in (2, 3))
         lateral = 1.0 - 2.0 * nu
         pressure = np.array(
             [
@@ -175,8 +178,7 @@ class _Derivatives:
 
     def potential(self, integrals: int, order: int) -> Array:
         """Return a derivative with respect to s of the potential, integrated so many times over the depth."""
-        f, g = self._f[order, integrals + 2], self._f[order, integrals + 3]
-        return np.asarray(g.imag - f.real)
+        return np.asarray(self._f[order, integrals + 3].imag - self._f[order, integrals + 2].real)
 
 
 @guarded
@@ -239,7 +241,10 @@ class SlidingCylinder:
         potential = -1j * (root - place)
         # At the edges of the contact the slope diverges, but not its product with the depth, zero at the surface.
         slope = -1j * z * (place / np.where(root == 0.0, 1.0, root) - 1.0)
-        p, h, p_x, p_z = potential.real, -potential.imag, slope.real, -slope.imag
+        p = potential.real
+        h = -potential.imag
+        p_x = slope.real
+        p_z = -slope.imag
         mu = self.friction
         xx = -p - p_z + mu * (2.0 * h - p_x)
         zz = -p + p_z + mu * p_x

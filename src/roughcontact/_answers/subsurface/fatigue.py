@@ -88,10 +88,10 @@ def find_spheres(points: RealArray) -> tuple[RealArray, RealArray]:
         distances = _square_distances(points[active], centres[active])
         farthest = distances.argmax(axis=1)
         outside = distances.max(axis=1) > squares[active] * (1.0 + _SPHERE_TOLERANCE) + np.finfo(np.float64).tiny
-        active, farthest = active[outside], farthest[outside]
+        active = active[outside]
         if active.size == 0:
             break
-        added = points[active, farthest]
+        added = points[active, farthest[outside]]
         apart = held[active] - added[:, np.newaxis]
         weights, kept, square = _enclose(apart, is_held[active])
         centres[active] = added + np.einsum("ij,ijk->ik", weights, apart)

@@ -6,7 +6,8 @@ import math
 
 import attrs
 
-from roughcontact._answers.subsurface.stress import StressBelow, StressMaximum, body_name, coefficient, degrees
+from roughcontact._answers.subsurface.maximum import StressMaximum
+from roughcontact._answers.subsurface.stress import StressBelow, body_name, coefficient, degrees
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
 from roughcontact._base.units import si

@@ -209,33 +209,36 @@ _FindTerms: TypeAlias = Callable[[_Terms], tuple[RealArray, ...]]
 
 def _find_pressure_terms(terms: _Terms) -> tuple[RealArray, ...]:
     """Return the trace, xx, zz, yz, xz and xy of waves of a pressure."""
-    x, z, poisson, q, decay = terms.x, terms.z, terms.poisson, terms.q, terms.decay
-    even = terms.even_x * terms.even_y * decay
-    k = ((1 - 2 * poisson) / q - z) / q
+    z = terms.z
+    double = 2 * terms.poisson
+    even = terms.even_x * terms.even_y * terms.decay
+    k = ((1 - double) / terms.q - z) / terms.q
     return (
-        -(2 + 2 * poisson) * even,
-        -even * (2 * poisson + k * x * x),
-        -even * (1 + z * q),
-        z * (decay * terms.even_x * terms.odd_y),
-        z * (decay * terms.odd_x * terms.even_y),
-        -(k * decay * terms.odd_x * terms.odd_y),
+        -(2 + double) * even,
+        -even * (double + k * terms.x * terms.x),
+        -even * (1 + z * terms.q),
+        z * (terms.decay * terms.even_x * terms.odd_y),
+        z * (terms.decay * terms.odd_x * terms.even_y),
+        -(k * terms.decay * terms.odd_x * terms.odd_y),
     )
 
 
 def _find_shear_terms(terms: _Terms) -> tuple[RealArray, ...]:
     """Return the trace, xx, zz, yz, xz and xy of waves of a traction along x."""
-    z, poisson, q, decay = terms.z, terms.poisson, terms.q, terms.decay
-    along = (terms.x / q) ** 2
-    across = (terms.y / q) ** 2
+    depth = terms.z * terms.q
+    double = 2 * terms.poisson
+    decay = terms.decay
+    along = (terms.x / terms.q) ** 2
+    across = (terms.y / terms.q) ** 2
     odd = terms.odd_x * terms.even_y * decay
-    slope = odd / q
+    slope = odd / terms.q
     return (
-        (2 + 2 * poisson) * slope,
-        slope * (2 + 2 * poisson * across - z * q * along),
-        z * odd,
-        z * (decay * terms.odd_x * terms.odd_y) / q,
-        -terms.even_x * terms.even_y * decay * (1 - z * q * along),
-        terms.even_x * terms.odd_y * decay / q * (1 - (2 * poisson + z * q) * along),
+        (2 + double) * slope,
+        slope * (2 + double * across - depth * along),
+        terms.z * odd,
+        terms.z * (decay * terms.odd_x * terms.odd_y) / terms.q,
+        -terms.even_x * terms.even_y * decay * (1 - depth * along),
+        terms.even_x * terms.odd_y * decay / terms.q * (1 - (double + depth) * along),
     )
 
 
