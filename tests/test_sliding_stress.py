@@ -262,7 +262,7 @@ def test_what_has_no_traction_gets_a_sentence():
     for traction in (zeros[0], zeros[:, 1:], "much", zeros + math.nan, zeros + 1e30, zeros + 1j):
         with pytest.raises(rc.InputError, match="traction"):
             solution.stress(traction=traction)
-    for friction in (-0.1, math.nan, "some", np.ones(3), np.ones((18, 16)), -np.ones((16, 18))):
+    for friction in (-0.1, math.nan, 1e300, True, "some", np.ones(3), np.ones((18, 16)), -np.ones((16, 18))):
         with pytest.raises(rc.InputError, match="friction"):
             solution.stress(friction=friction)
         with pytest.raises(rc.InputError, match="friction"):

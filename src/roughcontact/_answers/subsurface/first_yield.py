@@ -10,7 +10,7 @@ from roughcontact._answers.subsurface.maximum import StressMaximum
 from roughcontact._answers.subsurface.stress import StressBelow, body_name, coefficient, degrees
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
-from roughcontact._base.units import si
+from roughcontact._base.units import outlined, si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
@@ -75,7 +75,7 @@ def _strength(value: float) -> float:
 
 
 @responses.register("first-yield")
-@attrs.frozen
+@attrs.frozen(eq=False)
 class FirstYield(Response[YieldPoint]):
     r"""Load at which the maximum von Mises stress below a surface reaches the yield stress; the contact is elastic.
 
@@ -101,7 +101,7 @@ class FirstYield(Response[YieldPoint]):
 
     yield_stress: float = attrs.field(converter=_strength)
     body: str = attrs.field(default="body", converter=body_name)
-    friction: Array | None = attrs.field(default=None, converter=coefficient)
+    friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined)
     direction: float = attrs.field(default=0.0, converter=degrees)
 
     def respond(self, solution: ContactSolution) -> YieldPoint:

@@ -50,8 +50,8 @@ _DEPTH_RATIO = 1.15
 _LAST_DEPTH_RADII = 2.0
 _MIN_LAST_DEPTH_CELLS = 4.0
 _MAX_LAST_DEPTH_SIDES = 0.5
-# Largest traction, in maximum pressures, for which the stress is computed.
-_MAX_TRACTION_RATIO = 1e6
+# Largest traction, in maximum pressures, and coefficient of friction for which the stress is computed.
+_MAX_LOAD_RATIO = 1e6
 # Largest depth, in sides of the domain, for which the stress is computed.
 _MAX_DEPTH_SIDES = 100.0
 _SHARP_EDGE_WARNING = ContactWarning(
@@ -59,7 +59,7 @@ _SHARP_EDGE_WARNING = ContactWarning(
     "sharp edge",
 )
 _ALLOWED_TRACTION = "numbers of shape (2, nx, ny), along x and y (Pa)"
-_ALLOWED_FRICTION = "a number of at least 0, or such numbers of the shape of the grid"
+_ALLOWED_FRICTION = "a number from 0 to 1e6, or such numbers of the shape of the grid"
 _ALLOWED_DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1e60"
 
 
@@ -84,7 +84,9 @@ class Stress:
     solution: ContactSolution = attrs.field(repr=False)
     depths: Array = attrs.field(converter=frozen_array, repr=outlined)
     poisson: float
-    traction: Array | None = attrs.field(default=None, converter=attrs.converters.optional(frozen_array), repr=False)
+    traction: Array | None = attrs.field(
+        default=None, converter=attrs.converters.optional(frozen_array), repr=outlined
+    )
     _threads: int = attrs.field(default=1, repr=False)
 
     @property
@@ -326,7 +328,7 @@ def coefficient(value: Any) -> Array | None:
     if value is None:
         return None
     found = numbers(value, "The coefficient of friction", _ALLOWED_FRICTION)
-    if found.ndim not in (0, 2) or not np.all((found >= 0.0) & np.isfinite(found)):
+    if isinstance(value, bool) or found.ndim not in (0, 2) or not np.all((found >= 0.0) & (found <= _MAX_LOAD_RATIO)):
         raise InputError.about("The coefficient of friction", value, _ALLOWED_FRICTION)
     return frozen_array(found).reshape(found.shape)
 
@@ -386,8 +388,8 @@ class StressBelow(Response[Stress]):
 
     depths: Array | None = attrs.field(default=None, converter=_depths)
     body: str = attrs.field(default="body", converter=body_name)
-    traction: Array | None = attrs.field(default=None, converter=_traction)
-    friction: Array | None = attrs.field(default=None, converter=coefficient)
+    traction: Array | None = attrs.field(default=None, converter=_traction, repr=outlined)
+    friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined)
     direction: float = attrs.field(default=0.0, converter=degrees)
 
     def __attrs_post_init__(self) -> None:
@@ -436,8 +438,8 @@ class StressBelow(Response[Stress]):
         shape = (2, *solution.grid.shape)
         if traction.shape != shape:
             raise InputError.about("The shape of the traction", traction.shape, f"{shape}, along x and y")
-        if not np.abs(traction).max() <= _MAX_TRACTION_RATIO * solution.pressure.max():
-            allowed = f"finite, at most {_MAX_TRACTION_RATIO:g} times the maximum pressure"
+        if not np.abs(traction).max() <= _MAX_LOAD_RATIO * solution.pressure.max():
+            allowed = f"finite, at most {_MAX_LOAD_RATIO:g} times the maximum pressure"
             raise InputError.about("The traction", float(np.abs(traction).max()), allowed, "Tractions are in pascals.")
         return traction if self.body == "body" else -traction
 
