@@ -84,9 +84,7 @@ class Stress:
     solution: ContactSolution = attrs.field(repr=False)
     depths: Array = attrs.field(converter=frozen_array, repr=outlined)
     poisson: float
-    traction: Array | None = attrs.field(
-        default=None, converter=attrs.converters.optional(frozen_array), repr=outlined
-    )
+    traction: Array | None = attrs.field(default=None, converter=attrs.converters.optional(frozen_array), repr=outlined)
     _threads: int = attrs.field(default=1, repr=False)
 
     @property
