@@ -85,6 +85,7 @@ GOOD = {
     "status": rc.Status.CONVERGED, "surface": WAVE, "task": TASK, "tolerance": 1e-6, "values": SOLUTION.pressure,
     "wavelength": 1e-3, "wavenumber": 1e4, "yield_stress": 1e9, "conductivity": 50.0, "viscosity": 1e-3,
     "pressure_drop": 1e5, "of": "participation", "tangential_force": 1.0, "friction": 0.2, "response": "stress",
+    "alpha": 0.3, "contact_radius": 1e-4, "half_width": 1e-4,
     "work": 0.05, "range": 2e-8, "strength": 1e6, "gap": np.full((8, 8), 1e-8),
     "interaction": rc.Exponential(0.05, 2e-8), "rms_slope": 0.1, "rms_curvature": 1e5,
     "component": "xy", "pair": types_of_rc.PairConstants(0.1, 0.4),

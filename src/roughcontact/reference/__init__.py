@@ -4,6 +4,7 @@ from roughcontact.reference.adhesion import DMT, JKR, JohnsonWave, MaugisDugdale
 from roughcontact.reference.closed_forms import FlatPunch, Hertz, WavyContact, Westergaard, hertz_elliptic, hertz_sphere
 from roughcontact.reference.persson import PerssonContact, persson
 from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
+from roughcontact.reference.sliding import SlidingCylinder, SlidingSphere
 from roughcontact.reference.stickiness import FullContactEnergies, PastewkaRobbins, full_contact_energies
 
 __all__ = [
@@ -18,6 +19,8 @@ __all__ = [
     "PastewkaRobbins",
     "PerssonContact",
     "Roughness",
+    "SlidingCylinder",
+    "SlidingSphere",
     "WavyContact",
     "Westergaard",
     "bearing_area",
