@@ -10,6 +10,13 @@ from roughcontact.reference.adhesion import (
     full_contact_energies,
 )
 from roughcontact.reference.closed_forms import FlatPunch, Hertz, WavyContact, Westergaard, hertz_elliptic, hertz_sphere
+from roughcontact.reference.friction import (
+    CattaneoMindlin,
+    SlidingCylinder,
+    SlidingWave,
+    bonded_punch,
+    frictional_punch,
+)
 from roughcontact.reference.persson import PerssonContact, persson
 from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
 
@@ -17,6 +24,7 @@ __all__ = [
     "DMT",
     "JKR",
     "BearingCurve",
+    "CattaneoMindlin",
     "FlatPunch",
     "FullContactEnergies",
     "Hertz",
@@ -25,9 +33,13 @@ __all__ = [
     "PastewkaRobbins",
     "PerssonContact",
     "Roughness",
+    "SlidingCylinder",
+    "SlidingWave",
     "WavyContact",
     "Westergaard",
     "bearing_area",
+    "bonded_punch",
+    "frictional_punch",
     "full_contact_energies",
     "hertz_elliptic",
     "hertz_sphere",
