@@ -231,7 +231,7 @@ class SlidingCylinder:
     >>> from roughcontact.reference import SlidingCylinder
     >>> cylinder = SlidingCylinder(force=1e4, radius=1e-2, modulus=100e9, friction=0.5, beta=0.4)
     >>> print(f"{cylinder.half_width * 1e6:.2f} um, centre at {cylinder.centre * 1e6:.2f} um")
-    36.26 um, centre at -4.56 um
+    35.97 um, centre at -4.52 um
     """
 
     force: float = attrs.field(converter=_newton)
