@@ -11,6 +11,13 @@ from roughcontact._solve.solution.attraction import (
 from roughcontact._solve.solution.conditions import ContactConditions, Violation
 from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.fields import ContactFields, ContactPatches
+from roughcontact._solve.solution.frictional import (
+    FrictionalResiduals,
+    FrictionalSolution,
+    FrictionalState,
+    TangentialLoad,
+)
+from roughcontact._solve.solution.frictional_files import read_frictional, read_path, write_frictional, write_path
 from roughcontact._solve.solution.healing import fill_gap, heal
 from roughcontact._solve.solution.origin import Accuracy, Origin, Trial, key_of_origin, solution_key, versions
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES, Rule, exceeds_metals, find_contact, find_scene
@@ -57,6 +64,9 @@ __all__ = [
     "ContactPatches",
     "ContactSolution",
     "Estimate",
+    "FrictionalResiduals",
+    "FrictionalSolution",
+    "FrictionalState",
     "GridLevel",
     "Origin",
     "Residuals",
@@ -64,6 +74,7 @@ __all__ = [
     "Rule",
     "SolutionWriter",
     "Status",
+    "TangentialLoad",
     "TheoryBeside",
     "Trial",
     "Violation",
@@ -85,6 +96,8 @@ __all__ = [
     "note_loads",
     "page_or_file",
     "read",
+    "read_frictional",
+    "read_path",
     "read_figures",
     "require_netcdf",
     "responses",
@@ -92,5 +105,7 @@ __all__ = [
     "trapping_error",
     "versions",
     "write",
+    "write_frictional",
+    "write_path",
     "writers",
 ]

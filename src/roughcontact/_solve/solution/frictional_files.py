@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.archive import digest_of, read_archive, write_archive
-from roughcontact._base.archive.plain import describe, public_class, rebuild
+from roughcontact._base.archive.plain import describe, rebuild
 from roughcontact._base.arrays import RealArray
 from roughcontact._base.units import Estimate
 from roughcontact._parts.interactions import FrictionLaw
@@ -118,7 +118,7 @@ def _read(path: Path, kind: str, *, verify: bool) -> tuple[list[FrictionalSoluti
             raise InputError("It has no state.")
         _require_row(header["states"])
     if verify:
-        storage.verify_problem(path, states[0].contact, states)
+        storage.verify_states(path, states[0].contact, states)
     return states, header
 
 
