@@ -204,7 +204,7 @@ class FrictionalRun:
     def _step_like(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> _Found:
         """Solve once for the pressure, and once for the traction."""
         contact = self.press(load)
-        limit = self._find_limit(contact)
+        limit, _ = self._find_limit(contact)
         self._require_stick(tangential, limit)
         at_rest = tangential.values == (0.0, 0.0) and not start.shear.any()
         if at_rest and (tangential.kind == "tangential_force" or not start.displacement.any()):
@@ -217,7 +217,7 @@ class FrictionalRun:
 
     def _slide_like(self, load: Load, direction: Pair) -> _Found:
         contact = self.press(load)
-        shear = _along(self._find_limit(contact), direction)
+        shear = _along(self._find_limit(contact)[0], direction)
         return _Found(contact, shear, np.full(2, math.nan), Status.CONVERGED, 1, 0)
 
     def _step_coupled(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> _Found:
@@ -230,8 +230,7 @@ class FrictionalRun:
         for passes in range(1, _MAX_PASSES + 1):
             contact = self._press_on(lifted, load, pressure, error)
             pressure = contact.pressure
-            limit = self._find_limit(contact)
-            coupling = self._find_coupling(contact.pressure, limit)
+            limit, coupling = self._find_limit(contact)
             self._require_coupling(coupling)
             self._require_stick(tangential, limit)
             dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
@@ -249,17 +248,16 @@ class FrictionalRun:
 
     def _slide_coupled(self, load: Load, direction: Pair) -> _Found:
         """Alternate as for a step, with combinations of earlier passes: what is left is linear on a fixed contact."""
-        mixing = _Mixing()
         contact = self.press(load)
-        limit = self._find_limit(contact)
-        coupling = self._find_coupling(contact.pressure, limit)
+        _, coupling = self._find_limit(contact)
+        mixing = _Mixing(1.0 / (1.0 + coupling**2))
         if not contact.contact.all():
             self._require_coupling(coupling)
         lifted = np.zeros(self.problem.plan.grid.shape)
         error = math.inf
         for passes in range(1, _MAX_PASSES + 1):
             contact = self._press_on(lifted, load, contact.pressure, error if passes > 1 else self.tolerance)
-            shear = _along(self._find_limit(contact), direction)
+            shear = _along(self._find_limit(contact)[0], direction)
             found = self.shear.apply(shear, to="z")[0]
             error = self._normal_error(contact, load, found)
             if error <= self.tolerance:
@@ -298,23 +296,24 @@ class FrictionalRun:
         )
         return conditions.measure(contact.pressure / self.unit, contact.displacement / self.length).error
 
-    def _find_limit(self, contact: ContactSolution) -> Array:
-        """Return the dimensionless shear strength of each cell, after checks of the law and the contact."""
+    def _find_limit(self, contact: ContactSolution) -> tuple[Array, float]:
+        """Return the dimensionless shear strength of each cell, and how strongly it couples to the pressure.
+
+        The second is the largest slope of the strength over the pressure times the magnitude of beta.
+        """
         if self.shear.coupled and contact.saturated.any():
             raise InputError(
                 "The pressure reaches its limit, and the bodies are of unlike materials: friction is then not known "
                 "where cells yield. Lower the load, or take Elastic materials."
             )
-        limit = shear_limit(self.law, contact.pressure)
-        more = shear_limit(self.law, contact.pressure * _PROBED_GROWTH)
-        if (more < limit * (1.0 - _CONE_TOLERANCE)).any():
+        pressure = contact.pressure
+        limit = shear_limit(self.law, pressure)
+        growth = shear_limit(self.law, pressure * _PROBED_GROWTH) - limit
+        if (growth < -_CONE_TOLERANCE * limit).any():
             raise InputError(f"The limit of the friction law {self.law!r} falls with the pressure: it must not.")
-        return limit / self.unit
-
-    def _find_coupling(self, pressure: Array, limit: Array) -> float:
-        """Return the largest coefficient of friction times the magnitude of beta."""
         pressed = pressure > 0.0
-        return abs(self.pair.beta) * float(np.max(limit[pressed] * self.unit / pressure[pressed], initial=0.0))
+        slope = float(np.max(growth[pressed] / pressure[pressed], initial=0.0)) / (_PROBED_GROWTH - 1.0)
+        return limit / self.unit, abs(self.pair.beta) * slope
 
     def _require_coupling(self, coupling: float) -> None:
         if coupling > _MAX_COUPLING:
@@ -496,7 +495,8 @@ class _Found:
 class _Mixing:
     """The next field of a fixed-point iteration, from the last ones: Anderson's combination of least change."""
 
-    def __init__(self) -> None:
+    def __init__(self, damping: float) -> None:
+        self._damping = damping
         self._fields: list[Array] = []
         self._changes: list[Array] = []
 
@@ -504,15 +504,15 @@ class _Mixing:
         """Return the field from which to go on, after one and its change."""
         self._fields = [*self._fields[-_MIXED_PASSES:], field]
         self._changes = [*self._changes[-_MIXED_PASSES:], change]
-        if len(self._changes) == 1:
-            return field + change
-        steps = [np.ravel(one - change) for one in self._changes[:-1]]
-        matrix = np.stack(steps, axis=1)
-        weights = np.linalg.lstsq(matrix, -np.ravel(change), rcond=1e-10)[0]
-        mixed = field + change
-        for weight, one, moved in zip(weights, self._fields[:-1], self._changes[:-1], strict=True):
-            mixed = mixed + weight * ((one - field) + (moved - change))
-        return mixed
+        best = field
+        left = change
+        if len(self._changes) > 1:
+            steps = np.stack([np.ravel(one - change) for one in self._changes[:-1]], axis=1)
+            weights = np.linalg.lstsq(steps, -np.ravel(change), rcond=1e-10)[0]
+            for weight, one, moved in zip(weights, self._fields, self._changes, strict=False):
+                best = best + weight * (one - field)
+                left = left + weight * (moved - change)
+        return best + self._damping * left
 
 
 def require_frictional(problem: ContactProblem) -> None:
@@ -582,4 +582,4 @@ def _along(limit: Array, direction: Pair) -> Array:
 
 
 def _inner(one: Array, other: Array) -> float:
-    return float(np.einsum("...,...->", one, other))
+    return float(np.einsum("i,i->", np.ravel(one), np.ravel(other)))

@@ -34,9 +34,12 @@ if TYPE_CHECKING:
 # Maximum increments of a step by "auto", and the changes from half as many at which it ends: of the displacement over
 # its maximum, of the energy lost over its sum, and of the area that sticks over that of the contact.
 _MAX_INCREMENTS = 16
-_DISPLACEMENT_TOLERANCE = 5e-3
-_ENERGY_TOLERANCE = 2e-2
-_STICK_TOLERANCE = 2e-2
+_DISPLACEMENT_TOLERANCE = 2.5e-2
+_ENERGY_TOLERANCE = 0.1
+_STICK_TOLERANCE = 3e-2
+# Least displacement over the approach, and energy lost over the elastic energy, that count.
+_LEAST_DISPLACEMENT = 1e-2
+_LEAST_LOSS = 1e-2
 # Sine of the angle between two changes of load below which they have one direction.
 _ONE_DIRECTION = 1e-9
 _GIVEN_INCREMENTS = ContactWarning(
@@ -208,9 +211,9 @@ class FrictionalPath(Sequence[FrictionalSolution]):
             ("pair", f"beta {pair.beta:.4g}, gamma {pair.gamma:.4g}"),
             (
                 "coupling",
-                f"normal and tangential solves in turn, up to {counted(passes, 'pass')} an increment"
+                f"normal and tangential solves in turn, at most {passes} of each in an increment"
                 if coupled
-                else "none, one pass",
+                else "none: one solve of each",
             ),
             ("components", "xx, yy, xy" + (", zx, zy" if coupled else "")),
             *(
@@ -514,14 +517,15 @@ def _compare(coarse: Sequence[FrictionalSolution], fine: Sequence[FrictionalSolu
     lost = np.array([step.dissipated.value for step in fine])
     lost_shift = np.abs(lost - np.array([step.dissipated.value for step in coarse])).sum()
     # Where nothing slips the energy lost is rounding.
-    scale = max(float(np.abs(lost).sum()), 1e-3 * max(step.elastic_energy for step in fine))
+    scale = max(float(np.abs(lost).sum()), _LEAST_LOSS * max(step.elastic_energy for step in fine))
     areas = [
         abs(one.stick_area.value - other.stick_area.value)
         / max(_STICK_TOLERANCE * float(np.count_nonzero(other.contact.contact)) * other.grid.cell_area,
               other.stick_area.uncertainty, other.grid.cell_area)
         for one, other in zip(coarse, fine, strict=True)
     ]
-    largest = float(np.abs(moved).max())
+    # Without a tangential load it is rounding, or small.
+    largest = max(float(np.abs(moved).max()), _LEAST_DISPLACEMENT * max(abs(step.approach) for step in fine))
     changes = (
         float(shift) / (_DISPLACEMENT_TOLERANCE * largest) if largest > 0.0 else 0.0,
         float(lost_shift) / (_ENERGY_TOLERANCE * scale) if scale > 0.0 else 0.0,
