@@ -37,15 +37,26 @@ from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, Suppo
 from roughcontact._parts.materials import TYPICAL
 from roughcontact._parts.surfaces import MatchedPair, Separated
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
-from roughcontact._solve.problem import AdhesionCycle, SolvePlan, Sweep, require_memory_of_solve, run_sweep
+from roughcontact._solve.problem import (
+    AdhesionCycle,
+    SolvePlan,
+    StepNumbers,
+    Sweep,
+    TangentialLoop,
+    require_memory_of_solve,
+    run_sweep,
+)
 from roughcontact._solve.solution import (
     Accuracy,
     ContactConditions,
     ContactFields,
     ContactPatches,
+    FrictionalResiduals,
+    FrictionalState,
     GridLevel,
     Origin,
     Residuals,
+    TangentialLoad,
     TheoryBeside,
     Trial,
     Violation,
