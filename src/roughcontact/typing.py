@@ -19,6 +19,7 @@ results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`
              `TheoryBeside`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`, `ContactWarning`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 responses    `Leakage`, `Throat`, `Percolation`
+friction     `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `TangentialLoop`, `StepNumbers`
 ===========  ==========================================================================================================
 """
 
@@ -111,6 +112,8 @@ __all__ = [
     "Cycle",
     "ErrorReport",
     "FrettingLoop",
+    "FrictionalResiduals",
+    "FrictionalState",
     "GridLevel",
     "IntArray",
     "InterfaceLaw",
@@ -140,6 +143,7 @@ __all__ = [
     "SolvePlan",
     "StabilityReport",
     "Step",
+    "StepNumbers",
     "Stress",
     "StressField",
     "StressMaximum",
@@ -148,6 +152,8 @@ __all__ = [
     "SupportsSpectrum",
     "Sweep",
     "Table",
+    "TangentialLoad",
+    "TangentialLoop",
     "Task",
     "TheoryBeside",
     "Throat",

@@ -106,7 +106,8 @@ class CattaneoMindlin:
     def displacement(self, tangential_force: float) -> float:
         """Return the tangential displacement of distant points at first loading, m."""
         depth = self.contact_radius**2 / self.radius
-        return self.friction * self.compliance_ratio * depth * (1.0 - (1.0 - self._part(tangential_force)) ** (2 / 3))
+        stuck = float((1.0 - self._part(tangential_force)) ** (2 / 3))
+        return self.friction * self.compliance_ratio * depth * (1.0 - stuck)
 
     def traction(self, distance: Array, tangential_force: float) -> Array:
         """Return the traction at distances from the centre, m, at first loading; Pa."""
@@ -131,7 +132,7 @@ class CattaneoMindlin:
                   \left[1 - (1 - x)^{5/3} - \tfrac56 x\,(1 + (1 - x)^{2/3})\right], \quad x = Q^*/\mu P
         """
         x = self._part(amplitude)
-        bracket = 1.0 - (1.0 - x) ** (5 / 3) - 5.0 / 6.0 * x * (1.0 + (1.0 - x) ** (2 / 3))
+        bracket = float(1.0 - (1.0 - x) ** (5 / 3) - 5.0 / 6.0 * x * (1.0 + (1.0 - x) ** (2 / 3)))
         return 3.6 * self.compliance_ratio * self.sliding_force**2 / (self.contact_radius * self.modulus) * bracket
 
     def _part(self, tangential_force: float) -> float:

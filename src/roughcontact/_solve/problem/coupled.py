@@ -12,13 +12,13 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.units import Estimate, si
-from roughcontact._parts.grid import Boundary, Load
+from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw, shear_limit
 from roughcontact._parts.materials import PairConstants
 from roughcontact._solve.problem.accuracy import with_tolerance
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.run import certify, computing, run_solve
-from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure_unit
+from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solution import (
     ContactConditions,
     ContactSolution,
@@ -165,9 +165,7 @@ class FrictionalRun:
         if coupled and sheared:
             normal = normal + self.shear.apply(shear, to="z")[0]
         relative = moved[:, np.newaxis, np.newaxis] - tangential
-        return FrictionalFields(
-            pressure, shear, tangential, normal, relative, moved, state.approach / self.length
-        )
+        return FrictionalFields(pressure, shear, tangential, normal, relative, moved, state.approach / self.length)
 
     def step(
         self, load: Load, tangential: TangentialLoad, before: FrictionalState, start: FrictionalFields
@@ -211,9 +209,7 @@ class FrictionalRun:
             return _Found(contact, start.shear, start.displacement, Status.CONVERGED, 1, 0)
         task = self._make_task(tangential, limit, -start.relative, start.shear)
         outcome = self.solver.solve(self.shear, task)
-        return _Found(
-            contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations
-        )
+        return _Found(contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations)
 
     def _slide_like(self, load: Load, direction: Pair) -> _Found:
         contact = self.press(load)
@@ -225,14 +221,20 @@ class FrictionalRun:
         shear = start.shear
         lifted = self.shear.apply(shear, to="z")[0]
         pressure: Array | None = start.pressure * self.unit if start.pressure.any() else None
+        change = np.zeros_like(lifted)
+        relaxation = 1.0
         error = math.inf
         iterations = 0
-        for passes in range(1, _MAX_PASSES + 1):
+        passes = 0
+        while error > self.tolerance and passes < _MAX_PASSES:
+            passes += 1
+            lifted = lifted + relaxation * change
             contact = self._press_on(lifted, load, pressure, error)
             pressure = contact.pressure
             limit, coupling = self._find_limit(contact)
             self._require_coupling(coupling)
             self._require_stick(tangential, limit)
+            relaxation = 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0
             dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
             task = self._make_task(tangential, limit, -start.relative - dragged, shear, _PASS_ITERATIONS)
             outcome = self.solver.solve(self.shear, task)
@@ -240,9 +242,6 @@ class FrictionalRun:
             shear = outcome.shear
             change = self.shear.apply(shear, to="z")[0] - lifted
             error = max(self._normal_error(contact, load, lifted + change), outcome.residual)
-            if error <= self.tolerance:
-                break
-            lifted = lifted + change / (1.0 + coupling**2 if coupling > _RELAXED_COUPLING else 1.0)
         status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
         return _Found(contact, shear, np.array(outcome.displacement), status, passes, iterations)
 
@@ -291,9 +290,7 @@ class FrictionalRun:
             gap = np.where(plan.non_measured, np.maximum(gap, contact.initial_gap / self.length), gap)
         approach = load.value / self.length if load.kind == "approach" else None
         measured = True if plan.non_measured is None else ~plan.non_measured
-        conditions = ContactConditions(
-            gap, plan.pressure_limit / self.unit, approach, float(gap.std(where=measured))
-        )
+        conditions = ContactConditions(gap, plan.pressure_limit / self.unit, approach, float(gap.std(where=measured)))
         return conditions.measure(contact.pressure / self.unit, contact.displacement / self.length).error
 
     def _find_limit(self, contact: ContactSolution) -> tuple[Array, float]:
@@ -381,9 +378,7 @@ class FrictionalRun:
         if self.shear.coupled:
             contact = self._certify_contact(contact, load, shear)
         moved = (float(found.displacement[0]) * self.length, float(found.displacement[1]) * self.length)
-        state = FrictionalState(
-            pressure=contact.pressure, shear=shear, displacement=moved, approach=contact.approach
-        )
+        state = FrictionalState(pressure=contact.pressure, shear=shear, displacement=moved, approach=contact.approach)
         return self.judge(contact, state, tangential, before, start, found, time.perf_counter() - started)
 
     def _certify_contact(self, contact: ContactSolution, load: Load, shear: Array) -> ContactSolution:

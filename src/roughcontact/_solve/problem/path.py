@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
@@ -14,7 +14,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Pair, read_only
 from roughcontact._base.tables import Table
-from roughcontact._base.units import ContactWarning, Estimate, PlainText, counted, outlined, si
+from roughcontact._base.units import ContactWarning, Estimate, PlainText, counted, outlined
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Coulomb, FrictionLaw
 from roughcontact._solve.problem.coupled import FrictionalFields, FrictionalRun, require_frictional
@@ -42,6 +42,8 @@ _LEAST_DISPLACEMENT = 1e-2
 _LEAST_LOSS = 1e-2
 # Sine of the angle between two changes of load below which they have one direction.
 _ONE_DIRECTION = 1e-9
+# Numbers over the largest of their kind that a table shows as zero.
+_TABLE_ROUNDING = 1e-9
 _GIVEN_INCREMENTS = ContactWarning(
     "the number of increments was given, so that the error of the increments is not known: leave it to substeps='auto'",
     "increments",
@@ -176,10 +178,8 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         """Return a row for each step, in SI units; see `roughcontact.typing.Table`."""
         columns: dict[str, Any] = {
             "force": np.array([state.force for state in self.states]),
-            "tangential_x": self.loop.force[1:, 0],
-            "tangential_y": self.loop.force[1:, 1],
-            "displacement_x": [one.displacement[0] for one in self.numbers],
-            "displacement_y": [one.displacement[1] for one in self.numbers],
+            **{f"tangential_{axis}": _without_rounding(self.loop.force[1:])[:, k] for k, axis in enumerate("xy")},
+            **{f"displacement_{axis}": self._displacements(k) for k, axis in enumerate("xy")},
             "dissipated": [one.dissipated for one in self.numbers],
             "stick_area": [one.stick_area for one in self.numbers],
             "approach": np.array([state.approach for state in self.states]),
@@ -187,6 +187,12 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         }
         units = {"force": "N", "tangential_x": "N", "tangential_y": "N", "approach": "m"}
         return Table(columns, units)
+
+    def _displacements(self, axis: int) -> list[Estimate]:
+        values = _without_rounding(self.loop.displacement[1:])[:, axis].tolist()
+        return [
+            attrs.evolve(one.displacement[axis], value=value) for one, value in zip(self.numbers, values, strict=True)
+        ]
 
     def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the tangential force over the displacement (extra ``plot``); see `ContactSolution.plot`."""
@@ -276,6 +282,11 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         return f"<FrictionalPath {counted(len(self), 'state')}, {self.states[0].grid}, lost {self.dissipated}>"
 
 
+def _without_rounding(values: Array) -> Array:
+    """Return values with zeros in place of those that are rounding beside the largest one."""
+    return np.where(np.abs(values) < _TABLE_ROUNDING * np.abs(values).max(), 0.0, values)
+
+
 def _estimate(stored: Any) -> Estimate:
     return Estimate(
         float(stored["value"]), float(stored["uncertainty"]), str(stored["unit"]), tuple(map(str, stored["warnings"]))
@@ -325,8 +336,8 @@ def resolve_friction(friction: object) -> FrictionLaw:
 
 def run_path(
     problem: ContactProblem,
-    normal: dict[str, object],
-    tangential: dict[str, object],
+    normal: Mapping[str, object],
+    tangential: Mapping[str, object],
     friction: object,
     substeps: object,
 ) -> FrictionalPath:
@@ -357,7 +368,7 @@ def run_path(
 
 
 def run_slide(
-    problem: ContactProblem, normal: dict[str, object], friction: object, direction: object
+    problem: ContactProblem, normal: Mapping[str, object], friction: object, direction: object
 ) -> FrictionalSolution:
     """Return the contact in steady sliding; see `ContactProblem.slide`."""
     law = resolve_friction(friction)
@@ -370,13 +381,13 @@ def run_slide(
     return FrictionalRun(problem, law).slide(load, (x, y))
 
 
-def _is_single(normal: dict[str, object]) -> bool:
+def _is_single(normal: Mapping[str, object]) -> bool:
     values = [value for value in normal.values() if value is not None]
     return len(values) == 1 and (isinstance(values[0], str) or not isinstance(values[0], Iterable))
 
 
 def _list_segments(
-    run: FrictionalRun, normal: dict[str, object], tangential: dict[str, object]
+    run: FrictionalRun, normal: Mapping[str, object], tangential: Mapping[str, object]
 ) -> list[_Segment]:
     """Return the steps of a path, that of pressing first if the normal load is constant."""
     single = _is_single(normal)
@@ -418,7 +429,7 @@ def _list_segments(
     return segments
 
 
-def _list_targets(tangential: dict[str, object]) -> list[TangentialLoad]:
+def _list_targets(tangential: Mapping[str, object]) -> list[TangentialLoad]:
     named = {kind: value for kind, value in tangential.items() if value is not None}
     if len(named) != 1:
         given = " and ".join(f"{kind}=" for kind in named) or "neither"
@@ -502,11 +513,15 @@ def _refine(
         warning = (ContactWarning(text, "increments", change),)
     pairs = zip(segments, coarser, steps, strict=True)
     numbers = [
-        _raw_numbers(fine) if segment.exact and all(one.exact for one in segments[:place])
+        _raw_numbers(fine)
+        if segment.exact and all(one.exact for one in segments[:place])
         else _extrapolate(coarse, fine, warning)
         for place, (segment, coarse, fine) in enumerate(pairs)
     ]
-    reasons = [segment.exact or f"doubled until the numbers change by {change:.2g} of what is admissible" for segment in segments]
+    reasons = [
+        segment.exact or f"doubled until the numbers change by {change:.2g} of what is admissible"
+        for segment in segments
+    ]
     return steps, numbers, reasons
 
 
@@ -520,8 +535,11 @@ def _compare(coarse: Sequence[FrictionalSolution], fine: Sequence[FrictionalSolu
     scale = max(float(np.abs(lost).sum()), _LEAST_LOSS * max(step.elastic_energy for step in fine))
     areas = [
         abs(one.stick_area.value - other.stick_area.value)
-        / max(_STICK_TOLERANCE * float(np.count_nonzero(other.contact.contact)) * other.grid.cell_area,
-              other.stick_area.uncertainty, other.grid.cell_area)
+        / max(
+            _STICK_TOLERANCE * float(np.count_nonzero(other.contact.contact)) * other.grid.cell_area,
+            other.stick_area.uncertainty,
+            other.grid.cell_area,
+        )
         for one, other in zip(coarse, fine, strict=True)
     ]
     # Without a tangential load it is rounding, or small.
@@ -547,7 +565,9 @@ def _raw_numbers(step: FrictionalSolution, warnings: tuple[str, ...] = ()) -> St
 def _extrapolate(coarse: FrictionalSolution, fine: FrictionalSolution, warnings: tuple[str, ...]) -> StepNumbers:
     """Return the limits of infinitely many increments: the error is of first order in the increment."""
 
-    def extend(old: float, new: float, unit: str, known: float = 0.0, low: float = -math.inf, high: float = math.inf) -> Estimate:
+    def extend(
+        old: float, new: float, unit: str, known: float = 0.0, low: float = -math.inf, high: float = math.inf
+    ) -> Estimate:
         return Estimate(min(max(2.0 * new - old, low), high), math.hypot(abs(new - old), known), unit, warnings)
 
     x, y = (extend(old, new, "m") for old, new in zip(coarse.displacement, fine.displacement, strict=True))

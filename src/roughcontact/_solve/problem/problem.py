@@ -380,8 +380,8 @@ class ContactProblem:
         ------
         InputError
             If the loads do not fit together or the tangential force makes the bodies slide; with adhesion, on a wrapped
-            boundary or without the response of the kernel to shear; for unlike materials if friction times Dundurs' beta
-            exceeds one, or the pressure reaches its limit.
+            boundary or if the kernel does not know shear; for unlike materials if friction times Dundurs' beta exceeds
+            one, or the pressure reaches its limit.
         NotConverged
             If a state is not certified.
         """

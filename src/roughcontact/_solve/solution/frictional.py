@@ -250,9 +250,7 @@ class FrictionalSolution:
         return self._count(self.slipping)
 
     def _count(self, cells: Mask) -> Estimate:
-        edges = sum(
-            int(np.count_nonzero(np.diff(self.stick, axis=axis) & self._both_touch(axis))) for axis in (0, 1)
-        )
+        edges = sum(int(np.count_nonzero(np.diff(self.stick, axis=axis) & self._both_touch(axis))) for axis in (0, 1))
         value = int(np.count_nonzero(cells)) * self.grid.cell_area
         return Estimate(value, 0.5 * edges * self.grid.cell_area, "m2")
 

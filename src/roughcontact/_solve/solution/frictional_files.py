@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -124,7 +125,7 @@ def _read(path: Path, kind: str, *, verify: bool) -> tuple[list[FrictionalSoluti
 
 def _require_row(described: Sequence[Mapping[str, Any]]) -> None:
     """Raise `InputError` unless each step of one increment begins with the state before."""
-    for before, after in zip(described, described[1:], strict=False):
+    for before, after in pairwise(described):
         if after["increments"] == 1 and after["before"]["digest"] != before["digest"]:
             raise InputError("The states do not follow each other.")
 
