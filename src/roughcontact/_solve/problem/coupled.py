@@ -1,46 +1,38 @@
-"""One increment of a contact with friction: normal and tangential solves in turn, and the certificate of both."""
+"""One increment of a contact with friction: normal and tangential solves in turn."""
 
 from __future__ import annotations
 
 import math
 import time
-from functools import cached_property
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair
-from roughcontact._base.units import Estimate, si
+from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
-from roughcontact._parts.interactions import FrictionLaw, shear_limit
-from roughcontact._parts.materials import PairConstants
+from roughcontact._parts.interactions import shear_limit
 from roughcontact._solve.problem.accuracy import with_tolerance
 from roughcontact._solve.problem.body import InitialGap
-from roughcontact._solve.problem.run import certify, computing, run_solve
-from roughcontact._solve.problem.task import make_task, pressure_unit
+from roughcontact._solve.problem.friction_certificate import (
+    CONE_TOLERANCE,
+    FORCE_TOLERANCE,
+    FoundTractions,
+    FrictionalContact,
+    FrictionalFields,
+    stack_along,
+)
+from roughcontact._solve.problem.run import computing, run_solve
 from roughcontact._solve.solution import (
     ContactConditions,
     ContactSolution,
-    FrictionalResiduals,
     FrictionalSolution,
     FrictionalState,
-    Origin,
     Status,
     TangentialLoad,
 )
-from roughcontact._solve.solvers import (
-    Outcome,
-    ShearSolver,
-    ShearTask,
-    natural_residual,
-    shear_solvers,
-)
+from roughcontact._solve.solvers import ShearSolver, ShearTask, shear_solvers
 from roughcontact.errors import InputError, NotConverged
-
-if TYPE_CHECKING:
-    from roughcontact._solve.convolvers import ShearConvolution
-    from roughcontact._solve.problem.problem import ContactProblem
 
 # Iterations of the tangential solver in one pass of a coupled solve: fewer drop the conjugate direction too early, more
 # are lost when the pressure changes. And passes, after which a solve is given up.
@@ -57,83 +49,15 @@ _LOOSEST_INNER = 100.0
 _TIGHTEST_INNER = 0.3
 # Earlier passes of which steady sliding takes a combination (Anderson).
 _MIXED_PASSES = 4
-# Rounding of tangential forces and of the friction cone.
-_FORCE_TOLERANCE = 1e-10
-_CONE_TOLERANCE = 1e-12
 # Growth of the pressure at which a law must not give less.
 _PROBED_GROWTH = 1.25
 
 
 @attrs.frozen(eq=False)
-class FrictionalFields:
-    """A state in dimensionless variables, with the displacements that it causes.
+class CoupledSolve(FrictionalContact):
+    """The solves of a path."""
 
-    Attributes
-    ----------
-    pressure, shear
-        Tractions, shapes (nx, ny) and (2, nx, ny).
-    tangential, normal
-        Displacements by both tractions, shapes (2, nx, ny) and (nx, ny).
-    relative
-        Displacement of the counterbody's surface relative to the body's since the first touch, shape (2, nx, ny).
-    displacement, approach
-        Those of the bodies.
-    """
-
-    pressure: Array
-    shear: Array
-    tangential: Array
-    normal: Array
-    relative: Array
-    displacement: Array
-    approach: float
-
-    @property
-    def energy(self) -> float:
-        """Elastic energy of both bodies."""
-        return 0.5 * (_inner(self.pressure, self.normal) + _inner(self.shear, self.tangential))
-
-
-@attrs.frozen(eq=False)
-class FrictionalRun:
-    """The solves of a path: its problem and its friction law.
-
-    Attributes
-    ----------
-    problem
-        The contact.
-    law
-        The friction law.
-    """
-
-    problem: ContactProblem
-    law: FrictionLaw
     _known: dict[Load, ContactSolution] = attrs.field(factory=dict, init=False)
-
-    @cached_property
-    def shear(self) -> ShearConvolution:
-        """The linear map from tractions to displacements."""
-        return self.problem.shear_convolution
-
-    @property
-    def pair(self) -> PairConstants:
-        """The constants of the two materials."""
-        return self.shear.setup.kernel.pair
-
-    @cached_property
-    def unit(self) -> float:
-        """Tractions that count as one, Pa."""
-        return pressure_unit(self.problem.plan)
-
-    @property
-    def length(self) -> float:
-        """Displacements that count as one, m."""
-        return self.problem.plan.peak_to_valley
-
-    @property
-    def tolerance(self) -> float:
-        """Error that counts as converged."""
-        return self.problem.plan.solver.tolerance
 
     @property
     def solver(self) -> ShearSolver:
@@ -147,25 +71,6 @@ class FrictionalRun:
             self._known.clear()
             self._known[load] = found
         return self._known[load]
-
-    def fields_of(self, state: FrictionalState) -> FrictionalFields:
-        """Return a state in dimensionless variables; products with zero tractions are omitted."""
-        pressure = state.pressure / self.unit
-        shear = state.shear / self.unit
-        moved = np.array(state.displacement) / self.length
-        coupled = self.shear.coupled
-        loaded = bool(pressure.any())
-        sheared = bool(shear.any())
-        tangential = np.zeros_like(shear)
-        normal = self.problem.convolution.apply(pressure) if loaded else np.zeros_like(pressure)
-        if coupled and loaded:
-            tangential = self.shear.apply(np.concatenate([shear, pressure[np.newaxis]]), of="xyz")
-        elif sheared:
-            tangential = self.shear.apply(shear)
-        if coupled and sheared:
-            normal = normal + self.shear.apply(shear, to="z")[0]
-        relative = moved[:, np.newaxis, np.newaxis] - tangential
-        return FrictionalFields(pressure, shear, tangential, normal, relative, moved, state.approach / self.length)
 
     def step(
         self, load: Load, tangential: TangentialLoad, before: FrictionalState, start: FrictionalFields
@@ -199,24 +104,26 @@ class FrictionalRun:
             solution, _ = self._certify(load, tangential, found, before, self.fields_of(before), started)
         return _require_success(solution)
 
-    def _step_like(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> _Found:
+    def _step_like(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> FoundTractions:
         """Solve once for the pressure, and once for the traction."""
         contact = self.press(load)
         limit, _ = self._find_limit(contact)
         self._require_stick(tangential, limit)
         at_rest = tangential.values == (0.0, 0.0) and not start.shear.any()
         if at_rest and (tangential.kind == "tangential_force" or not start.displacement.any()):
-            return _Found(contact, start.shear, start.displacement, Status.CONVERGED, 1, 0)
+            return FoundTractions(contact, start.shear, start.displacement, Status.CONVERGED, 1, 0)
         task = self._make_task(tangential, limit, -start.relative, start.shear)
         outcome = self.solver.solve(self.shear, task)
-        return _Found(contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations)
+        return FoundTractions(
+            contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations
+        )
 
-    def _slide_like(self, load: Load, direction: Pair) -> _Found:
+    def _slide_like(self, load: Load, direction: Pair) -> FoundTractions:
         contact = self.press(load)
-        shear = _along(self._find_limit(contact)[0], direction)
-        return _Found(contact, shear, np.full(2, math.nan), Status.CONVERGED, 1, 0)
+        shear = stack_along(self._find_limit(contact)[0], direction)
+        return FoundTractions(contact, shear, np.full(2, math.nan), Status.CONVERGED, 1, 0)
 
-    def _step_coupled(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> _Found:
+    def _step_coupled(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> FoundTractions:
         """Alternate: the traction changes the initial gap, the pressure changes the limit and the offset."""
         shear = start.shear
         lifted = self.shear.apply(shear, to="z")[0]
@@ -243,9 +150,9 @@ class FrictionalRun:
             change = self.shear.apply(shear, to="z")[0] - lifted
             error = max(self._normal_error(contact, load, lifted + change), outcome.residual)
         status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
-        return _Found(contact, shear, np.array(outcome.displacement), status, passes, iterations)
+        return FoundTractions(contact, shear, np.array(outcome.displacement), status, passes, iterations)
 
-    def _slide_coupled(self, load: Load, direction: Pair) -> _Found:
+    def _slide_coupled(self, load: Load, direction: Pair) -> FoundTractions:
         """Alternate as for a step, with combinations of earlier passes: what is left is linear on a fixed contact."""
         contact = self.press(load)
         _, coupling = self._find_limit(contact)
@@ -256,14 +163,14 @@ class FrictionalRun:
         error = math.inf
         for passes in range(1, _MAX_PASSES + 1):
             contact = self._press_on(lifted, load, contact.pressure, error if passes > 1 else self.tolerance)
-            shear = _along(self._find_limit(contact)[0], direction)
+            shear = stack_along(self._find_limit(contact)[0], direction)
             found = self.shear.apply(shear, to="z")[0]
             error = self._normal_error(contact, load, found)
             if error <= self.tolerance:
                 break
             lifted = mixing.combine(lifted, found - lifted)
         status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
-        return _Found(contact, shear, np.full(2, math.nan), status, passes, 0)
+        return FoundTractions(contact, shear, np.full(2, math.nan), status, passes, 0)
 
     def _press_on(self, lifted: Array, load: Load, pressure: Array | None, error: float) -> ContactSolution:
         """Return the contact on the initial gap changed by the traction, as accurate as a coupled error asks for."""
@@ -306,7 +213,7 @@ class FrictionalRun:
         pressure = contact.pressure
         limit = shear_limit(self.law, pressure)
         growth = shear_limit(self.law, pressure * _PROBED_GROWTH) - limit
-        if (growth < -_CONE_TOLERANCE * limit).any():
+        if (growth < -CONE_TOLERANCE * limit).any():
             raise InputError(f"The limit of the friction law {self.law!r} falls with the pressure: it must not.")
         pressed = pressure > 0.0
         slope = float(np.max(growth[pressed] / pressure[pressed], initial=0.0)) / (_PROBED_GROWTH - 1.0)
@@ -322,17 +229,13 @@ class FrictionalRun:
     def _require_stick(self, tangential: TangentialLoad, limit: Array) -> None:
         if tangential.kind != "tangential_force":
             return
-        sliding = float(limit.sum()) * self._force_unit
+        sliding = float(limit.sum()) * self.force_unit
         size = math.hypot(*tangential.values)
-        if not size < sliding * (1.0 - _FORCE_TOLERANCE) and size > 0.0:
+        if not size < sliding * (1.0 - FORCE_TOLERANCE) and size > 0.0:
             raise InputError(
                 f"The bodies slide: the tangential force of {si(size, 'N')} is not below the sum of the shear "
                 f"strengths, {si(sliding, 'N')}. Give displacement= instead, or call problem.slide(...)."
             )
-
-    @property
-    def _force_unit(self) -> float:
-        return self.unit * self.problem.plan.grid.cell_area
 
     def _make_task(
         self,
@@ -346,7 +249,7 @@ class FrictionalRun:
         force: tuple[float | None, float | None] = (None, None)
         moved: tuple[float | None, float | None] = (None, None)
         if tangential.kind == "tangential_force":
-            force = x / self._force_unit, y / self._force_unit
+            force = x / self.force_unit, y / self.force_unit
         else:
             moved = x / self.length, y / self.length
         return ShearTask(
@@ -363,7 +266,7 @@ class FrictionalRun:
         self,
         load: Load,
         tangential: TangentialLoad,
-        found: _Found,
+        found: FoundTractions,
         before: FrictionalState,
         start: FrictionalFields,
         started: float,
@@ -376,115 +279,10 @@ class FrictionalRun:
         size = np.hypot(*shear)
         shear = shear * np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)
         if self.shear.coupled:
-            contact = self._certify_contact(contact, load, shear)
+            contact = self.certify_contact(contact, load, shear)
         moved = (float(found.displacement[0]) * self.length, float(found.displacement[1]) * self.length)
         state = FrictionalState(pressure=contact.pressure, shear=shear, displacement=moved, approach=contact.approach)
         return self.judge(contact, state, tangential, before, start, found, time.perf_counter() - started)
-
-    def _certify_contact(self, contact: ContactSolution, load: Load, shear: Array) -> ContactSolution:
-        """Return a contact with the certificate of its pressure on the gap changed by the final traction."""
-        plan = self.problem.plan
-        gap = self.problem._gap
-        lifted = self.shear.apply(shear / self.unit, to="z")[0]
-        values = gap.values + lifted * self.length
-        if gap.non_measured is not None:
-            values = np.where(gap.non_measured, np.maximum(values, contact.initial_gap), values)
-        outcome = Outcome(
-            pressure=contact.pressure / self.unit,
-            status=contact.status,
-            iterations=contact.iterations,
-            convolutions=contact.convolutions,
-            errors=contact.errors,
-            levels=contact.levels,
-        )
-        task = make_task(plan, values, load)
-        found = certify(plan, self.problem.convolution, values, task, outcome, seconds=contact.seconds)
-        # To the last bit: the unit may round.
-        origin = Origin(self.problem.parts, load.arguments, source=self.problem)
-        return attrs.evolve(found, pressure=contact.pressure, origin=origin)
-
-    def judge(
-        self,
-        contact: ContactSolution,
-        state: FrictionalState,
-        tangential: TangentialLoad,
-        before: FrictionalState,
-        start: FrictionalFields,
-        found: _Found,
-        seconds: float,
-    ) -> tuple[FrictionalSolution, FrictionalFields]:
-        """Return the solution with the residuals recomputed from two states, and its fields."""
-        steady = tangential.kind == "direction"
-        if steady:
-            # The displacement of steady sliding is not determined.
-            fields = self.fields_of(attrs.evolve(state, displacement=(0.0, 0.0)))
-            slip = np.broadcast_to(np.array(tangential.values)[:, np.newaxis, np.newaxis], state.shear.shape)
-        else:
-            fields = self.fields_of(state)
-            slip = fields.relative - start.relative
-        limit = shear_limit(self.law, state.pressure) / self.unit
-        strongest = float(limit.max()) or 1.0
-        total = float(limit.sum()) or 1.0
-        own = self.shear.own
-        lost = _inner(fields.shear, slip)
-        if steady:
-            residual = float(np.abs(fields.shear - _along(limit, tangential.values)).max()) / strongest
-        else:
-            residual = natural_residual(fields.shear, slip, limit, own)
-        load_error = 0.0
-        if tangential.kind == "tangential_force":
-            wanted = np.array(tangential.values) / self._force_unit
-            load_error = float(np.hypot(*(fields.shear.sum(axis=(1, 2)) - wanted))) / total
-        excess = np.hypot(*fields.shear) - limit
-        residuals = FrictionalResiduals(
-            normal=contact.residuals,
-            shear_load=load_error,
-            cone=max(float(excess.max()), 0.0) / strongest,
-            slip=residual,
-            dissipation=max(-lost, 0.0) / (max(own) * strongest * total),
-            energy=0.0 if steady else _find_imbalance(start, fields),
-        )
-        confirmed = (
-            residuals.shear_load <= _FORCE_TOLERANCE
-            and residuals.cone <= _CONE_TOLERANCE
-            and residuals.slip <= 2.0 * self.tolerance
-        )
-        status = contact.status if not contact.status.success or found.status.success else found.status
-        if status.success and not confirmed:
-            status = Status.UNCONFIRMED
-        # Per distance in steady sliding.
-        factor = self._force_unit * (1.0 if steady else self.length)
-        unsure = 0.0 if steady else 0.5 * abs(_inner(fields.shear - start.shear, slip)) * factor
-        solution = FrictionalSolution(
-            contact=contact,
-            shear=state.shear,
-            displacement=state.displacement,
-            slip=slip if steady else slip * self.length,
-            friction=self.law,
-            given=tangential,
-            pair=self.pair,
-            before=before,
-            dissipated=Estimate(lost * factor, unsure, "J/m" if steady else "J"),
-            elastic_energy=fields.energy * self._force_unit * self.length,
-            residuals=residuals,
-            status=status,
-            passes=found.passes,
-            iterations=found.iterations,
-            seconds=seconds,
-        )
-        return solution, fields
-
-
-@attrs.frozen(eq=False)
-class _Found:
-    """What the solves found: a contact, the dimensionless traction and displacement, and their cost."""
-
-    contact: ContactSolution
-    shear: Array
-    displacement: Array
-    status: Status
-    passes: int
-    iterations: int
 
 
 class _Mixing:
@@ -510,47 +308,6 @@ class _Mixing:
         return best + self._damping * left
 
 
-def require_frictional(problem: ContactProblem) -> None:
-    """Raise `InputError` unless a problem has a contact with friction; its shear convolution is prepared."""
-    if problem.adhesion is not None:
-        raise InputError("Friction with adhesion is not known: omit adhesion=.")
-    _ = problem.shear_convolution
-
-
-def verify_frictional(problem: ContactProblem, solution: FrictionalSolution) -> None:
-    """Recompute the certificate of a solution from both states; see `FrictionalSolution.verify`."""
-    run = FrictionalRun(problem, solution.friction)
-    origin = solution.contact.origin
-    if origin is None or not solution.grid.matches(problem.plan.grid):
-        raise InputError(f"It is not a solution at a load, on the grid of the problem, {problem.plan.grid}.")
-    load = Load.of(**origin.load)
-    contact = solution.contact
-    if run.shear.coupled:
-        contact = run._certify_contact(contact, load, np.asarray(solution.shear))
-        if not _are_close(solution.contact.initial_gap, contact.initial_gap):
-            raise InputError("Its initial gap contradicts its traction and its problem.")
-        if solution.contact.status.success and not contact.status.success:
-            raise InputError(f"Its contact is not in equilibrium: the recomputed residuals are {contact.residuals}.")
-    else:
-        problem.verify(contact)
-    found = _Found(contact, solution.shear, np.zeros(2), solution.status, solution.passes, solution.iterations)
-    start = run.fields_of(solution.before)
-    again, _ = run.judge(contact, solution.state, solution.given, solution.before, start, found, 0.0)
-    if solution.status.success and not again.status.success:
-        raise InputError(f"Its status is {solution.status.name}, but the recomputed residuals are {again.residuals}.")
-    pairs = {
-        "approach": (solution.approach, again.approach),
-        "elastic energy": (solution.elastic_energy, again.elastic_energy),
-    }
-    for name, (given, right) in pairs.items():
-        if not _are_close(np.array(given), np.array(right)):
-            raise InputError(f"Its {name} contradicts its tractions and its problem.")
-
-
-def _are_close(given: Array, right: Array) -> bool:
-    return bool(np.abs(given - right).max() <= 1e-9 * max(float(np.abs(right).max()), 1e-300))
-
-
 def _require_success(solution: FrictionalSolution) -> FrictionalSolution:
     if not solution.status.success:
         raise NotConverged(
@@ -559,22 +316,3 @@ def _require_success(solution: FrictionalSolution) -> FrictionalSolution:
             solution,
         )
     return solution
-
-
-def _find_imbalance(start: FrictionalFields, end: FrictionalFields) -> float:
-    """Return the error of the balance of energy and work between two states, over its largest term."""
-    pressing = 0.5 * _inner(start.pressure + end.pressure, end.normal - start.normal)
-    mean = 0.5 * (start.shear + end.shear)
-    driving = float(mean.sum(axis=(1, 2)) @ (end.displacement - start.displacement))
-    losing = _inner(mean, end.relative - start.relative)
-    terms = (end.energy, start.energy, pressing, driving, losing)
-    scale = max(abs(term) for term in terms)
-    return abs(terms[0] - terms[1] - pressing - driving + losing) / scale if scale > 0.0 else 0.0
-
-
-def _along(limit: Array, direction: Pair) -> Array:
-    return np.stack([limit * direction[0], limit * direction[1]])
-
-
-def _inner(one: Array, other: Array) -> float:
-    return float(np.einsum("i,i->", np.ravel(one), np.ravel(other)))

@@ -20,8 +20,8 @@ from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution, ShearConvolution, convolvers
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
-from roughcontact._solve.problem.coupled import verify_frictional
 from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, require_resolved, run_cycle
+from roughcontact._solve.problem.friction_certificate import verify_frictional
 from roughcontact._solve.problem.path import FrictionalPath, run_path, run_slide
 from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
 from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
@@ -153,8 +153,6 @@ class ContactProblem:
         `InputError` if the boundary or the kernel has none, or Poisson's ratio of a material is not known.
         """
         plan = self.plan
-        if self.boundary is Boundary.WRAPPED:
-            raise InputError("Friction needs boundary='free' or 'periodic': on 'wrapped' shear has no meaning.")
         bound = attrs.evolve(self.convolution.setup.kernel, pair=pair_constants(*plan.materials))
         return plan.convolver.prepare(bound, plan.grid, plan.boundary).shear()
 
@@ -379,9 +377,8 @@ class ContactProblem:
         Raises
         ------
         InputError
-            If the loads do not fit together or the tangential force makes the bodies slide; with adhesion, on a wrapped
-            boundary or if the kernel does not know shear; for unlike materials if friction times Dundurs' beta exceeds
-            one, or the pressure reaches its limit.
+            If the loads do not fit together, or the bodies slide; with adhesion, on a wrapped boundary or if the kernel
+            does not know shear; of unlike materials if friction times beta exceeds 1, or the pressure its limit.
         NotConverged
             If a state is not certified.
         """
@@ -400,7 +397,7 @@ class ContactProblem:
     ) -> FrictionalSolution:
         """Return the contact while the counterbody slides steadily over the body.
 
-        Every cell in contact carries its shear strength in one direction.
+        Each cell carries its shear strength in one direction.
 
         Parameters
         ----------
@@ -463,8 +460,7 @@ class ContactProblem:
         Parameters
         ----------
         solution
-            A solution whose `origin` states its load, such as one from a file; with friction its tractions and those of
-            the state before count too.
+            A solution whose `origin` states its load, such as one from a file; with friction both of its states count.
 
         Raises
         ------

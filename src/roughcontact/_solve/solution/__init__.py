@@ -11,13 +11,9 @@ from roughcontact._solve.solution.attraction import (
 from roughcontact._solve.solution.conditions import ContactConditions, Violation
 from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.fields import ContactFields, ContactPatches
-from roughcontact._solve.solution.frictional import (
-    FrictionalResiduals,
-    FrictionalSolution,
-    FrictionalState,
-    TangentialLoad,
-)
-from roughcontact._solve.solution.frictional_files import read_frictional, read_path, write_frictional, write_path
+from roughcontact._solve.solution.frictional import FrictionalSolution
+from roughcontact._solve.solution.frictional_files import read_path, write_path
+from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
 from roughcontact._solve.solution.healing import fill_gap, heal
 from roughcontact._solve.solution.origin import Accuracy, Origin, Trial, key_of_origin, solution_key, versions
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES, Rule, exceeds_metals, find_contact, find_scene
@@ -97,7 +93,6 @@ __all__ = [
     "page_or_file",
     "read",
     "read_figures",
-    "read_frictional",
     "read_path",
     "require_netcdf",
     "responses",
@@ -105,7 +100,6 @@ __all__ = [
     "trapping_error",
     "versions",
     "write",
-    "write_frictional",
     "write_path",
     "writers",
 ]

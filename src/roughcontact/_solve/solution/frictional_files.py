@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
@@ -18,14 +18,12 @@ from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._parts.materials import PairConstants
 from roughcontact._solve.solution import storage
 from roughcontact._solve.solution.contact import ContactSolution
-from roughcontact._solve.solution.frictional import (
-    FrictionalResiduals,
-    FrictionalSolution,
-    FrictionalState,
-    TangentialLoad,
-)
+from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
 from roughcontact._solve.solution.results import Residuals, Status
 from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact._solve.solution.frictional import FrictionalSolution
 
 _STATE_KIND = "frictional solution"
 _PATH_KIND = "frictional path"
@@ -37,9 +35,9 @@ def write_frictional(path: Path, solution: FrictionalSolution) -> None:
     _write(path, {"kind": _STATE_KIND}, [solution])
 
 
-def read_frictional(path: Path, *, verify: bool) -> FrictionalSolution:
+def read_frictional(path: Path, kind: type[FrictionalSolution], *, verify: bool) -> FrictionalSolution:
     """Return the state in a file; see `FrictionalSolution.load`."""
-    return _read(path, _STATE_KIND, verify=verify)[0][0]
+    return _read(path, _STATE_KIND, kind, verify=verify)[0][0]
 
 
 def write_path(
@@ -51,10 +49,10 @@ def write_path(
 
 
 def read_path(
-    path: Path, *, verify: bool
+    path: Path, kind: type[FrictionalSolution], *, verify: bool
 ) -> tuple[tuple[FrictionalSolution, ...], FrictionalSolution | None, dict[str, Any]]:
     """Return what `write_path` has written."""
-    states, header = _read(path, _PATH_KIND, verify=verify)
+    states, header = _read(path, _PATH_KIND, kind, verify=verify)
     pressed = states[0] if header["pressed"] else None
     with storage.usable(path, "its header is wrong"):
         notes = rebuild(header["notes"], {})
@@ -105,16 +103,18 @@ def _plain(value: Any) -> Any:
     return attrs.asdict(value) if attrs.has(type(value)) else value
 
 
-def _read(path: Path, kind: str, *, verify: bool) -> tuple[list[FrictionalSolution], dict[str, Any]]:
+def _read(
+    path: Path, expected: str, kind: type[FrictionalSolution], *, verify: bool
+) -> tuple[list[FrictionalSolution], dict[str, Any]]:
     if path.suffix != ".npz":
         raise InputError.about("The name of the file of a contact with friction", path.name, "one ending in .npz")
     arrays, header = read_archive(path)
-    if header.get("kind") != kind:
-        raise InputError(f"The file {path.name} does not hold a {kind}.")
+    if header.get("kind") != expected:
+        raise InputError(f"The file {path.name} does not hold a {expected}.")
     with storage.usable(path, "its header is wrong"):
         if any(digest_of(values) != name for name, values in arrays.items()):
             raise InputError("An array is not the one that it is named after.")
-        states = [_assemble(one, arrays) for one in header["states"]]
+        states = [_assemble(one, arrays, kind) for one in header["states"]]
         if not states:
             raise InputError("It has no state.")
         _require_row(header["states"])
@@ -130,7 +130,9 @@ def _require_row(described: Sequence[Mapping[str, Any]]) -> None:
             raise InputError("The states do not follow each other.")
 
 
-def _assemble(described: Mapping[str, Any], arrays: Mapping[str, RealArray]) -> FrictionalSolution:
+def _assemble(
+    described: Mapping[str, Any], arrays: Mapping[str, RealArray], kind: type[FrictionalSolution]
+) -> FrictionalSolution:
     def named(names: Mapping[str, str]) -> dict[str, RealArray]:
         return {name: arrays[digest] for name, digest in names.items()}
 
@@ -155,7 +157,7 @@ def _assemble(described: Mapping[str, Any], arrays: Mapping[str, RealArray]) -> 
     dx, dy = (float(value) for value in numbers("displacement"))
     given = numbers("given")
     lost = numbers("dissipated")
-    solution = FrictionalSolution(
+    solution = kind(
         contact=contact,
         shear=_field(own["shear"], (2, *shape)),
         slip=_field(own["slip"], (2, *shape)),
