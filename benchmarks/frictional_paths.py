@@ -219,10 +219,16 @@ def run(seed):
     judge = Judge(make(shape, grid.spacing, modulus, beta, gamma), heights, grid.cell_area, strength)
     steps = int(draws.integers(1, 5))
     constant = draws.random() < 0.5
-    loads = [pressure * grid.area] * steps if constant else list(pressure * grid.area * draws.uniform(0.4, 1.5, steps))
+    kind = str(draws.choice(["force", "pressure", "approach"]))
+    full = heights.max() - heights.mean()
+    middle = {"force": pressure * grid.area, "pressure": pressure, "approach": 0.3 * full}[kind]
+    loads = [middle] * steps if constant else list(middle * draws.uniform(0.4, 1.5, steps))
     substeps = int(draws.integers(1, 4))
     if draws.random() < 0.6:
-        name, unit = "tangential_force", 0.2 * mu * min(loads)
+        carried = (
+            min(loads) * {"force": 1.0, "pressure": grid.area, "approach": 0.1 * pressure * grid.area / full}[kind]
+        )
+        name, unit = "tangential_force", 0.2 * mu * carried
     else:
         # About what slides.
         name, unit = "displacement", mu * pressure * max(grid.size) / modulus
@@ -230,7 +236,7 @@ def run(seed):
     label = f"{pairing}, {boundary}"
     try:
         path = problem.path(
-            force=loads[0] if constant else loads, friction=friction, substeps=substeps, **{name: targets}
+            **{kind: loads[0] if constant else loads, name: targets}, friction=friction, substeps=substeps
         )
     except rc.InputError as error:
         return label, "refused: " + str(error)[:40], {}
@@ -238,7 +244,7 @@ def run(seed):
         return label, "not converged", {}
     worst = {}
     for state, load, target in zip(path, loads, targets, strict=True):
-        found = judge.judge(state, ("force", load), (name, np.array(target)))
+        found = judge.judge(state, (kind, load), (name, np.array(target)))
         worst = {key: max(value, worst.get(key, 0.0)) for key, value in found.items()}
     falsely = [key for key, value in worst.items() if not value <= TOLERANCES[key]]
     return label, "false: " + ", ".join(falsely) if falsely else "verified", worst

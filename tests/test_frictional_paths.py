@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import pickle
+import sys
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -19,6 +21,10 @@ from roughcontact.reference import (
     bonded_punch,
     frictional_punch,
 )
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
+
+import frictional_paths
 
 CELL = 1e-6
 RADIUS = 1e-2
@@ -340,6 +346,12 @@ class TestUnlikeBodies:
             assert state.residuals.shear_load < 1e-10
             assert state.dissipated.value >= 0.0
         path.verify()
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_paths_are_confirmed_by_dense_matrices(seed):
+    _, outcome, violations = frictional_paths.run(seed)
+    assert outcome == "verified" or outcome.startswith("refused: The bodies slide"), violations
 
 
 class TestInvariance:

@@ -31,7 +31,7 @@ from roughcontact._solve.solution import (
     Status,
     TangentialLoad,
 )
-from roughcontact._solve.solvers import ShearSolver, ShearTask, shear_solvers
+from roughcontact._solve.solvers import ShearOutcome, ShearSolver, ShearTask, shear_solvers
 from roughcontact.errors import InputError, NotConverged
 
 # Iterations of the tangential solver in one pass of a coupled solve: fewer drop the conjugate direction too early, more
@@ -112,8 +112,7 @@ class CoupledSolve(FrictionalContact):
         at_rest = tangential.values == (0.0, 0.0) and not start.shear.any()
         if at_rest and (tangential.kind == "tangential_force" or not start.displacement.any()):
             return FoundTractions(contact, start.shear, start.displacement, Status.CONVERGED, 1, 0)
-        task = self._make_task(tangential, limit, -start.relative, start.shear)
-        outcome = self.solver.solve(self.shear, task)
+        outcome = self._shear(tangential, limit, -start.relative, start, start.shear)
         return FoundTractions(
             contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations
         )
@@ -143,8 +142,8 @@ class CoupledSolve(FrictionalContact):
             self._require_stick(tangential, limit)
             relaxation = 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0
             dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
-            task = self._make_task(tangential, limit, -start.relative - dragged, shear, _PASS_ITERATIONS)
-            outcome = self.solver.solve(self.shear, task)
+            offset = -start.relative - dragged
+            outcome = self._shear(tangential, limit, offset, start, shear, _PASS_ITERATIONS)
             iterations += outcome.iterations
             shear = outcome.shear
             change = self.shear.apply(shear, to="z")[0] - lifted
@@ -237,14 +236,16 @@ class CoupledSolve(FrictionalContact):
                 f"strengths, {si(sliding, 'N')}. Give displacement= instead, or call problem.slide(...)."
             )
 
-    def _make_task(
+    def _shear(
         self,
         tangential: TangentialLoad,
         limit: Array,
         offset: Array,
-        start: Array,
+        before: FrictionalFields,
+        shear: Array,
         max_iterations: int = _MAX_ITERATIONS,
-    ) -> ShearTask:
+    ) -> ShearOutcome:
+        """Return the traction within a shear strength, from another one; `offset` is what moves the surfaces."""
         x, y = tangential.values
         force: tuple[float | None, float | None] = (None, None)
         moved: tuple[float | None, float | None] = (None, None)
@@ -252,15 +253,20 @@ class CoupledSolve(FrictionalContact):
             force = x / self.force_unit, y / self.force_unit
         else:
             moved = x / self.length, y / self.length
-        return ShearTask(
+        if not limit.any():
+            # Without friction nothing determines the displacement under a force, which is zero.
+            place = [old if new is None else new for old, new in zip(before.displacement.tolist(), moved, strict=True)]
+            return ShearOutcome(np.zeros_like(shear), (place[0], place[1]), 0.0, 0, 0, Status.CONVERGED)
+        task = ShearTask(
             limit=limit,
             offset=offset,
             shear_force=force,
             displacement=moved,
-            start=start,
+            start=shear,
             tolerance=self.tolerance,
             max_iterations=max_iterations,
         )
+        return self.solver.solve(self.shear, task)
 
     def _certify(
         self,

@@ -265,11 +265,14 @@ def verify_frictional(problem: ContactProblem, solution: FrictionalSolution) -> 
     if solution.status.success and not again.status.success:
         raise InputError(f"Its status is {solution.status.name}, but the recomputed residuals are {again.residuals}.")
     pairs = {
-        "approach": (solution.approach, again.approach),
-        "elastic energy": (solution.elastic_energy, again.elastic_energy),
+        "approach": (np.array(solution.approach), np.array(again.approach)),
+        "elastic energy": (np.array(solution.elastic_energy), np.array(again.elastic_energy)),
     }
+    if solution.increments == 1:
+        pairs["slip"] = solution.slip, again.slip
+        pairs["energy lost"] = np.array(solution.dissipated.value), np.array(again.dissipated.value)
     for name, (given, right) in pairs.items():
-        if not _are_close(np.array(given), np.array(right)):
+        if not _are_close(given, right):
             raise InputError(f"Its {name} contradicts its tractions and its problem.")
 
 

@@ -162,6 +162,11 @@ def follow_steps(run: CoupledSolve, segments: Sequence[PathStep], count: int) ->
     fields = run.fields_of(state)
     steps = []
     for segment in segments:
+        if steps and segment.end.value < segment.start.value and steps[-1].contact.saturated.any():
+            raise InputError(
+                "The normal load falls after the pressure has reached its limit: each state would be a first loading. "
+                "Give loads that do not fall, or the problem that run_in(...) returns."
+            )
         parts: list[FrictionalSolution] = []
         begin = fields
         increments = 1 if segment.exact else count

@@ -77,7 +77,7 @@ class FrictionalSolution:
     >>> isinstance(path[0], rc.FrictionalSolution)
     True
     >>> print(f"{100 * path[0].stick_area.value / path[0].contact.area().value:.0f} % of the contact sticks")
-    61 % of the contact sticks
+    68 % of the contact sticks
     """
 
     contact: ContactSolution
