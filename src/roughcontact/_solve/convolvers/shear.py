@@ -12,6 +12,7 @@ import numpy.typing as npt
 import scipy.fft
 
 from roughcontact._base.arrays import Array, Pair, RealArray, Waves
+from roughcontact._base.checks import choice
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.kernels import BoundKernel, odd_axes
@@ -26,7 +27,12 @@ from roughcontact.errors import InputError
 
 
 def find_component(to: str, of: str) -> tuple[str, int]:
-    """Return the component that a kernel knows and the sign with which it gives the displacement `to` by `of`."""
+    """Return the component that a kernel knows and the sign with which it gives the displacement `to` by `of`.
+
+    `InputError` if a letter is not x, y or z.
+    """
+    for letter in (to, of):
+        choice(letter, "The letter of a traction or displacement", ("x", "y", "z"))
     if of == "z" and to != "z":
         return of + to, -1
     return ("xy" if to + of == "yx" else to + of), 1
@@ -54,15 +60,27 @@ class WaveMatrix:
         return {name: symbol.astype(np.float32, copy=False) for name, symbol in self.symbols.items()}
 
     def apply(self, fields: RealArray, of: str = "xy", to: str = "xy") -> RealArray:
-        """Return the products, shape (len(to), nx, ny), in the precision of the fields, shape (len(of), nx, ny)."""
+        """Return the products, shape (len(to), nx, ny), in the precision of the fields, shape (len(of), nx, ny).
+
+        The letters of fields and products name the components.
+        """
         count, nx, ny = fields.shape
         symbols = self._symbols_float32 if fields.dtype == np.float32 else self.symbols
         mx, my = self.padded
+        rows = [[_find_real_component(letter, other) for other in of] for letter in to]
 
         def multiply(columns: Waves, block: slice) -> Waves:
-            products = np.zeros((len(to), *columns.shape[1:]), dtype=columns.dtype)
-            for product, letter in zip(products, to, strict=True):
-                _add_row(product, columns, [find_component(letter, other) for other in of], symbols, block)
+            # The matrix is real if pressure is counted times i, and normal displacement over i.
+            _turn(columns, of)
+            products = np.empty((len(to), *columns.shape[1:]), dtype=columns.dtype)
+            for product, row in zip(products, rows, strict=True):
+                terms = [
+                    (waves, symbols[name][:, block], sign, odd_axes(name)[0])
+                    for waves, (name, sign) in zip(columns, row, strict=True)
+                    if name in symbols
+                ]
+                _add_terms(product, terms)
+            _turn(products, to)
             return products
 
         waves = transform_rows(fields.reshape(count * nx, ny), my).reshape(count, nx, -1)
@@ -71,29 +89,39 @@ class WaveMatrix:
         return transform_rows_back(out.reshape(len(to) * nx, -1), my, ny).reshape(len(to), nx, ny)
 
 
-def _add_row(
-    product: Waves, columns: Waves, row: list[tuple[str, int]], symbols: Mapping[str, RealArray], block: slice
-) -> None:
-    """Add the waves of all fields, each times its component, whose symbol has half of the waves in x."""
-    for waves, (component, sign) in zip(columns, row, strict=True):
-        if component in symbols:
-            symbol = symbols[component][:, block]
-            half = symbol.shape[0]
-            odd_x, odd_y = odd_axes(component)
-            is_imaginary = odd_x != odd_y
-            _add_product(product[:half], waves[:half], symbol, sign, is_imaginary)
-            mirrored = symbol[waves.shape[0] - half : 0 : -1]
-            _add_product(product[half:], waves[half:], mirrored, -sign if odd_x else sign, is_imaginary)
+def _find_real_component(to: str, of: str) -> tuple[str, int]:
+    """Return component and sign for pressure times i and normal displacement over i; i times i is -1."""
+    name, sign = find_component(to, of)
+    return name, -sign if name == "zz" else sign
 
 
-def _add_product(product: Waves, waves: Waves, factor: RealArray, sign: int, is_imaginary: bool) -> None:
-    """Add, or subtract, waves times a factor, which is real or the imaginary part of an imaginary one."""
-    add, subtract = (np.add, np.subtract) if sign > 0 else (np.subtract, np.add)
-    if is_imaginary:
-        add(product.imag, factor * waves.real, out=product.imag)
-        subtract(product.real, factor * waves.imag, out=product.real)
-    else:
-        add(product, factor * waves, out=product)
+def _turn(waves: Waves, letters: str) -> None:
+    """Multiply the waves of the normal field by i, in place."""
+    for one, letter in zip(waves, letters, strict=True):
+        if letter == "z":
+            one *= 1j
+
+
+def _add_terms(product: Waves, terms: list[tuple[Waves, RealArray, int, bool]]) -> None:
+    """Set the product to the sum of waves times symbols, each with its sign, and whether it is odd in x.
+
+    The symbols have half of the waves in x.
+    """
+    if not terms:
+        product[...] = 0.0
+        return
+    half = terms[0][1].shape[0]
+    for is_mirrored, part in enumerate((slice(half), slice(half, None))):
+        target = product[part]
+        for place, (waves, symbol, sign, is_odd) in enumerate(terms):
+            factor = symbol[product.shape[0] - half : 0 : -1] if is_mirrored else symbol
+            is_added = (sign > 0) != (is_mirrored and is_odd)
+            if place == 0:
+                np.multiply(waves[part], factor if is_added else -factor, out=target)
+            elif is_added:
+                target += waves[part] * factor
+            else:
+                target -= waves[part] * factor
 
 
 class ShearConvolution(abc.ABC):
