@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 # Rounding of tangential forces and of the friction cone.
 FORCE_TOLERANCE = 1e-10
 CONE_TOLERANCE = 1e-12
+# Difference between machines of displacements and energies, over their maximum; see `run.py`.
+_MACHINE_DIFFERENCE = 1e-10
 
 
 @attrs.frozen(eq=False)
@@ -192,10 +194,12 @@ class FrictionalContact:
             residual = float(np.abs(fields.shear - stack_along(limit, tangential.values)).max()) / strongest
         else:
             residual = natural_residual(fields.shear, slip, limit, own)
+        wanted = np.array(tangential.values)
         load_error = 0.0
         if tangential.kind == "tangential_force":
-            wanted = np.array(tangential.values) / self.force_unit
-            load_error = float(np.hypot(*(fields.shear.sum(axis=(1, 2)) - wanted))) / total
+            load_error = float(np.hypot(*(fields.shear.sum(axis=(1, 2)) - wanted / self.force_unit))) / total
+        elif not steady:
+            load_error = float(np.abs(state.displacement - wanted).max()) / self.length
         excess = np.hypot(*fields.shear) - limit
         residuals = FrictionalResiduals(
             normal=contact.residuals,
@@ -253,7 +257,7 @@ def verify_frictional(problem: ContactProblem, solution: FrictionalSolution) -> 
     contact = solution.contact
     if run.shear.coupled:
         contact = run.certify_contact(contact, load, np.asarray(solution.shear))
-        if not _are_close(solution.contact.initial_gap, contact.initial_gap):
+        if not _are_close(solution.contact.initial_gap, contact.initial_gap, run.length):
             raise InputError("Its initial gap contradicts its traction and its problem.")
         if solution.contact.status.success and not contact.status.success:
             raise InputError(f"Its contact is not in equilibrium: the recomputed residuals are {contact.residuals}.")
@@ -261,23 +265,25 @@ def verify_frictional(problem: ContactProblem, solution: FrictionalSolution) -> 
         problem.verify(contact)
     found = FoundTractions(contact, solution.shear, np.zeros(2), solution.status, solution.passes, solution.iterations)
     start = run.fields_of(solution.before)
-    again, _ = run.judge(contact, solution.state, solution.given, solution.before, start, found, 0.0)
+    again, fields = run.judge(contact, solution.state, solution.given, solution.before, start, found, 0.0)
     if solution.status.success and not again.status.success:
         raise InputError(f"Its status is {solution.status.name}, but the recomputed residuals are {again.residuals}.")
-    pairs = {
-        "approach": (np.array(solution.approach), np.array(again.approach)),
-        "elastic energy": (np.array(solution.elastic_energy), np.array(again.elastic_energy)),
+    energy = abs(again.elastic_energy)
+    moved = float(np.abs(fields.tangential).max()) * run.length
+    pairs: dict[str, tuple[float | Array, float | Array, float]] = {
+        "approach": (solution.approach, again.approach, run.length),
+        "elastic energy": (solution.elastic_energy, again.elastic_energy, energy),
     }
     if solution.increments == 1:
-        pairs["slip"] = solution.slip, again.slip
-        pairs["energy lost"] = np.array(solution.dissipated.value), np.array(again.dissipated.value)
-    for name, (given, right) in pairs.items():
-        if not _are_close(given, right):
+        pairs["slip"] = solution.slip, again.slip, 1.0 if solution.is_steady else moved
+        pairs["energy lost"] = solution.dissipated.value, again.dissipated.value, max(energy, again.dissipated.value)
+    for name, (given, right, scale) in pairs.items():
+        if not _are_close(given, right, scale):
             raise InputError(f"Its {name} contradicts its tractions and its problem.")
 
 
-def _are_close(given: Array, right: Array) -> bool:
-    return bool(np.abs(given - right).max() <= 1e-9 * max(float(np.abs(right).max()), 1e-300))
+def _are_close(given: float | Array, right: float | Array, scale: float) -> bool:
+    return bool(np.abs(np.subtract(given, right)).max() <= _MACHINE_DIFFERENCE * scale)
 
 
 def _find_imbalance(start: FrictionalFields, end: FrictionalFields) -> float:

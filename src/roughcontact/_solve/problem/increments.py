@@ -160,7 +160,7 @@ def follow_steps(run: CoupledSolve, segments: Sequence[PathStep], count: int) ->
     """Return the state at the end of each step, with so many increments where one is not exact."""
     state = FrictionalState.unloaded(run.problem.plan.grid.shape)
     fields = run.fields_of(state)
-    steps = []
+    steps: list[FrictionalSolution] = []
     for segment in segments:
         if steps and segment.end.value < segment.start.value and steps[-1].contact.saturated.any():
             raise InputError(

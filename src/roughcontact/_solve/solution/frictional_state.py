@@ -76,7 +76,8 @@ class FrictionalResiduals:
     normal
         Those of the normal contact, whose initial gap is changed by the displacement due to the traction.
     shear_load
-        Error of the tangential force over the sum of the shear strengths; zero where the displacement is given.
+        Error of the tangential force over the sum of the shear strengths, or of a given displacement over the range of
+        the initial gap.
     cone
         Maximum excess of the traction over the shear strength, over the maximum of the strength.
     slip
