@@ -52,4 +52,6 @@ def _unchanged(law: FrictionLaw) -> None:
     require_equal(field, kept, "it writes into the pressure")
 
 
-claim_repeatable("friction law", None, lambda law: [law.limit(_fields(law)[60])], lambda law: law.limit(_fields(law)[3]))
+claim_repeatable(
+    "friction law", None, lambda law: [law.limit(_fields(law)[60])], lambda law: law.limit(_fields(law)[3])
+)

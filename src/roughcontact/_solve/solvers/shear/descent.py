@@ -1,0 +1,167 @@
+"""Preconditioned conjugate gradients on discs, in float32, with one product with the kernel for each iteration."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact._solve.solvers.shear.base import ShearSystem, Verified
+from roughcontact._solve.solvers.shear.discs import dot, magnitude, natural_residual, project_to_discs
+from roughcontact._solve.solvers.shear.face import Face
+
+# Step lengths in units of the direction: the first, the maximum, and the minimum at a start and factor on a rejected
+# step.
+_FIRST_LENGTH = 0.65
+_MAX_LENGTH = 1.5
+_CAREFUL_LENGTH = 0.3
+# Maximum rejected steps of an iteration: 0.3^20 = 3e-11 of the first is below the rounding of float32.
+_MAX_BACKTRACKS = 20
+# Position of the minimum of the energy along a step that meets circles above which the step is taken in full, and
+# above which it is taken up to the minimum; otherwise it is rejected.
+_FULL_STEP_PART = 0.75
+_SHORTENED_STEP_PART = 0.1
+# Minimum slope along the conjugate direction, over the slope along the preconditioned residual.
+_MIN_CONJUGATE_SLOPE = 0.01
+# Admissible error of the force in a step, over the sum of the limits, over the goal.
+_FORCE_ERROR = 0.01
+# Maximum iterations of a pass that do not halve the residual.
+_MAX_IDLE_ITERATIONS = 12
+
+
+@attrs.frozen(eq=False)
+class _Taken:
+    """The last step, its product with the kernel, and the product of both."""
+
+    step: RealArray
+    change: RealArray
+    curvature: float
+
+
+class ShearDescent:
+    """Lowers the energy by preconditioned conjugate gradients on the faces of the discs.
+
+    The step length is guessed, the step projected on the discs with the force restored, its displacement computed, and
+    its length then corrected. Where a cell slips, the correction moves it off its circle by the second order of the
+    step: the next step, whose displacement is exact, takes it back. So an iteration needs one product with the kernel
+    and one with its inverse.
+    """
+
+    def __init__(self, system: ShearSystem) -> None:
+        self._system = system
+        self._length = _FIRST_LENGTH
+        self.iterations = 0
+
+    def run(self, start: Verified, goal: float, max_iterations: int) -> Array:
+        """Return a shear whose residual is estimated to reach a goal, or is as low as float32 allows."""
+        self._shear = start.shear.copy()
+        self._slip = start.slip.astype(np.float32)
+        self._touched: Mask = np.zeros(self._system.limit.size, dtype=bool)
+        self._last: _Taken | None = None
+        self._error = _FORCE_ERROR * goal
+        self._length = max(self._length, _CAREFUL_LENGTH)
+        best = math.inf
+        idle = 0
+        while self.iterations < max_iterations and idle < _MAX_IDLE_ITERATIONS:
+            self.iterations += 1
+            if not self._iterate():
+                break
+            residual = self._estimate()
+            if residual <= goal:
+                break
+            idle = 0 if residual < 0.5 * best else idle + 1
+            best = min(best, residual)
+        return self._shear
+
+    def _estimate(self) -> float:
+        """Return the residual; the displacement of the bodies is chosen anew."""
+        system = self._system
+        shear = project_to_discs(self._shear, system.limit)
+        trial = shear + self._slip / system.own
+        shift = system.control.project(trial, system.limit, gain=1.0 / system.own, error=self._error)[1]
+        self._slip += shift.astype(np.float32)[:, np.newaxis]
+        return natural_residual(shear, self._slip, system.limit, system.own)
+
+    def _iterate(self) -> bool:
+        """Make one step; return whether there is one that lowers the energy."""
+        face = Face.find(self._system, self._shear, self._slip, self._touched)
+        residual = face.balance(self._slip)
+        preconditioned = face.precondition(residual)
+        direction = self._conjugate(face, residual, preconditioned)
+        for _ in range(_MAX_BACKTRACKS):
+            if self._move(face, direction):
+                return True
+            if direction is preconditioned:
+                self._length *= _CAREFUL_LENGTH
+            direction = preconditioned
+        return False
+
+    def _conjugate(self, face: Face, residual: RealArray, preconditioned: RealArray) -> RealArray:
+        """Return the direction that is conjugate to the last step, or the preconditioned residual."""
+        if self._last is None:
+            return preconditioned
+        last = face.balance(self._last.step)
+        bent = face.curvature * last
+        product = _sum(preconditioned, self._last.change) + _sum(preconditioned, bent)
+        factor = -product / (self._last.curvature + _sum(last, bent))
+        if not factor > 0.0:
+            return preconditioned
+        direction = preconditioned + np.float32(factor) * last
+        steep = _sum(residual, direction) > _MIN_CONJUGATE_SLOPE * _sum(residual, preconditioned)
+        return direction if steep else preconditioned
+
+    def _move(self, face: Face, direction: RealArray) -> bool:
+        """Take a step of the present length along a direction, with its length corrected, if it lowers the energy."""
+        system = self._system
+        ahead = face.base + self._length * direction
+        outside = magnitude(ahead) > system.limit
+        trial = system.control.project(ahead, system.limit, circle=face.slips, error=self._error)[0]
+        step = (trial - self._shear).astype(np.float32)
+        change = system.multiply(step)
+        # Along a circle the energy is that of the step along the tangent and of the curvature.
+        along = np.where(face.pulled, step, face.restrict((trial - face.base).astype(np.float32)))
+        curvature = _sum(along, change)
+        bent = _sum(along, np.where(face.pulled, np.float32(0.0), face.curvature) * along)
+        if not math.isfinite(curvature):
+            return False
+        slope = _sum(along, np.where(face.pulled, self._slip, face.restrict(self._slip)))
+        wanted = slope / (curvature + bent) if curvature + bent > 0.0 else 0.0
+        if wanted <= _SHORTENED_STEP_PART:
+            return False
+        meets = bool(face.pulled.any()) or bool((outside & ~face.slips).any())
+        part = self._choose_part(face, step, wanted, meets=meets)
+        self._shear = self._shear + part * step
+        self._slip = self._slip - np.float32(part) * change
+        self._touched = face.slips | outside
+        self._last = _Taken(np.float32(part) * along, np.float32(part) * change, part * part * curvature)
+        return True
+
+    def _choose_part(self, face: Face, step: RealArray, wanted: float, *, meets: bool) -> float:
+        """Return the part of the step to be taken, and set the next length.
+
+        `wanted` is the position of the minimum of the energy along the step, `meets` whether it ends on new circles.
+        """
+        if not meets:
+            part = wanted if wanted <= 1.0 else min(wanted, max(1.0, self._find_room(face, step)))
+            self._length = min(_MAX_LENGTH, self._length * max(part, 0.25))
+            return part
+        if wanted > _FULL_STEP_PART:
+            self._length = min(_MAX_LENGTH, self._length * math.sqrt(min(max(wanted, 0.8), 4.0)))
+            return 1.0
+        self._length *= max(wanted, 0.5)
+        return wanted
+
+    def _find_room(self, face: Face, step: RealArray) -> float:
+        """Return the part of a step up to which all cells that stick remain within their circles."""
+        square = np.where(face.slips, 0.0, dot(step, step))
+        product = dot(self._shear, step)
+        rest = np.maximum(self._system.limit**2 - dot(self._shear, self._shear), 0.0)
+        root = np.sqrt(product * product + square * rest) - product
+        return float(np.divide(root, square, out=np.full_like(root, math.inf), where=square > 0.0).min())
+
+
+def _sum(one: RealArray, other: RealArray) -> float:
+    """Return the sum of the products of vectors."""
+    return float(np.einsum("an,an->", one, other))
