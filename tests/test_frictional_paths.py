@@ -13,7 +13,7 @@ import pytest
 from scipy import integrate
 
 import roughcontact as rc
-from roughcontact._solve.solvers import ShearTask, shear_solvers
+from roughcontact._solve.solvers import ProjectedShearCG, ShearTask
 from roughcontact.errors import InputError
 from roughcontact.reference import (
     CattaneoMindlin,
@@ -285,7 +285,7 @@ class TestUnlikeBodies:
             tolerance=1e-6,
             max_iterations=500,
         )
-        found = shear_solvers.create("projected-cg").solve(shear, task).shear
+        found = ProjectedShearCG().solve(shear, task).shear
         stick = np.count_nonzero((np.hypot(*found) < 0.999 * limit) & (limit > 0.0))
         assert math.sqrt(stick / np.count_nonzero(limit)) == pytest.approx(frictional_punch(ratio), abs=5e-3)
 

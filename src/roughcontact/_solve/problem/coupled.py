@@ -31,13 +31,15 @@ from roughcontact._solve.solution import (
     Status,
     TangentialLoad,
 )
-from roughcontact._solve.solvers import ShearOutcome, ShearSolver, ShearTask, shear_solvers
+from roughcontact._solve.solvers import ProjectedShearCG, ShearOutcome, ShearSolver, ShearTask
 from roughcontact.errors import InputError, NotConverged
 
 # Iterations of the tangential solver in one pass of a coupled solve: fewer drop the conjugate direction too early, more
 # are lost when the pressure changes. And passes, after which a solve is given up.
 _PASS_ITERATIONS = 6
 _MAX_PASSES = 80
+# Residual of a pass over that of the pass before, from which on the next ones have more iterations.
+_PASS_GAIN = 0.7
 # Iterations of the tangential solver where the pressure is known.
 _MAX_ITERATIONS = 2000
 # Friction times beta beyond which a coupled solve is relaxed, and beyond which it may not converge.
@@ -62,7 +64,7 @@ class CoupledSolve(FrictionalContact):
     @property
     def solver(self) -> ShearSolver:
         """The tangential solver."""
-        return shear_solvers.create("projected-cg")
+        return ProjectedShearCG()
 
     def press(self, load: Load) -> ContactSolution:
         """Return the frictionless contact: that of `ContactProblem.solve`; the last one is kept."""
@@ -112,7 +114,7 @@ class CoupledSolve(FrictionalContact):
         at_rest = tangential.values == (0.0, 0.0) and not start.shear.any()
         if at_rest and (tangential.kind == "tangential_force" or not start.displacement.any()):
             return FoundTractions(contact, start.shear, start.displacement, Status.CONVERGED, 1, 0)
-        outcome = self._shear(tangential, limit, -start.relative, start, start.shear)
+        outcome = self._shear(tangential, limit, -start.relative, start.shear)
         return FoundTractions(
             contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations
         )
@@ -130,7 +132,9 @@ class CoupledSolve(FrictionalContact):
         change = np.zeros_like(lifted)
         relaxation = 1.0
         error = math.inf
+        slipping = math.inf
         iterations = 0
+        most = _PASS_ITERATIONS
         passes = 0
         while error > self.tolerance and passes < _MAX_PASSES:
             passes += 1
@@ -143,8 +147,11 @@ class CoupledSolve(FrictionalContact):
             relaxation = 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0
             dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
             offset = -start.relative - dragged
-            outcome = self._shear(tangential, limit, offset, start, shear, _PASS_ITERATIONS)
+            outcome = self._shear(tangential, limit, offset, shear, most)
             iterations += outcome.iterations
+            # A short descent may end before it gains anything.
+            most = most if outcome.residual < _PASS_GAIN * slipping else 2 * most
+            slipping = outcome.residual
             shear = outcome.shear
             change = self.shear.apply(shear, to="z")[0] - lifted
             error = max(self._normal_error(contact, load, lifted + change), outcome.residual)
@@ -241,7 +248,6 @@ class CoupledSolve(FrictionalContact):
         tangential: TangentialLoad,
         limit: Array,
         offset: Array,
-        before: FrictionalFields,
         shear: Array,
         max_iterations: int = _MAX_ITERATIONS,
     ) -> ShearOutcome:
@@ -253,10 +259,6 @@ class CoupledSolve(FrictionalContact):
             force = x / self.force_unit, y / self.force_unit
         else:
             moved = x / self.length, y / self.length
-        if not limit.any():
-            # Without friction nothing determines the displacement under a force, which is zero.
-            place = [old if new is None else new for old, new in zip(before.displacement.tolist(), moved, strict=True)]
-            return ShearOutcome(np.zeros_like(shear), (place[0], place[1]), 0.0, 0, 0, Status.CONVERGED)
         task = ShearTask(
             limit=limit,
             offset=offset,

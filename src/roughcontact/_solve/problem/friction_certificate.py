@@ -188,12 +188,12 @@ class FrictionalContact:
         limit = shear_limit(self.law, state.pressure) / self.unit
         strongest = float(limit.max()) or 1.0
         total = float(limit.sum()) or 1.0
-        own = self.shear.own
+        own = 0.5 * sum(self.shear.own)
         lost = inner(fields.shear, slip)
         if steady:
             residual = float(np.abs(fields.shear - stack_along(limit, tangential.values)).max()) / strongest
         else:
-            residual = natural_residual(fields.shear, slip, limit, own)
+            residual = natural_residual(fields.shear, slip, limit, own) if limit.any() else 0.0
         wanted = np.array(tangential.values)
         load_error = 0.0
         if tangential.kind == "tangential_force":
@@ -206,7 +206,7 @@ class FrictionalContact:
             shear_load=load_error,
             cone=max(float(excess.max()), 0.0) / strongest,
             slip=residual,
-            dissipation=max(-lost, 0.0) / (max(own) * strongest * total),
+            dissipation=max(-lost, 0.0) / (own * strongest * total),
             energy=0.0 if steady else _find_imbalance(start, fields),
         )
         confirmed = (
