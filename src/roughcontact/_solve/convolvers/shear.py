@@ -175,9 +175,15 @@ class ShearConvolution(abc.ABC):
         """Return the approximate inverse of the map from shear to tangential displacement.
 
         It multiplies each wave by the inverse matrix of the kernel's spectrum on a periodic grid, the mean by zero: a
-        good preconditioner, on a free boundary not an exact inverse.
+        good preconditioner, on a free boundary not an exact inverse. It is kept: a path needs it in each increment.
         """
-        return approximate_shear_inverse(self.setup, dtype)
+        if dtype not in self._inverses:
+            self._inverses[dtype] = approximate_shear_inverse(self.setup, dtype)
+        return self._inverses[dtype]
+
+    @cached_property
+    def _inverses(self) -> dict[type, WaveMatrix]:
+        return {}
 
 
 def approximate_shear_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike) -> WaveMatrix:

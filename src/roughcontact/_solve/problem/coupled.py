@@ -36,7 +36,7 @@ from roughcontact.errors import InputError, NotConverged
 
 # Iterations of the tangential solver in one pass of a coupled solve: fewer drop the conjugate direction too early, more
 # are lost when the pressure changes. And passes, after which a solve is given up.
-_PASS_ITERATIONS = 6
+_PASS_ITERATIONS = 8
 _MAX_PASSES = 80
 # Residual of a pass over that of the pass before, from which on the next ones have more iterations.
 _PASS_GAIN = 0.7
