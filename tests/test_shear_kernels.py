@@ -145,6 +145,12 @@ def test_constants_of_a_pair(young, poisson, other_young, other_poisson):
         assert -1e-14 <= pair.gamma <= 1.0 + 1e-14
 
 
+@pytest.mark.parametrize("given", [(np.nan, 0.0), (-1.0, 0.0), (1.5, 0.0), (0.0, -1.0), (0.0, "soft")])
+def test_constants_of_no_pair_are_refused(given):
+    with pytest.raises(rc.InputError):
+        PairConstants(*given)
+
+
 class Cork(rc.Material):
     compliance = 1.0 / 20e6
     pressure_limit = 1e6

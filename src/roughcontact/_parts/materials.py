@@ -61,6 +61,14 @@ def contact_modulus(one: Material, other: Material) -> float:
     return modulus
 
 
+def _beta(value: float) -> float:
+    return number(value, "Dundurs' beta", above=-1.0, at_most=1.0)
+
+
+def _gamma(value: float) -> float:
+    return number(value, "The constant gamma of a pair of materials", above=-1.0)
+
+
 @attrs.frozen
 class PairConstants:
     r"""The two numbers by which unlike half-spaces respond to shear, beside their contact modulus E*.
@@ -94,8 +102,8 @@ class PairConstants:
     Johnson, Contact Mechanics (1985), eq. 5.3, https://doi.org/10.1017/CBO9781139171731
     """
 
-    beta: float = 0.0
-    gamma: float = 0.0
+    beta: float = attrs.field(default=0.0, converter=_beta)
+    gamma: float = attrs.field(default=0.0, converter=_gamma)
 
 
 @guarded

@@ -129,6 +129,20 @@ class ShearConvolution(abc.ABC):
 
     Shear is the traction on the body; the displacement along z is towards the insides, along x and y that of the body
     minus that of the counterbody (`PairConstants`).
+
+    Examples
+    --------
+    Shear on one cell presses the surface of a softer body in ahead of it:
+
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> from roughcontact.typing import BoundKernel, PairConstants
+    >>> kernel = BoundKernel(rc.Love(), pair=PairConstants(beta=0.3, gamma=0.4))
+    >>> convolution = rc.DCFFT().prepare(kernel, rc.Grid((9, 9), 9.0), rc.Boundary.FREE).shear()
+    >>> shear = np.zeros((2, 9, 9))
+    >>> shear[0, 4, 4] = 1.0
+    >>> print(convolution.apply(shear, to="z")[0, 3:6, 4].round(4) + 0.0)
+    [-0.094  0.     0.094]
     """
 
     @property
