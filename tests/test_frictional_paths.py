@@ -179,9 +179,8 @@ class TestLikeBodies:
         assert not state.shear[1].any()
         assert state.displacement[0] == pytest.approx(other.displacement.value, rel=1e-6)
 
-    @pytest.mark.slow
-    @pytest.mark.parametrize(("fraction", "allowed"), [(0.5, 3e-4), (0.9, 3e-4)])
-    def test_energy_of_a_cycle_with_one_increment_a_reversal(self, fraction, allowed):
+    @pytest.mark.parametrize("fraction", [0.5, 0.9])
+    def test_energy_of_a_cycle_with_one_increment_a_reversal(self, fraction):
         problem, force = make_ball(32, STIFF, STIFF, place=(0.5, 0.0))
         exact = CattaneoMindlin(
             force=force, radius=RADIUS, modulus=problem.plan.modulus, friction=FRICTION, compliance_ratio=1.0
@@ -190,7 +189,7 @@ class TestLikeBodies:
         path = problem.path(force=force, tangential_force=[(s * pushed, 0.0) for s in (1, -1, 1)], friction=FRICTION)
         assert path.increments == (1, 1, 1)
         lost = sum(state.dissipated.value for state in path[1:])
-        assert lost == pytest.approx(exact.dissipated(pushed), rel=allowed)
+        assert lost == pytest.approx(exact.dissipated(pushed), rel=3e-4)
         assert path[2].displacement[0] == pytest.approx(path[0].displacement[0], rel=1e-5)
 
     def test_cycle_closes_and_loses_energy(self):
