@@ -14,6 +14,8 @@ _MAX_ROUNDS = 60
 _MAX_HALVINGS = 40
 # Error of the force, over the sum of the limits, at which the search ends: the rounding of such sums.
 FORCE_EPSILON = 2e-15
+# Rounding of the energy whose gradient is the force, over its terms.
+_ENERGY_EPSILON = 1e-14
 # Smallest stiffness of the search, over that without limits.
 _MIN_STIFFNESS = 1e-14
 # Part of the predicted decrease that a step must reach.
@@ -110,9 +112,10 @@ class ForceControl:
                 break
             step = search.find_step(found)
             slope = float(found.excess @ step)
+            rounding = _ENERGY_EPSILON * found.terms
             for _ in range(_MAX_HALVINGS):
                 trial = search.evaluate(shift + step)
-                if trial.energy <= found.energy + _MIN_DECREASE * slope or trial.error < 0.5 * found.error:
+                if trial.energy <= found.energy + _MIN_DECREASE * slope + rounding:
                     break
                 step = 0.5 * step
                 slope *= 0.5
@@ -138,7 +141,7 @@ class ForceControl:
 
 @attrs.frozen(eq=False)
 class _Shifted:
-    """Shear after a shift: size and mask of what was projected, factor, force in excess, and energy."""
+    """Shear after a shift: size and mask of what was projected, factor, force in excess, energy, size of its terms."""
 
     size: Array
     beyond: Mask
@@ -147,6 +150,7 @@ class _Shifted:
     shear: Array
     excess: Array
     energy: float
+    terms: float
 
     @property
     def error(self) -> float:
@@ -173,8 +177,9 @@ class _ShiftSearch:
         shear = values * factor
         excess = self.control.axes * (shear.sum(axis=1) - self.control.force)
         stored = np.where(beyond, self.limit * (size - 0.5 * self.limit), 0.5 * size * size)
-        energy = float(stored.sum()) / self.gain - float(self.control.force @ shift)
-        return _Shifted(size, beyond, factor, values, shear, excess, energy)
+        total = float(stored.sum()) / self.gain
+        work = float(self.control.force @ shift)
+        return _Shifted(size, beyond, factor, values, shear, excess, total - work, total + abs(work))
 
     def find_step(self, found: _Shifted) -> Array:
         """Return Newton's step, not longer than what moves a cell across its circle."""

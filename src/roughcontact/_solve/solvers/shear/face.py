@@ -9,11 +9,6 @@ from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact._solve.solvers.shear.base import ShearSystem
 from roughcontact._solve.solvers.shear.discs import directions, dot, magnitude
 
-# Distance from the circle that is rounding of float32, over the limit; and the distance, of the second order of a
-# step, of cells that a shortened step along the circle has left inside.
-_ON_CIRCLE = 1e-6
-_NEAR_CIRCLE = 1e-2
-
 
 @attrs.frozen(eq=False)
 class Face:
@@ -25,10 +20,6 @@ class Face:
         The task.
     slips
         Cells that slip along their circle, shape (n,).
-    pulled
-        Those of them that are not near their circle yet.
-    base
-        The shear with all cells that slip on their circle, shape (2, n).
     tangent
         Direction along the circle, float32, shape (2, n).
     curvature
@@ -37,38 +28,18 @@ class Face:
 
     system: ShearSystem
     slips: Mask
-    pulled: Mask
-    base: Array
     tangent: RealArray
     curvature: RealArray
 
     @classmethod
-    def find(cls, system: ShearSystem, shear: Array, slip: RealArray, touched: Mask) -> Face:
-        """Return the face of a shear.
-
-        A cell slips if it lies on its circle and its slip points outwards. The cells that the last step has moved to
-        or along their circle, if they were left inside because that step was shortened, are taken to it if they slip
-        by the natural residual.
-        """
-        limit = system.limit
-        size = magnitude(shear)
-        normal = directions(shear, size)
-        on_circle = (size >= limit * (1.0 - _ON_CIRCLE)) | (touched & (size >= limit * (1.0 - _NEAR_CIRCLE)))
-        slips = on_circle & (dot(normal, slip) > 0.0)
-        pulled = touched & ~slips & (size < limit * (1.0 - _ON_CIRCLE))
-        if pulled.any():
-            ahead = shear + slip / system.own
-            distance = magnitude(ahead)
-            pulled &= distance > limit
-            normal = np.where(pulled, directions(ahead, distance), normal)
-            pulled &= dot(normal, slip) > 0.0
-            slips |= pulled
-        outward = dot(normal, slip) / limit
+    def find(cls, system: ShearSystem, shear: Array, slip: RealArray) -> Face:
+        """Return the face of a shear: a cell slips if it lies on its circle and its slip points outwards."""
+        normal = directions(shear, magnitude(shear))
+        outward = dot(normal, slip) / system.limit
+        slips = system.find_on_circle(shear) & (outward > 0.0)
         return cls(
             system=system,
             slips=slips,
-            pulled=pulled,
-            base=np.where(slips, normal * limit, shear),
             tangent=np.stack((-normal[1], normal[0])).astype(np.float32),
             curvature=np.where(slips, outward, 0.0).astype(np.float32),
         )
