@@ -95,7 +95,7 @@ class ShearDescent:
         """Make one step; return whether there is one that lowers the energy."""
         slip = self._local_slip()
         face = Face.find(self._system, self._shear, slip)
-        residual = face.balance(slip)
+        residual = face.find_residual(slip)
         preconditioned = face.precondition(residual)
         direction = self._conjugate(face, residual, preconditioned)
         for _ in range(_MAX_BACKTRACKS):
@@ -125,19 +125,21 @@ class ShearDescent:
         system = self._system
         ahead = self._shear + self._length * direction
         hits = (magnitude(ahead) > system.limit) & ~face.slips
-        trial = system.control.project(ahead, system.limit, circle=face.slips, error=self._error)[0]
+        trial = system.control.project(
+            ahead, system.limit, circle=face.slips, gain=face.ease.astype(np.float64), error=self._error
+        )[0]
         move = trial - self._shear
         step = move + self._lag
         change = system.multiply(step.astype(np.float32))
-        # Along a circle the energy is that of the step along the tangent and of the curvature.
+        # The derivatives of the energy along the circles at both ends of the move.
         along = face.restrict(move.astype(np.float32))
         curvature = _sum(along, change - (system.own * self._lag).astype(np.float32))
-        bent = _sum(along, face.curvature * along)
         slope = _sum(residual, along)
+        after = _sum(self._slip - change, face.move_to(trial).restrict(move.astype(np.float32)))
         if not (math.isfinite(curvature) and slope > 0.0):
             return False
         # The mean shear of a periodic contact has no stiffness.
-        wanted = slope / max(curvature + bent, slope / _MAX_PART)
+        wanted = slope / max(slope - after, slope / _MAX_PART)
         if wanted <= _SHORTENED_STEP_PART:
             return False
         part = self._choose_part(face, move, wanted, meets=bool(hits.any()))

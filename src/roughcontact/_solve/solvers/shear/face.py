@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import attrs
 import numpy as np
 
@@ -40,25 +42,43 @@ class Face:
         return cls(
             system=system,
             slips=slips,
-            tangent=np.stack((-normal[1], normal[0])).astype(np.float32),
+            tangent=_turn(normal),
             curvature=np.where(slips, outward, 0.0).astype(np.float32),
         )
+
+    def move_to(self, shear: Array) -> Face:
+        """Return the face with the tangents of another shear."""
+        return attrs.evolve(self, tangent=_turn(directions(shear, self.system.limit)))
 
     def restrict(self, vectors: RealArray) -> RealArray:
         """Return the part of vectors along the circle where a cell slips, and the vectors elsewhere."""
         return np.where(self.slips, self.tangent * dot(self.tangent, vectors), vectors)
 
-    def balance(self, vectors: RealArray) -> RealArray:
-        """Return the nearest vectors in the face that do not change the given force."""
-        inside = self.restrict(vectors)
+    @cached_property
+    def ease(self) -> RealArray:
+        """How easily a cell follows a displacement, 1 where it sticks: own over own plus curvature, float32."""
+        own = np.float32(self.system.own)
+        return np.asarray(own / (self.curvature + own))
+
+    def _solve_for_mean(self, total: Array) -> RealArray:
+        """Return the displacement of all cells, each as easily as it follows, that changes the force by a total."""
         x, y = self.tangent
         xx, xy, yy = (
-            float(np.where(self.slips, product, stuck).sum(dtype=np.float64))
+            float((self.ease * np.where(self.slips, product, stuck)).sum(dtype=np.float64))
             for product, stuck in ((x * x, 1.0), (x * y, 0.0), (y * y, 1.0))
         )
-        total = inside.sum(axis=1, dtype=np.float64)
-        mean = self.system.control.solve_on_axes(np.array([[xx, xy], [xy, yy]]), total, x.size)
-        return inside - self.restrict(np.broadcast_to(mean.astype(np.float32)[:, np.newaxis], inside.shape))
+        mean = self.system.control.solve_on_axes(np.array([[xx, xy], [xy, yy]]), total)
+        return self.restrict(np.broadcast_to(mean.astype(np.float32)[:, np.newaxis], self.tangent.shape))
+
+    def find_residual(self, slip: RealArray) -> RealArray:
+        """Return the slip in the face without its mean along axes with a given force."""
+        inside = self.restrict(slip)
+        return inside - self._solve_for_mean((self.ease * inside).sum(axis=1, dtype=np.float64))
+
+    def balance(self, vectors: RealArray) -> RealArray:
+        """Return vectors in the face that do not change the given force."""
+        inside = self.restrict(vectors)
+        return inside - self.ease * self._solve_for_mean(inside.sum(axis=1, dtype=np.float64))
 
     def precondition(self, residual: RealArray) -> RealArray:
         r"""Return the preconditioned residual, in the face.
@@ -67,9 +87,12 @@ class Face:
         :math:`R M R + (1 - D) / (\lambda + k)`, :math:`D = k / (k + \lambda)`, :math:`R = \sqrt D`: near the edge of
         the contact, where the limit falls to zero, the curvature is far above the kernel.
         """
-        own = np.float32(self.system.own)
-        stiffness = self.curvature + own
-        root = np.sqrt(own / stiffness)
+        root = np.sqrt(self.ease)
         preconditioned = root * self.system.multiply_inverse(root * residual)
-        preconditioned += self.curvature / (stiffness * stiffness) * residual
+        preconditioned += self.ease * (1.0 - self.ease) / np.float32(self.system.own) * residual
         return self.balance(preconditioned)
+
+
+def _turn(normal: Array) -> RealArray:
+    """Return the directions along the circles, float32."""
+    return np.stack((-normal[1], normal[0])).astype(np.float32)
