@@ -10,17 +10,20 @@ from typing import TypeAlias
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, sum_of_products
+from roughcontact._base.arrays import Array, IntArray, Mask, Pair, RealArray, sum_of_products
 from roughcontact._base.registry import Registry
+from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import ShearConvolution, WaveMatrix
 from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.base import DEFAULT_TOLERANCE
-from roughcontact._solve.solvers.shear.discs import ForceControl, natural_residual
+from roughcontact._solve.solvers.shear.discs import ForceControl, magnitude, natural_residual
 from roughcontact.errors import InputError
 
 Given: TypeAlias = tuple[float | None, float | None]
 # Force over the sum of the limits from which on the bodies slide, but for rounding.
 _SLIDING = 1.0 - 1e-12
+# Distance from the circle that is rounding, over the limit.
+_ON_CIRCLE = 1e-12
 # Rounding of a displacement in float64, over its terms.
 _ROUNDING = 32.0 * float(np.finfo(np.float64).eps)
 
@@ -236,9 +239,20 @@ class ShearSystem:
         return self.gather(self._convolution.apply(self.scatter(shear))) * scale
 
     def multiply_inverse(self, displacement: RealArray) -> RealArray:
-        """Return the product of a displacement in float32 with the approximate inverse of the kernel."""
+        """Return the product of a displacement in float32 with the approximate inverse of the kernel.
+
+        On a periodic domain the mean, to which the kernel does not respond, gets the shear of a single cell.
+        """
         self.products += 1
-        return self.gather(self._inverse.apply(self.scatter(displacement))) * np.float32(self._compliance)
+        shear = self.gather(self._inverse.apply(self.scatter(displacement))) * np.float32(self._compliance)
+        if self._convolution.setup.boundary is Boundary.PERIODIC:
+            mean = displacement.sum(axis=1, dtype=np.float64, keepdims=True) / math.prod(self.shape)
+            shear += (mean / self.own).astype(np.float32)
+        return shear
+
+    def find_on_circle(self, shear: Array) -> Mask:
+        """Return the cells whose shear has the magnitude of the limit, but for rounding."""
+        return np.asarray(magnitude(shear) >= self.limit * (1.0 - _ON_CIRCLE))
 
     def start(self, task: ShearTask) -> Array:
         """Return the shear to start from."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact._solve.solvers.shear.base import ShearSystem, Verified
-from roughcontact._solve.solvers.shear.discs import dot, magnitude, natural_residual, project_to_discs
+from roughcontact._solve.solvers.shear.discs import directions, dot, magnitude, natural_residual
 from roughcontact._solve.solvers.shear.face import Face
 
 # Step lengths in units of the direction: the first, the maximum, and the minimum at a start and factor on a rejected
@@ -23,6 +23,8 @@ _MAX_BACKTRACKS = 20
 # above which it is taken up to the minimum; otherwise it is rejected.
 _FULL_STEP_PART = 0.75
 _SHORTENED_STEP_PART = 0.1
+# Maximum part of a step, where the energy hardly bends.
+_MAX_PART = 100.0
 # Minimum slope along the conjugate direction, over the slope along the preconditioned residual.
 _MIN_CONJUGATE_SLOPE = 0.01
 # Admissible error of the force in a step, over the sum of the limits, over the goal.
@@ -44,9 +46,9 @@ class ShearDescent:
     """Lowers the energy by preconditioned conjugate gradients on the faces of the discs.
 
     The step length is guessed, the step projected on the discs with the force restored, its displacement computed, and
-    its length then corrected. Where a cell slips, the correction moves it off its circle by the second order of the
-    step: the next step, whose displacement is exact, takes it back. So an iteration needs one product with the kernel
-    and one with its inverse.
+    its length then corrected. The correction follows the circles, the displacement the straight step: the difference is
+    part of the next step, and until then only its effect on its own cell counts. So an iteration needs one product with
+    the kernel and one with its inverse.
     """
 
     def __init__(self, system: ShearSystem) -> None:
@@ -56,9 +58,10 @@ class ShearDescent:
 
     def run(self, start: Verified, goal: float, max_iterations: int) -> Array:
         """Return a shear whose residual is estimated to reach a goal, or is as low as float32 allows."""
-        self._shear = start.shear.copy()
+        self._shear = start.shear
+        # The slip is that of the shear less what lags behind.
         self._slip = start.slip.astype(np.float32)
-        self._touched: Mask = np.zeros(self._system.limit.size, dtype=bool)
+        self._lag = np.zeros_like(self._shear)
         self._last: _Taken | None = None
         self._error = _FORCE_ERROR * goal
         self._length = max(self._length, _CAREFUL_LENGTH)
@@ -73,25 +76,30 @@ class ShearDescent:
                 break
             idle = 0 if residual < 0.5 * best else idle + 1
             best = min(best, residual)
-        return self._shear
+        on_circle = self._system.find_on_circle(self._shear)
+        return self._system.control.project(self._shear, self._system.limit, circle=on_circle)[0]
 
     def _estimate(self) -> float:
         """Return the residual; the displacement of the bodies is chosen anew."""
         system = self._system
-        shear = project_to_discs(self._shear, system.limit)
-        trial = shear + self._slip / system.own
+        trial = self._shear + self._local_slip() / system.own
         shift = system.control.project(trial, system.limit, gain=1.0 / system.own, error=self._error)[1]
         self._slip += shift.astype(np.float32)[:, np.newaxis]
-        return natural_residual(shear, self._slip, system.limit, system.own)
+        return natural_residual(self._shear, self._local_slip(), system.limit, system.own)
+
+    def _local_slip(self) -> RealArray:
+        """Return the slip with the effect of what lags on its own cells, float32."""
+        return self._slip - (self._system.own * self._lag).astype(np.float32)
 
     def _iterate(self) -> bool:
         """Make one step; return whether there is one that lowers the energy."""
-        face = Face.find(self._system, self._shear, self._slip, self._touched)
-        residual = face.balance(self._slip)
+        slip = self._local_slip()
+        face = Face.find(self._system, self._shear, slip)
+        residual = face.find_residual(slip)
         preconditioned = face.precondition(residual)
         direction = self._conjugate(face, residual, preconditioned)
         for _ in range(_MAX_BACKTRACKS):
-            if self._move(face, direction):
+            if self._move(face, residual, direction):
                 return True
             if direction is preconditioned:
                 self._length *= _CAREFUL_LENGTH
@@ -112,33 +120,54 @@ class ShearDescent:
         steep = _sum(residual, direction) > _MIN_CONJUGATE_SLOPE * _sum(residual, preconditioned)
         return direction if steep else preconditioned
 
-    def _move(self, face: Face, direction: RealArray) -> bool:
+    def _move(self, face: Face, residual: RealArray, direction: RealArray) -> bool:
         """Take a step of the present length along a direction, with its length corrected, if it lowers the energy."""
         system = self._system
-        ahead = face.base + self._length * direction
-        outside = magnitude(ahead) > system.limit
-        trial = system.control.project(ahead, system.limit, circle=face.slips, error=self._error)[0]
-        step = (trial - self._shear).astype(np.float32)
-        change = system.multiply(step)
-        # Along a circle the energy is that of the step along the tangent and of the curvature.
-        along = np.where(face.pulled, step, face.restrict((trial - face.base).astype(np.float32)))
-        curvature = _sum(along, change)
-        bent = _sum(along, np.where(face.pulled, np.float32(0.0), face.curvature) * along)
-        if not math.isfinite(curvature):
+        ahead = self._shear + self._length * direction
+        hits = (magnitude(ahead) > system.limit) & ~face.slips
+        trial = system.control.project(
+            ahead, system.limit, circle=face.slips, gain=face.ease.astype(np.float64), error=self._error
+        )[0]
+        move = trial - self._shear
+        step = move + self._lag
+        change = system.multiply(step.astype(np.float32))
+        # The derivatives of the energy along the circles at both ends of the move.
+        along = face.restrict(move.astype(np.float32))
+        curvature = _sum(along, change - (system.own * self._lag).astype(np.float32))
+        slope = _sum(residual, along)
+        after = _sum(self._slip - change, face.move_to(trial).restrict(move.astype(np.float32)))
+        if not (math.isfinite(curvature) and slope > 0.0):
             return False
-        slope = _sum(along, np.where(face.pulled, self._slip, face.restrict(self._slip)))
-        wanted = slope / (curvature + bent) if curvature + bent > 0.0 else 0.0
+        # The mean shear of a periodic contact has no stiffness.
+        wanted = slope / max(slope - after, slope / _MAX_PART)
         if wanted <= _SHORTENED_STEP_PART:
             return False
-        meets = bool(face.pulled.any()) or bool((outside & ~face.slips).any())
-        part = self._choose_part(face, step, wanted, meets=meets)
-        self._shear = self._shear + part * step
-        self._slip = self._slip - np.float32(part) * change
-        self._touched = face.slips | outside
+        part = self._choose_part(face, move, wanted, meets=bool(hits.any()))
         self._last = _Taken(np.float32(part) * along, np.float32(part) * change, part * part * curvature)
+        self._slip = self._slip - self._last.change
+        behind = self._shear - self._lag + part * step
+        self._shear = self._find_end(face, hits, part * move)
+        self._lag = self._shear - behind
         return True
 
-    def _choose_part(self, face: Face, step: RealArray, wanted: float, *, meets: bool) -> float:
+    def _find_end(self, face: Face, hits: Mask, move: Array) -> Array:
+        """Return the shear after a move, on its circle where a cell slips or has hit it.
+
+        A cell that has hit its circle, or whose slip has turned inwards, goes to the place on the circle that the
+        natural residual asks for, if that is beyond the circle.
+        """
+        system = self._system
+        end = self._shear + move
+        size = magnitude(end)
+        on_circle = face.slips | (size > system.limit)
+        normal = directions(end, size)
+        ahead = np.where(on_circle, system.limit * normal, end) + self._slip / system.own
+        distance = magnitude(ahead)
+        turned = (hits | (on_circle & (dot(normal, self._slip) < 0.0))) & (distance > system.limit)
+        direction = np.where(turned, directions(ahead, distance), normal)
+        return np.where(turned | on_circle, system.limit * direction, end)
+
+    def _choose_part(self, face: Face, step: Array, wanted: float, *, meets: bool) -> float:
         """Return the part of the step to be taken, and set the next length.
 
         `wanted` is the position of the minimum of the energy along the step, `meets` whether it ends on new circles.
@@ -153,7 +182,7 @@ class ShearDescent:
         self._length *= max(wanted, 0.5)
         return wanted
 
-    def _find_room(self, face: Face, step: RealArray) -> float:
+    def _find_room(self, face: Face, step: Array) -> float:
         """Return the part of a step up to which all cells that stick remain within their circles."""
         square = np.where(face.slips, 0.0, dot(step, step))
         product = dot(self._shear, step)

@@ -14,8 +14,11 @@ _MAX_ROUNDS = 60
 _MAX_HALVINGS = 40
 # Error of the force, over the sum of the limits, at which the search ends: the rounding of such sums.
 FORCE_EPSILON = 2e-15
+# Rounding of the energy whose gradient is the force, over its terms.
+_ENERGY_EPSILON = 1e-14
 # Smallest stiffness of the search, over that without limits.
 _MIN_STIFFNESS = 1e-14
+_LEAST_STIFFNESS = 1e-100
 # Part of the predicted decrease that a step must reach.
 _MIN_DECREASE = 1e-4
 
@@ -80,7 +83,7 @@ class ForceControl:
     axes: Array
 
     def project(
-        self, values: Array, limit: Array, *, circle: Mask | None = None, gain: float = 1.0, error: float = 0.0
+        self, values: Array, limit: Array, *, circle: Mask | None = None, gain: float | Array = 1.0, error: float = 0.0
     ) -> tuple[Array, Array]:
         r"""Return the nearest shear within the limits that has the force, and the shift that leads to it.
 
@@ -97,7 +100,7 @@ class ForceControl:
         circle
             Cells whose shear stays on the circle; None: none.
         gain
-            Shear per shift.
+            Shear per shift, above zero, a number or shape (n,).
         error
             Admissible error of the force, over the sum of the limits.
         """
@@ -110,9 +113,10 @@ class ForceControl:
                 break
             step = search.find_step(found)
             slope = float(found.excess @ step)
+            rounding = _ENERGY_EPSILON * found.terms
             for _ in range(_MAX_HALVINGS):
                 trial = search.evaluate(shift + step)
-                if trial.energy <= found.energy + _MIN_DECREASE * slope or trial.error < 0.5 * found.error:
+                if trial.energy <= found.energy + _MIN_DECREASE * slope + rounding:
                     break
                 step = 0.5 * step
                 slope *= 0.5
@@ -122,13 +126,14 @@ class ForceControl:
             found = trial
         return found.shear, shift
 
-    def solve_on_axes(self, matrix: Array, values: Array, count: int) -> Array:
+    def solve_on_axes(self, matrix: Array, values: Array) -> Array:
         """Return the solution of a symmetric system of x and y on the axes with a given force; zero along the others.
 
-        A small part of the `count` of cells is added to the diagonal, so that the matrix may be singular.
+        A small part of its trace is added to the diagonal, so that the matrix may be singular.
         """
-        held = np.outer(self.axes, self.axes) * matrix + np.diag(1.0 - self.axes)
-        return np.asarray(np.linalg.solve(held + _MIN_STIFFNESS * count * np.eye(2), self.axes * values))
+        held = np.outer(self.axes, self.axes) * matrix
+        regular = max(_MIN_STIFFNESS * float(np.trace(held)), _LEAST_STIFFNESS)
+        return np.asarray(np.linalg.solve(held + np.diag(1.0 - self.axes + regular), self.axes * values))
 
     def find_error(self, shear: Array, limit: Array) -> float:
         """Return the error of the force, over the sum of the limits."""
@@ -138,7 +143,7 @@ class ForceControl:
 
 @attrs.frozen(eq=False)
 class _Shifted:
-    """Shear after a shift: size and mask of what was projected, factor, force in excess, and energy."""
+    """Shear after a shift: size and mask of what was projected, factor, force in excess, energy, size of its terms."""
 
     size: Array
     beyond: Mask
@@ -147,6 +152,7 @@ class _Shifted:
     shear: Array
     excess: Array
     energy: float
+    terms: float
 
     @property
     def error(self) -> float:
@@ -161,10 +167,10 @@ class _ShiftSearch:
     values: Array
     limit: Array
     circle: Mask | None
-    gain: float
+    gain: float | Array
 
     def evaluate(self, shift: Array) -> _Shifted:
-        values = self.values + (self.gain * shift)[:, np.newaxis]
+        values = self.values + self.gain * shift[:, np.newaxis]
         size = magnitude(values)
         beyond = size > self.limit
         if self.circle is not None:
@@ -173,17 +179,18 @@ class _ShiftSearch:
         shear = values * factor
         excess = self.control.axes * (shear.sum(axis=1) - self.control.force)
         stored = np.where(beyond, self.limit * (size - 0.5 * self.limit), 0.5 * size * size)
-        energy = float(stored.sum()) / self.gain - float(self.control.force @ shift)
-        return _Shifted(size, beyond, factor, values, shear, excess, energy)
+        total = float((stored / self.gain).sum())
+        work = float(self.control.force @ shift)
+        return _Shifted(size, beyond, factor, values, shear, excess, total - work, total + abs(work))
 
     def find_step(self, found: _Shifted) -> Array:
         """Return Newton's step, not longer than what moves a cell across its circle."""
         normal = directions(found.values, found.size)
         held = np.where(found.beyond, found.factor, 0.0)
-        xx = float((found.factor - held * normal[0] ** 2).sum())
-        yy = float((found.factor - held * normal[1] ** 2).sum())
-        xy = -float((held * normal[0] * normal[1]).sum())
-        step = -self.control.solve_on_axes(np.array([[xx, xy], [xy, yy]]), found.excess, self.limit.size) / self.gain
+        xx = float((self.gain * (found.factor - held * normal[0] ** 2)).sum())
+        yy = float((self.gain * (found.factor - held * normal[1] ** 2)).sum())
+        xy = -float((self.gain * held * normal[0] * normal[1]).sum())
+        step = -self.control.solve_on_axes(np.array([[xx, xy], [xy, yy]]), found.excess)
         length = float(np.hypot(*step))
-        longest = 2.0 * float(found.size.max() + self.limit.max()) / self.gain
+        longest = 2.0 * float(found.size.max() + self.limit.max()) / float(np.max(self.gain))
         return step * (longest / length) if length > longest else step

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact._solve.solvers.shear.base import ShearSystem
 from roughcontact._solve.solvers.shear.discs import directions, dot, magnitude
-
-# Distance from the circle that is rounding of float32, over the limit; and the distance, of the second order of a
-# step, of cells that a shortened step along the circle has left inside.
-_ON_CIRCLE = 1e-6
-_NEAR_CIRCLE = 1e-2
 
 
 @attrs.frozen(eq=False)
@@ -25,10 +22,6 @@ class Face:
         The task.
     slips
         Cells that slip along their circle, shape (n,).
-    pulled
-        Those of them that are not near their circle yet.
-    base
-        The shear with all cells that slip on their circle, shape (2, n).
     tangent
         Direction along the circle, float32, shape (2, n).
     curvature
@@ -37,57 +30,55 @@ class Face:
 
     system: ShearSystem
     slips: Mask
-    pulled: Mask
-    base: Array
     tangent: RealArray
     curvature: RealArray
 
     @classmethod
-    def find(cls, system: ShearSystem, shear: Array, slip: RealArray, touched: Mask) -> Face:
-        """Return the face of a shear.
-
-        A cell slips if it lies on its circle and its slip points outwards. The cells that the last step has moved to
-        or along their circle, if they were left inside because that step was shortened, are taken to it if they slip
-        by the natural residual.
-        """
-        limit = system.limit
-        size = magnitude(shear)
-        normal = directions(shear, size)
-        on_circle = (size >= limit * (1.0 - _ON_CIRCLE)) | (touched & (size >= limit * (1.0 - _NEAR_CIRCLE)))
-        slips = on_circle & (dot(normal, slip) > 0.0)
-        pulled = touched & ~slips & (size < limit * (1.0 - _ON_CIRCLE))
-        if pulled.any():
-            ahead = shear + slip / system.own
-            distance = magnitude(ahead)
-            pulled &= distance > limit
-            normal = np.where(pulled, directions(ahead, distance), normal)
-            pulled &= dot(normal, slip) > 0.0
-            slips |= pulled
-        outward = dot(normal, slip) / limit
+    def find(cls, system: ShearSystem, shear: Array, slip: RealArray) -> Face:
+        """Return the face of a shear: a cell slips if it lies on its circle and its slip points outwards."""
+        normal = directions(shear, magnitude(shear))
+        outward = dot(normal, slip) / system.limit
+        slips = system.find_on_circle(shear) & (outward > 0.0)
         return cls(
             system=system,
             slips=slips,
-            pulled=pulled,
-            base=np.where(slips, normal * limit, shear),
-            tangent=np.stack((-normal[1], normal[0])).astype(np.float32),
+            tangent=_turn(normal),
             curvature=np.where(slips, outward, 0.0).astype(np.float32),
         )
+
+    def move_to(self, shear: Array) -> Face:
+        """Return the face with the tangents of another shear."""
+        return attrs.evolve(self, tangent=_turn(directions(shear, self.system.limit)))
 
     def restrict(self, vectors: RealArray) -> RealArray:
         """Return the part of vectors along the circle where a cell slips, and the vectors elsewhere."""
         return np.where(self.slips, self.tangent * dot(self.tangent, vectors), vectors)
 
-    def balance(self, vectors: RealArray) -> RealArray:
-        """Return the nearest vectors in the face that do not change the given force."""
-        inside = self.restrict(vectors)
+    @cached_property
+    def ease(self) -> RealArray:
+        """How easily a cell follows a displacement, 1 where it sticks: own over own plus curvature, float32."""
+        own = np.float32(self.system.own)
+        return np.asarray(own / (self.curvature + own))
+
+    def _solve_for_mean(self, total: Array) -> RealArray:
+        """Return the displacement of all cells, each as easily as it follows, that changes the force by a total."""
         x, y = self.tangent
         xx, xy, yy = (
-            float(np.where(self.slips, product, stuck).sum(dtype=np.float64))
+            float((self.ease * np.where(self.slips, product, stuck)).sum(dtype=np.float64))
             for product, stuck in ((x * x, 1.0), (x * y, 0.0), (y * y, 1.0))
         )
-        total = inside.sum(axis=1, dtype=np.float64)
-        mean = self.system.control.solve_on_axes(np.array([[xx, xy], [xy, yy]]), total, x.size)
-        return inside - self.restrict(np.broadcast_to(mean.astype(np.float32)[:, np.newaxis], inside.shape))
+        mean = self.system.control.solve_on_axes(np.array([[xx, xy], [xy, yy]]), total)
+        return self.restrict(np.broadcast_to(mean.astype(np.float32)[:, np.newaxis], self.tangent.shape))
+
+    def find_residual(self, slip: RealArray) -> RealArray:
+        """Return the slip in the face without its mean along axes with a given force."""
+        inside = self.restrict(slip)
+        return inside - self._solve_for_mean((self.ease * inside).sum(axis=1, dtype=np.float64))
+
+    def balance(self, vectors: RealArray) -> RealArray:
+        """Return vectors in the face that do not change the given force."""
+        inside = self.restrict(vectors)
+        return inside - self.ease * self._solve_for_mean(inside.sum(axis=1, dtype=np.float64))
 
     def precondition(self, residual: RealArray) -> RealArray:
         r"""Return the preconditioned residual, in the face.
@@ -96,9 +87,12 @@ class Face:
         :math:`R M R + (1 - D) / (\lambda + k)`, :math:`D = k / (k + \lambda)`, :math:`R = \sqrt D`: near the edge of
         the contact, where the limit falls to zero, the curvature is far above the kernel.
         """
-        own = np.float32(self.system.own)
-        stiffness = self.curvature + own
-        root = np.sqrt(own / stiffness)
+        root = np.sqrt(self.ease)
         preconditioned = root * self.system.multiply_inverse(root * residual)
-        preconditioned += self.curvature / (stiffness * stiffness) * residual
+        preconditioned += self.ease * (1.0 - self.ease) / np.float32(self.system.own) * residual
         return self.balance(preconditioned)
+
+
+def _turn(normal: Array) -> RealArray:
+    """Return the directions along the circles, float32."""
+    return np.stack((-normal[1], normal[0])).astype(np.float32)
