@@ -87,6 +87,7 @@ GOOD = {
     "pressure_drop": 1e5, "of": "participation", "tangential_force": 1.0, "friction": 0.2, "response": "stress",
     "work": 0.05, "range": 2e-8, "strength": 1e6, "gap": np.full((8, 8), 1e-8),
     "interaction": rc.Exponential(0.05, 2e-8), "rms_slope": 0.1, "rms_curvature": 1e5,
+    "component": "xy", "pair": types_of_rc.PairConstants(0.1, 0.4),
     "index": 0, "topography": MAP.to_topography() if HAS_TOPOGRAPHY else None, "young": 1e9,
 }  # fmt: skip
 # ... where the same name means something else.
@@ -106,7 +107,7 @@ GOOD_FOR = {
     "InterfaceLaw.__getitem__": {"name": "area"}, "to_moose": {"path": "m.csv"},
     "exponential": {"values": (1.0, 1.1, 1.12)}, "power_law": {"values": (1.0, 1.1, 1.12)},
     "richardson": {"values": (1.0, 1.1, 1.12)},
-    "match": {"body": MAP, "counterbody": MAP},
+    "pair_constants": {"one": STEEL, "other": HARD}, "match": {"body": MAP, "counterbody": MAP},
     "beyond_resolution": {"problem": MAPPED, "cutoffs": (2.0,), "realizations": 2, "resolved": 8e-5},
     "kernels.create": {"name": "love"}, "kernels.__getitem__": {"name": "love"}, "kernels.resolve": {"choice": "love"},
     "kernels.name_of": {"cls": rc.Love},
@@ -235,6 +236,8 @@ SKIPPED |= {"require_memory_of_solve", "run_sweep", "name_load", "list_quantitie
 # Views by pyvista, which takes 560 MB: tests/test_bridges.py has them.
 SKIPPED |= {f"{name}.plot_3d" for name in ("WavySurface", "SelfAffineSurface", "HeightMap", "SurfaceSum", "PlacedMap")}
 SKIPPED |= {"SphereSurface.plot_3d", "ContactSolution.plot_3d"}
+# It has no coefficients, which it says.
+SKIPPED |= {"FourierHalfSpace.shear_coefficients"}
 # For surfaces that attract each other: tests/test_adhesion.py has them.
 SKIPPED |= {"ContactProblem.cycle", "limited.cycle", "ContactSolution.attractive_area", "AdhesionCycle"}
 OBJECTS = {

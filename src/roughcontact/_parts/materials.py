@@ -14,6 +14,7 @@ from roughcontact._base.arrays import Array, restore_state
 from roughcontact._base.checks import number, number_or_array
 from roughcontact._base.registry import Registry
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 
 class Material(abc.ABC):
@@ -60,6 +61,14 @@ def contact_modulus(one: Material, other: Material) -> float:
     return modulus
 
 
+def _beta(value: float) -> float:
+    return number(value, "Dundurs' beta", above=-1.0, at_most=1.0)
+
+
+def _gamma(value: float) -> float:
+    return number(value, "The constant gamma of a pair of materials", above=-1.0)
+
+
 @attrs.frozen
 class PairConstants:
     r"""The two numbers by which unlike half-spaces respond to shear, beside their contact modulus E*.
@@ -69,7 +78,7 @@ class PairConstants:
     of wave number k,
 
     .. math:: \begin{aligned}
-       \hat u_z &= \frac{2}{E^* k} \left(\hat p - i \beta\, n_b \hat q_b\right) \
+       \hat u_z &= \frac{2}{E^* k} \left(\hat p - i \beta\, n_b \hat q_b\right) \\
        \hat u_a &= \frac{2}{E^* k} \left[\left((1 + \gamma)\,\delta_{ab} - \gamma\, n_a n_b\right) \hat q_b
        + i \beta\, n_a \hat p\right] \end{aligned}
 
@@ -93,10 +102,11 @@ class PairConstants:
     Johnson, Contact Mechanics (1985), eq. 5.3, https://doi.org/10.1017/CBO9781139171731
     """
 
-    beta: float = 0.0
-    gamma: float = 0.0
+    beta: float = attrs.field(default=0.0, converter=_beta)
+    gamma: float = attrs.field(default=0.0, converter=_gamma)
 
 
+@guarded
 def pair_constants(one: Material, other: Material) -> PairConstants:
     """Return the constants of a body on a counterbody.
 
@@ -104,10 +114,18 @@ def pair_constants(one: Material, other: Material) -> PairConstants:
     ------
     InputError
         If Poisson's ratio of a material that deforms is not known, or both bodies are rigid.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.typing import pair_constants
+    >>> pair = pair_constants(rc.Elastic(70e9, 0.33), rc.Elastic(210e9, 0.3))
+    >>> print(f"beta {pair.beta:.3f}, gamma {pair.gamma:.3f}")
+    beta 0.117, gamma 0.476
     """
     modulus = contact_modulus(one, other)
     ratios = [_poisson_of(material) for material in (one, other)]
-    # 1/(2 G) of each, 1/Pa, times E*.
+    # E*/(2 G) of each.
     halves = [modulus * material.compliance / (1.0 - nu) for nu, material in zip(ratios, (one, other), strict=True)]
     beta = 0.5 * ((1.0 - 2.0 * ratios[0]) * halves[0] - (1.0 - 2.0 * ratios[1]) * halves[1])
     return PairConstants(beta, ratios[0] * halves[0] + ratios[1] * halves[1])

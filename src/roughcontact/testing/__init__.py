@@ -18,6 +18,7 @@ from roughcontact.testing import (  # noqa: F401 - claims
     kernels,
     panels,
     responses,
+    shear,
     solvers,
 )
 from roughcontact.testing.claim import (

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import abc
+from collections.abc import Callable
+from functools import partial
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import attrs
@@ -206,6 +208,18 @@ def missing_form(kernel: InfluenceKernel, form: type) -> InputError:
     return InputError(f"The kernel {kernel!r} has no {_MISSING_FORMS[form]} or another kernel.")
 
 
+def _sum_waves(spectrum: Callable[[Array, Array, Pair], Array], grid: Grid, odd: tuple[bool, bool]) -> Array:
+    """Return the field of which a spectrum has the amplitudes, shape (nx, ny)."""
+    waves = [2.0 * np.pi * np.asarray(np.fft.fftfreq(n), dtype=np.float64) for n in grid.shape]
+    qx, qy = (wave / step for wave, step in zip(waves, grid.spacing, strict=True))
+    amplitudes = spectrum(qx[:, np.newaxis], qy[np.newaxis, :], grid.spacing)
+    # An even response has no sines, an odd one has them alone: in both axes times i, or with an imaginary amplitude.
+    phases = [np.outer(np.arange(wave.size), wave) for wave in waves]
+    x, y = (np.sin(phase) if is_odd else np.cos(phase) for phase, is_odd in zip(phases, odd, strict=True))
+    total = np.asarray(x @ amplitudes @ y.T) / grid.cells
+    return -total if any(odd) else total
+
+
 @attrs.frozen
 class BoundKernel:
     """A kernel with the compliance of the two bodies; `InputError` if the kernel lacks the form that is needed.
@@ -276,12 +290,13 @@ class BoundKernel:
         """
         if boundary is not Boundary.PERIODIC:
             return self.coefficients(grid.shape, grid.spacing)
-        waves = [2.0 * np.pi * np.asarray(np.fft.fftfreq(n), dtype=np.float64) for n in grid.shape]
-        qx, qy = (wave / step for wave, step in zip(waves, grid.spacing, strict=True))
-        amplitudes = self.spectrum(qx[:, np.newaxis], qy[np.newaxis, :], grid.spacing)
-        # An even response has no sines.
-        x, y = (np.cos(np.outer(np.arange(wave.size), wave)) for wave in waves)
-        return np.asarray(x @ amplitudes @ y.T) / grid.cells
+        return _sum_waves(self.spectrum, grid, (False, False))
+
+    def shear_responses(self, component: str, grid: Grid, boundary: Boundary) -> Array:
+        """Return a component of the response to shear at each offset within a grid, shape (nx, ny); see `responses`."""
+        if boundary is not Boundary.PERIODIC:
+            return self.shear_coefficients(component, grid.shape, grid.spacing)
+        return _sum_waves(partial(self.shear_spectrum, component), grid, odd_axes(component))
 
     def _check(self, values: Array, shape: tuple[int, int], component: str = "zz") -> Array:
         values = np.asarray(values)

@@ -144,7 +144,8 @@ def alias_sum(theta_x: Array, theta_y: Array, aspect: float, term: str = "1/k") 
     """
     inverse, odd_x, odd_y = _ALIAS_TERMS[term]
     half_x, half_y = (np.sinc(theta / (2 * np.pi)) for theta in (theta_x, theta_y))
-    with np.errstate(divide="ignore", invalid="ignore"):
+    # Along an axis the inverse of a term may be infinite.
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         first = 1.0 / inverse((theta_x / aspect)[:, np.newaxis], theta_y[np.newaxis, :])
     # Without aliases along y the terms are smooth along x only; all others are smooth both ways.
     rest = _aliases_along_x(np.sqrt(_nodes()), theta_y, aspect, term)
@@ -177,8 +178,7 @@ def _aliases_along_x(theta_x: Array, theta_y: Array, aspect: float, term: str) -
     factors = weights * _alias_sinc(theta_x, orders)
     inverse = _ALIAS_TERMS[term][0]
     total = np.zeros((theta_x.size, theta_y.size))
-    # A term that vanishes at theta_y = 0 has an infinite inverse there.
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         for k in range(orders.size):
             total += factors[:, k, np.newaxis] / inverse(x[:, k, np.newaxis] / aspect, theta_y[np.newaxis, :])
     return total * np.sinc(theta_y / (2 * np.pi))[np.newaxis, :]

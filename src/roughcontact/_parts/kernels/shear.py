@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.checks import choice
 from roughcontact._parts.kernels.cells import (
     alias_sum,
     cell_potential,
@@ -22,6 +23,7 @@ def respond_to_shear(
     component: str, shape: tuple[int, int], spacing: Pair, compliance: float, pair: PairConstants
 ) -> Array:
     """Return the coefficients of a component for cells of constant shear; see `SupportsShear.shear_coefficients`."""
+    require_component(component)
     dx, dy = spacing
     if dx < dy:
         exchanged = respond_to_shear(_EXCHANGED[component], shape[::-1], (dy, dx), compliance, pair)
@@ -47,6 +49,7 @@ def respond_to_shear_waves(
     component: str, qx: Array, qy: Array, spacing: Pair, compliance: float, pair: PairConstants
 ) -> Array:
     """Return the amplitudes of a component for cells of constant shear; see `SupportsShear.shear_spectrum`."""
+    require_component(component)
     dx, dy = spacing
     if dx < dy:
         return respond_to_shear_waves(_EXCHANGED[component], qy.T, qx.T, (dy, dx), compliance, pair).T
@@ -70,6 +73,7 @@ def respond_to_shear_waves(
 
 def shear_amplitude(component: str, qx: Array, qy: Array, compliance: float, pair: PairConstants) -> Array:
     """Return the amplitudes of a component for waves of shear, without cells; see `SupportsShear.shear_spectrum`."""
+    require_component(component)
     length = np.hypot(qx, qy)
     normal = {"x": qx / length, "y": qy / length}
     first = component[0]
@@ -79,6 +83,11 @@ def shear_amplitude(component: str, qx: Array, qy: Array, compliance: float, pai
     else:
         factor = (first == second) * (1.0 + pair.gamma) - pair.gamma * normal[first] * normal[second]
     return np.asarray(2.0 * compliance * factor / length)
+
+
+def require_component(component: str) -> None:
+    """Raise `InputError` unless a kernel knows the component."""
+    choice(component, "The component of the response to shear", tuple(_EXCHANGED))
 
 
 def _integrate_product(i: Array, j: Array, aspect: float) -> Array:

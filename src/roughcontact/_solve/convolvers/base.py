@@ -318,7 +318,7 @@ def require_shear(setup: ConvolutionSetup) -> None:
     require_form(setup.kernel.kernel, SupportsShear)
     if setup.boundary is Boundary.WRAPPED:
         raise InputError(
-            "A wrapped boundary has no response to shear, because the nearest images of a cell do not balance: "
+            "A wrapped boundary has no response to shear, whose sign at half of the domain would be arbitrary: "
             "use boundary='free' or boundary='periodic'."
         )
 

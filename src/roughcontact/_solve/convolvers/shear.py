@@ -12,6 +12,7 @@ import numpy.typing as npt
 import scipy.fft
 
 from roughcontact._base.arrays import Array, Pair, RealArray, Waves
+from roughcontact._base.checks import choice
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.kernels import BoundKernel, odd_axes
@@ -26,7 +27,12 @@ from roughcontact.errors import InputError
 
 
 def find_component(to: str, of: str) -> tuple[str, int]:
-    """Return the component that a kernel knows and the sign with which it gives the displacement `to` by `of`."""
+    """Return the component that a kernel knows and the sign with which it gives the displacement `to` by `of`.
+
+    `InputError` if a letter is not x, y or z.
+    """
+    for letter in (to, of):
+        choice(letter, "The letter of a traction or displacement", ("x", "y", "z"))
     if of == "z" and to != "z":
         return of + to, -1
     return ("xy" if to + of == "yx" else to + of), 1
@@ -123,6 +129,20 @@ class ShearConvolution(abc.ABC):
 
     Shear is the traction on the body; the displacement along z is towards the insides, along x and y that of the body
     minus that of the counterbody (`PairConstants`).
+
+    Examples
+    --------
+    Shear on one cell presses the surface of a softer body in ahead of it:
+
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> from roughcontact.typing import BoundKernel, PairConstants
+    >>> kernel = BoundKernel(rc.Love(), pair=PairConstants(beta=0.3, gamma=0.4))
+    >>> convolution = rc.DCFFT().prepare(kernel, rc.Grid((9, 9), 9.0), rc.Boundary.FREE).shear()
+    >>> shear = np.zeros((2, 9, 9))
+    >>> shear[0, 4, 4] = 1.0
+    >>> print(convolution.apply(shear, to="z")[0, 3:6, 4].round(4) + 0.0)
+    [-0.094  0.     0.094]
     """
 
     @property
@@ -171,7 +191,14 @@ class ShearConvolution(abc.ABC):
         It multiplies each wave by the inverse matrix of the kernel's spectrum on a periodic grid, the mean by zero: a
         good preconditioner, on a free boundary not an exact inverse.
         """
-        return approximate_shear_inverse(self.setup, dtype)
+        if dtype not in self._inverses:
+            self._inverses[dtype] = approximate_shear_inverse(self.setup, dtype)
+        return self._inverses[dtype]
+
+    @cached_property
+    def _inverses(self) -> dict[type, WaveMatrix]:
+        """The inverses found so far: a path of loads needs one many times."""
+        return {}
 
 
 def approximate_shear_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike) -> WaveMatrix:
