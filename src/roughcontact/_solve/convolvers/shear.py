@@ -189,7 +189,7 @@ class ShearConvolution(abc.ABC):
         """Return the approximate inverse of the map from shear to tangential displacement.
 
         It multiplies each wave by the inverse matrix of the kernel's spectrum on a periodic grid, the mean by zero: a
-        good preconditioner, on a free boundary not an exact inverse. It is kept: a path needs it in each increment.
+        good preconditioner, on a free boundary not an exact inverse.
         """
         if dtype not in self._inverses:
             self._inverses[dtype] = approximate_shear_inverse(self.setup, dtype)
@@ -197,6 +197,7 @@ class ShearConvolution(abc.ABC):
 
     @cached_property
     def _inverses(self) -> dict[type, WaveMatrix]:
+        """The inverses found so far: a path of loads needs one many times."""
         return {}
 
 

@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact._base.arrays import Array, Mask
 from roughcontact._solve.solvers.shear.base import ShearSystem, Verified
 from roughcontact._solve.solvers.shear.discs import directions, dot, magnitude, natural_residual
 from roughcontact._solve.solvers.shear.face import Face
@@ -37,8 +37,8 @@ _MAX_IDLE_ITERATIONS = 12
 class _Taken:
     """The last step, its product with the kernel, and the product of both."""
 
-    step: RealArray
-    change: RealArray
+    step: Array
+    change: Array
     curvature: float
 
 
@@ -60,7 +60,7 @@ class ShearDescent:
         """Return a shear whose residual is estimated to reach a goal, or is as low as float32 allows."""
         self._shear = start.shear
         # The slip is that of the shear less what lags behind.
-        self._slip = start.slip.astype(np.float32)
+        self._slip = start.slip
         self._lag = np.zeros_like(self._shear)
         self._last: _Taken | None = None
         self._error = _FORCE_ERROR * goal
@@ -84,12 +84,12 @@ class ShearDescent:
         system = self._system
         trial = self._shear + self._local_slip() / system.own
         shift = system.control.project(trial, system.limit, gain=1.0 / system.own, error=self._error)[1]
-        self._slip += shift.astype(np.float32)[:, np.newaxis]
+        self._slip = self._slip + shift[:, np.newaxis]
         return natural_residual(self._shear, self._local_slip(), system.limit, system.own)
 
-    def _local_slip(self) -> RealArray:
-        """Return the slip with the effect of what lags on its own cells, float32."""
-        return self._slip - (self._system.own * self._lag).astype(np.float32)
+    def _local_slip(self) -> Array:
+        """Return the slip with the effect of what lags on its own cells."""
+        return self._slip - self._system.own * self._lag
 
     def _iterate(self) -> bool:
         """Make one step; return whether there is one that lowers the energy."""
@@ -106,7 +106,7 @@ class ShearDescent:
             direction = preconditioned
         return False
 
-    def _conjugate(self, face: Face, residual: RealArray, preconditioned: RealArray) -> RealArray:
+    def _conjugate(self, face: Face, residual: Array, preconditioned: Array) -> Array:
         """Return the direction that is conjugate to the last step, or the preconditioned residual."""
         if self._last is None:
             return preconditioned
@@ -116,26 +116,24 @@ class ShearDescent:
         factor = -product / (self._last.curvature + _sum(last, bent))
         if not factor > 0.0:
             return preconditioned
-        direction = preconditioned + np.float32(factor) * last
+        direction = preconditioned + factor * last
         steep = _sum(residual, direction) > _MIN_CONJUGATE_SLOPE * _sum(residual, preconditioned)
         return direction if steep else preconditioned
 
-    def _move(self, face: Face, residual: RealArray, direction: RealArray) -> bool:
+    def _move(self, face: Face, residual: Array, direction: Array) -> bool:
         """Take a step of the present length along a direction, with its length corrected, if it lowers the energy."""
         system = self._system
         ahead = self._shear + self._length * direction
         hits = (magnitude(ahead) > system.limit) & ~face.slips
-        trial = system.control.project(
-            ahead, system.limit, circle=face.slips, gain=face.ease.astype(np.float64), error=self._error
-        )[0]
+        trial = system.control.project(ahead, system.limit, circle=face.slips, gain=face.ease, error=self._error)[0]
         move = trial - self._shear
         step = move + self._lag
-        change = system.multiply(step.astype(np.float32))
+        change = system.multiply(step.astype(np.float32)).astype(np.float64)
         # The derivatives of the energy along the circles at both ends of the move.
-        along = face.restrict(move.astype(np.float32))
-        curvature = _sum(along, change - (system.own * self._lag).astype(np.float32))
+        along = face.restrict(move)
+        curvature = _sum(along, change - system.own * self._lag)
         slope = _sum(residual, along)
-        after = _sum(self._slip - change, face.move_to(trial).restrict(move.astype(np.float32)))
+        after = _sum(self._slip - change, face.move_to(trial).restrict(move))
         if not (math.isfinite(curvature) and slope > 0.0):
             return False
         # The mean shear of a periodic contact has no stiffness.
@@ -143,7 +141,7 @@ class ShearDescent:
         if wanted <= _SHORTENED_STEP_PART:
             return False
         part = self._choose_part(face, move, wanted, meets=bool(hits.any()))
-        self._last = _Taken(np.float32(part) * along, np.float32(part) * change, part * part * curvature)
+        self._last = _Taken(part * along, part * change, part * part * curvature)
         self._slip = self._slip - self._last.change
         behind = self._shear - self._lag + part * step
         self._shear = self._find_end(face, hits, part * move)
@@ -191,6 +189,6 @@ class ShearDescent:
         return float(np.divide(root, square, out=np.full_like(root, math.inf), where=square > 0.0).min())
 
 
-def _sum(one: RealArray, other: RealArray) -> float:
+def _sum(one: Array, other: Array) -> float:
     """Return the sum of the products of vectors."""
     return float(np.einsum("an,an->", one, other))
