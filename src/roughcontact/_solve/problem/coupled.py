@@ -36,10 +36,16 @@ from roughcontact.errors import InputError, NotConverged
 
 # Iterations of the tangential solver in one pass of a coupled solve: fewer drop the conjugate direction too early, more
 # are lost when the pressure changes. And passes, after which a solve is given up.
-_PASS_ITERATIONS = 8
+_PASS_ITERATIONS = 2000
 _MAX_PASSES = 80
 # Residual of a pass over that of the pass before, from which on the next ones have more iterations.
 _PASS_GAIN = 0.7
+_INNER_SLIP=.1
+_LOOSEST_SLIP=.03
+TRACE=1
+MIX=1
+USEN=1
+MIXR=1e-1
 # Iterations of the tangential solver where the pressure is known.
 _MAX_ITERATIONS = 2000
 # Friction times beta beyond which a coupled solve is relaxed, and beyond which it may not converge.
@@ -114,7 +120,7 @@ class CoupledSolve(FrictionalContact):
         at_rest = tangential.values == (0.0, 0.0) and not start.shear.any()
         if at_rest and (tangential.kind == "tangential_force" or not start.displacement.any()):
             return FoundTractions(contact, start.shear, start.displacement, Status.CONVERGED, 1, 0)
-        outcome = self._shear(tangential, limit, -start.relative, start.shear)
+        outcome = self._shear(tangential, limit, -start.relative, start.shear, self.tolerance)
         return FoundTractions(
             contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations
         )
@@ -129,32 +135,28 @@ class CoupledSolve(FrictionalContact):
         shear = start.shear
         lifted = self.shear.apply(shear, to="z")[0]
         pressure: Array | None = start.pressure * self.unit if start.pressure.any() else None
-        change = np.zeros_like(lifted)
-        relaxation = 1.0
+        mixing = _Mixing()
         error = math.inf
-        slipping = math.inf
         iterations = 0
-        most = _PASS_ITERATIONS
-        passes = 0
-        while error > self.tolerance and passes < _MAX_PASSES:
-            passes += 1
-            lifted = lifted + relaxation * change
+        for passes in range(1, _MAX_PASSES + 1):
             contact = self._press_on(lifted, load, pressure, error)
             pressure = contact.pressure
             limit, coupling = self._find_limit(contact)
             self._require_coupling(coupling)
             self._require_stick(tangential, limit)
-            relaxation = 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0
             dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
-            offset = -start.relative - dragged
-            outcome = self._shear(tangential, limit, offset, shear, most)
+            inner_error = max(min(_INNER_SLIP * error, _LOOSEST_SLIP), _TIGHTEST_INNER * self.tolerance)
+            outcome = self._shear(tangential, limit, -start.relative - dragged, shear, inner_error, _PASS_ITERATIONS)
             iterations += outcome.iterations
-            # A short descent may end before it gains anything.
-            most = most if outcome.residual < _PASS_GAIN * slipping else 2 * most
-            slipping = outcome.residual
             shear = outcome.shear
-            change = self.shear.apply(shear, to="z")[0] - lifted
-            error = max(self._normal_error(contact, load, lifted + change), outcome.residual)
+            found = self.shear.apply(shear, to="z")[0]
+            unbalanced = self._normal_error(contact, load, found)
+            error = max(unbalanced, outcome.residual)
+            if TRACE: print("  pass",passes,"it",outcome.iterations,"prod",outcome.products,"slip %.1e goal %.1e"%(outcome.residual,inner_error),"normal %.1e"%unbalanced,contact.convolutions)
+            if error <= self.tolerance:
+                break
+            error = unbalanced if USEN else error
+            lifted = mixing.combine(lifted, found - lifted, 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0) if MIX and outcome.residual<MIXR else lifted+(found-lifted)/ (1.0 + coupling**2 if coupling > _RELAXED_COUPLING else 1.0)
         status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
         return FoundTractions(contact, shear, np.array(outcome.displacement), status, passes, iterations)
 
@@ -162,7 +164,7 @@ class CoupledSolve(FrictionalContact):
         """Alternate as for a step, with combinations of earlier passes: what is left is linear on a fixed contact."""
         contact = self.press(load)
         _, coupling = self._find_limit(contact)
-        mixing = _Mixing(1.0 / (1.0 + coupling**2))
+        mixing = _Mixing()
         if not contact.contact.all():
             self._require_coupling(coupling)
         lifted = np.zeros(self.problem.plan.grid.shape)
@@ -174,7 +176,7 @@ class CoupledSolve(FrictionalContact):
             error = self._normal_error(contact, load, found)
             if error <= self.tolerance:
                 break
-            lifted = mixing.combine(lifted, found - lifted)
+            lifted = mixing.combine(lifted, found - lifted, 1.0 / (1.0 + coupling**2))
         status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
         return FoundTractions(contact, shear, np.full(2, math.nan), status, passes, 0)
 
@@ -249,6 +251,7 @@ class CoupledSolve(FrictionalContact):
         limit: Array,
         offset: Array,
         shear: Array,
+        tolerance: float,
         max_iterations: int = _MAX_ITERATIONS,
     ) -> ShearOutcome:
         """Return the traction within a shear strength, from another one; `offset` is what moves the surfaces."""
@@ -265,7 +268,7 @@ class CoupledSolve(FrictionalContact):
             shear_force=force,
             displacement=moved,
             start=shear,
-            tolerance=self.tolerance,
+            tolerance=tolerance,
             max_iterations=max_iterations,
         )
         return self.solver.solve(self.shear, task)
@@ -296,13 +299,12 @@ class CoupledSolve(FrictionalContact):
 class _Mixing:
     """The next field of a fixed-point iteration, from the last ones: Anderson's combination of least change."""
 
-    def __init__(self, damping: float) -> None:
-        self._damping = damping
+    def __init__(self) -> None:
         self._fields: list[Array] = []
         self._changes: list[Array] = []
 
-    def combine(self, field: Array, change: Array) -> Array:
-        """Return the field from which to go on, after one and its change."""
+    def combine(self, field: Array, change: Array, damping: float) -> Array:
+        """Return the field from which to go on, after one and its change, of which a part is taken."""
         self._fields = [*self._fields[-_MIXED_PASSES:], field]
         self._changes = [*self._changes[-_MIXED_PASSES:], change]
         best = field
@@ -313,7 +315,7 @@ class _Mixing:
             for weight, one, moved in zip(weights, self._fields, self._changes, strict=False):
                 best = best + weight * (one - field)
                 left = left + weight * (moved - change)
-        return best + self._damping * left
+        return best + damping * left
 
 
 def _require_success(solution: FrictionalSolution) -> FrictionalSolution:
