@@ -22,6 +22,8 @@ from roughcontact.errors import InputError
 Given: TypeAlias = tuple[float | None, float | None]
 # Force over the sum of the limits from which on the bodies slide, but for rounding.
 _SLIDING = 1.0 - 1e-12
+# Limit below which a cell counts as without one, over the maximum: squares of smaller ones would underflow.
+_MIN_LIMIT = 1e-100
 # Distance from the circle that is rounding, over the limit.
 _ON_CIRCLE = 1e-12
 # Rounding of a displacement in float64, over its terms.
@@ -202,7 +204,7 @@ class ShearSystem:
     def __init__(self, convolution: ShearConvolution, task: ShearTask) -> None:
         self._convolution = convolution
         self.shape = task.limit.shape
-        self._cells: IntArray = np.flatnonzero(task.limit > 0.0)
+        self._cells: IntArray = np.flatnonzero(task.limit > _MIN_LIMIT * task.limit.max())
         limit = task.limit.ravel()[self._cells]
         self._stress = _power_of_two(float(limit.max()))
         own = 0.5 * sum(convolution.own)

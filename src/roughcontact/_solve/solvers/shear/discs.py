@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import attrs
 import numpy as np
@@ -24,8 +25,8 @@ _MIN_DECREASE = 1e-4
 
 
 def magnitude(vectors: RealArray) -> RealArray:
-    """Return the lengths of vectors, shape (2, ...)."""
-    return np.hypot(vectors[0], vectors[1])
+    """Return the lengths of vectors, shape (2, ...); `np.hypot` takes three times as long."""
+    return np.sqrt(dot(vectors, vectors))
 
 
 def dot(one: RealArray, other: RealArray) -> RealArray:
@@ -107,16 +108,16 @@ class ForceControl:
         search = _ShiftSearch(self, values, limit, circle, gain)
         shift = np.zeros(2)
         found = search.evaluate(shift)
+        least = found.error
         admissible = max(error, FORCE_EPSILON) * float(limit.sum())
         for _ in range(_MAX_ROUNDS):
             if found.error <= admissible:
                 break
             step = search.find_step(found)
             slope = float(found.excess @ step)
-            rounding = _ENERGY_EPSILON * found.terms
             for _ in range(_MAX_HALVINGS):
                 trial = search.evaluate(shift + step)
-                if trial.energy <= found.energy + _MIN_DECREASE * slope + rounding:
+                if trial.error <= 0.5 * least or trial.energy <= found.energy + _MIN_DECREASE * slope + found.rounding:
                     break
                 step = 0.5 * step
                 slope *= 0.5
@@ -124,6 +125,7 @@ class ForceControl:
                 break
             shift = shift + step
             found = trial
+            least = min(least, found.error)
         return found.shear, shift
 
     def solve_on_axes(self, matrix: Array, values: Array) -> Array:
@@ -139,24 +141,6 @@ class ForceControl:
         """Return the error of the force, over the sum of the limits."""
         missing = self.axes * (shear.sum(axis=1) - self.force)
         return math.hypot(*missing) / float(limit.sum())
-
-
-@attrs.frozen(eq=False)
-class _Shifted:
-    """Shear after a shift: size and mask of what was projected, factor, force in excess, energy, size of its terms."""
-
-    size: Array
-    beyond: Mask
-    factor: Array
-    values: Array
-    shear: Array
-    excess: Array
-    energy: float
-    terms: float
-
-    @property
-    def error(self) -> float:
-        return float(np.abs(self.excess).max())
 
 
 @attrs.frozen(eq=False)
@@ -178,19 +162,51 @@ class _ShiftSearch:
         factor = np.divide(self.limit, size, out=np.ones_like(size), where=beyond & (size > 0.0))
         shear = values * factor
         excess = self.control.axes * (shear.sum(axis=1) - self.control.force)
-        stored = np.where(beyond, self.limit * (size - 0.5 * self.limit), 0.5 * size * size)
-        total = float((stored / self.gain).sum())
-        work = float(self.control.force @ shift)
-        return _Shifted(size, beyond, factor, values, shear, excess, total - work, total + abs(work))
+        return _Shifted(self, shift, values, size, beyond, factor, shear, excess)
 
     def find_step(self, found: _Shifted) -> Array:
         """Return Newton's step, not longer than what moves a cell across its circle."""
-        normal = directions(found.values, found.size)
-        held = np.where(found.beyond, found.factor, 0.0)
-        xx = float((self.gain * (found.factor - held * normal[0] ** 2)).sum())
-        yy = float((self.gain * (found.factor - held * normal[1] ** 2)).sum())
-        xy = -float((self.gain * held * normal[0] * normal[1]).sum())
-        step = -self.control.solve_on_axes(np.array([[xx, xy], [xy, yy]]), found.excess)
+        x, y = found.values
+        factor = self.gain * found.factor
+        bent = np.divide(factor, dot(found.values, found.values), out=np.zeros_like(x), where=found.beyond)
+        both = float(factor.sum())
+        xx, xy, yy = (float(np.einsum("n,n,n->", bent, one, other)) for one, other in ((x, x), (x, y), (y, y)))
+        step = -self.control.solve_on_axes(np.array([[both - xx, -xy], [-xy, both - yy]]), found.excess)
         length = float(np.hypot(*step))
         longest = 2.0 * float(found.size.max() + self.limit.max()) / float(np.max(self.gain))
         return step * (longest / length) if length > longest else step
+
+
+@attrs.frozen(eq=False)
+class _Shifted:
+    """Shear after a shift: what was projected, its size, whether that is beyond the limit, factor, force in excess."""
+
+    search: _ShiftSearch
+    shift: Array
+    values: Array
+    size: Array
+    beyond: Mask
+    factor: Array
+    shear: Array
+    excess: Array
+
+    @property
+    def error(self) -> float:
+        return float(np.abs(self.excess).max())
+
+    @cached_property
+    def _terms(self) -> Array:
+        """The terms of the energy."""
+        limit = self.search.limit
+        stored = np.where(self.beyond, limit * (self.size - 0.5 * limit), 0.5 * self.size * self.size)
+        total = float((stored / self.search.gain).sum())
+        return np.array([total, -float(self.search.control.force @ self.shift)])
+
+    @property
+    def energy(self) -> float:
+        """The energy whose gradient is the force in excess."""
+        return float(self._terms.sum())
+
+    @property
+    def rounding(self) -> float:
+        return _ENERGY_EPSILON * float(np.abs(self._terms).sum())

@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._solve.solvers.shear.base import ShearSystem
-from roughcontact._solve.solvers.shear.discs import directions, dot, magnitude
+from roughcontact._solve.solvers.shear.discs import dot
 
 
 @attrs.frozen(eq=False)
@@ -22,37 +22,31 @@ class Face:
         The task.
     slips
         Cells that slip along their circle, shape (n,).
-    tangent
-        Direction along the circle, shape (2, n).
+    normal
+        Outward direction where a cell slips, zero where it sticks, shape (2, n).
     curvature
         Outward slip over the limit, which the circle adds to the kernel, shape (n,); zero where a cell sticks.
     """
 
     system: ShearSystem
     slips: Mask
-    tangent: Array
+    normal: Array
     curvature: Array
 
     @classmethod
     def find(cls, system: ShearSystem, shear: Array, slip: Array) -> Face:
         """Return the face of a shear: a cell slips if it lies on its circle and its slip points outwards."""
-        normal = directions(shear, magnitude(shear))
-        outward = dot(normal, slip) / system.limit
+        outward = dot(shear, slip) / system.limit**2
         slips = system.find_on_circle(shear) & (outward > 0.0)
-        return cls(
-            system=system,
-            slips=slips,
-            tangent=_turn(normal),
-            curvature=np.where(slips, outward, 0.0),
-        )
+        return cls(system=system, slips=slips, normal=shear * (slips / system.limit), curvature=slips * outward)
 
     def move_to(self, shear: Array) -> Face:
-        """Return the face with the tangents of another shear."""
-        return attrs.evolve(self, tangent=_turn(directions(shear, self.system.limit)))
+        """Return the face with the directions of another shear."""
+        return attrs.evolve(self, normal=shear * (self.slips / self.system.limit))
 
     def restrict(self, vectors: Array) -> Array:
         """Return the part of vectors along the circle where a cell slips, and the vectors elsewhere."""
-        return np.where(self.slips, self.tangent * dot(self.tangent, vectors), vectors)
+        return vectors - self.normal * dot(self.normal, vectors)
 
     @cached_property
     def ease(self) -> Array:
@@ -60,15 +54,16 @@ class Face:
         own = self.system.own
         return np.asarray(own / (self.curvature + own))
 
+    @cached_property
+    def _stiffness_of_mean(self) -> Array:
+        """The change of the force by a displacement of all cells, each as easily as it follows, shape (2, 2)."""
+        bent = -np.einsum("n,an,bn->ab", self.ease, self.normal, self.normal)
+        return np.asarray(bent + self.ease.sum() * np.eye(2))
+
     def _solve_for_mean(self, total: Array) -> Array:
         """Return the displacement of all cells, each as easily as it follows, that changes the force by a total."""
-        x, y = self.tangent
-        xx, xy, yy = (
-            float((self.ease * np.where(self.slips, product, stuck)).sum())
-            for product, stuck in ((x * x, 1.0), (x * y, 0.0), (y * y, 1.0))
-        )
-        mean = self.system.control.solve_on_axes(np.array([[xx, xy], [xy, yy]]), total)
-        return self.restrict(np.broadcast_to(mean[:, np.newaxis], self.tangent.shape))
+        mean = self.system.control.solve_on_axes(self._stiffness_of_mean, total)[:, np.newaxis]
+        return mean - self.normal * dot(self.normal, mean)
 
     def find_residual(self, slip: Array) -> Array:
         """Return the slip in the face without its mean along axes with a given force."""
@@ -91,8 +86,3 @@ class Face:
         preconditioned = root * self.system.multiply_inverse((root * residual).astype(np.float32))
         preconditioned += self.ease * (1.0 - self.ease) / self.system.own * residual
         return self.balance(preconditioned)
-
-
-def _turn(normal: Array) -> Array:
-    """Return the directions along the circles."""
-    return np.stack((-normal[1], normal[0]))
