@@ -10,8 +10,8 @@ from types import MappingProxyType
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, frozen_array, restore_state
-from roughcontact._base.checks import MAX_MAGNITUDE, MIN_MAGNITUDE, number
+from roughcontact._base.arrays import Array, restore_state
+from roughcontact._base.checks import number, number_or_array
 from roughcontact._base.registry import Registry
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -170,16 +170,7 @@ def _poisson(value: float) -> float:
 
 
 def _hardness(value: float | Array) -> float | Array:
-    if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:
-        return number(value, "The hardness", "Pa", above=0.0)
-    try:
-        array = np.array(value)
-    except ValueError:
-        array = np.empty(0)
-    is_real = array.ndim == 2 and array.size > 0 and array.dtype.kind in "fiu" and not np.ma.is_masked(value)
-    if not (is_real and array.min() >= MIN_MAGNITUDE and array.max() <= MAX_MAGNITUDE):
-        raise InputError.about("The hardness", value, "a number or an array (nx, ny), finite and above 0 (Pa)")
-    return frozen_array(array)
+    return number_or_array(value, "The hardness", "Pa")
 
 
 @attrs.frozen

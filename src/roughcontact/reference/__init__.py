@@ -2,6 +2,13 @@
 
 from roughcontact.reference.adhesion import DMT, JKR, JohnsonWave, MaugisDugdale
 from roughcontact.reference.closed_forms import FlatPunch, Hertz, WavyContact, Westergaard, hertz_elliptic, hertz_sphere
+from roughcontact.reference.friction import (
+    CattaneoMindlin,
+    SlidingWave,
+    UnlikeCylinder,
+    bonded_punch,
+    frictional_punch,
+)
 from roughcontact.reference.persson import PerssonContact, persson
 from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
 from roughcontact.reference.sliding import SlidingCylinder, SlidingSphere
@@ -11,6 +18,7 @@ __all__ = [
     "DMT",
     "JKR",
     "BearingCurve",
+    "CattaneoMindlin",
     "FlatPunch",
     "FullContactEnergies",
     "Hertz",
@@ -21,9 +29,13 @@ __all__ = [
     "Roughness",
     "SlidingCylinder",
     "SlidingSphere",
+    "SlidingWave",
+    "UnlikeCylinder",
     "WavyContact",
     "Westergaard",
     "bearing_area",
+    "bonded_punch",
+    "frictional_punch",
     "full_contact_energies",
     "hertz_elliptic",
     "hertz_sphere",

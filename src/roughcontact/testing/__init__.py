@@ -12,6 +12,7 @@ from roughcontact._base.registry import Registry
 from roughcontact.testing import (  # noqa: F401 - claims
     convolvers,
     estimators,
+    frictions,
     inputs,
     interactions,
     kernels,

@@ -191,7 +191,14 @@ class ShearConvolution(abc.ABC):
         It multiplies each wave by the inverse matrix of the kernel's spectrum on a periodic grid, the mean by zero: a
         good preconditioner, on a free boundary not an exact inverse.
         """
-        return approximate_shear_inverse(self.setup, dtype)
+        if dtype not in self._inverses:
+            self._inverses[dtype] = approximate_shear_inverse(self.setup, dtype)
+        return self._inverses[dtype]
+
+    @cached_property
+    def _inverses(self) -> dict[type, WaveMatrix]:
+        """The inverses found so far: a path of loads needs one many times."""
+        return {}
 
 
 def approximate_shear_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike) -> WaveMatrix:

@@ -3,6 +3,8 @@
 from roughcontact._solve.problem.accuracy import resample_problem
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, linearise, make_cycle_table
+from roughcontact._solve.problem.increments import StepNumbers
+from roughcontact._solve.problem.path import FrictionalPath, TangentialLoop
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.run import computing
@@ -15,8 +17,11 @@ __all__ = [
     "AdhesionCycle",
     "Body",
     "ContactProblem",
+    "FrictionalPath",
     "SolvePlan",
+    "StepNumbers",
     "Sweep",
+    "TangentialLoop",
     "computing",
     "find_stability",
     "linearise",

@@ -17,6 +17,15 @@ from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCell
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner
 from roughcontact._solve.solvers.polonsky_keer import PolonskyKeer
 from roughcontact._solve.solvers.projection import dot, project_to_load, rescale_to_load, total
+from roughcontact._solve.solvers.shear import (
+    ProjectedShearCG,
+    ShearOutcome,
+    ShearSolver,
+    ShearTask,
+    SpectralShearGradient,
+    natural_residual,
+    shear_solvers,
+)
 from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 
 __all__ = [
@@ -30,16 +39,23 @@ __all__ = [
     "PolonskyKeer",
     "Preconditioner",
     "ProjectedConjugateGradient",
+    "ProjectedShearCG",
+    "ShearOutcome",
+    "ShearSolver",
+    "ShearTask",
     "Solver",
     "SpectralGradient",
+    "SpectralShearGradient",
     "Step",
     "Task",
     "active_cells",
     "dot",
+    "natural_residual",
     "nearest_pressure",
     "positive_tolerance",
     "project_to_load",
     "rescale_to_load",
+    "shear_solvers",
     "solvers",
     "starting_pressure",
     "surface_stiffness",
