@@ -34,28 +34,22 @@ from roughcontact._solve.solution import (
 from roughcontact._solve.solvers import ProjectedShearCG, ShearOutcome, ShearSolver, ShearTask
 from roughcontact.errors import InputError, NotConverged
 
-# Iterations of the tangential solver in one pass of a coupled solve: fewer drop the conjugate direction too early, more
-# are lost when the pressure changes. And passes, after which a solve is given up.
-_PASS_ITERATIONS = 2000
+# Alternations of normal and tangential solves after which a coupled solve is given up.
 _MAX_PASSES = 80
-# Residual of a pass over that of the pass before, from which on the next ones have more iterations.
-_PASS_GAIN = 0.7
-_INNER_SLIP=.1
-_LOOSEST_SLIP=.03
-TRACE=1
-MIX=1
-USEN=1
-MIXR=1e-1
-# Iterations of the tangential solver where the pressure is known.
+# Iterations of the tangential solver.
 _MAX_ITERATIONS = 2000
 # Friction times beta beyond which a coupled solve is relaxed, and beyond which it may not converge.
 _RELAXED_COUPLING = 0.7
 _MAX_COUPLING = 1.0
-# Error of a normal solve over the last error of the coupled one, and its bounds over the tolerance.
+# Error of a normal solve, and of a tangential one, over the last error of the normal equilibrium of a coupled solve.
 _INNER_ERROR = 0.03
+_INNER_SLIP = 0.1
+# Bounds of the first, over the tolerance, and of the second.
 _LOOSEST_INNER = 100.0
 _TIGHTEST_INNER = 0.3
-# Earlier passes of which steady sliding takes a combination (Anderson).
+_LOOSEST_SLIP = 0.03
+# Residual of a tangential solve below which passes are combined (Anderson), and earlier passes of a combination.
+_MIXED_SLIP = 0.1
 _MIXED_PASSES = 4
 # Growth of the pressure at which a law must not give less.
 _PROBED_GROWTH = 1.25
@@ -138,25 +132,29 @@ class CoupledSolve(FrictionalContact):
         mixing = _Mixing()
         error = math.inf
         iterations = 0
-        for passes in range(1, _MAX_PASSES + 1):
+        passes = 0
+        while passes < _MAX_PASSES:
+            passes += 1
             contact = self._press_on(lifted, load, pressure, error)
             pressure = contact.pressure
             limit, coupling = self._find_limit(contact)
             self._require_coupling(coupling)
             self._require_stick(tangential, limit)
             dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
-            inner_error = max(min(_INNER_SLIP * error, _LOOSEST_SLIP), _TIGHTEST_INNER * self.tolerance)
-            outcome = self._shear(tangential, limit, -start.relative - dragged, shear, inner_error, _PASS_ITERATIONS)
+            goal = max(min(_INNER_SLIP * error, _LOOSEST_SLIP), _TIGHTEST_INNER * self.tolerance)
+            outcome = self._shear(tangential, limit, -start.relative - dragged, shear, goal)
             iterations += outcome.iterations
             shear = outcome.shear
             found = self.shear.apply(shear, to="z")[0]
-            unbalanced = self._normal_error(contact, load, found)
-            error = max(unbalanced, outcome.residual)
-            if TRACE: print("  pass",passes,"it",outcome.iterations,"prod",outcome.products,"slip %.1e goal %.1e"%(outcome.residual,inner_error),"normal %.1e"%unbalanced,contact.convolutions)
-            if error <= self.tolerance:
+            error = self._normal_error(contact, load, found)
+            if max(error, outcome.residual) <= self.tolerance:
                 break
-            error = unbalanced if USEN else error
-            lifted = mixing.combine(lifted, found - lifted, 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0) if MIX and outcome.residual<MIXR else lifted+(found-lifted)/ (1.0 + coupling**2 if coupling > _RELAXED_COUPLING else 1.0)
+            damping = 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0
+            if outcome.residual < _MIXED_SLIP:
+                lifted = mixing.combine(lifted, found - lifted, damping)
+            else:
+                lifted = lifted + damping * (found - lifted)
+        error = max(error, outcome.residual)
         status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
         return FoundTractions(contact, shear, np.array(outcome.displacement), status, passes, iterations)
 
@@ -252,7 +250,6 @@ class CoupledSolve(FrictionalContact):
         offset: Array,
         shear: Array,
         tolerance: float,
-        max_iterations: int = _MAX_ITERATIONS,
     ) -> ShearOutcome:
         """Return the traction within a shear strength, from another one; `offset` is what moves the surfaces."""
         x, y = tangential.values
@@ -269,7 +266,7 @@ class CoupledSolve(FrictionalContact):
             displacement=moved,
             start=shear,
             tolerance=tolerance,
-            max_iterations=max_iterations,
+            max_iterations=_MAX_ITERATIONS,
         )
         return self.solver.solve(self.shear, task)
 
