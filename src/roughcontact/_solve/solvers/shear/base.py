@@ -169,7 +169,7 @@ class Verified:
         natural = natural_residual(self.shear, self.slip, system.limit, own)
         # The force must be that of the projected shear, too: else the displacement is not the one that belongs to it.
         forces = max(control.find_error(one, system.limit) for one in (self.shear, projected))
-        self.residual = max(natural, forces) if math.isfinite(natural) else math.inf
+        self.residual = max(natural, forces)
         terms = float(np.abs(response).max() + np.abs(system.offset).max() + np.abs(self.displacement).max())
         self.floor = _ROUNDING * terms / own / float(system.limit.max())
 

@@ -12,8 +12,8 @@ from roughcontact._solve.solvers.shear.base import ShearSystem, Verified
 from roughcontact._solve.solvers.shear.discs import directions, dot, magnitude, natural_residual
 from roughcontact._solve.solvers.shear.face import Face
 
-# Step lengths in units of the direction: the first, the maximum, and the minimum at a start and factor on a rejected
-# step.
+# Step lengths in units of the direction: the first, the maximum, and the minimum at a restart, also the factor on a
+# rejected step.
 _FIRST_LENGTH = 0.65
 _MAX_LENGTH = 1.5
 _CAREFUL_LENGTH = 0.3
@@ -29,6 +29,9 @@ _MAX_PART = 100.0
 _MIN_CONJUGATE_SLOPE = 0.01
 # Admissible error of the force in a step, over the sum of the limits, over the goal.
 _FORCE_ERROR = 0.01
+# Fraction of the cells that hit their circle above which the next direction is not conjugate: 0.003 and 0.03 change
+# the iterations on nine rough contacts by 2 %.
+_RESTART_FRACTION = 0.01
 # Maximum iterations of a pass that do not halve the residual.
 _MAX_IDLE_ITERATIONS = 12
 
@@ -109,6 +112,7 @@ class ShearDescent:
     def _conjugate(self, face: Face, residual: Array, preconditioned: Array) -> Array:
         """Return the direction that is conjugate to the last step, or the preconditioned residual."""
         if self._last is None:
+            self._length = max(self._length, _CAREFUL_LENGTH)
             return preconditioned
         last = face.balance(self._last.step)
         bent = face.curvature * last
@@ -146,6 +150,8 @@ class ShearDescent:
         behind = self._shear - self._lag + part * step
         self._shear = self._find_end(face, hits, part * move)
         self._lag = self._shear - behind
+        if np.count_nonzero(hits) > _RESTART_FRACTION * hits.size:
+            self._last = None
         return True
 
     def _find_end(self, face: Face, hits: Mask, move: Array) -> Array:

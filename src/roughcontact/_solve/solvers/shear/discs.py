@@ -111,7 +111,7 @@ class ForceControl:
         least = found.error
         admissible = max(error, FORCE_EPSILON) * float(limit.sum())
         for _ in range(_MAX_ROUNDS):
-            if found.error <= admissible:
+            if not found.error > admissible:
                 break
             step = search.find_step(found)
             slope = float(found.excess @ step)

@@ -55,6 +55,8 @@ def descend_by_gradients(
         energies.append(found.energy)
         step = system.control.project(found.shear + length * found.slip, system.limit)[0] - found.shear
         slope = sum_of_products(found.slip, step)
+        if not slope > 0.0:
+            return found, Status.STALLED, iterations
         trial = Verified(system, found.shear + step)
         curvature = sum_of_products(
             step, found.slip - trial.slip - (found.displacement - trial.displacement)[:, np.newaxis]
