@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Protocol
@@ -19,7 +19,7 @@ from roughcontact._base.units import WIDTH, Estimate, si, write_column
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.sweep import Sweep, make_table
-from roughcontact._solve.problem.task import bind_interaction
+from roughcontact._solve.problem.task import bind_interaction, limit_load
 from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, Status, describe_range, trapping_error
 from roughcontact._solve.solvers import LinearisedGap, surface_stiffness
 from roughcontact.errors import InputError
@@ -203,7 +203,7 @@ def make_cycle_table(cycle: AdhesionCycle) -> Table:
     return Table(columns, {**{name: tables[0].units[name] for name in _COLUMNS}, "lost": "J"}, left=("branch",))
 
 
-def require_resolved(plan: SolvePlan) -> None:
+def _require_resolved(plan: SolvePlan) -> None:
     """Raise `InputError` unless there is adhesion and the cells resolve it well enough to follow a path."""
     if plan.interaction is None:
         raise InputError("Without adhesion= nothing is pulled apart: give the problem a law, such as Exponential.")
@@ -258,21 +258,36 @@ def linearise(problem: ContactProblem, solution: ContactSolution, *, holds_appro
     )
 
 
-def require_ascending(loads: Sequence[Load]) -> None:
-    """Raise `InputError` unless the approaches of a cycle ascend."""
+def list_approaches(plan: SolvePlan, initial_gap: Array, approach: Iterable[float]) -> tuple[Load, ...]:
+    """Return the loads of a branch of a cycle; `InputError` if it cannot be followed."""
+    _require_resolved(plan)
+    loads = Load.signed_sequence(approach=approach)
     values = [load.value for load in loads]
     if len(values) < 2 or any(after <= before for before, after in pairwise(values)):
         raise InputError("The approaches of a cycle must ascend, two of them or more: unloading passes them backwards.")
+    for load in loads:
+        limit_load(plan, initial_gap, load)
+    return loads
 
 
-def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:
-    """Return both branches over ascending approaches."""
-    loading = follow_loads(solve, loads)
-    return AdhesionCycle(loading, follow_loads(solve, loads[::-1], loading[-1]))
+def run_cycle(
+    solve: Solve, loads: tuple[Load, ...], on_state: Callable[[ContactSolution], object] | None = None
+) -> AdhesionCycle:
+    """Return both branches over ascending approaches; a callback is told each state."""
+
+    def solve_and_tell(load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
+        state = solve(load, start, start_gap=start_gap)
+        if on_state is not None:
+            on_state(state)
+        return state
+
+    loading = follow_loads(solve_and_tell, loads)
+    return AdhesionCycle(loading, follow_loads(solve_and_tell, loads[::-1], loading[-1]))
 
 
 def find_pull_off(solve: Solve, plan: SolvePlan) -> Estimate:
     """Return the minimum of the force on unloading from zero load; see `ContactProblem.pull_off`."""
+    _require_resolved(plan)
     states = [solve(Load("pressure", 0.0))]
     step = _first_step(plan, states[0])
     for _ in range(_MAX_STEPS):
