@@ -71,9 +71,10 @@ def draw_ball(random: np.random.Generator, number: int, boundary: str) -> Ball:
         cell = count_cells(law, (1.0, 1.0)) / log_uniform(random, *CELLS)
         largest = 70.0 if name == "Dugdale 4 0.5" else RADII[1]
         radius = math.sqrt(load_answers()[name].area / math.pi)
-        if radius / cell < RADII[0]:
+        if radius / cell < RADII[0] and number % 3 == 0:
+            # Stiff balls, of which the cohesive length has more cells.
             cell = radius / log_uniform(random, RADII[0], 12.0)
-        if not radius / cell <= largest:
+        if not RADII[0] <= radius / cell <= largest:
             continue
         spacing = (cell / max(sides) * sides[0], cell / max(sides) * sides[1])
         reach = load_answers()[name].reach

@@ -25,7 +25,7 @@ ANSWERS = Path(__file__).parent / "adhesion_references.json"
 SLOPE = 0.05
 RADIUS = 1.0 / SLOPE
 WORK = SLOPE**2 / (4.5 * math.pi)
-RINGS = (200, 400)
+RINGS = (400, 800)
 # Maugis' parameter and smoothing; Tabor's parameter.
 DUGDALE = (
     *((0.1, 0.2), (0.1, 0.5), (0.2, 0.3), (0.35, 0.2), (0.35, 0.5), (0.6, 0.3), (1.0, 0.2), (1.0, 0.5)),
@@ -55,26 +55,60 @@ def displacement_of_rings(edges: Array, places: Array) -> Array:
     return np.diff(4.0 / math.pi * np.where(x < b, b * ellipe(inside), beyond), axis=1)
 
 
+def stretch(law: rc.Interaction, factor: float) -> rc.Interaction:
+    """Return a law of the same work and of a range divided by a factor."""
+    if isinstance(law, rc.Dugdale):
+        return rc.Dugdale(law.work, law.strength * factor, law.smoothing)
+    assert isinstance(law, rc.Exponential)
+    return rc.Exponential(law.work, law.range / factor)
+
+
 class _Rings:
     """The contact of a ball by rings up to a radius."""
 
     def __init__(self, law: rc.Interaction, outermost: float, count: int) -> None:
-        self.law = law
+        self._take(law)
         self.edges = np.linspace(0.0, outermost, count + 1)
         self.places = 0.5 * (self.edges[1:] + self.edges[:-1])
         self.areas = math.pi * np.diff(self.edges**2)
         self.matrix = displacement_of_rings(self.edges, self.places)
         self.heights = 0.5 * self.places**2 / RADIUS
-        self.strength = float(law.tension(np.zeros(1))[0])
+        self.approach = 0.7 / RADIUS
         self.touching = int(np.count_nonzero(self.places < 1.0))
         self.gap = np.where(self.places < 1.0, 0.0, self.heights)
         self.pressure = np.where(self.places < 1.0, 0.0, -law.tension(self.gap))
 
-    def solve(self, approach: float) -> float:
-        """Bring the pressures to equilibrium at an approach and return the force; the contact is a disc of rings."""
+    def _take(self, law: rc.Interaction) -> None:
+        self.law = law
+        self.strength = float(law.tension(np.zeros(1))[0])
+        self.range = self.strength / law.steepest
+
+    def start(self, law: rc.Interaction, approach: float) -> float:
+        """Find the first equilibrium, from those of the same work with longer ranges; return the force."""
+        factors = np.geomspace(min(1.0, 0.15 * SLOPE / self.range / RADIUS), 1.0, 12)
+        for factor in factors:
+            self._take(stretch(law, float(factor)))
+            force = self.solve(approach)
+        return force
+
+    def solve(self, approach: float, halvings: int = 6) -> float:
+        """Bring the pressures to equilibrium at an approach, in smaller steps if need be, and return the force."""
+        before = self.approach, self.touching, self.gap, self.pressure
+        force = self._iterate(approach)
+        if force is None:
+            if halvings == 0:
+                raise RuntimeError(f"no equilibrium at {approach}")
+            self.approach, self.touching, self.gap, self.pressure = before
+            self.solve(0.5 * (self.approach + approach), halvings - 1)
+            return self.solve(approach, halvings - 1)
+        self.approach = approach
+        return force
+
+    def _iterate(self, approach: float) -> float | None:
+        """Return the force in equilibrium; None without one. The contact is a disc of rings."""
         touching = np.arange(len(self.gap)) < self.touching
         seen: set[int] = set()
-        for turn in range(300):
+        for turn in range(200):
             slope = self.law.slope(self.gap)
             matrix = np.where(touching[:, None], 1.0, slope[:, None]) * self.matrix
             opened = np.flatnonzero(~touching)
@@ -89,16 +123,18 @@ class _Rings:
             touched = self.touching
             settled = np.abs(change).max() < 1e-10 * self.strength
             # Large steps first; where they turn in a circle, one ring at a time from equilibrium to equilibrium.
-            most = len(self.gap) if turn < 15 else 1
+            most = 8 if turn < 15 else 1
             if settled or turn < 15:
                 self.touching += min(closed, most) if closed else -min(pulled, most)
             touching = np.arange(len(self.gap)) < self.touching
-            self.gap = np.where(touching, 0.0, np.maximum(gap, 0.0))
+            # The law is linear only over a part of its range.
+            near = np.clip(gap, self.gap - self.range, self.gap + self.range) if turn else gap
+            self.gap = np.where(touching, 0.0, np.maximum(near, 0.0))
             # A ring may fit neither way: by less than its width.
             if settled and (touched in seen or not (closed or pulled)):
                 return float(self.pressure @ self.areas)
             seen |= {touched} if settled else set()
-        raise RuntimeError(f"no equilibrium at {approach}")
+        return None
 
     def contact_area(self) -> float:
         """Return the area within the radius at which the square of the contact pressure extrapolates to zero."""
@@ -116,7 +152,7 @@ def _follow(law: rc.Interaction, outermost: float, count: int) -> tuple[float, f
     rings = _Rings(law, outermost, count)
     approach = 0.7 / RADIUS
     step = 0.05 / RADIUS
-    force = rings.solve(approach)
+    force = rings.start(law, approach)
     path = [(approach, force)]
     while force > 0.0:
         approach -= step
