@@ -197,7 +197,7 @@ def rough_area(problem: rc.ContactProblem, pressure: float) -> rc.Estimate:
 
 
 def rough_gap(problem: rc.ContactProblem, pressure: float) -> rc.Estimate:
-    return problem.solve(pressure=pressure).mean_gap()
+    return problem.solve(pressure=pressure).response("mean-gap")
 
 
 ASK = {"pull-off": rough_pull_off, "area": rough_area, "gap": rough_gap}

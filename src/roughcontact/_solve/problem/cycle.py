@@ -14,7 +14,8 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, si
-from roughcontact._parts.grid import Load
+from roughcontact._parts.grid import Load, grow
+from roughcontact._parts.interactions import Exponential
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.sweep import Sweep
 from roughcontact._solve.problem.task import make_task
@@ -27,14 +28,22 @@ if TYPE_CHECKING:
 
 # Steps of the approach on the way to pull-off, and by how much of the lowest force the force must have risen behind it.
 _MAX_STEPS = 200
-_RISEN = 0.02
+# Sticking to the cells raises it by a few per cent where a row of cells comes apart.
+_RISEN = 0.2
 # Rounds that halve the steps around the lowest force.
 _REFINEMENTS = 4
-# Relative standard deviation of the lowest force by the size of the cells, beside sticking to them; measured on balls.
-_CELL_ERROR = 1e-3
-# The same where few cells touch or attract each other strongly, times their number: the maximum error of balls at
-# random places, of 4 to 16 cells in the contact radius, but for one in forty.
-_COARSE_ERROR = 0.3
+# Relative standard deviation of the lowest force, set on 400 balls and 100 rough surfaces in random places
+# (benchmarks/adhesion_classes.py): because the edge of the contact sticks to the cells, by exp(-cells) of the cohesive
+# length over the root of the cells of a patch; because the patch has few cells; and by the path.
+_STICKING = 0.8
+_COARSE = 2.0
+_PATH = 2.5e-4
+# Ratio of two ranges from which pull-off is extrapolated to none, the power of the range by which it goes there (1.5
+# for short ranges, less for those that cells resolve), and the standard deviation over the step: measured on balls of 8
+# to 40 cells in the contact radius of Johnson.
+_LONGER = math.sqrt(2.0)
+_POWER = 1.2
+_EXTRAPOLATION_ERROR = 0.2
 # Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the
 # sum of both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
 _JUMP_OF_WORK = 0.1
@@ -212,6 +221,20 @@ def find_pull_off(solve: Solve, plan: SolvePlan) -> Estimate:
     return _find_minimum(sweep, () if warning is None else (warning,))
 
 
+def extrapolate_range(shorter: Estimate, longer: Estimate) -> Estimate:
+    """Return the force of pull-off without a range, N, from those by a range and by that of `lengthen_range`."""
+    change = (shorter.value - longer.value) / (_LONGER**_POWER - 1.0)
+    uncertainty = math.hypot(shorter.uncertainty, _EXTRAPOLATION_ERROR * change)
+    return Estimate(shorter.value + change, uncertainty, shorter.unit, shorter.warnings)
+
+
+def lengthen_range(plan: SolvePlan) -> Exponential:
+    """Return the law of the longer range from which pull-off without a range is extrapolated."""
+    law = plan.interaction
+    assert isinstance(law, Exponential)
+    return Exponential(law.work, _LONGER * law.range)
+
+
 def _first_step(plan: SolvePlan, state: ContactSolution) -> float:
     """Return a step of the approach: a tenth of the displacement, or of the reach of the law if that is longer."""
     moved = float(state.displacement.max() - state.displacement.min())
@@ -236,9 +259,7 @@ def _find_minimum(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
     """Return the lowest force of a path by the parabola through three states, N."""
     force = sweep.force
     k = int(force.argmin())
-    cells = _cells_of(sweep[0])
-    counted = _COARSE_ERROR / _count_attracted(sweep[k])
-    trapped = math.hypot(trapping_error(cells), _CELL_ERROR, counted) * abs(float(force[k]))
+    trapped = _find_grid_error(sweep[k]) * abs(float(force[k]))
     if not 0 < k < len(force) - 1:
         text = "the lowest force is at the end of the path: continue it"
         return Estimate(float(force[k]), float(np.ptp(force)), "N", (*warnings, text))
@@ -252,11 +273,21 @@ def _find_minimum(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
     return Estimate(float(values[1]) - (0.0 if jumps else below), uncertainty, "N", warnings)
 
 
-def _count_attracted(state: ContactSolution) -> int:
-    """Return the number of cells that touch, or whose tension exceeds half of the strength; one at least."""
+def _find_grid_error(state: ContactSolution) -> float:
+    """Return the relative standard deviation of the lowest force by the size of the cells."""
+    size = _count_patch_cells(state)
+    sticking = _STICKING * math.exp(-_cells_of(state)) / math.sqrt(size)
+    return math.hypot(sticking, _COARSE * size ** (-4.0 / 3.0), _PATH)
+
+
+def _count_patch_cells(state: ContactSolution) -> float:
+    """Return how many cells touch, or have half of the strength: at most those of a disc as wide as they are on average."""
     assert state.tension is not None
-    strong = state.tension > 0.5 * float(state.tension.max())
-    return max(int(np.count_nonzero(strong | state.contact)), 1)
+    strong = state.contact | (state.tension > 0.5 * float(state.tension.max()))
+    cells = np.count_nonzero(strong)
+    border = np.count_nonzero(strong & grow(~strong, 1, state.boundary))
+    disc = 4.0 * math.pi * (cells / border) ** 2 if border else math.inf
+    return max(min(disc, float(cells)), 1.0)
 
 
 def _find_energies(sweep: Sweep) -> Array:

@@ -13,13 +13,21 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
 from roughcontact._parts.grid import Boundary, Grid, Load
-from roughcontact._parts.interactions import Interaction
+from roughcontact._parts.interactions import Interaction, ShortRange
 from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, kernels
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution, convolvers
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
-from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, require_resolved, run_cycle
+from roughcontact._solve.problem.cycle import (
+    AdhesionCycle,
+    extrapolate_range,
+    find_pull_off,
+    follow_loads,
+    lengthen_range,
+    require_resolved,
+    run_cycle,
+)
 from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
 from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
 from roughcontact._solve.problem.sweep import Sweep, find_load_of_area, run_sweep
@@ -324,7 +332,8 @@ class ContactProblem:
     def pull_off(self) -> Estimate:
         """Return the force at which surfaces that attract each other come apart, N, negative: the minimum on unloading.
 
-        The path begins at zero load and is followed by the approach, downwards.
+        The path begins at zero load and is followed by the approach, downwards. With `ShortRange` the force is that of
+        the limit, extrapolated from the range that the grid resolves and one 1.4 times as long.
 
         Raises
         ------
@@ -334,7 +343,11 @@ class ContactProblem:
             If a state is not certified.
         """
         require_resolved(self.plan)
-        return find_pull_off(self._solve, self.plan)
+        found = find_pull_off(self._solve, self.plan)
+        if not isinstance(self.adhesion, ShortRange):
+            return found
+        longer = attrs.evolve(self, adhesion=lengthen_range(self.plan))
+        return extrapolate_range(found, find_pull_off(longer._solve, longer.plan))
 
     def solve_area(self, fraction: float, estimator: str | AreaEstimator = DEFAULT_AREA) -> ContactSolution:
         """Find the load at which the real contact area is a given fraction of the nominal area.
