@@ -18,12 +18,13 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from adhesion_reference import RADIUS, SLOPE, WORK, load_answers, make_laws
+from adhesion_reference import RADIUS, WORK, load_answers, make_laws
 from area_classes import HEADER, SPLITS, print_rows
 from contact_classes import generator, log_uniform
 
 import roughcontact as rc
-from roughcontact.reference import JKR, JohnsonWave
+from roughcontact._solve.solution.summary import list_quantities
+from roughcontact.reference import JKR
 
 CASES = 50  # of each class and split
 FINE = 3  # times as many cells a side in reference solves
@@ -49,6 +50,11 @@ class Case(NamedTuple):
 def count_cells(law: rc.Interaction, spacing: tuple[float, float]) -> float:
     """Return the cells of the cohesive length."""
     return law.cohesive_cells(spacing, 1.0)
+
+
+def round_up(cells: float, random: np.random.Generator) -> int:
+    """Return a number of cells, odd or even."""
+    return math.ceil(cells) + int(random.integers(0, 2))
 
 
 class Ball(NamedTuple):
@@ -81,7 +87,9 @@ def draw_ball(random: np.random.Generator, number: int, boundary: str) -> Ball:
         # A wrapped domain is twice as wide as the tension, so that no image is nearer than the ball itself.
         wide = [2.0 * reach * (2.0 if boundary == "wrapped" else 1.0) + 3.0 * part for part in spacing]
         wide[number % 2] *= (1.0, 2.0, 1.2)[number % 3]
-        shape = [math.ceil(length / part) + int(random.integers(0, 2)) for length, part in zip(wide, spacing, strict=True)]
+        shape = [
+            math.ceil(length / part) + int(random.integers(0, 2)) for length, part in zip(wide, spacing, strict=True)
+        ]
         if max(shape) <= LARGEST:
             break
     size = (shape[0] * spacing[0], shape[1] * spacing[1])
@@ -98,7 +106,9 @@ def draw_ball(random: np.random.Generator, number: int, boundary: str) -> Ball:
     grid = rc.Grid((shape[0], shape[1]), size)
     problem = rc.ContactProblem(body, grid=grid, boundary=boundary, adhesion=law, threads=1)
     cells = count_cells(law, spacing)
-    label = f"{name}, n_c {cells:.2f}, a {radius / cell:.1f} cells, {shape[0]} x {shape[1]} of 1 x {sides[1]:g}, {number}"
+    label = (
+        f"{name}, n_c {cells:.2f}, a {radius / cell:.1f} cells, {shape[0]} x {shape[1]} of 1 x {sides[1]:g}, {number}"
+    )
     return Ball(problem, name, label, f"n_c < {next((n for n in (2, 2.5, 3.5, 5, 10) if cells < n), 'more')}")
 
 
@@ -121,29 +131,23 @@ def balls(kind: str, boundary: str, split: str) -> Iterator[Case]:
                 ball.problem, ask_pull_off, answer.pull_off, answer.pull_off_std / WORK / RADIUS, ball.label, ball.group
             )
         else:
-            yield Case(
-                ball.problem, ask_area, answer.area, answer.area_std / answer.area, ball.label, ball.group
-            )
+            yield Case(ball.problem, ask_area, answer.area, answer.area_std / answer.area, ball.label, ball.group)
 
 
-def short_range(kind: str, split: str) -> Iterator[Case]:
-    """Balls under the limit of Johnson, Kendall and Roberts."""
-    random = generator("adhesion short range", kind, split)
+def short_range(split: str) -> Iterator[Case]:
+    """Pull-off of balls in the limit of Johnson, Kendall and Roberts."""
+    random = generator("adhesion short range", split)
     limit = JKR(RADIUS, 1.0, WORK)
     for number in range(CASES):
         cells = log_uniform(random, 8.0, RADII[1])
-        shape = [math.ceil(3.2 * cells) + int(random.integers(0, 3)) for _ in range(2)]
-        cell = 1.0 / cells
-        center = [float(random.uniform(-0.5, 0.5)) * cell for _ in range(2)]
+        shape = [round_up(3.2 * cells, random) for _ in range(2)]
+        center = [float(random.uniform(-0.5, 0.5)) / cells for _ in range(2)]
         body = rc.Body(rc.ParaboloidSurface(RADIUS, (center[0], center[1])), ELASTIC)
-        grid = rc.Grid((shape[0], shape[1]), (shape[0] * cell, shape[1] * cell))
+        grid = rc.Grid((shape[0], shape[1]), (shape[0] / cells, shape[1] / cells))
         problem = rc.ContactProblem(body, grid=grid, adhesion=rc.ShortRange(WORK), threads=1)
         label = f"a {cells:.1f} cells, {shape[0]} x {shape[1]}, {number}"
         group = f"a < {next((n for n in (12, 20, 40) if cells < n), 'more')}"
-        if kind == "pull-off":
-            yield Case(problem, ask_pull_off, limit.pull_off, 0.0, label, group)
-        else:
-            yield Case(problem, ask_area, math.pi * limit.radius_at_zero_load**2, 0.0, label, group)
+        yield Case(problem, ask_pull_off, limit.pull_off, 0.0, label, group)
 
 
 def rough(kind: str, split: str) -> Iterator[Case]:
@@ -155,7 +159,9 @@ def rough(kind: str, split: str) -> Iterator[Case]:
         sides = (1.0, (1.0, 1.0, 2.0)[number % 3])
         wave = log_uniform(random, 8.0, 16.0) * max(sides)
         waves = (3.0, (3.0, 1.5)[number % 2])
-        shape = [max(round(n * wave / side), 8) + int(random.integers(0, 2)) for n, side in zip(waves, sides, strict=True)]
+        shape = [
+            max(round(n * wave / side), 8) + int(random.integers(0, 2)) for n, side in zip(waves, sides, strict=True)
+        ]
         size = (shape[0] * sides[0], shape[1] * sides[1])
         surface = rc.SelfAffineSurface(
             hurst=float(random.uniform(0.4, 0.9)), rms_slope=0.1, shortest=wave, longest=max(size) / 2,
@@ -197,7 +203,7 @@ def rough_area(problem: rc.ContactProblem, pressure: float) -> rc.Estimate:
 
 
 def rough_gap(problem: rc.ContactProblem, pressure: float) -> rc.Estimate:
-    return problem.solve(pressure=pressure).response("mean-gap")
+    return list_quantities(problem.solve(pressure=pressure))[0]["mean gap"]
 
 
 ASK = {"pull-off": rough_pull_off, "area": rough_area, "gap": rough_gap}
@@ -205,11 +211,10 @@ ASK = {"pull-off": rough_pull_off, "area": rough_area, "gap": rough_gap}
 CLASSES: dict[str, Callable[[str], Iterator[Case]]] = {
     "pull-off-free": partial(balls, "pull-off", "free"),
     "pull-off-wrapped": partial(balls, "pull-off", "wrapped"),
-    "pull-off-short-range": partial(short_range, "pull-off"),
+    "pull-off-short-range": short_range,
     "pull-off-rough": partial(rough, "pull-off"),
     "area-free": partial(balls, "area", "free"),
     "area-wrapped": partial(balls, "area", "wrapped"),
-    "area-short-range": partial(short_range, "area"),
     "area-rough": partial(rough, "area"),
     "gap-rough": partial(rough, "gap"),
 }

@@ -26,6 +26,8 @@ SLOPE = 0.05
 RADIUS = 1.0 / SLOPE
 WORK = SLOPE**2 / (4.5 * math.pi)
 RINGS = (400, 800)
+# Rings of which the first equilibrium is found.
+FEWEST = 200
 # Maugis' parameter and smoothing; Tabor's parameter.
 DUGDALE = (
     *((0.1, 0.2), (0.1, 0.5), (0.2, 0.3), (0.35, 0.2), (0.35, 0.5), (0.6, 0.3), (1.0, 0.2), (1.0, 0.5)),
@@ -91,6 +93,13 @@ class _Rings:
             force = self.solve(approach)
         return force
 
+    def start_from(self, coarse: _Rings) -> None:
+        """Start from the state of fewer rings."""
+        self.touching = round(coarse.touching * len(self.places) / len(coarse.places))
+        self.gap = np.interp(self.places, coarse.places, coarse.gap)
+        self.gap[: self.touching] = 0.0
+        self.pressure = np.interp(self.places, coarse.places, coarse.pressure)
+
     def solve(self, approach: float, halvings: int = 6) -> float:
         """Bring the pressures to equilibrium at an approach, in smaller steps if need be, and return the force."""
         before = self.approach, self.touching, self.gap, self.pressure
@@ -152,7 +161,10 @@ def _follow(law: rc.Interaction, outermost: float, count: int) -> tuple[float, f
     rings = _Rings(law, outermost, count)
     approach = 0.7 / RADIUS
     step = 0.05 / RADIUS
-    force = rings.start(law, approach)
+    coarse = _Rings(law, outermost, FEWEST)
+    coarse.start(law, approach)
+    rings.start_from(coarse)
+    force = rings.solve(approach)
     path = [(approach, force)]
     while force > 0.0:
         approach -= step

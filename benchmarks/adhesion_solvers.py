@@ -1,4 +1,4 @@
-"""Random adhesive contacts by two solvers: do `GapDescent` and `Majorise` find the same contact, to the cell?
+"""Random adhesive contacts by `GapDescent` and by `Majorise`: the same contact, to the cell.
 
     python benchmarks/adhesion_solvers.py [number of scenes] [first seed]
 
@@ -76,7 +76,9 @@ def compare_solvers(seed: int, tolerance: float = TOLERANCE) -> Agreement:
     touching = [outcome.pressure + outcome.tension > 0.0 for outcome in outcomes]
     first, second = (find_energy(convolution, task, outcome) for outcome in outcomes)
     attracted = outcomes[0].tension > 0.01 * outcomes[0].tension.max()
-    released = float(np.broadcast_to(-task.interaction.energy(np.zeros(attracted.shape)), attracted.shape)[attracted].sum())
+    released = float(
+        np.broadcast_to(-task.interaction.energy(np.zeros(attracted.shape)), attracted.shape)[attracted].sum()
+    )
     return Agreement(
         statuses,
         (int(touching[0].sum()), int(touching[1].sum())),
@@ -105,8 +107,10 @@ def main(number: int = 200, first: int = 0) -> None:
         if found.different:
             finer = compare_solvers(seed, 0.01 * TOLERANCE)
             again = f"; at a hundredth of the tolerance {finer.different}, {finer.energy:+.1e}, {finer.statuses}"
-        name = "/".join(found.statuses) if "CONVERGED" not in set(found.statuses) or len(set(found.statuses)) > 1 else (
-            "same" if not found.different else "differ"
+        name = (
+            "/".join(found.statuses)
+            if "CONVERGED" not in set(found.statuses) or len(set(found.statuses)) > 1
+            else ("same" if not found.different else "differ")
         )
         counts[name] += 1
         if name != "same" or not all(found.certified):

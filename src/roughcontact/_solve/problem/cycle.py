@@ -14,12 +14,18 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, si
-from roughcontact._parts.grid import Load, grow
+from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Exponential
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.sweep import Sweep
 from roughcontact._solve.problem.task import make_task
-from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, trapping_error
+from roughcontact._solve.solution import (
+    TRAPPED_CELLS,
+    ContactSolution,
+    count_patch_cells,
+    describe_range,
+    trapping_error,
+)
 from roughcontact._solve.solvers import stability_margin
 from roughcontact.errors import InputError
 
@@ -34,13 +40,14 @@ _RISEN = 0.2
 _REFINEMENTS = 4
 # Relative standard deviation of the lowest force, set on 400 balls and 100 rough surfaces in random places
 # (benchmarks/adhesion_classes.py): because the edge of the contact sticks to the cells, by exp(-cells) of the cohesive
-# length over the root of the cells of a patch; because the patch has few cells; and by the path.
-_STICKING = 0.8
-_COARSE = 2.0
-_PATH = 2.5e-4
-# Ratio of two ranges from which pull-off is extrapolated to none, the power of the range by which it goes there (1.5
-# for short ranges, less for those that cells resolve), and the standard deviation over the step: measured on balls of 8
-# to 40 cells in the contact radius of Johnson.
+# length over the root of the cells of a patch; because a patch has few cells, and its maximum; and by the path.
+_STICKING = 0.7
+_COARSE = 1.8
+_COARSEST = 0.2
+_PATH = 2e-4
+# Ratio of two ranges from which pull-off is extrapolated to none, and the power of the range by which it goes there:
+# 1.5 for short ranges, less for those that cells resolve. On balls of 8 to 40 cells in the contact radius of Johnson,
+# 1.2 errs by a fifth of the change.
 _LONGER = math.sqrt(2.0)
 _POWER = 1.2
 _EXTRAPOLATION_ERROR = 0.2
@@ -223,8 +230,10 @@ def find_pull_off(solve: Solve, plan: SolvePlan) -> Estimate:
 
 def extrapolate_range(shorter: Estimate, longer: Estimate) -> Estimate:
     """Return the force of pull-off without a range, N, from those by a range and by that of `lengthen_range`."""
-    change = (shorter.value - longer.value) / (_LONGER**_POWER - 1.0)
-    uncertainty = math.hypot(shorter.uncertainty, _EXTRAPOLATION_ERROR * change)
+    weight = 1.0 / (_LONGER**_POWER - 1.0)
+    change = weight * (shorter.value - longer.value)
+    sticking = math.hypot((1.0 + weight) * shorter.uncertainty, weight * longer.uncertainty)
+    uncertainty = math.hypot(sticking, _EXTRAPOLATION_ERROR * change)
     return Estimate(shorter.value + change, uncertainty, shorter.unit, shorter.warnings)
 
 
@@ -275,19 +284,11 @@ def _find_minimum(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
 
 def _find_grid_error(state: ContactSolution) -> float:
     """Return the relative standard deviation of the lowest force by the size of the cells."""
-    size = _count_patch_cells(state)
-    sticking = _STICKING * math.exp(-_cells_of(state)) / math.sqrt(size)
-    return math.hypot(sticking, _COARSE * size ** (-4.0 / 3.0), _PATH)
-
-
-def _count_patch_cells(state: ContactSolution) -> float:
-    """Return how many cells touch, or have half of the strength: at most those of a disc as wide as they are on average."""
     assert state.tension is not None
-    strong = state.contact | (state.tension > 0.5 * float(state.tension.max()))
-    cells = np.count_nonzero(strong)
-    border = np.count_nonzero(strong & grow(~strong, 1, state.boundary))
-    disc = 4.0 * math.pi * (cells / border) ** 2 if border else math.inf
-    return max(min(disc, float(cells)), 1.0)
+    attracted = state.contact | (state.tension > 0.5 * float(state.tension.max()))
+    size = count_patch_cells(attracted, state.boundary)
+    sticking = _STICKING * math.exp(-_cells_of(state)) / math.sqrt(size)
+    return math.hypot(sticking, min(_COARSE * size ** (-4.0 / 3.0), _COARSEST), _PATH)
 
 
 def _find_energies(sweep: Sweep) -> Array:
