@@ -43,14 +43,16 @@ _REFINEMENTS = 4
 # length over the root of the cells of a patch; because a patch has few cells, and its maximum; and by the path.
 _STICKING = 0.7
 _COARSE = 1.8
-_COARSEST = 0.2
+_COARSEST = 0.14
 _PATH = 2e-4
 # Ratio of two ranges from which pull-off is extrapolated to none, and the power of the range by which it goes there:
 # 1.5 for short ranges, less for those that cells resolve. On balls of 8 to 40 cells in the contact radius of Johnson,
 # 1.2 errs by a fifth of the change.
 _LONGER = math.sqrt(2.0)
 _POWER = 1.2
-_EXTRAPOLATION_ERROR = 0.2
+_EXTRAPOLATION_ERROR = 0.25
+# Differences of the initial gap along an axis, over those of all cells, up to which the surface is straight.
+_STRAIGHT = 1e-6
 # Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the
 # sum of both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
 _JUMP_OF_WORK = 0.1
@@ -228,13 +230,17 @@ def find_pull_off(solve: Solve, plan: SolvePlan) -> Estimate:
     return _find_minimum(sweep, () if warning is None else (warning,))
 
 
-def extrapolate_range(shorter: Estimate, longer: Estimate) -> Estimate:
-    """Return the force of pull-off without a range, N, from those by a range and by that of `lengthen_range`."""
-    weight = 1.0 / (_LONGER**_POWER - 1.0)
-    change = weight * (shorter.value - longer.value)
-    sticking = math.hypot((1.0 + weight) * shorter.uncertainty, weight * longer.uncertainty)
-    uncertainty = math.hypot(sticking, _EXTRAPOLATION_ERROR * change)
-    return Estimate(shorter.value + change, uncertainty, shorter.unit, shorter.warnings)
+def extrapolate_range(shorter: Estimate, longer: Estimate, initial_gap: Array) -> Estimate:
+    """Return the force of pull-off without a range, N, from those by a range and by that of `lengthen_range`.
+
+    Straight edges along the cells stick to them as a whole, which no longer range shows: there the change is the
+    uncertainty.
+    """
+    change = (shorter.value - longer.value) / (_LONGER**_POWER - 1.0)
+    if min(float(np.ptp(initial_gap, axis=axis).max()) for axis in (0, 1)) <= _STRAIGHT * float(np.ptp(initial_gap)):
+        return attrs.evolve(shorter, uncertainty=math.hypot(shorter.uncertainty, change))
+    error = math.hypot(shorter.uncertainty, longer.uncertainty, _EXTRAPOLATION_ERROR * change)
+    return attrs.evolve(shorter, value=shorter.value + change, uncertainty=error)
 
 
 def lengthen_range(plan: SolvePlan) -> Exponential:

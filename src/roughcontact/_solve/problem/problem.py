@@ -347,7 +347,7 @@ class ContactProblem:
         if not isinstance(self.adhesion, ShortRange):
             return found
         longer = attrs.evolve(self, adhesion=lengthen_range(self.plan))
-        return extrapolate_range(found, find_pull_off(longer._solve, longer.plan))
+        return extrapolate_range(found, find_pull_off(longer._solve, longer.plan), self.initial_gap)
 
     def solve_area(self, fraction: float, estimator: str | AreaEstimator = DEFAULT_AREA) -> ContactSolution:
         """Find the load at which the real contact area is a given fraction of the nominal area.
