@@ -17,7 +17,7 @@ import pytest
 import roughcontact as rc
 import roughcontact.testing as kit
 from roughcontact.__main__ import main
-from roughcontact.typing import Outcome, PreparedConvolution, RawMap
+from roughcontact.typing import Outcome, PreparedConvolution, RawMap, ShearConvolution
 
 ROOT = Path(__file__).parent.parent
 EXAMPLE = ROOT / "plugins" / "roughcontact-example"
@@ -28,12 +28,14 @@ MADE = {
     "leakage": [rc.responses.create("leakage", viscosity=1e-3, pressure_drop=1e5)],
     "elastic": [rc.Elastic(200e9, 0.3)],
     "elastic-perfectly-plastic": [rc.ElasticPerfectlyPlastic(2e11, 0.3, h) for h in (1e9, 1e5, HARDNESS)],
+    "coulomb": [rc.Coulomb(0.3), rc.Coulomb(0.3 * HARDNESS / HARDNESS.max())],
     "dugdale": [rc.Dugdale(0.05, 1e7)],
     "exponential": [rc.Exponential(0.05, 2e-9), rc.Exponential(np.linspace(0.02, 0.05, 12).reshape(3, 4), 2e-9)],
     "first-yield": [rc.responses.create("first-yield", 1e9)],
     "gradient": [rc.responses.create("gradient", of) for of in ("approach", "mean-gap", "participation")],
     "paraboloid": [rc.ParaboloidSurface((1e-2, 2e-2))],
     "partial-slip": [rc.responses.create("partial-slip", tangential_force=1e-3, friction=0.3)],
+    "limited-coulomb": [rc.LimitedCoulomb(0.3, 2e8), rc.LimitedCoulomb(0.3, 0.1 * HARDNESS)],
     "short-range": [rc.ShortRange(0.05)],
     "van-der-waals": [rc.VanDerWaals(0.03, 3e-10)],
     "self-affine": [rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=20e-6, shortest=3e-6, seed=1)],
@@ -95,6 +97,57 @@ class Crooked(rc.Love):
         return values * (1.0 + 0.1 * np.sign(qx)) if self.fault == "lopsided" else values
 
 
+@attrs.frozen
+class CrookedShear(rc.Love):
+    """Love's kernel but for one thing in its response to shear."""
+
+    fault: str
+
+    def change(self, component, values, spacing):
+        faults = {
+            "shape": lambda: values[:-1],
+            "moody": lambda: values * (1 + next(MOODS)),
+            "rounded": lambda: values * (1.0 + 1e-15 * (spacing[0] > 1e-3)),
+            "large": lambda: values * (10.0 if component == "xy" else 1.0),
+            "soft": lambda: values * (1.1 if component == "yy" else 1.0),
+            "turned": lambda: values * (-1.0 if component == "xy" else 1.0),
+        }
+        return faults.get(self.fault, lambda: values)()
+
+    def shear_coefficients(self, component, shape, spacing, compliance, pair):
+        values = super().shear_coefficients(component, shape, spacing, compliance, pair)
+        return 1.01 * values if self.fault == "near" else self.change(component, values, spacing)
+
+    def shear_spectrum(self, component, qx, qy, spacing, compliance, pair):
+        values = super().shear_spectrum(component, qx, qy, spacing, compliance, pair)
+        return np.abs(values) if self.fault == "even" else self.change(component, values, spacing)
+
+
+@attrs.frozen(eq=False)
+class PlannedShear(ShearConvolution):
+    """Somebody else's convolution of shear, with a flaw."""
+
+    plan: ShearConvolution
+    fault: str
+
+    @property
+    def setup(self):
+        return self.plan.setup
+
+    def apply(self, tractions, of="xy", to="xy"):
+        moved = self.plan.apply(tractions, of, to)
+        faults = {
+            "drift": lambda: moved + 1e-6 * np.cumsum(moved, axis=1),
+            "double": lambda: np.asarray(moved, dtype=np.float64),
+        }
+        return faults.get(self.fault, lambda: moved)()
+
+    def inverse(self, dtype=np.float64):
+        found = self.plan.inverse(dtype)
+        sign = -1.0 if self.fault == "pulls" else 1.0
+        return attrs.evolve(found, symbols={name: sign * symbol for name, symbol in found.symbols.items()})
+
+
 CACHE = np.ones((40, 40))
 
 
@@ -134,6 +187,9 @@ class Planned(PreparedConvolution):
             "double": lambda: np.asarray(moved, dtype=np.float64),
         }
         return faults.get(self.fault, lambda: moved)()
+
+    def shear(self):
+        return PlannedShear(self.plan.shear(), self.fault)
 
 
 @attrs.frozen
@@ -398,6 +454,18 @@ BROKEN = [
     (Crooked("near"), "far field of the half-space"),
     (Crooked("near"), "coefficients agree with spectrum"),
     (Crooked("modulus"), "effective modulus agrees with spectrum"),
+    (CrookedShear("shape"), "shear: shapes and types"),
+    (CrookedShear("moody"), "shear: repeatable"),
+    (CrookedShear("rounded"), "shear: powers of two change no bit"),
+    (CrookedShear("even"), "shear: odd and even"),
+    (CrookedShear("large"), "shear: positive energy"),
+    (CrookedShear("soft"), "shear: without constants each axis is as the normal one"),
+    (CrookedShear("turned"), "shear: signs"),
+    (CrookedShear("near"), "shear: coefficients agree with spectrum"),
+    (Faulty("drift"), "shear: sum over all cells"),
+    (Faulty("drift"), "shear: reciprocal, positive energy"),
+    (Faulty("double"), "shear: float32 and float64, input unchanged"),
+    (Faulty("pulls"), "shear: own displacement and approximate inverse"),
     (Faulty(""), "boundaries"),
     (Faulty(""), "setup"),
     (Faulty("square"), "linear"),
@@ -537,9 +605,9 @@ def test_the_reason_says_what_to_do(part, claim, reason):
 
 def test_a_report_reads_well():
     text = str(kit.check(rc.Love()))
-    assert text.startswith("kernel Love(): 16 of 16 claims hold\n")
+    assert text.startswith("kernel Love(): 24 of 24 claims hold\n")
     assert re.search(r"^holds +even in x and y +to", text, re.M)
-    assert "15 of 15 claims hold, 1 does not apply\n" in str(kit.check(rc.FourierHalfSpace()))
+    assert "22 of 22 claims hold, 2 do not apply\n" in str(kit.check(rc.FourierHalfSpace()))
     text = str(kit.check(Nothing()))
     assert re.search(r"^BROKEN +coefficients or spectrum", text, re.M)
     assert "does not apply: the kernel has no spectrum" in text
@@ -560,7 +628,7 @@ def test_what_is_no_part_is_refused_in_words():
 class TestCommand:
     def test_a_name_that_conforms(self, capsys):
         assert main(["check", "love"]) == 0
-        assert "16 of 16 claims hold" in capsys.readouterr().out
+        assert "24 of 24 claims hold" in capsys.readouterr().out
 
     def test_a_name_that_does_not(self, capsys, monkeypatch):
         monkeypatch.setitem(rc.areas._classes, "careless", Careless)

@@ -22,7 +22,7 @@ from roughcontact._base.machine import available_threads, choose_threads, map_ti
 from roughcontact._solve.convolvers.base import approximate_inverse
 from roughcontact._solve.problem import run as run_module
 from roughcontact._work.studies.toml import read_study
-from roughcontact.typing import BoundKernel
+from roughcontact.typing import BoundKernel, PairConstants
 from strategies import grids, seeds
 from test_memory import rough_problem
 
@@ -203,6 +203,19 @@ class TestBits:
         assert all(field.dtype == dtype and field.shape == grid.shape for pair in fields for field in pair)
         for pair in fields[1:]:
             np.testing.assert_array_equal(pair, fields[0])
+
+    @pytest.mark.parametrize(("convolver", "boundary"), PAIRS[:2])
+    def test_of_shear_are_the_same(self, convolver, boundary, many):
+        grid = rc.Grid((40, 150), (40.0, 150.0))
+        tractions = np.random.default_rng(0).standard_normal((3, *grid.shape))
+        kernel = BoundKernel(rc.Love(), pair=PairConstants(0.29, 0.43))
+        convolution = convolver.prepare(kernel, grid, rc.Boundary(boundary)).shear()
+        fields = []
+        for count in COUNTS:
+            with use_threads(count):
+                fields.append(convolution.apply(tractions, "xyz", "xyz"))
+        for field in fields[1:]:
+            np.testing.assert_array_equal(field, fields[0])
 
     @pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
     @pytest.mark.parametrize("solver", ["projected-cg", "polonsky-keer", "spectral-gradient"])

@@ -26,7 +26,18 @@ from roughcontact._answers.laws import interface_law
 from roughcontact._answers.refinement import beyond_resolution, extrapolate, on_grid
 from roughcontact._parts.files import SurfaceReader, read_surface, readers
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.interactions import Dugdale, Exponential, Interaction, ShortRange, VanDerWaals, interactions
+from roughcontact._parts.interactions import (
+    Coulomb,
+    Dugdale,
+    Exponential,
+    FrictionLaw,
+    Interaction,
+    LimitedCoulomb,
+    ShortRange,
+    VanDerWaals,
+    frictions,
+    interactions,
+)
 from roughcontact._parts.kernels import FourierHalfSpace, InfluenceKernel, Love, kernels
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid, materials
 from roughcontact._parts.surfaces import (
@@ -42,11 +53,12 @@ from roughcontact._parts.surfaces import (
     surfaces,
 )
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
-from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem
+from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem, FrictionalPath
 from roughcontact._solve.solution import (
     Area,
     ContactSolution,
     Estimate,
+    FrictionalSolution,
     Response,
     SolutionWriter,
     Status,
@@ -96,6 +108,7 @@ __all__ = [
     "ContactProblem",
     "ContactSolution",
     "Convolver",
+    "Coulomb",
     "Direct",
     "Dugdale",
     "Elastic",
@@ -106,6 +119,9 @@ __all__ = [
     "FlatSurface",
     "FlatteningModel",
     "FourierHalfSpace",
+    "FrictionLaw",
+    "FrictionalPath",
+    "FrictionalSolution",
     "GapDescent",
     "Grid",
     "HeightMap",
@@ -115,6 +131,7 @@ __all__ = [
     "Interaction",
     "LevelSet",
     "LevelSetRichardson",
+    "LimitedCoulomb",
     "Love",
     "Majorise",
     "Material",
@@ -152,6 +169,7 @@ __all__ = [
     "error_vs_time",
     "extrapolate",
     "flattening_models",
+    "frictions",
     "interactions",
     "interface_law",
     "kernels",
@@ -173,8 +191,9 @@ __all__ = [
 # Classes that scripts seldom type: bases of plug-ins, parts that are chosen by their registered names, results, errors.
 _SELDOM_TYPED = frozenset({
     "Area", "AreaEstimator", "Blend", "Boundary", "CellCount", "CircularFFT", "Convolver", "DCFFT", "Direct",
-    "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "GapDescent", "Hertz", "InfluenceKernel",
-    "InputError", "Interaction", "Majorise",
+    "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "FrictionLaw", "FrictionalPath",
+    "FrictionalSolution", "GapDescent", "Hertz",
+    "InfluenceKernel", "InputError", "Interaction", "Majorise",
     "LevelSet", "LevelSetRichardson", "Love", "Material", "MissingPackage", "NotConverged", "OutOfMemory",
     "Overlap", "Panel", "Perimeter", "PolonskyKeer", "ProjectedConjugateGradient",
     "Response", "RoughContactError", "SolutionWriter", "Solver", "SpectralGradient", "Status", "StudyStopped",

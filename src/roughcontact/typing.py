@@ -3,11 +3,12 @@
 ===========  ==========================================================================================================
 for          types
 ===========  ==========================================================================================================
-kernels      `SupportsCoefficients`, `SupportsSpectrum`
-convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`
+kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`
+convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
+             `WaveMatrix`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`
-materials    the mapping `TYPICAL` of typical ones by name
+materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the function `pair_constants`
 readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `replacing`, `si`, `binary`, `write_column`, `available_memory`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
@@ -16,9 +17,11 @@ results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
              `MatchedPair`, `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`,
-             `TheoryBeside`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`, `ContactWarning`
+             `TheoryBeside`, `Stickiness`, `AdhesionCycle`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`,
+             `ContactWarning`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 responses    `Leakage`, `Throat`, `Percolation`
+friction     `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `TangentialLoop`, `StepNumbers`
 ===========  ==========================================================================================================
 """
 
@@ -33,19 +36,37 @@ from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import BoundInteraction
-from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsSpectrum
-from roughcontact._parts.materials import TYPICAL
+from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsShear, SupportsSpectrum
+from roughcontact._parts.materials import TYPICAL, PairConstants, pair_constants
 from roughcontact._parts.surfaces import MatchedPair, Separated
-from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
-from roughcontact._solve.problem import AdhesionCycle, SolvePlan, Sweep, require_memory_of_solve, run_sweep
+from roughcontact._solve.convolvers import (
+    ConvolutionSetup,
+    InverseConvolution,
+    PreparedConvolution,
+    ShearConvolution,
+    WaveMatrix,
+)
+from roughcontact._solve.problem import (
+    AdhesionCycle,
+    SolvePlan,
+    StepNumbers,
+    Sweep,
+    TangentialLoop,
+    require_memory_of_solve,
+    run_sweep,
+)
 from roughcontact._solve.solution import (
     Accuracy,
     ContactConditions,
     ContactFields,
     ContactPatches,
+    FrictionalResiduals,
+    FrictionalState,
     GridLevel,
     Origin,
     Residuals,
+    Stickiness,
+    TangentialLoad,
     TheoryBeside,
     Trial,
     Violation,
@@ -100,6 +121,8 @@ __all__ = [
     "Cycle",
     "ErrorReport",
     "FrettingLoop",
+    "FrictionalResiduals",
+    "FrictionalState",
     "GridLevel",
     "IntArray",
     "InterfaceLaw",
@@ -115,6 +138,7 @@ __all__ = [
     "Origin",
     "Outcome",
     "Pair",
+    "PairConstants",
     "PartialSlip",
     "Percolation",
     "PowerFit",
@@ -126,17 +150,23 @@ __all__ = [
     "Residuals",
     "RunIn",
     "Separated",
+    "ShearConvolution",
     "SolvePlan",
     "StabilityReport",
     "Step",
+    "StepNumbers",
+    "Stickiness",
     "Stress",
     "StressField",
     "StressMaximum",
     "StudyResult",
     "SupportsCoefficients",
+    "SupportsShear",
     "SupportsSpectrum",
     "Sweep",
     "Table",
+    "TangentialLoad",
+    "TangentialLoop",
     "Task",
     "TheoryBeside",
     "Throat",
@@ -144,6 +174,7 @@ __all__ = [
     "Trial",
     "Verdict",
     "Violation",
+    "WaveMatrix",
     "YieldPoint",
     "available_memory",
     "available_threads",
@@ -154,6 +185,7 @@ __all__ = [
     "list_quantities",
     "name_load",
     "nearest_pressure",
+    "pair_constants",
     "project_to_load",
     "read_raw",
     "replacing",

@@ -218,7 +218,7 @@ class CiavarellaJaeger(Response[PartialSlip]):
         problem = problem_of(solution)
         materials = (problem.body.material, problem.counterbody.material)
         _require_elastic(solution)
-        warnings = judge_coupling(materials, solution.modulus)
+        warnings = judge_coupling(materials)
         lost = self.tangential_force / self.friction
         # There is no contact to solve under a normal force that is zero but for rounding.
         if not lost < solution.force * (1.0 - 1e-12):

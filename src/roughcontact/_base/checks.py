@@ -84,6 +84,37 @@ def number(
     return result
 
 
+def number_or_array(value: object, what: str, unit: str = "", *, zero: bool = False) -> float | Array:
+    """Return a number above zero, or a read-only array (nx, ny) of such numbers, or raise `InputError`.
+
+    Parameters
+    ----------
+    value
+        A number in SI units, a text with a unit, or an array of numbers.
+    what, unit
+        The name of the quantity and its SI unit, for the sentence.
+    zero
+        Whether zero is allowed.
+    """
+    bound = "at least 0" if zero else "above 0"
+    if isinstance(value, str) and unit:
+        try:
+            value = parse_quantity(value, unit)
+        except ValueError as error:
+            raise InputError(f"{what}: {error}.") from error
+    if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:  # type: ignore[arg-type]
+        return number(value, what, unit, **({"at_least": 0.0} if zero else {"above": 0.0}))
+    try:
+        array = np.array(value)
+    except ValueError:
+        array = np.empty(0)
+    is_real = array.ndim == 2 and array.size > 0 and array.dtype.kind in "fiu" and not np.ma.is_masked(value)
+    lowest = 0.0 if zero else MIN_MAGNITUDE
+    if not (is_real and array.min() >= lowest and array.max() <= MAX_MAGNITUDE):
+        raise InputError.about(what, value, f"a number or an array (nx, ny), finite and {bound} ({unit or 'no unit'})")
+    return frozen_array(array)
+
+
 def integer(value: object, what: str, *, at_least: int) -> int:
     """Return `value` as an int of at least `at_least`, or raise `InputError`."""
     allowed = f"a whole number of at least {at_least}"

@@ -10,10 +10,11 @@ from types import MappingProxyType
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, frozen_array, restore_state
-from roughcontact._base.checks import MAX_MAGNITUDE, MIN_MAGNITUDE, number
+from roughcontact._base.arrays import Array, restore_state
+from roughcontact._base.checks import number, number_or_array
 from roughcontact._base.registry import Registry
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 
 class Material(abc.ABC):
@@ -60,6 +61,89 @@ def contact_modulus(one: Material, other: Material) -> float:
     return modulus
 
 
+def _beta(value: float) -> float:
+    return number(value, "Dundurs' beta", above=-1.0, at_most=1.0)
+
+
+def _gamma(value: float) -> float:
+    return number(value, "The constant gamma of a pair of materials", above=-1.0)
+
+
+@attrs.frozen
+class PairConstants:
+    r"""The two numbers by which unlike half-spaces respond to shear, beside their contact modulus E*.
+
+    With p the pressure, q the shear on the body (minus that on the counterbody), the displacement u_z towards the
+    insides, the other components those of the body minus those of the counterbody, and n the direction of a wave
+    of wave number k,
+
+    .. math:: \begin{aligned}
+       \hat u_z &= \frac{2}{E^* k} \left(\hat p - i \beta\, n_b \hat q_b\right) \\
+       \hat u_a &= \frac{2}{E^* k} \left[\left((1 + \gamma)\,\delta_{ab} - \gamma\, n_a n_b\right) \hat q_b
+       + i \beta\, n_a \hat p\right] \end{aligned}
+
+    Parameters
+    ----------
+    beta
+        Dundurs' second constant, which couples pressure and shear:
+
+        .. math:: \beta = \frac{E^*}{2} \left[\frac{1 - 2\nu_1}{2 G_1} - \frac{1 - 2\nu_2}{2 G_2}\right]
+
+        Zero for like materials, at most 1/2 in size if no Poisson's ratio is negative.
+    gamma
+        By how much a wave of shear across its normal displaces more than one along it:
+
+        .. math:: \gamma = E^* \left[\frac{\nu_1}{2 G_1} + \frac{\nu_2}{2 G_2}\right]
+
+        nu / (1 - nu) for like materials.
+
+    References
+    ----------
+    Johnson, Contact Mechanics (1985), eq. 5.3, https://doi.org/10.1017/CBO9781139171731
+    """
+
+    beta: float = attrs.field(default=0.0, converter=_beta)
+    gamma: float = attrs.field(default=0.0, converter=_gamma)
+
+
+@guarded
+def pair_constants(one: Material, other: Material) -> PairConstants:
+    """Return the constants of a body on a counterbody.
+
+    Raises
+    ------
+    InputError
+        If Poisson's ratio of a material that deforms is not known, or both bodies are rigid.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.typing import pair_constants
+    >>> pair = pair_constants(rc.Elastic(70e9, 0.33), rc.Elastic(210e9, 0.3))
+    >>> print(f"beta {pair.beta:.3f}, gamma {pair.gamma:.3f}")
+    beta 0.117, gamma 0.476
+    """
+    modulus = contact_modulus(one, other)
+    ratios = [_poisson_of(material) for material in (one, other)]
+    # E*/(2 G) of each.
+    halves = [modulus * material.compliance / (1.0 - nu) for nu, material in zip(ratios, (one, other), strict=True)]
+    beta = 0.5 * ((1.0 - 2.0 * ratios[0]) * halves[0] - (1.0 - 2.0 * ratios[1]) * halves[1])
+    return PairConstants(beta, ratios[0] * halves[0] + ratios[1] * halves[1])
+
+
+def _poisson_of(material: Material) -> float:
+    """Return Poisson's ratio, zero for a rigid body."""
+    if material.compliance == 0.0:
+        return 0.0
+    poisson = getattr(material, "poisson", None)
+    if poisson is None:
+        raise InputError(
+            f"The tangential compliance needs Poisson's ratio: give the class {type(material).__name__} "
+            "an attribute `poisson`."
+        )
+    return _poisson(poisson)
+
+
 def combined_pressure_limit(one: Material, other: Material) -> Array:
     """Return the pressure limit of the softer body at each cell, shape () or (nx, ny), Pa.
 
@@ -86,16 +170,7 @@ def _poisson(value: float) -> float:
 
 
 def _hardness(value: float | Array) -> float | Array:
-    if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:
-        return number(value, "The hardness", "Pa", above=0.0)
-    try:
-        array = np.array(value)
-    except ValueError:
-        array = np.empty(0)
-    is_real = array.ndim == 2 and array.size > 0 and array.dtype.kind in "fiu" and not np.ma.is_masked(value)
-    if not (is_real and array.min() >= MIN_MAGNITUDE and array.max() <= MAX_MAGNITUDE):
-        raise InputError.about("The hardness", value, "a number or an array (nx, ny), finite and above 0 (Pa)")
-    return frozen_array(array)
+    return number_or_array(value, "The hardness", "Pa")
 
 
 @attrs.frozen

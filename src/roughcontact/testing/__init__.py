@@ -9,7 +9,18 @@ from types import MappingProxyType
 from typing import Any
 
 from roughcontact._base.registry import Registry
-from roughcontact.testing import convolvers, estimators, inputs, interactions, kernels, panels, responses, solvers  # noqa: F401 - claims
+from roughcontact.testing import (  # noqa: F401 - claims
+    convolvers,
+    estimators,
+    frictions,
+    inputs,
+    interactions,
+    kernels,
+    panels,
+    responses,
+    shear,
+    solvers,
+)
 from roughcontact.testing.claim import (
     Claim,
     DoesNotApply,

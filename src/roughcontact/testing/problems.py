@@ -72,7 +72,9 @@ class Judgement:
         return self.bounded and self.load <= LOAD_TOLERANCE and self.error <= self.bound
 
 
-def displace(responses: RealArray, pressure: RealArray, boundary: Boundary) -> RealArray:
+def displace(
+    responses: RealArray, pressure: RealArray, boundary: Boundary, odd: tuple[bool, bool] = (False, False)
+) -> RealArray:
     """Return the displacement by plain sums over all cells.
 
     Parameters
@@ -83,12 +85,20 @@ def displace(responses: RealArray, pressure: RealArray, boundary: Boundary) -> R
         Pressure, shape (nx, ny).
     boundary
         Free: absolute offsets; otherwise offsets to the nearest image.
+    odd
+        Whether the response is odd in x, and in y.
     """
-    i, j = (np.abs(np.arange(n)[:, np.newaxis] - np.arange(n)) for n in pressure.shape)
+    i, j = (np.arange(n)[:, np.newaxis] - np.arange(n) for n in pressure.shape)
     if boundary is not Boundary.FREE:
-        i, j = (np.minimum(offsets, len(offsets) - offsets) for offsets in (i, j))
-    rows = responses[:, j]
-    return np.array([np.einsum("ajk,ak->j", rows[offsets], pressure) for offsets in i])
+        i, j = (offsets - len(offsets) * np.round(offsets / len(offsets)).astype(int) for offsets in (i, j))
+    x, y = (np.sign(offsets) if is_odd else np.ones_like(offsets) for offsets, is_odd in zip((i, j), odd, strict=True))
+    rows = responses[:, np.abs(j)] * y
+    return np.array(
+        [
+            np.einsum("ajk,ak->j", rows[np.abs(offsets)], pressure * signs[:, np.newaxis])
+            for offsets, signs in zip(i, x, strict=True)
+        ]
+    )
 
 
 def judge(

@@ -288,7 +288,9 @@ class GapFlow(Response[Leakage]):
         along, across = solution.grid.spacing
         periodic = solution.boundary is not Boundary.FREE
         if self.axis == 1:
-            gap, open_cells, along, across = gap.T, open_cells.T, across, along
+            gap = gap.T
+            open_cells = open_cells.T
+            along, across = across, along
         network = make_network(gap, open_cells, aspect=across / along, periodic=periodic)
         if network is not None:
             return self._measure(solution, network, open_cells, across / along)

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import attrs
 import numpy as np
 
 from roughcontact._answers.linear.stiffness import find_normal_answer
 from roughcontact._base.arrays import Array, Mask, Pair
-from roughcontact._base.checks import integer, number
+from roughcontact._base.checks import integer
 from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.kernels import BoundKernel, InfluenceKernel
-from roughcontact._parts.materials import Material
+from roughcontact._parts.materials import Material, pair_constants
 from roughcontact._solve.convolvers import DCFFT
 from roughcontact._solve.problem import problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
@@ -33,36 +32,7 @@ _EXCESS_STD_FACTOR = 1.75
 _MIN_WARNED_EXCESS = 0.005
 
 
-def compare_compliances(materials: Sequence[Material], modulus: float, cosine: float = 0.5) -> float:
-    r"""Return the tangential over the normal compliance of two half-spaces, from 1 (nu = 0) to 3/2 (nu = 1/2).
-
-    .. math:: E^*\sum_i\frac{2-\nu_i}{4G_i} = E^*\sum_i\frac{2-\nu_i}{2(1-\nu_i)}\,\frac{1-\nu_i^2}{E_i}
-
-    A pressure wave at an angle to the force has its `cosine`, squared, in place of 1/2.
-
-    Raises
-    ------
-    InputError
-        If the Poisson's ratio of a material that deforms is not known.
-    """
-    parts = ((1.0 - nu * cosine) / (1.0 - nu) * compliance for nu, compliance in map(_constants, materials))
-    return modulus * sum(parts)
-
-
-def dundurs_beta(materials: Sequence[Material], modulus: float) -> float:
-    r"""Return Dundurs' second constant, by which normal and tangential displacement are coupled.
-
-    .. math:: \beta = \frac{E^*}{2}\left[\frac{1-2\nu_1}{2G_1} - \frac{1-2\nu_2}{2G_2}\right]
-
-    References
-    ----------
-    Johnson, Contact Mechanics (1985), eq. 5.3, https://doi.org/10.1017/CBO9781139171731
-    """
-    one, other = ((1.0 - 2.0 * nu) / (1.0 - nu) * compliance for nu, compliance in map(_constants, materials))
-    return 0.5 * modulus * (one - other)
-
-
-def judge_coupling(materials: Sequence[Material], modulus: float) -> tuple[str, ...]:
+def judge_coupling(materials: tuple[Material, Material]) -> tuple[str, ...]:
     """Return a warning if one of the bodies is rigid and the other is not incompressible; otherwise nothing.
 
     Raises
@@ -70,7 +40,7 @@ def judge_coupling(materials: Sequence[Material], modulus: float) -> tuple[str, 
     InputError
         If both bodies deform, and normal and tangential displacement are coupled.
     """
-    beta = dundurs_beta(materials, modulus)
+    beta = pair_constants(*materials).beta
     if abs(beta) <= _MAX_UNCOUPLED_BETA:
         return ()
     if min(material.compliance for material in materials) > 0.0:
@@ -84,20 +54,6 @@ def judge_coupling(materials: Sequence[Material], modulus: float) -> tuple[str, 
         f"modulus. The coupling of normal and tangential displacement, Dundurs' beta = {abs(beta):.2g}, is neglected"
     )
     return (ContactWarning(text, "coupling", abs(beta)),)
-
-
-def _constants(material: Material) -> tuple[float, float]:
-    """Return Poisson's ratio and the plane-strain compliance, 1/Pa."""
-    compliance = material.compliance
-    if compliance == 0.0:
-        return 0.0, 0.0
-    poisson = getattr(material, "poisson", None)
-    if poisson is None:
-        raise InputError(
-            f"The tangential compliance needs Poisson's ratio: give the class {type(material).__name__} "
-            "an attribute `poisson`."
-        )
-    return number(poisson, "Poisson's ratio", above=-1.0, at_most=0.5), compliance
 
 
 @attrs.frozen
@@ -145,8 +101,9 @@ def find_tangential_compliance(
         0 for a force along x, 1 along y.
     """
     plan = problem_of(solution).plan
-    bound, free = (compare_compliances(plan.materials, plan.modulus, cosine) for cosine in (1.0, 0.0))
-    anisotropy = 1.0 - bound / free
+    # A wave of shear across its normal is displaced more than one along it, by the factor 1 + gamma.
+    free = 1.0 + pair_constants(*plan.materials).gamma
+    anisotropy = 1.0 - 1.0 / free
     # The traction of a very small force is zero by rounding.
     traction = traction if traction.any() else solution.pressure
     displacements = _find_displacements(solution, traction / float(np.abs(traction).max()))
@@ -251,7 +208,7 @@ class TangentialStiffness(Response[Estimate]):
                 "yielding solid: the tangential stiffness holds for elastic contact only."
             )
         plan = problem_of(solution).plan
-        coupling = judge_coupling(plan.materials, plan.modulus)
+        coupling = judge_coupling(plan.materials)
         normal = find_normal_answer(solution, "tangential stiffness")
         warnings = (*normal.warnings, *coupling)
         if not 0.0 < normal.value < math.inf:

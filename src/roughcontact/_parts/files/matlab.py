@@ -83,7 +83,10 @@ def _elements(data: bytes | memoryview, order: str) -> Iterator[tuple[int, memor
         kind, size = struct.unpack_from(f"{order}II", view, place)
         if kind >> 16:
             # The tag itself holds up to four bytes.
-            kind, size, start, end = kind & 0xFFFF, kind >> 16, place + 4, place + 8
+            size = kind >> 16
+            kind &= 0xFFFF
+            start = place + 4
+            end = place + 8
         else:
             start = place + 8
             end = start + size

@@ -7,9 +7,8 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Pair, RealArray, frozen_array, restore_state
-from roughcontact._base.checks import MAX_MAGNITUDE, MIN_MAGNITUDE, number
-from roughcontact._base.units import parse_quantity
+from roughcontact._base.arrays import Array, Pair, RealArray, restore_state
+from roughcontact._base.checks import number, number_or_array
 from roughcontact._parts.interactions.base import Interaction
 from roughcontact.errors import InputError
 
@@ -21,35 +20,16 @@ _LOWEST_EXPONENT = {np.dtype(np.float32): -60.0, np.dtype(np.float64): -600.0}
 _RESOLVED = 2.0
 
 
-def _number_or_array(value: object, what: str, unit: str) -> float | Array:
-    """Return a number above zero, of a number or a text with a unit, or an array (nx, ny) of such numbers."""
-    if isinstance(value, str):
-        try:
-            value = parse_quantity(value, unit)
-        except ValueError as error:
-            raise InputError(f"{what}: {error}.") from error
-    if not isinstance(value, (list, tuple)) and np.ndim(value) == 0:  # type: ignore[arg-type]
-        return number(value, what, unit, above=0.0)
-    try:
-        array = np.array(value)
-    except ValueError:
-        array = np.empty(0)
-    is_real = array.ndim == 2 and array.size > 0 and array.dtype.kind in "fiu" and not np.ma.is_masked(value)
-    if not (is_real and array.min() >= MIN_MAGNITUDE and array.max() <= MAX_MAGNITUDE):
-        raise InputError.about(what, value, f"a number or an array (nx, ny), finite and above 0 ({unit})")
-    return frozen_array(array)
-
-
 def _work(value: object) -> float | Array:
-    return _number_or_array(value, "The work of adhesion", "J/m2")
+    return number_or_array(value, "The work of adhesion", "J/m2")
 
 
 def _range(value: object) -> float | Array:
-    return _number_or_array(value, "The range of the interaction", "m")
+    return number_or_array(value, "The range of the interaction", "m")
 
 
 def _strength(value: object) -> float | Array:
-    return _number_or_array(value, "The strength of the interaction", "Pa")
+    return number_or_array(value, "The strength of the interaction", "Pa")
 
 
 def _smoothing(value: float) -> float:

@@ -1,11 +1,13 @@
-"""Influence kernels: the displacement of the surface by a pressure."""
+"""Influence kernels: the displacement of the surface by a pressure, and by shear."""
 
 from roughcontact._parts.kernels.base import (
     BoundKernel,
     InfluenceKernel,
     SupportsCoefficients,
+    SupportsShear,
     SupportsSpectrum,
     kernels,
+    odd_axes,
     require_form,
 )
 from roughcontact._parts.kernels.half_space import FourierHalfSpace, Love
@@ -16,7 +18,9 @@ __all__ = [
     "InfluenceKernel",
     "Love",
     "SupportsCoefficients",
+    "SupportsShear",
     "SupportsSpectrum",
     "kernels",
+    "odd_axes",
     "require_form",
 ]

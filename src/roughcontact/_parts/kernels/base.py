@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import abc
+from collections.abc import Callable
+from functools import partial
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import attrs
@@ -11,12 +13,15 @@ import numpy as np
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.materials import PairConstants
 from roughcontact.errors import InputError
 
 # Wave number times cell side, small enough for the spectrum of the body without the cells, and the relative change of
 # the modulus below which a body is homogeneous.
 _FINE_CELL_PHASE = 1e-3
 _HOMOGENEITY_TOLERANCE = 1e-3
+# Phase per cell, rad, of half the sampling wave number, less rounding.
+_NYQUIST_PHASE = np.pi * (1.0 - 1e-12)
 
 
 class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method below, or both
@@ -128,17 +133,91 @@ class SupportsSpectrum(Protocol):
         """
 
 
+@runtime_checkable
+class SupportsShear(Protocol):
+    """A kernel that knows the response to shear too: an optional ability, needed for friction.
+
+    A component such as ``"zx"`` is the displacement along its first letter by a unit shear along its second: ``"xx"``,
+    ``"yy"``, ``"xy"``, ``"zx"`` and ``"zy"``. It is odd in x, or in y, if the letter occurs an odd number of times.
+    The others follow: yx is xy, and xz and yz, the tangential displacements by pressure, are -zx and -zy. For the signs
+    see `PairConstants`.
+    """
+
+    def shear_coefficients(
+        self, component: str, shape: tuple[int, int], spacing: Pair, compliance: float, pair: PairConstants
+    ) -> Array:
+        """Return the influence coefficients of a component.
+
+        Parameters
+        ----------
+        component
+            The letters of displacement and shear.
+        shape, spacing, compliance
+            As for `SupportsCoefficients.coefficients`.
+        pair
+            The constants of the two materials.
+
+        Returns
+        -------
+        Array
+            Displacement at the centre of the cell (i, j) by unit shear on the cell (0, 0), shape (nx, ny), m/Pa;
+            zero at offset zero along an axis in which the component is odd.
+        """
+
+    def shear_spectrum(
+        self, component: str, qx: Array, qy: Array, spacing: Pair, compliance: float, pair: PairConstants
+    ) -> Array:
+        """Return the amplitude of a component for a wave of unit shear.
+
+        Parameters
+        ----------
+        component, pair
+            As for `shear_coefficients`.
+        qx, qy, spacing, compliance
+            As for `SupportsSpectrum.spectrum`. At half the sampling wave number along an axis in which the component is
+            odd the value is not used.
+
+        Returns
+        -------
+        Array
+            Amplitudes at the cell centres, of the odd components zx and zy their imaginary parts, shape (m, n), m/Pa.
+        """
+
+
+def odd_axes(component: str) -> tuple[bool, bool]:
+    """Return whether a component is odd in x, and in y."""
+    return component.count("x") % 2 == 1, component.count("y") % 2 == 1
+
+
 _MISSING_FORMS: dict[type, str] = {
     SupportsCoefficients: "real-space coefficients, which this boundary needs: use boundary='periodic'",
     SupportsSpectrum: "spectrum, which the periodic boundary needs: use boundary='wrapped' or 'free',",
+    SupportsShear: "response to shear, which friction needs: use kernel='love'",
 }
 
 
 def require_form(kernel: InfluenceKernel, form: type) -> InfluenceKernel:
-    """Return the kernel if it has the form `SupportsCoefficients` or `SupportsSpectrum`, or raise `InputError`."""
+    """Return the kernel if it has the form, such as `SupportsCoefficients`, or raise `InputError`."""
     if not isinstance(kernel, form):
-        raise InputError(f"The kernel {kernel!r} has no {_MISSING_FORMS[form]} or another kernel.")
+        raise missing_form(kernel, form)
     return kernel
+
+
+def missing_form(kernel: InfluenceKernel, form: type) -> InputError:
+    """Return the error of a kernel without a form."""
+    return InputError(f"The kernel {kernel!r} has no {_MISSING_FORMS[form]} or another kernel.")
+
+
+def _sum_waves(spectrum: Callable[[Array, Array, Pair], Array], grid: Grid, odd: tuple[bool, bool]) -> Array:
+    """Return the field of which a spectrum has the amplitudes, shape (nx, ny)."""
+    waves = [2.0 * np.pi * np.asarray(np.fft.fftfreq(n), dtype=np.float64) for n in grid.shape]
+    qx, qy = (wave / step for wave, step in zip(waves, grid.spacing, strict=True))
+    amplitudes = spectrum(qx[:, np.newaxis], qy[np.newaxis, :], grid.spacing)
+    # An even response has no sines, an odd one has them alone: in both axes times i, or with an imaginary amplitude.
+    phases = [np.outer(np.arange(wave.size), wave) for wave in waves]
+    x, y = (np.sin(phase) if is_odd else np.cos(phase) for phase, is_odd in zip(phases, odd, strict=True))
+    total = np.asarray(x @ amplitudes @ y.T) / grid.cells
+    return -total if any(odd) else total
 
 
 @attrs.frozen
@@ -153,11 +232,14 @@ class BoundKernel:
         1/E*, 1/Pa.
     unit
         Unit of the returned values, m/Pa.
+    pair
+        The constants of the two materials that the response to shear needs.
     """
 
     kernel: InfluenceKernel
     compliance: float = 1.0
     unit: float = 1.0
+    pair: PairConstants = attrs.field(factory=PairConstants)
 
     def coefficients(self, shape: tuple[int, int], spacing: Pair) -> Array:
         """Return the influence coefficients, finite, shape (nx, ny); see `SupportsCoefficients`."""
@@ -177,6 +259,30 @@ class BoundKernel:
             values[np.broadcast_to((qx == 0.0) & (qy == 0.0), shape)] = 0.0
         return self._check(values, shape)
 
+    def shear_coefficients(self, component: str, shape: tuple[int, int], spacing: Pair) -> Array:
+        """Return the coefficients of a component, finite, shape (nx, ny); see `SupportsShear`."""
+        kernel: Any = require_form(self.kernel, SupportsShear)
+        values = kernel.shear_coefficients(component, shape, spacing, self.compliance, self.pair)
+        return self._check(values, shape, component)
+
+    def shear_spectrum(self, component: str, qx: Array, qy: Array, spacing: Pair) -> Array:
+        """Return the amplitudes of a component, finite, shape (m, n), zero at q = 0; see `SupportsShear`.
+
+        Those odd along an axis are zero at half the sampling wave number there, where a wave vanishes between the
+        cell centres.
+        """
+        kernel: Any = require_form(self.kernel, SupportsShear)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            given = kernel.shear_spectrum(component, qx, qy, spacing, self.compliance, self.pair)
+        values = np.array(given, dtype=np.float64)
+        shape = (qx.shape[0], qy.shape[1])
+        if values.shape == shape:
+            unused = (qx == 0.0) & (qy == 0.0)
+            for wave, step, odd in zip((qx, qy), spacing, odd_axes(component), strict=True):
+                unused = unused | (odd & (np.abs(wave) * step >= _NYQUIST_PHASE))
+            values[np.broadcast_to(unused, shape)] = 0.0
+        return self._check(values, shape, component)
+
     def responses(self, grid: Grid, boundary: Boundary) -> Array:
         """Return the displacement by unit pressure at each offset within a grid, shape (nx, ny).
 
@@ -184,14 +290,15 @@ class BoundKernel:
         """
         if boundary is not Boundary.PERIODIC:
             return self.coefficients(grid.shape, grid.spacing)
-        waves = [2.0 * np.pi * np.asarray(np.fft.fftfreq(n), dtype=np.float64) for n in grid.shape]
-        qx, qy = (wave / step for wave, step in zip(waves, grid.spacing, strict=True))
-        amplitudes = self.spectrum(qx[:, np.newaxis], qy[np.newaxis, :], grid.spacing)
-        # An even response has no sines.
-        x, y = (np.cos(np.outer(np.arange(wave.size), wave)) for wave in waves)
-        return np.asarray(x @ amplitudes @ y.T) / grid.cells
+        return _sum_waves(self.spectrum, grid, (False, False))
 
-    def _check(self, values: Array, shape: tuple[int, int]) -> Array:
+    def shear_responses(self, component: str, grid: Grid, boundary: Boundary) -> Array:
+        """Return a component of the response to shear at each offset within a grid, shape (nx, ny); see `responses`."""
+        if boundary is not Boundary.PERIODIC:
+            return self.shear_coefficients(component, grid.shape, grid.spacing)
+        return _sum_waves(partial(self.shear_spectrum, component), grid, odd_axes(component))
+
+    def _check(self, values: Array, shape: tuple[int, int], component: str = "zz") -> Array:
         values = np.asarray(values)
         if values.shape != shape or values.dtype.kind != "f":
             raise InputError(
@@ -199,6 +306,8 @@ class BoundKernel:
                 f"where real numbers of shape {shape} are needed."
             )
         scaled = values / self.unit
-        if not np.isfinite(scaled).all() or not scaled.max() > 0.0:
+        # Only a displacement along the load is above zero somewhere.
+        along = component[0] == component[1]
+        if not np.isfinite(scaled).all() or (along and not scaled.max() > 0.0):
             raise InputError(f"The kernel {self.kernel!r} returned values that are not finite, or none above zero.")
         return scaled

@@ -11,6 +11,7 @@ from roughcontact._solve.convolvers.base import (
 )
 from roughcontact._solve.convolvers.direct import Direct
 from roughcontact._solve.convolvers.fft import DCFFT, CircularFFT
+from roughcontact._solve.convolvers.shear import ShearConvolution, WaveMatrix
 
 __all__ = [
     "DCFFT",
@@ -20,6 +21,8 @@ __all__ = [
     "Direct",
     "InverseConvolution",
     "PreparedConvolution",
+    "ShearConvolution",
+    "WaveMatrix",
     "convolvers",
     "periodic_spectrum",
     "wrapped_spectrum",

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import attrs
 import numpy as np
@@ -23,10 +23,14 @@ from roughcontact._parts.kernels import (
     BoundKernel,
     InfluenceKernel,
     SupportsCoefficients,
+    SupportsShear,
     SupportsSpectrum,
     require_form,
 )
 from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact._solve.convolvers.shear import ShearConvolution
 
 # Bytes along a row of the columns that are transformed at a time: few enough for the cache, enough for vector units. On
 # 512 x 512 and 1024 x 1024 cells 16 and 32 columns of float64 are fastest; 8 take 6 % longer, 128 take 13 %.
@@ -51,19 +55,31 @@ def transform_rows(values: RealArray, length: int) -> Waves:
     return waves
 
 
-def multiply_columns(waves: Waves, length: int, multiply: Callable[[Waves, slice], object]) -> None:
-    """Transform each column, padded with zeros to `length`, multiply it, transform it back and cut it, in place.
+def multiply_columns(
+    waves: Waves, length: int, multiply: Callable[[Waves, slice], Waves], out: Waves | None = None
+) -> None:
+    """Transform each column, padded with zeros to `length`, multiply it, transform it back and cut it.
 
-    The waves of all rows have shape (nx, ny). `multiply` changes the waves of some columns, shape (length, n), in
-    place; its second argument is their slice.
+    Parameters
+    ----------
+    waves
+        The waves of all rows, shape (nx, ny), or of several fields, (k, nx, ny).
+    length
+        Number of waves of a column.
+    multiply
+        Function of the waves of some columns, shape (length, n) or (k, length, n), which it may overwrite, and of their
+        slice. It returns the product; of several fields, any number.
+    out
+        Where the products go, `waves` by default.
     """
+    target = waves if out is None else out
 
     def work(block: slice) -> None:
-        columns: Waves = scipy.fft.fft(waves[:, block], n=length, axis=0)
-        multiply(columns, block)
-        waves[:, block] = scipy.fft.ifft(columns, axis=0, overwrite_x=True)[: waves.shape[0]]
+        columns: Waves = scipy.fft.fft(waves[..., block], n=length, axis=-2)
+        products = multiply(columns, block)
+        target[..., block] = scipy.fft.ifft(products, axis=-2, overwrite_x=True)[..., : waves.shape[-2], :]
 
-    map_tiles(work, split(waves.shape[1], _COLUMN_BLOCK_BYTES // waves.itemsize))
+    map_tiles(work, split(waves.shape[-1], _COLUMN_BLOCK_BYTES // waves.itemsize))
 
 
 def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
@@ -180,12 +196,7 @@ def _multiply_columns(waves: Waves, symbol: RealArray, length: int) -> Waves:
 
 def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float64) -> InverseConvolution:
     """Return the approximate inverse of a convolution, its stiffness in the given precision."""
-    shape = setup.grid.shape
-    if setup.boundary is Boundary.FREE:
-        mx, my = (
-            scipy.fft.next_fast_len(max(math.ceil(_PADDING_FACTOR * n), n + _PADDING_CELLS), real=True) for n in shape
-        )
-        shape = mx, my
+    shape = inverse_shape(setup)
     if setup.boundary is Boundary.PERIODIC:
         response = np.array(setup.spectrum)
     else:
@@ -200,6 +211,17 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
     np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
     stiffness[0, 0] = 0.0
     return InverseConvolution(stiffness.astype(dtype, copy=False), shape, exact)
+
+
+def inverse_shape(setup: ConvolutionSetup) -> tuple[int, int]:
+    """Return the cells of the periodic grid of an approximate inverse, on a free boundary with those of its padding."""
+    if setup.boundary is not Boundary.FREE:
+        return setup.grid.shape
+    mx, my = (
+        scipy.fft.next_fast_len(max(math.ceil(_PADDING_FACTOR * n), n + _PADDING_CELLS), real=True)
+        for n in setup.grid.shape
+    )
+    return mx, my
 
 
 def periodic_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
@@ -291,6 +313,16 @@ class ConvolutionSetup:
         return frozen_array(periodic_spectrum(self.kernel, self.grid.shape, self.grid.spacing))
 
 
+def require_shear(setup: ConvolutionSetup) -> None:
+    """Raise `InputError` if there is no convolution of shear for the kernel or on the boundary."""
+    require_form(setup.kernel.kernel, SupportsShear)
+    if setup.boundary is Boundary.WRAPPED:
+        raise InputError(
+            "A wrapped boundary has no response to shear, whose sign at half of the domain would be arbitrary: "
+            "use boundary='free' or boundary='periodic'."
+        )
+
+
 class PreparedConvolution(abc.ABC):
     """The linear map from pressure to displacement on one grid.
 
@@ -317,6 +349,20 @@ class PreparedConvolution(abc.ABC):
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse, its stiffness in a precision."""
         return approximate_inverse(self.setup, dtype)
+
+    def shear(self) -> ShearConvolution:
+        """Return the linear map from shear and pressure to displacement, for the pair of materials of the kernel.
+
+        Raises
+        ------
+        InputError
+            If the kernel has no response to shear, on a wrapped boundary, or if the convolver has no convolution of
+            shear, which is the default.
+        """
+        require_shear(self.setup)
+        raise InputError(
+            f"{self.setup.convolver!r} has no convolution of shear, which friction needs: use convolver='auto'."
+        )
 
     def from_numpy(self, values: Array) -> Array:
         """Return a numpy array in the form on which it works; by default itself."""

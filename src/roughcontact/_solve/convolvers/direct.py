@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import attrs
 import numpy as np
 
@@ -9,8 +11,9 @@ from roughcontact._base.arrays import Array, IntArray, RealArray
 from roughcontact._base.machine import split
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.kernels import BoundKernel
-from roughcontact._solve.convolvers.base import ConvolutionSetup, Convolver, PreparedConvolution
+from roughcontact._parts.kernels import BoundKernel, odd_axes
+from roughcontact._solve.convolvers.base import ConvolutionSetup, Convolver, PreparedConvolution, require_shear
+from roughcontact._solve.convolvers.shear import ShearConvolution, find_component
 
 # Numbers of a Toeplitz matrix that are in memory at once: all of them up to 2048 cells along y.
 _MAX_MATRIX_NUMBERS = 2**22
@@ -44,17 +47,30 @@ class _DirectSum(PreparedConvolution):
 
     setup: ConvolutionSetup
     coefficients: Array = attrs.field(repr=outlined)
+    odd: tuple[bool, bool] = (False, False)
+    """Whether the coefficients are odd in x, and in y."""
+
+    def shear(self) -> ShearConvolution:
+        require_shear(self.setup)
+        grid = self.setup.grid
+        components = {"zz": self}
+        for name in ("xx", "yy", "xy", "zx", "zy"):
+            coefficients = self.setup.kernel.shear_coefficients(name, grid.shape, grid.spacing)
+            components[name] = _DirectSum(self.setup, coefficients, odd_axes(name))
+        return _DirectShear(self.setup, components)
 
     def apply(self, pressure: RealArray) -> RealArray:
         nx, ny = self.coefficients.shape
         total = np.zeros((nx, ny), dtype=pressure.dtype)
         for part in split(ny, max(1, _MAX_MATRIX_NUMBERS // ny)):
-            self._add(total[:, part], pressure, np.abs(np.arange(ny)[:, np.newaxis] - np.arange(ny)[part]))
+            self._add(total[:, part], pressure, np.arange(ny)[part] - np.arange(ny)[:, np.newaxis])
         return total
 
     def _add(self, total: RealArray, pressure: RealArray, offsets: IntArray) -> None:
-        """Add to some columns of the result; `offsets` are the distances of all columns from these."""
+        """Add to some columns of the result; `offsets` are those of these from all columns."""
         nx, ny = self.coefficients.shape
+        signs = np.sign(offsets).astype(pressure.dtype) if self.odd[1] else None
+        offsets = np.abs(offsets)
         if self.setup.boundary is Boundary.WRAPPED:
             # Each cell is acted on by the nearest image of every other.
             offsets = np.minimum(offsets, ny - offsets)
@@ -63,7 +79,24 @@ class _DirectSum(PreparedConvolution):
                 total += np.roll(pressure, shift, axis=0) @ row[offsets]
             return
         for distance, row in enumerate(self.coefficients):
-            matrix = row[offsets]
+            matrix = row[offsets] if signs is None else row[offsets] * signs
             total[distance:] += pressure[: nx - distance] @ matrix
             if distance:
-                total[:-distance] += pressure[distance:] @ matrix
+                back = pressure[distance:] @ matrix
+                total[:-distance] += -back if self.odd[0] else back
+
+
+@attrs.frozen(eq=False)
+class _DirectShear(ShearConvolution):
+    """The direct sum of each component."""
+
+    setup: ConvolutionSetup
+    components: Mapping[str, _DirectSum] = attrs.field(repr=outlined)
+
+    def apply(self, tractions: RealArray, of: str = "xy", to: str = "xy") -> RealArray:
+        total = np.zeros((len(to), *tractions.shape[1:]), dtype=tractions.dtype)
+        for displacement, letter in zip(total, to, strict=True):
+            for traction, other in zip(tractions, of, strict=True):
+                name, sign = find_component(letter, other)
+                displacement += sign * self.components[name].apply(traction)
+        return total

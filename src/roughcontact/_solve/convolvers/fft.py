@@ -12,17 +12,19 @@ from roughcontact._base.arrays import Array, RealArray, Waves
 from roughcontact._base.machine import threads_for
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.kernels import BoundKernel
+from roughcontact._parts.kernels import BoundKernel, odd_axes
 from roughcontact._solve.convolvers.base import (
     ConvolutionSetup,
     Convolver,
     PreparedConvolution,
     multiply_columns,
     multiply_waves,
+    require_shear,
     transform_rows,
     transform_rows_back,
     wrapped_spectrum,
 )
+from roughcontact._solve.convolvers.shear import ShearConvolution, SymbolShear, periodic_shear_spectrum
 
 
 @attrs.frozen
@@ -56,18 +58,27 @@ class DCFFT(Convolver):
         setup = ConvolutionSetup(self, kernel, grid, boundary)
         padded = self.transform_shape(grid, boundary)
         coefficients = kernel.coefficients(grid.shape, grid.spacing)
-        half = _even_transform(coefficients.T, padded[1])
-        symbol = _even_transform(np.ascontiguousarray(half.T), padded[0])
-        return _PaddedConvolution(setup, symbol, padded)
+        return _PaddedConvolution(setup, _transform_offsets(coefficients, padded), padded)
 
 
-def _even_transform(values: Array, length: int) -> Array:
-    """Return the real transform along the first axis of the even extension to `length`."""
+def _transform_offsets(coefficients: Array, padded: tuple[int, int], odd: tuple[bool, bool] = (False, False)) -> Array:
+    """Return the transform of coefficients that are even or odd in x and in y, on a padded grid.
+
+    Shape (mx // 2 + 1, my // 2 + 1). Odd in one axis it is imaginary, and its imaginary part is returned.
+    """
+    half = _transform_extended(coefficients.T, padded[1], odd[1])
+    values = _transform_extended(np.ascontiguousarray(half.T), padded[0], odd[0])
+    return -values if all(odd) else values
+
+
+def _transform_extended(values: Array, length: int, odd: bool) -> Array:
+    """Return the transform along the first axis of the even or odd extension to `length`: its only part."""
     n = values.shape[0]
-    even = np.zeros((length, *values.shape[1:]))
-    even[:n] = values
-    even[length - n + 1 :] = values[:0:-1]
-    return np.ascontiguousarray(scipy.fft.rfft(even, axis=0, workers=threads_for(even.size)).real)
+    extended = np.zeros((length, *values.shape[1:]))
+    extended[:n] = values
+    extended[length - n + 1 :] = -values[:0:-1] if odd else values[:0:-1]
+    waves = scipy.fft.rfft(extended, axis=0, workers=threads_for(extended.size))
+    return np.ascontiguousarray(waves.imag if odd else waves.real)
 
 
 @attrs.frozen(eq=False)
@@ -93,14 +104,32 @@ class _PaddedConvolution(_SymbolConvolution):
 
     padded: tuple[int, int]
 
+    @cached_property
+    def _shear(self) -> ShearConvolution:
+        require_shear(self.setup)
+        kernel = self.setup.kernel
+        grid = self.setup.grid
+        return SymbolShear.of(
+            self.setup,
+            lambda component: _transform_offsets(
+                kernel.shear_coefficients(component, grid.shape, grid.spacing), self.padded, odd_axes(component)
+            ),
+            self.symbol,
+            self.padded,
+        )
+
+    def shear(self) -> ShearConvolution:
+        return self._shear
+
     def apply(self, pressure: RealArray) -> RealArray:
         symbol = self.symbol_like(pressure)
         mx = self.padded[0]
         half = self.symbol.shape[0]
 
-        def multiply(columns: Waves, block: slice) -> None:
+        def multiply(columns: Waves, block: slice) -> Waves:
             columns[:half] *= symbol[:, block]
             columns[half:] *= symbol[mx - half : 0 : -1, block]
+            return columns
 
         waves = transform_rows(pressure, self.padded[1])
         multiply_columns(waves, mx, multiply)
@@ -138,6 +167,20 @@ class CircularFFT(Convolver):
 @attrs.frozen(eq=False)
 class _CircularConvolution(_SymbolConvolution):
     """Transform, multiply by the real symbol, transform back."""
+
+    @cached_property
+    def _shear(self) -> ShearConvolution:
+        require_shear(self.setup)
+        grid = self.setup.grid
+        return SymbolShear.of(
+            self.setup,
+            lambda component: periodic_shear_spectrum(self.setup.kernel, component, grid.shape, grid.spacing),
+            self.symbol[: grid.shape[0] // 2 + 1],
+            grid.shape,
+        )
+
+    def shear(self) -> ShearConvolution:
+        return self._shear
 
     def apply(self, pressure: RealArray) -> RealArray:
         return multiply_waves(pressure, self.symbol_like(pressure), pressure.shape)

@@ -1,6 +1,6 @@
 """Solvers: the pressure that satisfies the conditions of contact."""
 
-from roughcontact._solve.solvers.adhesive import GapDescent, Majorise, stability_margin
+from roughcontact._solve.solvers.adhesive import GapDescent, LinearisedGap, Majorise, surface_stiffness
 from roughcontact._solve.solvers.base import (
     Monitor,
     Outcome,
@@ -17,11 +17,21 @@ from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCell
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner
 from roughcontact._solve.solvers.polonsky_keer import PolonskyKeer
 from roughcontact._solve.solvers.projection import dot, project_to_load, rescale_to_load, total
+from roughcontact._solve.solvers.shear import (
+    ProjectedShearCG,
+    ShearOutcome,
+    ShearSolver,
+    ShearTask,
+    SpectralShearGradient,
+    natural_residual,
+    shear_solvers,
+)
 from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 
 __all__ = [
     "ActiveCells",
     "GapDescent",
+    "LinearisedGap",
     "Majorise",
     "MaskedCells",
     "Monitor",
@@ -29,18 +39,25 @@ __all__ = [
     "PolonskyKeer",
     "Preconditioner",
     "ProjectedConjugateGradient",
+    "ProjectedShearCG",
+    "ShearOutcome",
+    "ShearSolver",
+    "ShearTask",
     "Solver",
     "SpectralGradient",
+    "SpectralShearGradient",
     "Step",
     "Task",
     "active_cells",
     "dot",
+    "natural_residual",
     "nearest_pressure",
     "positive_tolerance",
     "project_to_load",
     "rescale_to_load",
+    "shear_solvers",
     "solvers",
-    "stability_margin",
     "starting_pressure",
+    "surface_stiffness",
     "total",
 ]
