@@ -17,7 +17,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.tables import Table
 from roughcontact._base.units import WIDTH, Estimate, si, write_column
 from roughcontact._parts.grid import Load
-from roughcontact._parts.interactions import Exponential
+from roughcontact._parts.interactions import Exponential, ShortRange
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.sweep import Sweep, make_table
 from roughcontact._solve.problem.task import bind_interaction
@@ -290,8 +290,19 @@ def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:
     return AdhesionCycle(loading, follow_loads(solve, loads[::-1], loading[-1]))
 
 
-def find_pull_off(solve: Solve, plan: SolvePlan) -> Estimate:
+def find_pull_off(problem: ContactProblem) -> Estimate:
     """Return the minimum of the force on unloading from zero load; see `ContactProblem.pull_off`."""
+    require_resolved(problem.plan)
+    found = _follow_to_pull_off(problem._solve, problem.plan)
+    if not isinstance(problem.adhesion, ShortRange):
+        return found
+    law = problem.plan.interaction
+    assert isinstance(law, Exponential)
+    longer = attrs.evolve(problem, adhesion=Exponential(law.work, _LONGER * law.range))
+    return _extrapolate_range(found, _follow_to_pull_off(longer._solve, longer.plan), problem.initial_gap)
+
+
+def _follow_to_pull_off(solve: Solve, plan: SolvePlan) -> Estimate:
     states = [solve(Load("pressure", 0.0))]
     step = _first_step(plan, states[0])
     for _ in range(_MAX_STEPS):
@@ -311,8 +322,8 @@ def find_pull_off(solve: Solve, plan: SolvePlan) -> Estimate:
     return _find_minimum(sweep, () if warning is None else (warning,))
 
 
-def extrapolate_range(shorter: Estimate, longer: Estimate, initial_gap: Array) -> Estimate:
-    """Return the force of pull-off without a range, N, from those by a range and by that of `lengthen_range`.
+def _extrapolate_range(shorter: Estimate, longer: Estimate, initial_gap: Array) -> Estimate:
+    """Return the force of pull-off without a range, N, from those by a range and by a longer one.
 
     Straight edges along the cells stick to them as a whole, which no longer range shows: there the change is the
     uncertainty.
@@ -322,13 +333,6 @@ def extrapolate_range(shorter: Estimate, longer: Estimate, initial_gap: Array) -
         return attrs.evolve(shorter, uncertainty=math.hypot(shorter.uncertainty, change))
     error = math.hypot(shorter.uncertainty, longer.uncertainty, _EXTRAPOLATION_ERROR * change)
     return attrs.evolve(shorter, value=shorter.value + change, uncertainty=error)
-
-
-def lengthen_range(plan: SolvePlan) -> Exponential:
-    """Return the law of the longer range from which pull-off without a range is extrapolated."""
-    law = plan.interaction
-    assert isinstance(law, Exponential)
-    return Exponential(law.work, _LONGER * law.range)
 
 
 def _first_step(plan: SolvePlan, state: ContactSolution) -> float:

@@ -13,7 +13,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
 from roughcontact._parts.grid import Boundary, Grid, Load
-from roughcontact._parts.interactions import FrictionLaw, Interaction, ShortRange
+from roughcontact._parts.interactions import FrictionLaw, Interaction
 from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, kernels
 from roughcontact._parts.materials import pair_constants
 from roughcontact._parts.surfaces import rms_slope
@@ -22,10 +22,8 @@ from roughcontact._solve.problem.accuracy import Target, solve_within, with_tole
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
 from roughcontact._solve.problem.cycle import (
     AdhesionCycle,
-    extrapolate_range,
     find_pull_off,
     follow_loads,
-    lengthen_range,
     require_ascending,
     require_resolved,
     run_cycle,
@@ -458,12 +456,7 @@ class ContactProblem:
         NotConverged
             If a state is not certified.
         """
-        require_resolved(self.plan)
-        found = find_pull_off(self._solve, self.plan)
-        if not isinstance(self.adhesion, ShortRange):
-            return found
-        longer = attrs.evolve(self, adhesion=lengthen_range(self.plan))
-        return extrapolate_range(found, find_pull_off(longer._solve, longer.plan), self.initial_gap)
+        return find_pull_off(self)
 
     def solve_area(self, fraction: float, estimator: str | AreaEstimator = DEFAULT_AREA) -> ContactSolution:
         """Find the load at which the real contact area is a given fraction of the nominal area.
