@@ -420,7 +420,8 @@ class ContactProblem:
     def pull_off(self) -> Estimate:
         """Return the force at which surfaces that attract each other come apart, N, negative: the minimum on unloading.
 
-        The path begins at zero load and is followed by the approach, downwards.
+        The path begins at zero load and is followed by the approach, downwards. With `ShortRange` the force is that of
+        the limit, extrapolated from the range that the grid resolves and one 1.4 times as long.
 
         Raises
         ------
@@ -429,7 +430,7 @@ class ContactProblem:
         NotConverged
             If a state is not certified.
         """
-        return find_pull_off(self._solve, self.plan)
+        return find_pull_off(self)
 
     def solve_area(self, fraction: float, estimator: str | AreaEstimator = DEFAULT_AREA) -> ContactSolution:
         """Find the load at which the real contact area is a given fraction of the nominal area.
