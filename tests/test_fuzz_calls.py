@@ -85,8 +85,10 @@ GOOD = {
     "status": rc.Status.CONVERGED, "surface": WAVE, "task": TASK, "tolerance": 1e-6, "values": SOLUTION.pressure,
     "wavelength": 1e-3, "wavenumber": 1e4, "yield_stress": 1e9, "conductivity": 50.0, "viscosity": 1e-3,
     "pressure_drop": 1e5, "of": "participation", "tangential_force": 1.0, "friction": 0.2, "response": "stress",
+    "alpha": 0.3, "contact_radius": 1e-4, "half_width": 1e-4,
     "work": 0.05, "range": 2e-8, "strength": 1e6, "gap": np.full((8, 8), 1e-8),
     "interaction": rc.Exponential(0.05, 2e-8), "rms_slope": 0.1, "rms_curvature": 1e5,
+    "coefficient": 0.2, "compliance_ratio": 1.2, "beta": 0.3, "friction_over_beta": 0.6,
     "component": "xy", "pair": types_of_rc.PairConstants(0.1, 0.4),
     "index": 0, "topography": MAP.to_topography() if HAS_TOPOGRAPHY else None, "young": 1e9,
 }  # fmt: skip
@@ -111,6 +113,9 @@ GOOD_FOR = {
     "beyond_resolution": {"problem": MAPPED, "cutoffs": (2.0,), "realizations": 2, "resolved": 8e-5},
     "kernels.create": {"name": "love"}, "kernels.__getitem__": {"name": "love"}, "kernels.resolve": {"choice": "love"},
     "kernels.name_of": {"cls": rc.Love},
+    "ContactProblem.path": {"tangential_force": (0.01, 0.0), "pressure": 1e8},
+    "limited.path": {"tangential_force": (0.0, 0.0), "pressure": 1e4}, "limited.slide": {"pressure": 1e4},
+    "ContactProblem.slide": {"pressure": 1e8},
     "Study": {"pressure": [1e7]}, "sweep": {"pressure": [1e7, 2e7]},
     "SurfaceSum.with_parts": {"parts": (WAVE, WAVE)},
     "effective_modulus": {"wavenumber": np.array([1e3, 1e4])},
@@ -224,7 +229,7 @@ BAD |= {
 }  # fmt: skip
 
 # Results, which users do not make; enumerations; what has no arguments.
-SKIPPED = {"Area", "ContactSolution", "Boundary", "Status", "reference.Hertz"}
+SKIPPED = {"Area", "ContactSolution", "FrictionalPath", "FrictionalSolution", "Boundary", "Status", "reference.Hertz"}
 # Results again; a figure for each call would be too many.
 SKIPPED |= {"reference.PerssonContact", "reference.Roughness", "reference.FullContactEnergies", "InterfaceLaw.plot"}
 SKIPPED |= {

@@ -23,7 +23,7 @@ from roughcontact._answers.flow.network import (
 from roughcontact._answers.flow.percolation import _BLOCKS, _CORNERS, _SIDES, _is_open
 from roughcontact._answers.linear.stiffness import _find_loss, _find_trust, _measure_rows
 from roughcontact._answers.subsurface.first_yield import _choose_load, _find_slope
-from roughcontact._answers.subsurface.stress import PlanePeak, _fit_parabola, find_maximum
+from roughcontact._answers.subsurface.maximum import PlanePeak, _fit_parabola, find_maximum
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
@@ -311,11 +311,14 @@ def test_the_maximum_between_depths_is_that_over_their_logarithm():
         assert edge.depth == 2.0
         assert words in edge.warnings[0]
         assert len(edge.warnings) == 1
-    # The surface itself has no logarithm; and near it the cells make the stress.
+    # The surface itself has no logarithm: the parabola is over the depth; and near it the cells make the stress.
     shallow = find_maximum(
         np.array([0.0, 1.0, 2.0]), [PlanePeak(value, 0.0, 0.0) for value in (1.0, 2.0, 1.5)], 1.0, 0.6
     )
-    assert shallow.value == 2.0
-    assert "1.7 cells below the surface" in shallow.warnings[1]
+    assert (shallow.value, shallow.depth) == (pytest.approx(2.0 + 1.0 / 48.0), pytest.approx(7.0 / 6.0))
+    assert "1.9 cells below the surface" in shallow.warnings[0]
+    surface = find_maximum(np.array([0.0, 1.0]), [PlanePeak(value, 0.0, 0.0) for value in (2.0, 1.0)], 1.0, 0.6)
+    assert (surface.value, surface.depth) == (2.0, 0.0)
+    assert surface.warnings == ("the maximum lies at the surface, where it depends on the grid",)
     flat = find_maximum(depths, [PlanePeak(1.0, 0.0, 0.0)] * 5, 1.0, 0.1)
     assert flat.value == 1.0

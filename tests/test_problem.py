@@ -167,6 +167,11 @@ def test_explain_says_what_runs_and_what_is_omitted():
     assert "96 x 80 cells" in text
     assert "pressure limit: neither" not in text
     assert "rigid" not in text
+    assert "adhesion: none is given" in text
+    law = rc.Exponential(0.05, 1e-7)
+    text = rc.ContactProblem(rc.Body(rough(), STEEL), boundary="periodic", adhesion=law).explain()
+    assert "the repulsive part of the law: the wall is hard" in text
+    assert "none is given" not in text
 
 
 def test_the_grid_of_a_map_is_used():

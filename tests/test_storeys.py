@@ -20,7 +20,7 @@ PAGE = Path(__file__).parent.parent / "docs" / "extend" / "architecture.md"
 # These open the figures above them when they are called.
 DRAWING = ("plot", "plot_3d", "draw")
 # What the methods of a solution return is named in its annotations.
-ANNOTATED = {("roughcontact._solve.solution.contact", "roughcontact.responses")}
+ANNOTATED = {(f"roughcontact._solve.solution.{name}", "roughcontact.responses") for name in ("contact", "frictional")}
 
 
 class Import(NamedTuple):

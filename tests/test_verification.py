@@ -355,7 +355,7 @@ ERRORS = (
 
 
 @pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
-@pytest.mark.parametrize("place", ["read_archive", "read_some", "_assemble"])
+@pytest.mark.parametrize("place", ["read_archive", "read_some", "assemble"])
 def test_whatever_fails_while_a_study_reads_is_solved_again(tmp_path, monkeypatch, error, place):
     def fail(*_, **__):
         raise error
@@ -421,7 +421,7 @@ def test_a_study_takes_no_solution_whose_residuals_are_wrong(tmp_path):
     assert [one.force for one in again.records] == [one.force for one in first.records]
 
 
-@pytest.mark.parametrize("place", ["read_archive", "_assemble"])
+@pytest.mark.parametrize("place", ["read_archive", "assemble"])
 def test_a_file_is_not_called_damaged_when_memory_is_short(tmp_path, monkeypatch, place):
     path = save(problem().solve(force=1.0), tmp_path / "solution.npz")
 

@@ -9,7 +9,7 @@ import math
 from pathlib import Path
 
 import numpy as np
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, pick, write_tables
 
 import roughcontact as rc
 from roughcontact.errors import InputError, NotConverged
@@ -24,6 +24,9 @@ UNIT = math.pi * WORK * RADIUS
 LIMIT = JKR(RADIUS, MODULUS, WORK)
 MATERIAL = rc.Elastic(young=0.75 * MODULUS, poisson=0.5)
 ELASTOMER = rc.Elastic(young=2e6, poisson=0.5)
+# Cells along a side of its domain, of which the cohesive length has 1.7, 2.6 and 3.5, and the law.
+ELASTOMER_CELLS = (256, 384, 512)
+ELASTOMER_LAW = rc.Exponential(WORK, 0.113e-6)
 # Maugis' parameter, smoothing, side of the domain over the contact radius of Johnson at zero load, and cells.
 BALLS = (
     (0.1, 0.2, 6.0, 64),
@@ -36,10 +39,13 @@ BALLS = (
 )
 
 
-def make_ball(law: rc.Interaction, side: float, cells: int) -> rc.ContactProblem:
-    """Return a ball on a free domain of a side, in contact radii of Johnson at zero load."""
-    body = rc.Body(rc.ParaboloidSurface(RADIUS), MATERIAL)
+def make_ball(
+    law: rc.Interaction, side: float, cells: int, place: tuple[float, float] = (0.0, 0.0)
+) -> rc.ContactProblem:
+    """Return a ball on a free domain of a side, in contact radii of Johnson at zero load, its place in cells."""
     grid = rc.Grid((cells, cells), side * LIMIT.radius_at_zero_load)
+    x, y = (grid.spacing[0] * part for part in place)
+    body = rc.Body(rc.ParaboloidSurface(RADIUS, center=(x, y)), MATERIAL)
     return rc.ContactProblem(body, grid=grid, adhesion=law)
 
 
@@ -51,12 +57,54 @@ def count_cells(problem: rc.ContactProblem) -> float:
     return law.resolve(plan.grid.spacing, plan.modulus).cohesive_cells(plan.grid.spacing, plan.modulus)
 
 
+def make_theory(transition: float) -> MaugisDugdale:
+    """Return the theory of Maugis for his parameter."""
+    strength = 0.5 * transition * math.cbrt(math.pi * WORK * (4.0 / 3.0 * MODULUS) ** 2 / RADIUS)
+    return MaugisDugdale(RADIUS, MODULUS, WORK, strength)
+
+
+def make_stiffness_rows() -> list[list[str]]:
+    rows = [["λ", "cells", "n_c", "error, %", "stated, %", "within two, %"]]
+    random = np.random.default_rng(1)
+    for transition, smoothing, side, _ in BALLS[1:5]:
+        theory = make_theory(transition)
+        for cells in (32, 48, 64, 96):
+            problem = make_ball(rc.Dugdale(WORK, theory.strength, smoothing), 1.25 * side, cells)
+            found = []
+            for load in (-1.0, 0.0, 2.0):
+                exact = _find_stiffness(theory, load * UNIT)
+                for place in random.uniform(-0.5, 0.5, (8, 2)):
+                    moved = make_ball(problem.adhesion, 1.25 * side, cells, tuple(place))
+                    stiffness = moved.solve(force=load * UNIT).stiffness()
+                    found.append((stiffness.value / exact - 1.0, stiffness.uncertainty / exact))
+            errors, stated = np.array(found).T
+            rows.append(
+                [
+                    f"{transition:g}",
+                    f"{cells} x {cells}",
+                    f"{count_cells(problem):.1f}",
+                    f"{100.0 * math.sqrt(np.mean(errors**2)):.1f}",
+                    f"{100.0 * math.sqrt(np.mean(stated**2)):.1f}",
+                    f"{100.0 * np.mean(np.abs(errors) < 2.0 * stated):.0f}",
+                ]
+            )
+    return rows
+
+
+def _find_stiffness(theory: MaugisDugdale, force: float) -> float:
+    """Return dF/d(approach) of a ball, N/m, by differences over the contact radius."""
+    radii = theory.contact_radius(force) * np.array([1.0 - 1e-4, 1.0 + 1e-4])
+    forces, approaches = (
+        np.diff([function(radius) for radius in radii]) for function in (theory.force, theory.approach)
+    )
+    return float((forces / approaches)[0])
+
+
 def make_ball_rows() -> list[list[str]]:
     rows = [["λ", "cells", "n_c", "Maugis", "pull-off", "stated, %", "difference, %"]]
     for transition, smoothing, side, cells in BALLS:
-        strength = 0.5 * transition * math.cbrt(math.pi * WORK * (4.0 / 3.0 * MODULUS) ** 2 / RADIUS)
-        theory = MaugisDugdale(RADIUS, MODULUS, WORK, strength)
-        problem = make_ball(rc.Dugdale(WORK, strength, smoothing), side, cells)
+        theory = make_theory(transition)
+        problem = make_ball(rc.Dugdale(WORK, theory.strength, smoothing), side, cells)
         found = problem.pull_off()
         rows.append(
             [
@@ -141,15 +189,14 @@ def run_elastomer(cells: int, law: rc.Interaction, steps: int = 41) -> rc.typing
 
 def make_cycle_rows() -> list[list[str]]:
     rows = [["cells", "n_c", "pull-in, kPa", "pull-off, kPa", "loss, mJ/m2", "stated", "jumps"]]
-    for cells in (128, 192, 256):
-        law = rc.Exponential(WORK, 0.16e-6)
-        cycle = run_elastomer(cells, law)
+    for cells in ELASTOMER_CELLS:
+        cycle = run_elastomer(cells, ELASTOMER_LAW)
         area = cycle.loading[0].grid.area
         loss = cycle.dissipated
         rows.append(
             [
                 f"{cells} x {cells}",
-                f"{count_cells(make_elastomer(cells, law)):.1f}",
+                f"{count_cells(make_elastomer(cells, ELASTOMER_LAW)):.1f}",
                 f"{1e-3 * cycle.pull_in.value / area:.2f}",
                 f"{1e-3 * cycle.pull_off.value / area:.2f}",
                 f"{1e3 * loss.value / area:.3f}",
@@ -189,7 +236,7 @@ def draw(folder: Path = FIGURES, cells: int = 128) -> None:
     left.plot(1e9 * (unloading.approach - offset), unloading.force / UNIT, "s", markersize=3, label="unloading")
     left.set(xlabel="approach, nm", ylabel="force / (π w R)", xlim=(-4.7, 6.2), ylim=(-1.8, 1.6), title="A ball")
     left.legend(loc="upper left")
-    rough = run_elastomer(cells, rc.ShortRange(WORK))
+    rough = run_elastomer(2 * cells, ELASTOMER_LAW)
     area = rough.loading[0].grid.area
     for sweep, name, marker in ((rough.loading, "loading", "o-"), (rough.unloading, "unloading", "s-")):
         right.plot(1e6 * sweep.approach, 1e-3 * sweep.force / area, marker, markersize=3, label=name)
@@ -202,9 +249,12 @@ def draw(folder: Path = FIGURES, cells: int = 128) -> None:
 
 TABLES = {
     "adhesion-balls": DocTable(make_ball_rows, seconds=30),
+    "adhesion-stiffness": DocTable(
+        make_stiffness_rows, seconds=20, shown=pick(lines=[f"{part:g}; 64 x 64" for part in (0.25, 0.5, 1.0, 2.0)])
+    ),
     "adhesion-range": DocTable(make_range_rows, seconds=4),
     "adhesion-cost": DocTable(make_cost_rows, seconds=15),
-    "adhesion-cycle": DocTable(make_cycle_rows, seconds=25),
+    "adhesion-cycle": DocTable(make_cycle_rows, seconds=60),
 }
 
 if __name__ == "__main__":

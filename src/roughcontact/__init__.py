@@ -53,11 +53,12 @@ from roughcontact._parts.surfaces import (
     surfaces,
 )
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
-from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem
+from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem, FrictionalPath
 from roughcontact._solve.solution import (
     Area,
     ContactSolution,
     Estimate,
+    FrictionalSolution,
     Response,
     SolutionWriter,
     Status,
@@ -119,6 +120,8 @@ __all__ = [
     "FlatteningModel",
     "FourierHalfSpace",
     "FrictionLaw",
+    "FrictionalPath",
+    "FrictionalSolution",
     "GapDescent",
     "Grid",
     "HeightMap",
@@ -188,7 +191,8 @@ __all__ = [
 # Classes that scripts seldom type: bases of plug-ins, parts that are chosen by their registered names, results, errors.
 _SELDOM_TYPED = frozenset({
     "Area", "AreaEstimator", "Blend", "Boundary", "CellCount", "CircularFFT", "Convolver", "DCFFT", "Direct",
-    "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "FrictionLaw", "GapDescent", "Hertz",
+    "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "FrictionLaw", "FrictionalPath",
+    "FrictionalSolution", "GapDescent", "Hertz",
     "InfluenceKernel", "InputError", "Interaction", "Majorise",
     "LevelSet", "LevelSetRichardson", "Love", "Material", "MissingPackage", "NotConverged", "OutOfMemory",
     "Overlap", "Panel", "Perimeter", "PolonskyKeer", "ProjectedConjugateGradient",

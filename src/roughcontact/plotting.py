@@ -7,7 +7,7 @@ from roughcontact._faces.panels.base import Panel, panels
 from roughcontact._faces.panels.curves import add_key, draw_band, scale_axes
 from roughcontact._faces.panels.figures import make_figure, plot, save_figure
 from roughcontact._faces.panels.maps import draw_map, draw_mask, name_colors
-from roughcontact._faces.panels.results import draw_column, draw_cycle, draw_report
+from roughcontact._faces.panels.results import draw_column, draw_cycle, draw_loop, draw_report
 from roughcontact._faces.panels.solid import view_solution, view_surface
 from roughcontact._faces.panels.theme import DARK, LIGHT, Theme, style, theme_of
 from roughcontact._parts.surfaces import SampledSurface
@@ -22,6 +22,7 @@ __all__ = [
     "draw_band",
     "draw_column",
     "draw_cycle",
+    "draw_loop",
     "draw_map",
     "draw_mask",
     "draw_report",

@@ -17,9 +17,11 @@ results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
              `MatchedPair`, `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`,
-             `TheoryBeside`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`, `ContactWarning`
+             `TheoryBeside`, `Stickiness`, `AdhesionCycle`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`,
+             `ContactWarning`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 responses    `Leakage`, `Throat`, `Percolation`
+friction     `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `TangentialLoop`, `StepNumbers`
 ===========  ==========================================================================================================
 """
 
@@ -44,15 +46,27 @@ from roughcontact._solve.convolvers import (
     ShearConvolution,
     WaveMatrix,
 )
-from roughcontact._solve.problem import AdhesionCycle, SolvePlan, Sweep, require_memory_of_solve, run_sweep
+from roughcontact._solve.problem import (
+    AdhesionCycle,
+    SolvePlan,
+    StepNumbers,
+    Sweep,
+    TangentialLoop,
+    require_memory_of_solve,
+    run_sweep,
+)
 from roughcontact._solve.solution import (
     Accuracy,
     ContactConditions,
     ContactFields,
     ContactPatches,
+    FrictionalResiduals,
+    FrictionalState,
     GridLevel,
     Origin,
     Residuals,
+    Stickiness,
+    TangentialLoad,
     TheoryBeside,
     Trial,
     Violation,
@@ -107,6 +121,8 @@ __all__ = [
     "Cycle",
     "ErrorReport",
     "FrettingLoop",
+    "FrictionalResiduals",
+    "FrictionalState",
     "GridLevel",
     "IntArray",
     "InterfaceLaw",
@@ -138,6 +154,8 @@ __all__ = [
     "SolvePlan",
     "StabilityReport",
     "Step",
+    "StepNumbers",
+    "Stickiness",
     "Stress",
     "StressField",
     "StressMaximum",
@@ -147,6 +165,8 @@ __all__ = [
     "SupportsSpectrum",
     "Sweep",
     "Table",
+    "TangentialLoad",
+    "TangentialLoop",
     "Task",
     "TheoryBeside",
     "Throat",

@@ -945,6 +945,64 @@ def test_adhesion_is_solved_and_drawn(client):
     assert {"pressure", "gap", "tension"} <= drawn
 
 
+CYCLE = {**STICKY, "load_unit": "nN", "load": "cycle", "range": "30", "cells": "96", "side": "6"}
+CYCLE |= {"cycle_from": "-0.3", "cycle_to": "0.1", "states": "9"}
+
+
+def test_a_cycle_is_planned_solved_drawn_and_tabulated(client):
+    plan = client.post("api/plan", CYCLE)
+    assert (len(plan["loads"]), plan["solves"]) == (9, 17)
+    state = client.wait(client.post("api/runs", CYCLE)["id"])
+    assert state["phase"] == "done", state
+    settings = read_settings(CYCLE)
+    problem = make_problem(settings, make_scene(settings, None))
+    expected = problem.cycle(approach=np.linspace(-0.3e-6, 0.1e-6, 9))
+    (answer,) = state["answers"]
+    found = {one["name"]: one for one in answer["quantities"]}
+    assert found["pull-off"]["value"] == pytest.approx(expected.pull_off.value, rel=1e-6)
+    assert found["pull-in"]["value"] == pytest.approx(expected.pull_in.value, rel=1e-6)
+    assert found["energy lost"]["value"] == pytest.approx(expected.dissipated.value, rel=1e-3)
+    assert found["jumps"]["value"] == len(expected.jumps) > 0
+    assert found["jumps"]["text"].startswith(f"{len(expected.jumps)}: ")
+    assert found["pull-off"]["text"].endswith("µN")
+    assert not any(PYTHON.search(text) for text in state["warnings"])
+    files = {one["role"]: one["file"] for one in state["outputs"]}
+    assert client.get(f"runs/{state['id']}/{files['picture']}")[:4] == b"\x89PNG"
+    table = client.get(f"runs/{state['id']}/{files['table']}").decode("utf-8")
+    rows = list(csv.DictReader(io.StringIO(table)))
+    assert [row["branch"] for row in rows] == ["loading"] * 9 + ["unloading"] * 9
+    forces = np.concatenate([expected.loading.force, expected.unloading.force])
+    np.testing.assert_allclose([float(row["force [N]"]) for row in rows], forces, atol=1e-6 * np.abs(forces).max())
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"adhesion": "none"}, "A cycle is for surfaces that attract each other: choose an adhesion, or give another"),
+        ({"cycle_from": "0.3"}, "The first approach of a cycle must be below the last one"),
+        ({"cycle_to": "1,5"}, "The last approach must be a number such as 2.5, but got '1,5'."),
+        ({"cycle_unit": "lb"}, "The unit of the approach must be one of m, mm, um, nm, but got 'lb'."),
+        ({"states": "1"}, "The number of states must be from 2 to 201, but got 1."),
+        ({"states": "2.5"}, "The number of states must be a whole number such as 256, but got '2.5'."),
+        ({"range": "1"}, "A path cannot be followed: the cohesive length"),
+    ],
+)
+def test_a_cycle_that_cannot_be_followed_is_refused_before_it_is_solved(client, given, sentence):
+    assert sentence in client.refusal("api/plan", {**CYCLE, **given})
+
+
+@pytest.mark.slow
+def test_loads_with_adhesion_follow_each_other_as_in_a_script(client):
+    settings = {**STICKY, "load_unit": "nN", "loads": "20 -20 0", "range": "200"}
+    state = client.wait(client.post("api/runs", settings)["id"])
+    assert state["phase"] == "done", state
+    known = read_settings(settings)
+    sweep = make_problem(known, make_scene(known, None)).sweep(force=[20e-9, -20e-9, 0.0])
+    quantities = [one for answer in state["answers"] for one in answer["quantities"]]
+    areas = [one["value"] for one in quantities if one["name"] == "contact area"]
+    assert areas == pytest.approx(sweep.area, rel=1e-4)
+
+
 def test_the_first_settings_are_a_problem_that_can_be_solved():
     settings = read_settings(DEFAULTS)
     problem = make_problem(settings, make_scene(settings, None))

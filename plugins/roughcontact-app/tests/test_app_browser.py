@@ -509,3 +509,31 @@ def test_the_file_that_the_browser_is_given_leads_to_the_page(page, tmp_path, mo
 def test_the_driver_is_the_system_own():
     assert Path(DRIVER).exists()
     assert Path(CHROMIUM).exists()
+
+
+def test_a_cycle_of_surfaces_that_attract_each_other(page):
+    page.open()
+    assert not page.find("cycle_from").is_displayed()
+    for name, text in {"surface": "sphere", "radius": "6", "radius_unit": "um", "side": "6", "cells": "96"}.items():
+        page.set(name, text)
+    for name, text in {"young": "5", "young_unit": "MPa", "poisson": "0.5", "load": "cycle"}.items():
+        page.set(name, text)
+    page.until(lambda: "choose an adhesion" in page.text("refusal") + page.text("plan"))
+    assert not page.find("loads").is_displayed()
+    for name, text in {"adhesion": "exponential", "range": "30", "cycle_from": "-0.3", "cycle_to": "0.1"}.items():
+        page.set(name, text)
+    page.set("states", "9")
+    page.until(lambda: "17 states, about" in page.text("plan"))
+    page.find("solve").click()
+    page.until(lambda: page.text("headline").startswith("Pull-off -1.4"))
+    assert "energy lost in the cycle" in page.text("headline")
+    assert "approach from -0.3 to 0.1 µm and back" in page.text("run-subject")
+    assert "exponential adhesion of 50 mJ/m², range 30 nm" in page.text("run-subject")
+    assert page.value("jumps") >= 1
+    page.until(lambda: page.find("picture").is_displayed())
+    table = page.download("sphere-cycle.csv")
+    assert table.read_text(encoding="utf-8").startswith("branch,")
+    # The link of the settings, opened anew, asks for the same cycle.
+    address = page.driver.current_url
+    page.open(address)
+    assert (page.setting("load"), page.setting("cycle_to"), page.setting("states")) == ("cycle", "0.1", "9")

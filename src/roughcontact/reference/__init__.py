@@ -1,22 +1,24 @@
 """Closed forms and theories of contact mechanics to compare with; SI units, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
 
-from roughcontact.reference.adhesion import (
-    DMT,
-    JKR,
-    FullContactEnergies,
-    JohnsonWave,
-    MaugisDugdale,
-    PastewkaRobbins,
-    full_contact_energies,
-)
+from roughcontact.reference.adhesion import DMT, JKR, JohnsonWave, MaugisDugdale
 from roughcontact.reference.closed_forms import FlatPunch, Hertz, WavyContact, Westergaard, hertz_elliptic, hertz_sphere
+from roughcontact.reference.friction import (
+    CattaneoMindlin,
+    SlidingWave,
+    UnlikeCylinder,
+    bonded_punch,
+    frictional_punch,
+)
 from roughcontact.reference.persson import PerssonContact, persson
 from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
+from roughcontact.reference.sliding import SlidingCylinder, SlidingSphere
+from roughcontact.reference.stickiness import FullContactEnergies, PastewkaRobbins, full_contact_energies
 
 __all__ = [
     "DMT",
     "JKR",
     "BearingCurve",
+    "CattaneoMindlin",
     "FlatPunch",
     "FullContactEnergies",
     "Hertz",
@@ -25,9 +27,15 @@ __all__ = [
     "PastewkaRobbins",
     "PerssonContact",
     "Roughness",
+    "SlidingCylinder",
+    "SlidingSphere",
+    "SlidingWave",
+    "UnlikeCylinder",
     "WavyContact",
     "Westergaard",
     "bearing_area",
+    "bonded_punch",
+    "frictional_punch",
     "full_contact_energies",
     "hertz_elliptic",
     "hertz_sphere",

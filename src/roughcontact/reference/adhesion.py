@@ -1,4 +1,4 @@
-"""Closed forms and theories of contact with adhesion: a ball, a wave and a rough surface; SI units."""
+"""Closed forms of contact with adhesion: a ball and a wave; SI units."""
 
 from __future__ import annotations
 
@@ -10,39 +10,30 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
-from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.reference.closed_forms import Westergaard
-from roughcontact.reference.roughness import list_waves
 
 # Angles arccos(a/c) of Maugis' equations between which states are found: their contact radii span ten decades.
 _SMALLEST_ANGLE = 1e-5
 _LARGEST_ANGLE = 0.5 * math.pi - 1e-7
 # States among which the first bracket of a minimum is found.
 _SAMPLES = 2001
-# Contact area of a rough surface without adhesion times E* h' over the force, as in the paper.
-_AREA_COEFFICIENT = 2.0
 
 
-def _length(value: float) -> float:
+def read_length(value: float) -> float:
+    """Return a length of a closed form, m, above zero."""
     return number(value, "A length of a closed form", "m", above=0.0)
 
 
-def _pascal(value: float) -> float:
+def read_pressure(value: float) -> float:
+    """Return a pressure of a closed form, Pa, above zero."""
     return number(value, "A pressure of a closed form", "Pa", above=0.0)
 
 
-def _work(value: float) -> float:
+def read_work(value: float) -> float:
+    """Return the work of adhesion of a closed form, J/m2, above zero."""
     return number(value, "The work of adhesion", "J/m2", above=0.0)
-
-
-def _slope(value: float) -> float:
-    return number(value, "The rms slope", above=0.0)
-
-
-def _curvature(value: float) -> float:
-    return number(value, "The rms curvature", "1/m", above=0.0)
 
 
 def _minimize(function: Callable[[float], float], places: Array) -> float:
@@ -93,9 +84,9 @@ class JKR:
     -2.356 mN, 413.5 um
     """
 
-    radius: float = attrs.field(converter=_length)
-    modulus: float = attrs.field(converter=_pascal)
-    work: float = attrs.field(converter=_work)
+    radius: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
+    work: float = attrs.field(converter=read_work)
 
     @property
     def pull_off(self) -> float:
@@ -116,14 +107,14 @@ class JKR:
 
     def force(self, contact_radius: float) -> float:
         """Return the force at a contact radius, N."""
-        cube = _length(contact_radius) ** 3
+        cube = read_length(contact_radius) ** 3
         return 4.0 * self.modulus * cube / (3.0 * self.radius) - math.sqrt(
             8.0 * math.pi * self.work * self.modulus * cube
         )
 
     def approach(self, contact_radius: float) -> float:
         """Return the approach of distant points at a contact radius, m."""
-        a = _length(contact_radius)
+        a = read_length(contact_radius)
         return a**2 / self.radius - math.sqrt(2.0 * math.pi * self.work * a / self.modulus)
 
 
@@ -156,9 +147,9 @@ class DMT:
     -6.28 nN, 1.06 nm
     """
 
-    radius: float = attrs.field(converter=_length)
-    modulus: float = attrs.field(converter=_pascal)
-    work: float = attrs.field(converter=_work)
+    radius: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
+    work: float = attrs.field(converter=read_work)
 
     @property
     def pull_off(self) -> float:
@@ -172,11 +163,11 @@ class DMT:
 
     def force(self, contact_radius: float) -> float:
         """Return the force at a contact radius, N."""
-        return 4.0 * self.modulus * _length(contact_radius) ** 3 / (3.0 * self.radius) + self.pull_off
+        return 4.0 * self.modulus * read_length(contact_radius) ** 3 / (3.0 * self.radius) + self.pull_off
 
     def approach(self, contact_radius: float) -> float:
         """Return the approach of distant points at a contact radius, m."""
-        return _length(contact_radius) ** 2 / self.radius
+        return read_length(contact_radius) ** 2 / self.radius
 
 
 @guarded
@@ -222,10 +213,10 @@ class MaugisDugdale:
     lambda 0.612: -1.6801 pi w R
     """
 
-    radius: float = attrs.field(converter=_length)
-    modulus: float = attrs.field(converter=_pascal)
-    work: float = attrs.field(converter=_work)
-    strength: float = attrs.field(converter=_pascal)
+    radius: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
+    work: float = attrs.field(converter=read_work)
+    strength: float = attrs.field(converter=read_pressure)
 
     @property
     def transition(self) -> float:
@@ -270,7 +261,7 @@ class MaugisDugdale:
         return _minimize(lambda place: self._state(place)[1], np.arctan(tangents))
 
     def _angle(self, contact_radius: float) -> float:
-        a = _length(contact_radius)
+        a = read_length(contact_radius)
         low = self._state(_LARGEST_ANGLE)[0]
         high = self._state(_SMALLEST_ANGLE)[0]
         if not low < a < high:
@@ -324,10 +315,10 @@ class JohnsonWave:
     alpha 0.201, pull-off at -0.0561 p*
     """
 
-    amplitude: float = attrs.field(converter=_length)
-    wavelength: float = attrs.field(converter=_length)
-    modulus: float = attrs.field(converter=_pascal)
-    work: float = attrs.field(converter=_work)
+    amplitude: float = attrs.field(converter=read_length)
+    wavelength: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
+    work: float = attrs.field(converter=read_work)
 
     @property
     def full_contact_pressure(self) -> float:
@@ -379,121 +370,3 @@ class JohnsonWave:
         around = place + np.linspace(-2.0, 2.0, 9) / _SAMPLES
         around = self.wavelength * around[(around > 0.0) & (around < 0.5)]
         return _minimize(lambda half: sign * self.mean_pressure(half), around)
-
-
-@guarded
-@attrs.frozen
-class PastewkaRobbins:
-    r"""Whether rough surfaces stick: the criterion of Pastewka and Robbins.
-
-    At the edges of contact patches of mean diameter :math:`d = 4h'/h''` the gap opens with the power 3/2 of the
-    distance. Where it is below the range :math:`\Delta r` the surfaces attract each other with :math:`w/\Delta r`, and
-    they stick if that is more than what carries the patches, :math:`E^* h'/\kappa` with :math:`\kappa = 2`:
-
-    .. math:: \frac{E^* h' \Delta r}{\kappa w}\left[\frac{h' d}{4\Delta r}\right]^{2/3}
-              < \pi\left(\tfrac{3}{16}\right)^{2/3}
-
-    It holds for a range that is short beside the heights, and weak adhesion: patches keep their form.
-
-    Parameters
-    ----------
-    rms_slope
-        Root mean square h' of the gradient.
-    rms_curvature
-        Root mean square h'' of half the Laplacian, 1/m.
-    modulus
-        Contact modulus E*, Pa.
-    work
-        Work of adhesion w, J/m2.
-    range
-        Range of the attraction, m: the work over the strength.
-
-    References
-    ----------
-    Pastewka, Robbins, Proc. Natl. Acad. Sci. 111 (2014) 3298-3303, https://doi.org/10.1073/pnas.1320846111
-
-    Examples
-    --------
-    >>> from roughcontact.reference import PastewkaRobbins
-    >>> rubber = PastewkaRobbins(rms_slope=0.1, rms_curvature=1e6, modulus=1e6, work=0.05, range=1e-9)
-    >>> rubber.sticks, PastewkaRobbins(0.1, 1e6, modulus=100e9, work=0.05, range=1e-9).sticks
-    (True, False)
-    """
-
-    rms_slope: float = attrs.field(converter=_slope)
-    rms_curvature: float = attrs.field(converter=_curvature)
-    modulus: float = attrs.field(converter=_pascal)
-    work: float = attrs.field(converter=_work)
-    range: float = attrs.field(converter=_length)
-
-    @property
-    def patch_diameter(self) -> float:
-        """Mean diameter of a contact patch without adhesion, m."""
-        return 4.0 * self.rms_slope / self.rms_curvature
-
-    @property
-    def ratio(self) -> float:
-        """What carries the patches over what attracts them: below one the surfaces stick."""
-        pressure = self.modulus * self.rms_slope / _AREA_COEFFICIENT
-        width = math.cbrt((0.25 * self.rms_slope * self.patch_diameter / self.range) ** 2)
-        return pressure * self.range / self.work * width / (math.pi * math.cbrt(9.0 / 256.0))
-
-    @property
-    def sticks(self) -> bool:
-        """Whether a finite force is needed to separate the surfaces."""
-        return self.ratio < 1.0
-
-
-@guarded
-@attrs.frozen
-class FullContactEnergies:
-    """The energies of two surfaces pressed into full contact, per nominal area.
-
-    Attributes
-    ----------
-    elastic
-        Elastic energy of closing all gaps, J/m2.
-    released
-        Work of adhesion less the elastic energy, J/m2: what full contact releases, or costs if it is negative. It is
-        the effective work of adhesion of Persson and Tosatti without the area that the roughness adds.
-    """
-
-    elastic: float
-    released: float
-
-
-@guarded
-def full_contact_energies(heights: Array, grid: Grid, work: float, modulus: float) -> FullContactEnergies:
-    r"""Return the energies of full contact of a surface that repeats, by the power of its waves.
-
-    .. math:: U = \frac{E^*}{4} \sum_q q\,|h_q|^2
-
-    Parameters
-    ----------
-    heights
-        Heights, shape (nx, ny), m.
-    grid
-        Their grid.
-    work
-        Work of adhesion, J/m2.
-    modulus
-        Contact modulus E*, Pa.
-
-    References
-    ----------
-    Persson, Tosatti, J. Chem. Phys. 115 (2001) 5597-5610, https://doi.org/10.1063/1.1398300
-
-    Examples
-    --------
-    >>> import roughcontact as rc
-    >>> from roughcontact.reference import full_contact_energies
-    >>> grid = rc.Grid((64, 64), 64e-6)
-    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=32e-6).heights(grid)
-    >>> energies = full_contact_energies(wave, grid, work=0.05, modulus=1e6)
-    >>> print(f"{energies.elastic:.4f} J/m2 of 0.05 J/m2")
-    0.0491 J/m2 of 0.05 J/m2
-    """
-    waves = list_waves(heights, grid, periodic=True)
-    strain = waves.sum(np.sqrt(waves.square)) * waves.height**2 / waves.cell
-    elastic = 0.25 * _pascal(modulus) * strain
-    return FullContactEnergies(elastic, _work(work) - elastic)

@@ -8,7 +8,15 @@ from collections.abc import Sequence
 from typing import Any
 
 from roughcontact import ContactSolution, Estimate
-from roughcontact.typing import exceeds_metals, gather_warnings, list_quantities, name_load, si, write_column
+from roughcontact.typing import (
+    AdhesionCycle,
+    exceeds_metals,
+    gather_warnings,
+    list_quantities,
+    name_load,
+    si,
+    write_column,
+)
 
 from roughcontact_app.words import end_sentence, in_words_of_page
 
@@ -31,6 +39,30 @@ def describe_solutions(solutions: Sequence[ContactSolution]) -> list[dict[str, A
         }
         for solution, (quantities, warnings) in zip(solutions, found, strict=True)
     ]
+
+
+def describe_cycle(cycle: AdhesionCycle) -> dict[str, Any]:
+    """Return the answer of a cycle, in the form of the answer at a load."""
+    states = (*cycle.loading, *cycle.unloading[1:])
+    shared = dict.fromkeys((*cycle.pull_off.warnings, *cycle.pull_in.warnings))
+    # Both branches have a state at each approach.
+    others: dict[str, list[str]] = {}
+    for state in states:
+        known = others.setdefault(name_load(state), [])
+        known += [text for text in state.warnings if text not in (*shared, *known)]
+    found = {"pull-off": cycle.pull_off, "pull-in": cycle.pull_in, "energy lost": cycle.dissipated}
+    quantities = [_describe(name, one, write_column([one])[0]) for name, one in found.items()]
+    places = "; ".join(f"{si(first, 'm', 3)} to {si(last, 'm', 3)}" for first, last in cycle.jumps)
+    count = Estimate(float(len(cycle.jumps)), 0.0, "")
+    quantities.append(_describe("jumps", count, f"{len(cycle.jumps)}{f': {places}' if places else ''}"))
+    return {
+        "load": "cycle",
+        "status": in_words_of_page(str(states[-1].status)),
+        "certified": all(state.status.success for state in states),
+        "seconds": sum(state.seconds for state in states),
+        "quantities": quantities,
+        "warnings": [end_sentence(text) for text in (*shared, *gather_warnings([*others.items()]))],
+    }
 
 
 def _warn_of_hardness(solution: ContactSolution) -> list[str]:

@@ -12,7 +12,7 @@ import attrs
 from roughcontact import ContactSolution
 from roughcontact.errors import RoughContactError
 from roughcontact.plotting import panels
-from roughcontact.typing import Sweep, replacing
+from roughcontact.typing import AdhesionCycle, Sweep, replacing
 
 from roughcontact_app.answers import make_table
 
@@ -76,6 +76,36 @@ class Outputs:
     def _draw(self, subject: Sweep | ContactSolution, name: str) -> dict[str, Any]:
         draw(lambda: subject.plot(name, dark=self.dark), self.folder / f"{name}.png")
         return {"role": "picture", "file": f"{name}.png", "panel": name}
+
+
+@attrs.frozen(eq=False)
+class CycleOutputs:
+    """What is written of a cycle: the table of its states and the picture of both branches.
+
+    Attributes
+    ----------
+    cycle
+        The cycle.
+    folder, dark
+        As of `Outputs`.
+    """
+
+    cycle: AdhesionCycle
+    folder: Path
+    dark: bool
+
+    def steps(self) -> Iterator[Callable[[], dict[str, Any]]]:
+        """Yield functions that write a file and return what the page is to know of it."""
+        yield self._write_table
+        yield self._draw
+
+    def _write_table(self) -> dict[str, Any]:
+        self.cycle.to_csv(self.folder / "cycle.csv")
+        return {"role": "table", "file": "cycle.csv"}
+
+    def _draw(self) -> dict[str, Any]:
+        draw(lambda: self.cycle.plot(dark=self.dark), self.folder / "cycle.png")
+        return {"role": "picture", "file": "cycle.png", "panel": "cycle"}
 
 
 def draw(plot: Callable[[], Any], path: Path) -> None:

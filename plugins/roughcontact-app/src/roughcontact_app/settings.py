@@ -16,7 +16,7 @@ UNITS: dict[str, dict[str, int]] = {
     "length": {"m": 0, "mm": -3, "um": -6, "nm": -9},
     "modulus": {"Pa": 0, "MPa": 6, "GPa": 9},
     "pressure": {"Pa": 0, "kPa": 3, "MPa": 6, "GPa": 9},
-    "force": {"N": 0, "mN": -3, "uN": -6, "kN": 3},
+    "force": {"N": 0, "mN": -3, "uN": -6, "nN": -9, "kN": 3},
     "approach": {"m": 0, "mm": -3, "um": -6, "nm": -9},
     "work": {"J/m2": 0, "mJ/m2": -3},
 }
@@ -79,6 +79,10 @@ DEFAULTS: dict[str, str] = {
     "load": "pressure",
     "loads": "100",
     "load_unit": "MPa",
+    "cycle_from": "-0.1",
+    "cycle_to": "0.5",
+    "cycle_unit": "um",
+    "states": "41",
     "boundary": "free",
     "scheme": "light",
 }
@@ -89,7 +93,7 @@ _CHOICES = {
     "form": ("none", "plane", "quadratic", "sphere"),
     "counterbody": ("rigid", "deformable"),
     "adhesion": ("none", "exponential", "van-der-waals", "short-range"),
-    "load": ("force", "pressure", "approach"),
+    "load": ("force", "pressure", "approach", "cycle"),
     "boundary": ("free", "periodic", "wrapped"),
     "scheme": ("light", "dark"),
 }
@@ -99,6 +103,8 @@ _NUMBER = re.compile(r"[-+]?(?:[0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})(?:[eE][-
 _WHOLE = re.compile(r"[0-9]{1,9}")
 # Loads of one run: a curve has no more points that can be told apart.
 _MOST_LOADS = 40
+# States on each branch of a cycle.
+_MOST_STATES = 201
 
 
 def read_settings(data: object) -> Settings:
@@ -150,6 +156,23 @@ def load_values(settings: Settings) -> list[float]:
     if len(set(values)) < len(values):
         raise InputError("A load is given twice: give each load once.")
     return values
+
+
+def cycle_values(settings: Settings) -> list[float]:
+    """Return the approaches of a branch of a cycle, m."""
+    if settings["adhesion"] == "none":
+        raise InputError("A cycle is for surfaces that attract each other: choose an adhesion, or give another load.")
+    unit = _unit(settings, "cycle_unit", "approach")
+    low, high = (
+        _quantity(settings[name], label, "approach", unit, True, signed=True)
+        for name, label in (("cycle_from", "The first approach"), ("cycle_to", "The last approach"))
+    )
+    if not low < high:
+        raise InputError("The first approach of a cycle must be below the last one, from which the surfaces return.")
+    count = whole(settings, "states", "The number of states")
+    if not 2 <= count <= _MOST_STATES:
+        raise InputError.about("The number of states", count, f"from 2 to {_MOST_STATES}")
+    return [low + (high - low) * step / (count - 1) for step in range(count)]
 
 
 def _unit(settings: Settings, name: str, kind: str) -> str:

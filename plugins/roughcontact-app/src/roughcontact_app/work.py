@@ -11,10 +11,10 @@ from typing import Any
 
 from roughcontact import ContactProblem, ContactSolution, ProjectedConjugateGradient
 from roughcontact.errors import InputError, RoughContactError
-from roughcontact.typing import Array, Load, Sweep, binary, run_sweep
+from roughcontact.typing import AdhesionCycle, Array, Load, Sweep, binary, run_sweep, si
 
-from roughcontact_app.answers import describe_solutions, list_warnings
-from roughcontact_app.outputs import Outputs, draw
+from roughcontact_app.answers import describe_cycle, describe_solutions, list_warnings
+from roughcontact_app.outputs import CycleOutputs, Outputs, draw
 from roughcontact_app.preview import describe
 from roughcontact_app.progress import Progress
 from roughcontact_app.scene import Scene, Upload, inspect_file, make_loads, make_problem, make_scene
@@ -34,7 +34,8 @@ _CORRECTED = (
 Send = Callable[[dict[str, Any]], None]
 
 # The beginnings of settings that the surface does not follow from: they do not make it anew.
-_OF_OTHERS = ("young", "poisson", "hardness", "counterbody", "adhesion", "work", "range", "load", "scheme")
+_OF_MATERIALS = ("young", "poisson", "hardness", "counterbody", "adhesion", "work", "range")
+_OF_OTHERS = (*_OF_MATERIALS, "load", "cycle", "states", "scheme")
 
 
 def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
@@ -83,7 +84,8 @@ def _plan(settings: Settings, upload: Upload | None, calibration: float) -> dict
     plan = problem.plan
     return {
         "loads": [str(load) for load in loads],
-        "seconds": calibration * len(loads) * plan.seconds,
+        "solves": _count_solves(settings, loads),
+        "seconds": calibration * _count_solves(settings, loads) * plan.seconds,
         "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
         "basis": _BASIS if calibration == 1.0 else _CORRECTED,
         "text": in_words_of_page(problem.explain()),
@@ -95,18 +97,30 @@ def _solve(settings: Settings, upload: Upload | None, folder: Path, send: Send) 
     send({"phase": "preparing"})
     problem = make_problem(settings, _scene(settings, upload))
     loads = make_loads(settings, problem)
-    forecast = len(loads) * problem.plan.seconds
+    forecast = _count_solves(settings, loads) * problem.plan.seconds
     started = time.perf_counter()
-    sweep = _run(problem, loads, send)
+    result = _run_cycle(problem, loads, send) if settings["load"] == "cycle" else _run(problem, loads, send)
     ratio = (time.perf_counter() - started) / forecast
     send({"phase": "evaluating", "fraction": 1.0, "text": "The contact is solved; areas and uncertainties follow."})
-    answers = describe_solutions(sweep.solutions)
+    dark = settings["scheme"] == "dark"
+    outputs: Outputs | CycleOutputs
+    if isinstance(result, AdhesionCycle):
+        answers = [describe_cycle(result)]
+        outputs = CycleOutputs(result, folder, dark)
+    else:
+        answers = describe_solutions(result.solutions)
+        outputs = Outputs(result, answers, folder, dark)
     found = {"answers": answers, "warnings": list_warnings(answers)}
-    send({"phase": "drawing", "text": "Pictures and report follow.", "ratio": ratio, **found})
-    return {"notes": _write_all(Outputs(sweep, answers, folder, settings["scheme"] == "dark"), send)}
+    send({"phase": "drawing", "text": "Pictures and tables follow.", "ratio": ratio, **found})
+    return {"notes": _write_all(outputs, send)}
 
 
-def _write_all(outputs: Outputs, send: Send) -> list[str]:
+def _count_solves(settings: Settings, loads: tuple[Load, ...]) -> int:
+    """Return the number of solves: unloading passes all states of loading but the last."""
+    return 2 * len(loads) - 1 if settings["load"] == "cycle" else len(loads)
+
+
+def _write_all(outputs: Outputs | CycleOutputs, send: Send) -> list[str]:
     """Write all files of a run; return in sentences what cannot be written."""
     notes = []
     for write in outputs.steps():
@@ -124,4 +138,24 @@ def _run(problem: ContactProblem, loads: tuple[Load, ...], send: Send) -> Sweep:
         progress.begin(str(load))
         return problem.solve(**load.arguments, start=start, throw=False, on_step=progress.step)
 
-    return run_sweep(solve, loads)
+    if problem.adhesion is None:
+        return run_sweep(solve, loads)
+    # The state of surfaces that attract each other depends on the loads before.
+    states: list[ContactSolution] = []
+    for load in loads:
+        states.append(solve(load, states[-1].pressure if states and states[-1].status.success else None))
+    return Sweep(tuple(states))
+
+
+def _run_cycle(problem: ContactProblem, loads: tuple[Load, ...], send: Send) -> AdhesionCycle:
+    total = 2 * len(loads) - 1
+    count = 0
+
+    def tell(state: ContactSolution) -> None:
+        nonlocal count
+        count += 1
+        branch = "loading" if count <= len(loads) else "unloading"
+        text = f"state {count} of {total}, {branch}: approach {si(state.approach, 'm', 3)}"
+        send({"phase": "solving", "fraction": count / total, "text": f"{text}, force {si(state.force, 'N', 3)}"})
+
+    return problem.cycle(approach=[load.value for load in loads], on_state=tell)

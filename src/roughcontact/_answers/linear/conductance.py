@@ -13,7 +13,6 @@ from roughcontact._answers.linear.stiffness import (
     describe_full_contact,
     list_warnings,
     require_mean_gap,
-    sum_answer,
 )
 from roughcontact._answers.linear.tangent import LinearSolution, Tangent
 from roughcontact._base.arrays import Array, Pair, read_only
@@ -174,5 +173,5 @@ def _find_currents(
     """Return the stiffness of each patch and the standard deviation of their sum, N/m."""
     correction = correct_edges(solution, answer.values, tangent.cells, area, film)
     parts = solution.patches.sum(answer.values) * solution.grid.cell_area
-    total = sum_answer(answer.values, answer.residual) * solution.grid.cell_area
+    total = answer.product * solution.grid.cell_area
     return parts * (total / float(parts.sum())) + correction.patches, correction.uncertainty

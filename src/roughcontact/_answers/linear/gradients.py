@@ -8,7 +8,8 @@ from typing import TypeAlias
 import attrs
 import numpy as np
 
-from roughcontact._answers.linear.tangent import Tangent
+from roughcontact._answers.linear.adhesive_tangent import AdhesiveTangent, describe_jump, tangent_of
+from roughcontact._answers.linear.tangent import LinearSolution, Tangent
 from roughcontact._base.arrays import Array, IntArray, read_only
 from roughcontact._base.checks import callback, choice, numbers
 from roughcontact._parts.grid import Boundary
@@ -94,17 +95,23 @@ def _of_mean_gap(solution: ContactSolution) -> Sensitivity:
 
 def _of_participation(solution: ContactSolution) -> Sensitivity:
     # Squares of very large or small pressures leave the range of float64.
-    largest = float(solution.pressure.max())
+    largest = float(solution.contact_pressure.max())
     if largest == 0.0:
         raise InputError("The participation has no gradient where nothing is in contact.")
-    relative = solution.pressure / largest
+    relative = solution.contact_pressure / largest
     total = float(relative.sum())
     square = float(np.einsum("ij,ij->", relative, relative))
     factor = 2.0 * _PARTICIPATION_FACTOR * solution.grid.cell_area * total / square
-    return Sensitivity(pressure=factor * (1.0 - total / square * relative) / largest)
+    by_pressure = factor * (1.0 - total / square * relative) / largest
+    return Sensitivity(pressure=np.where(solution.contact, by_pressure, 0.0))
 
 
 def _of_area(solution: ContactSolution) -> Sensitivity:
+    if solution.tension is not None:
+        raise InputError(
+            "The area has no gradient where surfaces attract each other: its edge is that of a crack, and it does not "
+            "grow as Hertz's area. Take the difference of two solves."
+        )
     patches = solution.patches
     area = solution.area()
     # Contact everywhere has no edge that could move.
@@ -228,14 +235,16 @@ class Gradient(Response[Array]):
     .. math:: \frac{\mathrm{d}J}{\mathrm{d}z} = \lambda - \frac{\sum\lambda}{\sum s}\,s, \quad
               \lambda = K_{AA}^{-1} \frac{\partial J}{\partial p}, \quad s = K_{AA}^{-1} 1
 
-    under a given load, and :math:`\lambda` at a given position. The load that was given is held
-    fixed: pressure, force, or approach, which counts from the touch of the highest cell and so moves with it.
+    under a given load, and :math:`\lambda` at a given position. Where surfaces attract each other open cells follow the
+    law, which is held, and :math:`K_{AA}^{-1}` is the answer of `LinearisedGap`. The load that was given is held fixed:
+    pressure, force, or approach, which counts from the touch of the highest cell and so moves with it.
 
     Parameters
     ----------
     of
-        ``"force"``, ``"approach"``, ``"mean-gap"``, ``"participation"`` or ``"area"``; or a function that takes the
-        pressure, shape (nx, ny), Pa, and returns the derivative of J with respect to it, shape (nx, ny).
+        ``"force"``, ``"approach"``, ``"mean-gap"``, ``"participation"`` (with adhesion of the contact pressure) or,
+        without adhesion, ``"area"``; or a function that takes the pressure, shape (nx, ny), Pa, and returns the
+        derivative of J with respect to it, shape (nx, ny).
     with_respect_to
         ``"heights"``: the sum of the heights of both bodies in each cell, m; the result has shape (nx, ny).
         ``"modulus"``: the contact modulus E*, Pa, with that of any layers in proportion; ``"load"``: the pressure,
@@ -250,13 +259,15 @@ class Gradient(Response[Array]):
     :math:`\frac{9}{8} (\int p)^2 / \int p^2`, the area of Hertzian spots of one size.
     """
 
+    with_adhesion = "total pressure"
+
     of: str | PressureDerivative = attrs.field(converter=_number)
     with_respect_to: str = attrs.field(default="heights", converter=_variable)
 
     def respond(self, solution: ContactSolution) -> Array:
         """Return the derivatives; see `Response.respond`."""
         # The tangent refuses a solution that does not say what was solved.
-        tangent = Tangent(solution)
+        tangent = tangent_of(solution)
         sensitivity = self._differentiate(solution)
         kind = next(iter(solution.origin.load)) if solution.origin is not None else ""
         if kind == "approach":
@@ -265,6 +276,9 @@ class Gradient(Response[Array]):
             adjoint = _Adjoint.under_load(tangent, sensitivity)
             if self.of == "area" and self.with_respect_to == "heights":
                 warn(_AREA_WARNING)
+        jump = describe_jump(adjoint.margin)
+        if jump is not None:
+            warn(jump)
         if self.with_respect_to == "load":
             units = {"pressure": float(solution.pressure.size), "force": 1.0 / solution.grid.cell_area, "approach": 1.0}
             return read_only(np.asarray(adjoint.load * units[kind]))
@@ -293,44 +307,56 @@ class _Adjoint:
     Attributes
     ----------
     surface
-        With respect to heights at a position that does not move with them, shape (nx, ny); zero outside the contact.
+        With respect to heights at a position that does not move with them, shape (nx, ny); zero outside the contact but
+        for surfaces that attract each other.
     summit
         With respect to the height of the highest cell, in addition to `surface`.
     load
         With respect to the sum of the pressure, or to the approach.
+    margin
+        How far surfaces that attract each other are from a jump, as `StabilityMargin`; 1 without adhesion.
     """
 
     surface: Array
     summit: float
     load: float
+    margin: float = 1.0
 
     @classmethod
-    def at_approach(cls, tangent: Tangent, sensitivity: Sensitivity) -> _Adjoint:
+    def at_approach(cls, tangent: Tangent | AdhesiveTangent, sensitivity: Sensitivity) -> _Adjoint:
         """Return the derivatives at a given approach."""
         if tangent.is_rigid:
             raise InputError("In full contact on a periodic boundary the approach does not determine the pressure.")
-        surface = _solve(tangent, sensitivity.pressure)
-        by_position = float(surface.sum()) + sensitivity.position
-        return cls(surface, -by_position, by_position)
+        answer = _solve(tangent, sensitivity.pressure)
+        by_position = float(answer.values.sum()) + sensitivity.position
+        return cls(answer.values, -by_position, by_position, answer.margin)
 
     @classmethod
-    def under_load(cls, tangent: Tangent, sensitivity: Sensitivity) -> _Adjoint:
+    def under_load(cls, tangent: Tangent | AdhesiveTangent, sensitivity: Sensitivity) -> _Adjoint:
         """Return the derivatives under a given load."""
         if not tangent.cells.any():
             raise InputError("All cells in contact are at the pressure limit: how they share a change of load is open.")
+        margin = 1.0
         if tangent.is_rigid:
             fractions = np.full(tangent.cells.shape, 1.0 / tangent.cells.size)
             compliance = 0.0
         else:
             uniform = _solve(tangent, np.ones(()))
-            compliance = 1.0 / float(uniform.sum())
-            fractions = uniform * compliance
+            stiffness = float(uniform.values.sum())
+            if not stiffness > 0.0:
+                raise InputError(
+                    "Under a given load the state is not stable, so that it has no gradient: solve for its approach."
+                )
+            # At a jump of the load the attraction pulls as much as the contact resists.
+            margin = min(uniform.margin, stiffness / float(np.abs(uniform.values).sum()))
+            compliance = 1.0 / stiffness
+            fractions = uniform.values * compliance
         # A constant added to the derivative by the pressure counts the change of the load, which is zero.
         mean = float(np.sum(fractions * sensitivity.pressure))
-        surface = _solve(tangent, sensitivity.pressure - mean) - sensitivity.position * fractions
-        return cls(surface, 0.0, mean + sensitivity.position * compliance)
+        surface = _solve(tangent, sensitivity.pressure - mean).values - sensitivity.position * fractions
+        return cls(surface, 0.0, mean + sensitivity.position * compliance, margin)
 
 
-def _solve(tangent: Tangent, right: Array) -> Array:
-    """Return the pressure on the cells in contact for a right side of shape () or (nx, ny)."""
-    return tangent.solve(np.broadcast_to(right, tangent.cells.shape), _ADJOINT_TOLERANCE).values
+def _solve(tangent: Tangent | AdhesiveTangent, right: Array) -> LinearSolution:
+    """Return the answer to a right side of shape () or (nx, ny)."""
+    return tangent.solve(np.broadcast_to(right, tangent.cells.shape), _ADJOINT_TOLERANCE)

@@ -9,11 +9,11 @@ import numpy as np
 
 from roughcontact._answers.areas.cells import count_sides, find_sharp_edges
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.linear.tangent import Tangent
+from roughcontact._answers.linear.adhesive_tangent import describe_jump, tangent_of
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import Boundary
-from roughcontact._solve.problem import find_stability, problem_of, step_approach
+from roughcontact._solve.problem import find_stability, problem_of
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
 
@@ -46,13 +46,19 @@ _CORRECTION_STD = 0.25
 _HIDDEN_RADIUS_FACTOR = 0.375
 # Relative residual of the answer to a unit displacement: the relative error of the stiffness is its square.
 _RESIDUAL_TOLERANCE = 1e-2
-# Change of the approach over the range of the displacement from which the stiffness with adhesion follows, and the
-# difference of its sides over it from which on a jump is near.
-_ADHESIVE_STEP = 2e-3
-# Stability margin below which a jump is near, and its relative standard deviation by the steps of Lanczos' method.
-_NEAR_JUMP_MARGIN = 0.05
+# The same with adhesion, where the pull of the open cells is subtracted, and the margin is met on the way.
+_ADHESIVE_TOLERANCE = 3e-3
+# Relative standard deviation of the stability margin by the steps of Lanczos' method.
 _MARGIN_STD = 0.02
-_NEAR_JUMP = 0.2
+
+
+# Standard deviation of the stiffness over the pull of the open cells, times the width of the ring of them in cells; and
+# as a fraction of the stiffness, because the edge sticks to the cells: a factor, and the fall with the cells of the
+# cohesive length. Set on 675 balls of Maugis' parameter 0.25 to 2 and exponential laws of Tabor's number 0.5 to 2 at
+# random places, on 24 to 96 cells at three loads: 98 % of the errors lie within two standard deviations.
+_PULL_STD = 0.05
+_STUCK_STD = 1.5
+_STUCK_FALL = 1.5
 
 
 @attrs.frozen(eq=False)
@@ -209,7 +215,9 @@ class Stiffness(Response[Estimate]):
     .. math:: K_{AA}\, q = 1, \qquad S = q \cdot (1 + r)\, \Delta x \Delta y + dS
 
     with the cells A in contact below the pressure limit, the residual :math:`r = 1 - K q`, so that the error is
-    the square of the residual, and the correction dS of the edge (`roughcontact._answers.linear.stiffness`). Over
+    the square of the residual, and the correction dS of the edge (`roughcontact._answers.linear.stiffness`). Where
+    surfaces attract each other open cells answer too, by the slope of the law (`LinearisedGap`), and the stiffness may
+    be negative. Over
     ``solution.grid.area`` it is the stiffness of the interface, Pa/m. It is infinite in full contact on a periodic
     boundary, and zero where no cell is in contact below the limit.
 
@@ -222,8 +230,6 @@ class Stiffness(Response[Estimate]):
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
-        if solution.tension is not None:
-            return _compare_neighbours(solution)
         normal = find_normal_answer(solution, "stiffness")
         return Estimate(normal.value, normal.uncertainty, "N/m", normal.warnings)
 
@@ -242,32 +248,8 @@ class StabilityMargin(Response[Estimate]):
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the margin; see `Response.respond`."""
         margin = find_stability(problem_of(solution), solution)
-        warnings: tuple[str, ...] = ()
-        if margin < _NEAR_JUMP_MARGIN:
-            text = "the state is close to a jump: a slightly other load may separate or join the surfaces"
-            warnings = (ContactWarning(text, "near a jump", margin),)
-        return Estimate(margin, _MARGIN_STD * abs(margin), "", warnings)
-
-
-def _compare_neighbours(solution: ContactSolution) -> Estimate:
-    """Return the stiffness of surfaces that attract each other, N/m, from states at slightly other approaches.
-
-    Their contact and the tension beside it change together, which the linear answer of a fixed contact does not know.
-    """
-    moved = float(solution.displacement.max() - solution.displacement.min())
-    step = _ADHESIVE_STEP * moved
-    problem = problem_of(solution)
-    above = step_approach(problem, solution, step)
-    below = step_approach(problem, solution, -step)
-    forward = (above.force - solution.force) / step
-    backward = (solution.force - below.force) / step
-    value = 0.5 * (forward + backward)
-    uncertainty = 0.5 * abs(forward - backward)
-    warnings: tuple[str, ...] = ()
-    if uncertainty > _NEAR_JUMP * abs(value):
-        text = "the force changes by other amounts on both sides: the contact is near a jump, or sticks to the cells"
-        warnings = (ContactWarning(text, "near a jump", uncertainty / max(abs(value), 1e-300)),)
-    return Estimate(value, uncertainty, "N/m", warnings)
+        jump = describe_jump(margin)
+        return Estimate(margin, _MARGIN_STD * abs(margin), "", () if jump is None else (jump,))
 
 
 @attrs.frozen(eq=False)
@@ -295,21 +277,36 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
     require_mean_gap(solution, what)
     area = solution.area()
     warnings = list_warnings(solution, area.warnings)
-    tangent = Tangent(solution)
+    tangent = tangent_of(solution)
     unit = np.ones(solution.grid.shape)
     if tangent.is_rigid:
         return NormalAnswer(0.0 * unit, math.inf, 0.0, (*warnings, describe_full_contact(what)))
-    if not tangent.cells.any():
-        return NormalAnswer(0.0 * unit, 0.0, 0.0, warnings)
-    answer = tangent.solve(unit, _RESIDUAL_TOLERANCE)
-    correction = correct_edges(solution, answer.values, tangent.cells, area)
-    value = sum_answer(answer.values, answer.residual) * solution.grid.cell_area + float(correction.patches.sum())
-    return NormalAnswer(answer.values, value, correction.uncertainty, warnings)
+    answer = tangent.solve(unit, _RESIDUAL_TOLERANCE if solution.tension is None else _ADHESIVE_TOLERANCE)
+    jump = describe_jump(answer.margin)
+    warnings = warnings if jump is None else (*warnings, jump)
+    value = answer.product * solution.grid.cell_area
+    std = 0.0
+    if tangent.cells.any():
+        correction = correct_edges(solution, answer.values, tangent.cells, area)
+        value += float(correction.patches.sum())
+        std = correction.uncertainty
+    if solution.tension is not None:
+        std = math.hypot(std, _find_pull_std(solution, answer.values, value))
+    return NormalAnswer(answer.values, value, std, warnings)
 
 
-def sum_answer(values: Array, residual: Array) -> float:
-    """Return the sum of the answer to a unit displacement, exact to the square of the residual."""
-    return float(np.add.reduce(values * (1.0 + residual), axis=None))
+def _find_pull_std(solution: ContactSolution, answer: Array, value: float) -> float:
+    """Return the standard deviation of a stiffness by the cells in which open surfaces attract each other, N/m."""
+    law = problem_of(solution).plan.interaction
+    pull = np.abs(answer[~solution.contact])
+    total = float(pull.sum())
+    if law is None or total == 0.0:
+        return 0.0
+    # Cells that pull alike in a ring around the contact, whose sides are 4/pi times its length.
+    count = total**2 / float(np.einsum("i,i->", pull, pull))
+    width = count / (0.25 * math.pi * max(count_sides(solution.contact, solution.boundary), 1))
+    stuck = _STUCK_STD * math.exp(-_STUCK_FALL * law.cohesive_cells(solution.grid.spacing, solution.modulus))
+    return math.hypot(_PULL_STD * total * solution.grid.cell_area / width, stuck * value)
 
 
 def require_mean_gap(solution: ContactSolution, what: str) -> None:

@@ -43,19 +43,32 @@ class LinearSolution:
     ----------
     values
         The solution q, shape (nx, ny), zero outside the cells, in Pa for a right side in m.
-    residual
-        The right side less K q, shape (nx, ny), zero outside the cells, in the unit of the right side.
+    product
+        Sum of the right side times q, m Pa, whose relative error is about the square of `error`.
     error
-        Norm of the residual over the norm of the right side.
+        Norm of the residual, the right side less K q, over the norm of the right side.
     iterations, products
         Iterations, and applications of the kernel and of its approximate inverse.
+    margin
+        Of surfaces that attract each other: the stability margin at a given approach, as far as it was met.
     """
 
     values: Array = attrs.field(converter=read_only)
-    residual: Array = attrs.field(converter=read_only)
+    product: float
     error: float
     iterations: int
     products: int
+    margin: float = 1.0
+
+
+def require_found(error: float, tolerance: float, iterations: int, solution: ContactSolution) -> None:
+    """Raise `NotConverged` if the error of a linear answer is above a tolerance and rounding."""
+    if not error <= max(tolerance, _ROUNDING_RESIDUAL):
+        raise NotConverged(
+            f"The linear answer of the contact was not found: after {iterations} iterations the residual is "
+            f"{error:.1e} of the right side.",
+            solution,
+        )
 
 
 class Tangent:
@@ -114,19 +127,18 @@ class Tangent:
             right -= right.mean()
         size = float(np.abs(right).max())
         if size == 0.0:
-            return LinearSolution(np.zeros_like(right), np.zeros_like(right), 0.0, 0, 0)
+            return LinearSolution(np.zeros_like(right), 0.0, 0.0, 0, 0)
         with computing(self._problem):
-            found = self._solve(right / size, tolerance)
-        if not found.error <= max(tolerance, _ROUNDING_RESIDUAL):
-            raise NotConverged(
-                f"The linear answer of the contact was not found: after {found.iterations} iterations the residual is "
-                f"{found.error:.1e} of the right side.",
-                self._solution,
-            )
-        return attrs.evolve(found, values=found.values * (size / self._unit), residual=found.residual * size)
+            found, left, iterations, products = self._solve(right / size, tolerance)
+        error = float(np.linalg.norm(left) / np.linalg.norm(right / size))
+        require_found(error, tolerance, iterations, self._solution)
+        values = found * (size / self._unit)
+        # The error of the product is the square of the residual.
+        product = float(np.add.reduce(values * (right + left * size), axis=None))
+        return LinearSolution(values, product, error, iterations, products)
 
-    def _solve(self, right: Array, tolerance: float) -> LinearSolution:
-        """Return the solution in dimensionless variables: lengths in cells, E* = 1."""
+    def _solve(self, right: Array, tolerance: float) -> tuple[Array, Array, int, int]:
+        """Return the solution and its residual, lengths in cells and E* = 1; iterations, and products."""
         operator = self._operator
         dtype = np.float32 if tolerance >= _FLOAT32_TOLERANCE else np.float64
         flat = operator.from_numpy(right).astype(dtype).ravel()
@@ -140,8 +152,7 @@ class Tangent:
         )
         if self.is_rigid:
             found -= found.mean()
-        error = float(np.linalg.norm(left) / np.linalg.norm(right))
-        return LinearSolution(found, left, error, iterations, products)
+        return found, left, iterations, products
 
     @cached_property
     def _operator(self) -> PreparedConvolution:

@@ -2,6 +2,7 @@
 
 from roughcontact._answers.subsurface.field import StressField
 from roughcontact._answers.subsurface.first_yield import FirstYield, YieldPoint
-from roughcontact._answers.subsurface.stress import Stress, StressBelow, StressMaximum
+from roughcontact._answers.subsurface.maximum import StressMaximum
+from roughcontact._answers.subsurface.stress import Stress, StressBelow
 
 __all__ = ["FirstYield", "Stress", "StressBelow", "StressField", "StressMaximum", "YieldPoint"]

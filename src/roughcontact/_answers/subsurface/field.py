@@ -1,4 +1,4 @@
-"""The stress in one plane below a surface, its invariants, and the waves of the pressure above it."""
+"""The stress in one plane below a surface, its invariants, and the waves of the load above it."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from roughcontact._base.arrays import Array, Pair, RealArray, Waves, read_only
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 
+# The components of the stress, in Voigt's order.
+COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 # Cells of a block in the depth: the waves that blocks of side s do not resolve have decayed to exp(-pi z / s) at the
 # depth z, which is 5e-5 for a quarter of the depth.
 _MIN_STEPS_IN_DEPTH = 4.0
@@ -21,8 +23,22 @@ _MIN_STEPS_IN_DEPTH = 4.0
 _MIN_POINTS = 16
 
 
+def is_odd(axis: str, component: str, load: str) -> bool:
+    """Return whether a component of the stress is odd along an axis, around a cell with a unit load.
+
+    The load is ``"z"``, a pressure, or ``"x"`` or ``"y"``, a traction along this axis.
+    """
+    return (component + load).count(axis) % 2 == 1
+
+
+def list_loads(pressure: RealArray, traction: RealArray | None) -> dict[str, RealArray]:
+    """Return the loads of the surface by their letters, without a traction that is zero."""
+    shear = {} if traction is None else dict(zip("xy", traction, strict=True))
+    return {"z": pressure} | {letter: field for letter, field in shear.items() if field.any()}
+
+
 class StressPlanes(abc.ABC):
-    """The stress below a pressure, one depth at a time, in units of the pressure and of a cell's side along x.
+    """The stress below a load, one depth at a time, in units of the pressure and of a cell's side along x.
 
     Deep below the surface the short waves have decayed, and the stress is found at the centres of blocks of cells. A
     block has a power of two of cells along each axis, which divides the cells of the axis.
@@ -123,6 +139,11 @@ class StressField:
         """Maximum shear stress, half the difference of the extreme principal stresses, shape (nx, ny), Pa."""
         return np.asarray(maximum_shear(self.values) * np.float64(self.scale))
 
+    @property
+    def principal(self) -> Array:
+        """Maximum principal stress, shape (nx, ny), Pa; tension is positive."""
+        return np.asarray(maximum_principal(self.values) * np.float64(self.scale))
+
     def __str__(self) -> str:
         return (
             f"stress at a depth of {si(self.depth, 'm')} on {self.grid}: "
@@ -152,12 +173,31 @@ def maximum_shear(values: RealArray) -> RealArray:
 
     .. math:: \tau = \sqrt{J_2} \sin(\theta + \pi/3), \quad \cos 3\theta = \frac{3\sqrt 3}{2} \frac{J_3}{J_2^{3/2}}
     """
+    root, angle = _find_lode_angle(values)
+    return np.asarray(root * np.sin(angle + math.pi / 3.0))
+
+
+def maximum_principal(values: RealArray) -> RealArray:
+    r"""Return the maximum principal stress of stresses in the order `COMPONENTS`, along the first axis.
+
+    .. math:: \sigma_1 = \tfrac13 \operatorname{tr}\sigma + 2 \sqrt{J_2/3} \cos\theta
+    """
+    root, angle = _find_lode_angle(values)
+    return np.asarray(mean_stress(values) + 2.0 / math.sqrt(3.0) * root * np.cos(angle))
+
+
+def mean_stress(values: RealArray) -> RealArray:
+    """Return the mean of the normal stresses of stresses in the order `COMPONENTS`, along the first axis."""
+    return np.asarray((values[0] + values[1] + values[2]) / 3.0)
+
+
+def _find_lode_angle(values: RealArray) -> tuple[RealArray, RealArray]:
+    """Return the root of the second invariant of the deviator and the angle of `maximum_shear`."""
     root = np.sqrt(shear_invariant(values))
     # Over the root, so that the third invariant does not leave the range of float32.
     size = np.where(root > 0.0, root, 1.0)
-    mean = (values[0] + values[1] + values[2]) / 3.0
+    mean = mean_stress(values)
     xx, yy, zz = ((normal - mean) / size for normal in values[:3])
     yz, xz, xy = (shear / size for shear in values[3:])
     cube = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
-    angle = np.arccos(np.clip(1.5 * math.sqrt(3.0) * cube, -1.0, 1.0)) / 3.0
-    return np.asarray(root * np.sin(angle + math.pi / 3.0))
+    return root, np.asarray(np.arccos(np.clip(1.5 * math.sqrt(3.0) * cube, -1.0, 1.0)) / 3.0)

@@ -6,9 +6,11 @@ import math
 
 import attrs
 
-from roughcontact._answers.subsurface.stress import StressBelow, StressMaximum, body_name
+from roughcontact._answers.subsurface.maximum import StressMaximum
+from roughcontact._answers.subsurface.stress import StressBelow, body_name, coefficient, degrees
+from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
-from roughcontact._base.units import si
+from roughcontact._base.units import outlined, si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
@@ -24,8 +26,10 @@ _MIN_SLOPE = 0.05
 _MAX_LOAD_STEP = math.log(300.0)
 # Width of a bracket of logarithmic loads below which the stress jumps across the yield stress from cell to cell.
 _MIN_BRACKET_WIDTH = 1e-4
-# Distance of two logarithmic loads from which their slope is used.
+# Distance of two logarithmic loads from which their slope is used: in the search, and for the uncertainty, which must
+# not follow the steps of a maximum at the surface from cell to cell.
 _MIN_LOAD_DISTANCE = 1e-2
+_UNCERTAINTY_LOAD_DISTANCE = 0.1
 # Largest load that is tried, over the load that the bodies can carry.
 _MAX_LOAD_FRACTION = 0.999
 
@@ -71,7 +75,7 @@ def _strength(value: float) -> float:
 
 
 @responses.register("first-yield")
-@attrs.frozen
+@attrs.frozen(eq=False)
 class FirstYield(Response[YieldPoint]):
     r"""Load at which the maximum von Mises stress below a surface reaches the yield stress; the contact is elastic.
 
@@ -85,6 +89,10 @@ class FirstYield(Response[YieldPoint]):
         Yield stress of the body in tension, Pa.
     body
         ``"body"`` or ``"counterbody"``.
+    friction
+        Coefficient of friction in full sliding, a number or shape (nx, ny); see `StressBelow`.
+    direction
+        Direction of the traction on the body, degrees from x towards y.
 
     References
     ----------
@@ -93,6 +101,8 @@ class FirstYield(Response[YieldPoint]):
 
     yield_stress: float = attrs.field(converter=_strength)
     body: str = attrs.field(default="body", converter=body_name)
+    friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined)
+    direction: float = attrs.field(default=0.0, converter=degrees)
 
     def respond(self, solution: ContactSolution) -> YieldPoint:
         """Return the load of first yield, searched from the load of the solution; see `Response.respond`."""
@@ -113,14 +123,15 @@ class FirstYield(Response[YieldPoint]):
                 )
             trials.append(self._measure(_solve(problem, trials, load)))
         last = min(trials, key=lambda one: abs(one.excess))
-        slope = max(_find_slope(trials), _MIN_SLOPE)
+        slope = max(_find_slope(trials, _UNCERTAINTY_LOAD_DISTANCE), _MIN_SLOPE)
         relative = math.hypot(last.maximum.uncertainty / last.maximum.value, last.excess) / slope
         force = last.solution.force * math.exp(-last.excess / slope)
         warnings = last.maximum.warnings
         return YieldPoint(Estimate(force, relative * force, "N", warnings), last.maximum, last.solution)
 
     def _measure(self, solution: ContactSolution) -> _Trial:
-        maximum = StressBelow(None, self.body).respond(solution).maximum
+        below = StressBelow(None, self.body, friction=self.friction, direction=self.direction)
+        maximum = below.respond(solution).maximum
         return _Trial(solution, maximum, math.log(maximum.value / self.yield_stress))
 
 
@@ -150,10 +161,10 @@ def _solve(problem: ContactProblem, trials: list[_Trial], load: float) -> Contac
     return problem.solve(force=force, start=start)
 
 
-def _find_slope(trials: list[_Trial]) -> float:
-    """Return the slope through the last load and the nearest other one; the slope of a ball if there is none."""
+def _find_slope(trials: list[_Trial], distance: float = _MIN_LOAD_DISTANCE) -> float:
+    """Return the slope through the last load and the nearest one at a distance; the slope of a ball without one."""
     last = trials[-1]
-    apart = [one for one in trials if abs(one.load - last.load) >= _MIN_LOAD_DISTANCE]
+    apart = [one for one in trials if abs(one.load - last.load) >= distance]
     if not apart:
         return _BALL_SLOPE
     other = min(apart, key=lambda one: abs(one.load - last.load))

@@ -1,4 +1,4 @@
-"""Stress below a pressure on a free domain: tables of Love's cells, transformed by their parity."""
+"""Stress below a load on a free domain: tables of Love's and Cerruti's cells, transformed by their parity."""
 
 from __future__ import annotations
 
@@ -10,15 +10,12 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact._answers.subsurface.field import StressPlanes, coarsen
+from roughcontact._answers.subsurface.field import COMPONENTS, StressPlanes, coarsen, is_odd, list_loads
 from roughcontact._base.arrays import Pair, RealArray, Waves
 from roughcontact._base.machine import map_tiles, split, threads_for
 
-# The components of the stress, in Voigt's order.
-COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
-# Which components are odd in x, and in y; all others are even.
-ODD_IN_X = (False, False, False, False, True, True)
-ODD_IN_Y = (False, False, False, True, False, True)
+# Places of the components after an exchange of the axes x and y.
+_EXCHANGED = [1, 0, 2, 4, 3, 5]
 # Values of a table that are computed at a time.
 _TILE_VALUES = 2**16
 # Columns that are multiplied and transformed at a time, and rows: few enough for the cache.
@@ -28,14 +25,23 @@ _ROWS_PER_TILE = 64
 _MAX_FLOAT32_DEPTH_SQUARE = 256.0
 
 
-def cell_stress(z: float, poisson: float, shape: tuple[int, int], sides: Pair, dtype: type[Any]) -> RealArray:
-    r"""Return the stress by unit pressure on one cell, tension positive, shape (6, nx, ny), in the order `COMPONENTS`.
+def cell_stress(
+    z: float, poisson: float, shape: tuple[int, int], sides: Pair, dtype: type[Any], load: str = "z"
+) -> RealArray:
+    r"""Return the stress by a unit load on one cell, tension positive, shape (6, nx, ny), in the order `COMPONENTS`.
 
     With the corners :math:`X = x \pm a, Y = y \pm b` of the cell seen from the point, :math:`R^2 = X^2 + Y^2 + z^2`,
-    :math:`V = -\arctan(XY / zR)` and :math:`C = \arctan(Y/X) - \arctan(zY / XR)`,
+    :math:`V = -\arctan(XY / zR)` and :math:`C = \arctan(Y/X) - \arctan(zY / XR)`, a pressure gives
 
     .. math:: 2\pi\sigma_{xx} = \sum \pm [2\nu V - (1 - 2\nu) C - z V_{xx}], \quad
               2\pi\sigma_{zz} = \sum \pm [V + z (V_{xx} + V_{yy})], \ldots
+
+    and a traction along x, by integration of Cerruti's point force,
+
+    .. math:: 2\pi\sigma_{xx} &= \sum \pm \left[2\ln(R + Y) + \frac{2\nu Y}{R + z} + \frac{zY}{R(R + z)}
+              - \frac{z^2 Y}{R (X^2 + z^2)}\right], \\
+              2\pi\sigma_{xy} &= \sum \pm \left[\ln(R + X) - \frac{2\nu X}{R + z} - \frac{zX}{R(R + z)}\right], \quad
+              2\pi\sigma_{xz} = \sum \pm \left[V + \frac{zXY}{R (X^2 + z^2)}\right], \ldots
 
     Parameters
     ----------
@@ -49,18 +55,25 @@ def cell_stress(z: float, poisson: float, shape: tuple[int, int], sides: Pair, d
         Sides of the cell.
     dtype
         Precision of the table: float32 or float64.
+    load
+        ``"z"``, a pressure, or ``"x"`` or ``"y"``, a traction along this axis.
 
     References
     ----------
-    Love, Phil. Trans. R. Soc. A 228 (1929) 377-420, https://doi.org/10.1098/rsta.1929.0009
+    Love, Phil. Trans. R. Soc. A 228 (1929) 377-420, https://doi.org/10.1098/rsta.1929.0009;
+    Johnson, Contact Mechanics (1985), sec. 3.6, https://doi.org/10.1017/CBO9781139171731
     """
+    if load == "y":
+        exchanged = cell_stress(z, poisson, shape[::-1], sides[::-1], dtype, "x")
+        return np.ascontiguousarray(exchanged[_EXCHANGED].transpose(0, 2, 1))
     # One corner more than there are cells, from half a cell before the centre of the first cell.
     x = ((np.arange(shape[0] + 1) - 0.5) * sides[0]).astype(dtype)[:, np.newaxis]
     y = ((np.arange(shape[1] + 1) - 0.5) * sides[1]).astype(dtype)[np.newaxis, :]
     table = np.empty((len(COMPONENTS), *shape), dtype=dtype)
+    sum_corners = _sum_corners if load == "z" else _sum_shear_corners
 
     def work(rows: slice) -> None:
-        for place, corners in enumerate(_sum_corners(x[rows.start : rows.stop + 1], y, dtype(z), poisson)):
+        for place, corners in enumerate(sum_corners(x[rows.start : rows.stop + 1], y, dtype(z), poisson)):
             across = np.subtract(corners[1:], corners[:-1])
             np.subtract(across[:, 1:], across[:, :-1], out=table[place, rows])
 
@@ -69,7 +82,7 @@ def cell_stress(z: float, poisson: float, shape: tuple[int, int], sides: Pair, d
 
 
 def _sum_corners(x: RealArray, y: RealArray, z: Any, poisson: float) -> tuple[RealArray, ...]:
-    """Return the terms of one corner for each component; those that depend on x or on y alone are omitted."""
+    """Return the terms of a corner under pressure for each component, without those of x or of y alone."""
     scale = 0.5 / math.pi
     shear = 1.0 - 2.0 * poisson
     xx = x * x
@@ -100,6 +113,32 @@ def _sum_corners(x: RealArray, y: RealArray, z: Any, poisson: float) -> tuple[Re
     )
 
 
+def _sum_shear_corners(x: RealArray, y: RealArray, z: Any, poisson: float) -> tuple[RealArray, ...]:
+    """Return the terms of a corner under traction along x for each component, without those of x or of y alone."""
+    scale = 0.5 / math.pi
+    xx = x * x
+    yy = y * y
+    depth = z * z
+    r = np.sqrt(xx + yy + depth)
+    with np.errstate(divide="ignore", over="ignore"):
+        v = np.arctan(x * y / (z * r))
+    along_x = scale * z / (r * (xx + depth))
+    beyond = r + z
+    bend = scale * z / (r * beyond)
+    lateral = scale * 2.0 * poisson / beyond
+    # ln(R + Y) without its part in X, odd in Y; ln(R + X) likewise.
+    log_y = scale * np.arcsinh(y / np.sqrt(xx + depth))
+    log_x = scale * np.arcsinh(x / np.sqrt(yy + depth))
+    return (
+        2.0 * log_y + y * (lateral + bend - z * along_x),
+        2.0 * poisson * log_y - y * (lateral + bend),
+        z * y * along_x,
+        -scale * z / r,
+        x * y * along_x - scale * v,
+        log_x - x * (lateral + bend),
+    )
+
+
 @attrs.frozen(eq=False)
 class FreePlanes(StressPlanes):
     """The stress below a free domain, by linear convolution on a padded grid, as the displacement by `DCFFT`.
@@ -112,11 +151,14 @@ class FreePlanes(StressPlanes):
         Sides of a cell.
     common
         The largest steps along x and y for which `at` is called.
+    traction
+        Traction on the cells along x and y, float32, shape (2, nx, ny); None without.
     """
 
     pressure: RealArray
     sides: Pair
     common: tuple[int, int]
+    traction: RealArray | None = None
 
     @cached_property
     def padded(self) -> tuple[int, int]:
@@ -128,23 +170,27 @@ class FreePlanes(StressPlanes):
         return mx, my
 
     @cached_property
-    def waves(self) -> Waves:
-        """The waves of the padded pressure, shape (mx, my // 2 + 1)."""
+    def waves(self) -> dict[str, Waves]:
+        """The waves of the padded loads by their letters, shape (mx, my // 2 + 1) each."""
         workers = threads_for(self.padded[0] * self.padded[1])
-        rows = scipy.fft.rfft(self.pressure, n=self.padded[1], axis=1, workers=workers)
-        return np.asarray(scipy.fft.fft(rows, n=self.padded[0], axis=0, overwrite_x=True, workers=workers))
+        waves: dict[str, Waves] = {}
+        for load, field in list_loads(self.pressure, self.traction).items():
+            rows = scipy.fft.rfft(field, n=self.padded[1], axis=1, workers=workers)
+            waves[load] = scipy.fft.fft(rows, n=self.padded[0], axis=0, overwrite_x=True, workers=workers)
+        return waves
 
     def at(self, z: float, poisson: float, steps: tuple[int, int]) -> RealArray:
         mx, my = (length // step for length, step in zip(self.padded, steps, strict=True))
-        nx, ny = (n // step for n, step in zip(self.pressure.shape, steps, strict=True))
+        shape = self.pressure.shape[0] // steps[0], self.pressure.shape[1] // steps[1]
         sides = steps[0] * self.sides[0], steps[1] * self.sides[1]
-        waves = coarsen(coarsen(self.waves, self.padded[1], steps[1], 1), self.padded[0], steps[0], 0)
         precision = np.float64 if z * z > _MAX_FLOAT32_DEPTH_SQUARE * sides[0] * sides[1] else np.float32
-        tables = cell_stress(z, poisson, (mx // 2 + 1, my // 2 + 1), sides, precision).astype(np.float32)
-        stress = np.empty((len(COMPONENTS), nx, ny), dtype=np.float32)
-        for place, table in enumerate(tables):
-            symbol = _transform(table, ODD_IN_X[place], ODD_IN_Y[place])
-            stress[place] = _multiply(waves, symbol, ODD_IN_X[place], ODD_IN_Y[place], (nx, ny), my)
+        stress = np.zeros((len(COMPONENTS), *shape), dtype=np.float32)
+        for load, fine in self.waves.items():
+            waves = coarsen(coarsen(fine, self.padded[1], steps[1], 1), self.padded[0], steps[0], 0)
+            tables = cell_stress(z, poisson, (mx // 2 + 1, my // 2 + 1), sides, precision, load).astype(np.float32)
+            for place, (component, table) in enumerate(zip(COMPONENTS, tables, strict=True)):
+                odd = is_odd("x", component, load), is_odd("y", component, load)
+                stress[place] += _multiply(waves, _transform(table, *odd), *odd, shape, my)
         return stress
 
 

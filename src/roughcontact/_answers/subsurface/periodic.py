@@ -1,18 +1,18 @@
-"""Stress below a pressure on a periodic domain: a factor for each wave of the pressure, with all its aliases."""
+"""Stress below a load on a periodic domain: a factor for each wave of the load, with all its aliases."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import Any, TypeAlias
 
 import attrs
 import numpy as np
 import scipy.fft
 from numpy.polynomial import chebyshev
 
-from roughcontact._answers.subsurface.field import StressPlanes, coarsen
-from roughcontact._answers.subsurface.free import COMPONENTS, ODD_IN_X, ODD_IN_Y
+from roughcontact._answers.subsurface.field import COMPONENTS, StressPlanes, coarsen, is_odd, list_loads
 from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves
 from roughcontact._base.machine import threads_for
 
@@ -31,15 +31,24 @@ _TERMS_PER_TILE = 2**20
 
 @attrs.frozen(eq=False)
 class PeriodicPlanes(StressPlanes):
-    r"""The stress below a periodic pressure, which is constant on each cell: a factor for each of its waves.
+    r"""The stress below a periodic load, which is constant on each cell: a factor for each of its waves.
 
-    With :math:`k = (1 - 2\nu)/q^2 - z/q` a wave of unit amplitude gives
+    With :math:`k = (1 - 2\nu)/q^2 - z/q` a wave of the pressure of unit amplitude gives
 
     .. math:: \sigma_{zz} = -(1 + qz) e^{-qz}, \quad \sigma_{xx} = -(2\nu + k q_x^2) e^{-qz}, \quad
-              \sigma_{xy} = -k q_x q_y e^{-qz}, \quad \sigma_{xz} = i z q_x e^{-qz}.
+              \sigma_{xy} = -k q_x q_y e^{-qz}, \quad \sigma_{xz} = i z q_x e^{-qz}
+
+    and one of a traction along x
+
+    .. math:: \sigma_{xx} &= \frac{i q_x}{q} \left(2 + \frac{2\nu q_y^2 - z q q_x^2}{q^2}\right) e^{-qz}, &
+              \sigma_{yy} &= \frac{i q_x}{q^3} (2\nu q_x^2 - z q q_y^2)\, e^{-qz}, &
+              \sigma_{zz} &= i z q_x e^{-qz}, \\
+              \sigma_{xy} &= \frac{i q_y}{q} \left(1 - \frac{(2\nu + qz)\, q_x^2}{q^2}\right) e^{-qz}, &
+              \sigma_{xz} &= -\left(1 - \frac{z q_x^2}{q}\right) e^{-qz}, &
+              \sigma_{yz} &= \frac{z q_x q_y}{q} e^{-qz}.
 
     The mean pressure is not the limit of such waves: the body is confined, :math:`\sigma_{xx} = \sigma_{yy} =
-    -\nu/(1-\nu) \langle p \rangle`.
+    -\nu/(1-\nu) \langle p \rangle`. The mean traction gives :math:`\sigma_{xz} = -\langle q_x \rangle` alone.
 
     Attributes
     ----------
@@ -47,34 +56,41 @@ class PeriodicPlanes(StressPlanes):
         Pressure on the cells, float32, shape (nx, ny).
     sides
         Sides of a cell.
+    traction
+        Traction on the cells along x and y, float32, shape (2, nx, ny); None without.
     """
 
     pressure: RealArray
     sides: Pair
+    traction: RealArray | None = None
 
     @cached_property
-    def waves(self) -> Waves:
-        """The waves of the pressure, shape (nx, ny // 2 + 1)."""
-        return np.asarray(scipy.fft.rfft2(self.pressure, workers=threads_for(self.pressure.size)))
+    def waves(self) -> dict[str, Waves]:
+        """The waves of the loads by their letters, shape (nx, ny // 2 + 1) each."""
+        workers = threads_for(self.pressure.size)
+        loads = list_loads(self.pressure, self.traction)
+        return {load: np.asarray(scipy.fft.rfft2(field, workers=workers)) for load, field in loads.items()}
 
     def at(self, z: float, poisson: float, steps: tuple[int, int]) -> RealArray:
         nx, ny = self.pressure.shape
-        waves = coarsen(coarsen(self.waves, ny, steps[1], 1), nx, steps[0], 0)
         shape = nx // steps[0], ny // steps[1]
         sides = steps[0] * self.sides[0], steps[1] * self.sides[1]
         phases = _phases(np.fft.fftfreq(shape[0])), _phases(np.fft.rfftfreq(shape[1]))
-        symbols = find_symbols(phases, sides, z, poisson)
-        stress = np.empty((len(COMPONENTS), *shape), dtype=np.float32)
-        for place, symbol in enumerate(symbols):
-            # Where the wave number is half the sampling one, both signs cancel.
-            if ODD_IN_X[place] and shape[0] % 2 == 0:
-                symbol[shape[0] // 2] = 0.0
-            if ODD_IN_Y[place] and shape[1] % 2 == 0:
-                symbol[:, -1] = 0.0
-            product = waves * symbol
-            if ODD_IN_X[place] != ODD_IN_Y[place]:
-                product *= 1j
-            stress[place] = scipy.fft.irfft2(product, s=shape, overwrite_x=True, workers=threads_for(product.size))
+        stress = np.zeros((len(COMPONENTS), *shape), dtype=np.float32)
+        for load, fine in self.waves.items():
+            waves = coarsen(coarsen(fine, ny, steps[1], 1), nx, steps[0], 0)
+            for place, symbol in enumerate(find_symbols(phases, sides, z, poisson, load)):
+                odd_in_x, odd_in_y = (is_odd(axis, COMPONENTS[place], load) for axis in "xy")
+                # Where the wave number is half the sampling one, both signs cancel.
+                if odd_in_x and shape[0] % 2 == 0:
+                    symbol[shape[0] // 2] = 0.0
+                if odd_in_y and shape[1] % 2 == 0:
+                    symbol[:, -1] = 0.0
+                product = waves * symbol
+                if odd_in_x != odd_in_y:
+                    product *= 1j
+                workers = threads_for(product.size)
+                stress[place] += scipy.fft.irfft2(product, s=shape, overwrite_x=True, workers=workers)
         return stress
 
 
@@ -82,7 +98,9 @@ def _phases(frequencies: RealArray) -> Array:
     return np.asarray(2.0 * np.pi * frequencies, dtype=np.float64)
 
 
-def find_symbols(phases: tuple[Array, Array], sides: Pair, z: float, poisson: float) -> list[RealArray]:
+def find_symbols(
+    phases: tuple[Array, Array], sides: Pair, z: float, poisson: float, load: str = "z"
+) -> list[RealArray]:
     """Return the factors of all waves for each component, float32; components odd in x or y alone lack the factor i.
 
     Parameters
@@ -93,22 +111,32 @@ def find_symbols(phases: tuple[Array, Array], sides: Pair, z: float, poisson: fl
         Sides of a cell.
     z, poisson
         The depth and Poisson's ratio.
+    load
+        ``"z"``, a pressure, or ``"x"`` or ``"y"``, a traction along this axis.
     """
+    if load == "y":
+        yy, xx, zz, xz, yz, xy = (symbol.T for symbol in find_symbols(phases[::-1], sides[::-1], z, poisson, "x"))
+        return [xx, yy, zz, yz, xz, xy]
     none = np.zeros(1, dtype=np.intp)
+    find_terms = _find_pressure_terms if load == "z" else _find_shear_terms
     terms = [_Axis(phase.astype(np.float32), side, none) for phase, side in zip(phases, sides, strict=True)]
-    sums = _sum_terms(terms[0], terms[1], z, poisson)
+    sums = _sum_terms(terms[0], terms[1], z, poisson, find_terms)
     if z < _ALIAS_FREE_DEPTH * max(sides):
-        for one, aliases in zip(sums, _sum_aliases(phases, sides, z, poisson), strict=True):
+        for one, aliases in zip(sums, _sum_aliases(phases, sides, z, poisson, find_terms), strict=True):
             one += aliases
     trace, xx, zz, yz, xz, xy = sums
+    if load == "z":
+        xx[0, 0] = -poisson / (1.0 - poisson)
+        zz[0, 0] = -1.0
+        trace[0, 0] = -(1.0 + poisson) / (1.0 - poisson)
+    else:
+        xz[0, 0] = -1.0
     half_x, half_y = (np.sin(0.5 * phase).astype(np.float32) for phase in phases)
-    xx[0, 0] = -poisson / (1.0 - poisson)
-    zz[0, 0] = -1.0
-    trace[0, 0] = -(1.0 + poisson) / (1.0 - poisson)
-    yz *= half_y
-    xz *= half_x[:, np.newaxis]
-    xy *= half_x[:, np.newaxis]
-    xy *= half_y
+    for component, one in zip(("xx", "xx", "zz", "yz", "xz", "xy"), sums, strict=True):
+        if is_odd("x", component, load):
+            one *= half_x[:, np.newaxis]
+        if is_odd("y", component, load):
+            one *= half_y
     trace -= xx
     trace -= zz
     return [xx, trace, zz, yz, xz, xy]
@@ -154,7 +182,67 @@ class _Axis:
         return np.asarray(sums[-1][order] * (1.0 - 2.0 * (order % 2))).astype(self.phase.dtype)
 
 
-def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float) -> list[RealArray]:
+@attrs.frozen(eq=False)
+class _Terms:
+    """Terms of a sum: wave numbers along x and y, and along each axis the even and the odd amplitude; see `_Axis`."""
+
+    x: RealArray
+    y: RealArray
+    even_x: RealArray
+    even_y: RealArray
+    odd_x: RealArray
+    odd_y: RealArray
+    z: Any
+    poisson: Any
+
+    @cached_property
+    def q(self) -> RealArray:
+        return np.asarray(np.sqrt(self.x * self.x + self.y * self.y))
+
+    @cached_property
+    def decay(self) -> RealArray:
+        return np.asarray(np.exp(-self.z * self.q))
+
+
+_FindTerms: TypeAlias = Callable[[_Terms], tuple[RealArray, ...]]
+
+
+def _find_pressure_terms(terms: _Terms) -> tuple[RealArray, ...]:
+    """Return the trace, xx, zz, yz, xz and xy of waves of a pressure."""
+    z = terms.z
+    double = 2 * terms.poisson
+    even = terms.even_x * terms.even_y * terms.decay
+    k = ((1 - double) / terms.q - z) / terms.q
+    return (
+        -(2 + double) * even,
+        -even * (double + k * terms.x * terms.x),
+        -even * (1 + z * terms.q),
+        z * (terms.decay * terms.even_x * terms.odd_y),
+        z * (terms.decay * terms.odd_x * terms.even_y),
+        -(k * terms.decay * terms.odd_x * terms.odd_y),
+    )
+
+
+def _find_shear_terms(terms: _Terms) -> tuple[RealArray, ...]:
+    """Return the trace, xx, zz, yz, xz and xy of waves of a traction along x."""
+    depth = terms.z * terms.q
+    double = 2 * terms.poisson
+    decay = terms.decay
+    along = (terms.x / terms.q) ** 2
+    across = (terms.y / terms.q) ** 2
+    odd = terms.odd_x * terms.even_y * decay
+    slope = odd / terms.q
+    return (
+        (2 + double) * slope,
+        slope * (2 + double * across - depth * along),
+        terms.z * odd,
+        terms.z * (decay * terms.odd_x * terms.odd_y) / terms.q,
+        -terms.even_x * terms.even_y * decay * (1 - depth * along),
+        terms.even_x * terms.odd_y * decay / terms.q * (1 - (double + depth) * along),
+    )
+
+
+def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float, find_terms: _FindTerms) -> list[RealArray]:
     """Return the sums over all orders for the trace, xx, zz, yz, xz and xy, shape (n, m) each.
 
     Components that are odd along an axis are divided by the sine of half the phase.
@@ -165,31 +253,29 @@ def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float) -> list
     pairs = [(m, n) for m in range(along_x.orders.size) for n in range(along_y.orders.size)]
     for start in range(0, len(pairs), step):
         m, n = (np.array(side) for side in zip(*pairs[start : start + step], strict=True))
-        x = along_x.wavenumbers[:, np.newaxis, m]
-        y = along_y.wavenumbers[:, n]
-        even_x = along_x.amplitudes[:, np.newaxis, m]
-        even_y = along_y.amplitudes[:, n]
-        odd_x = along_x.slopes[m]
-        odd_y = along_y.slopes[n]
-        q = np.sqrt(x * x + y * y)
-        decay = np.exp(-kind(z) * q)
-        even = even_x * even_y * decay
+        terms = _Terms(
+            along_x.wavenumbers[:, np.newaxis, m],
+            along_y.wavenumbers[:, n],
+            along_x.amplitudes[:, np.newaxis, m],
+            along_y.amplitudes[:, n],
+            along_x.slopes[m],
+            along_y.slopes[n],
+            kind(z),
+            kind(poisson),
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
-            k = (kind(1.0 - 2.0 * poisson) / q - kind(z)) / q
-            sums[1] -= (even * (kind(2.0 * poisson) + k * x * x)).sum(axis=-1)
-            sums[5] -= (k * decay * odd_x * odd_y).sum(axis=-1)
-        sums[0] -= kind(2.0 + 2.0 * poisson) * even.sum(axis=-1)
-        sums[2] -= (even * (kind(1.0) + kind(z) * q)).sum(axis=-1)
-        sums[3] += kind(z) * (decay * even_x * odd_y).sum(axis=-1)
-        sums[4] += kind(z) * (decay * odd_x * even_y).sum(axis=-1)
-    # The mean pressure, where k is not finite, is treated apart.
+            for one, term in zip(sums, find_terms(terms), strict=True):
+                one += term.sum(axis=-1)
+    # The mean load, where the direction of a wave is not defined, is treated apart.
     mean = (along_x.phase == 0.0)[:, np.newaxis] & (along_y.phase == 0.0)
     for one in sums:
         one[mean] = 0.0
     return sums
 
 
-def _sum_aliases(phases: tuple[Array, Array], sides: Pair, z: float, poisson: float) -> Sequence[Array]:
+def _sum_aliases(
+    phases: tuple[Array, Array], sides: Pair, z: float, poisson: float, find_terms: _FindTerms
+) -> Sequence[Array]:
     """Return the sums over all aliases, which are smooth and even in the phase along each aliased axis."""
     none = np.zeros(1, dtype=np.intp)
     nodes = 0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_CHEBYSHEV_NODES) + 0.5) / _CHEBYSHEV_NODES))
@@ -197,9 +283,9 @@ def _sum_aliases(phases: tuple[Array, Array], sides: Pair, z: float, poisson: fl
     to_x, to_y = (_vandermonde(phase**2) @ vandermonde for phase in phases)
     exact = [_Axis(np.abs(phase), side, none) for phase, side in zip(phases, sides, strict=True)]
     smooth = [_Axis(np.sqrt(nodes), side, _list_aliases(z / side)) for side in sides]
-    along_x = _sum_terms(smooth[0], exact[1], z, poisson)
-    along_y = _sum_terms(exact[0], smooth[1], z, poisson)
-    both = _sum_terms(smooth[0], smooth[1], z, poisson)
+    along_x = _sum_terms(smooth[0], exact[1], z, poisson, find_terms)
+    along_y = _sum_terms(exact[0], smooth[1], z, poisson, find_terms)
+    both = _sum_terms(smooth[0], smooth[1], z, poisson, find_terms)
     return [
         (to_x @ (x + xy @ to_y.T) + y @ to_y.T).astype(np.float32)
         for x, y, xy in zip(along_x, along_y, both, strict=True)

@@ -3,42 +3,46 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Any
 
 import attrs
 import numpy as np
 
+from roughcontact._answers.subsurface.fatigue import find_crossland, find_dang_van, list_paths
 from roughcontact._answers.subsurface.field import (
+    COMPONENTS,
     StressField,
     StressPlanes,
     common_step,
     find_steps,
+    maximum_principal,
     maximum_shear,
-    shear_invariant,
     von_mises,
 )
-from roughcontact._answers.subsurface.free import COMPONENTS, FreePlanes
+from roughcontact._answers.subsurface.free import FreePlanes
+from roughcontact._answers.subsurface.maximum import (
+    MIN_RELATIVE_ERROR,
+    EdgeStress,
+    PlanePeak,
+    StressMaximum,
+    find_edge_stress,
+    find_maximum,
+    find_shear,
+    find_von_mises,
+    warn_of_depth,
+)
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
 from roughcontact._base.arrays import Array, RealArray, frozen_array, read_only
-from roughcontact._base.checks import choice, numbers
+from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
-from roughcontact._base.units import ContactWarning, Estimate, outlined, si
+from roughcontact._base.units import ContactWarning, outlined, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.problem import problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
 
-# Factors of 1/n^2 and 1/n^4 in the relative error of the maximum at a depth of n cells: set on Hertz's balls and on
-# rough surfaces, and judged on others by docs/studies/stress.py.
-_GRID_ERROR_TERMS = (0.012, 0.004)
-# Error by the distance of the depths, over the rise of the parabola above the largest value at a depth.
-_INTERPOLATION_ERROR = 0.3
-# Smallest relative error: by float32 and by the tolerance of the solver.
-_MIN_RELATIVE_ERROR = 2e-4
-# Depth in cells below which the stress depends on the shape of the cells at the edges of the contact.
-_MIN_DEPTH_CELLS = 2.0
 # Default depths: the first, in cells; the ratio of each to the one before; the last, in radii of the largest patch, and
 # its bounds, in cells and in sides of the domain.
 _FIRST_DEPTH_CELLS = 0.5
@@ -46,151 +50,17 @@ _DEPTH_RATIO = 1.15
 _LAST_DEPTH_RADII = 2.0
 _MIN_LAST_DEPTH_CELLS = 4.0
 _MAX_LAST_DEPTH_SIDES = 0.5
+# Largest traction, in maximum pressures, and coefficient of friction for which the stress is computed.
+_MAX_LOAD_RATIO = 1e6
 # Largest depth, in sides of the domain, for which the stress is computed.
 _MAX_DEPTH_SIDES = 100.0
 _SHARP_EDGE_WARNING = ContactWarning(
     "the contact has a sharp edge or reaches the border, where the stress is unbounded: it depends on the grid",
     "sharp edge",
 )
+_ALLOWED_TRACTION = "numbers of shape (2, nx, ny), along x and y (Pa)"
+_ALLOWED_FRICTION = "a number from 0 to 1e6, or such numbers of the shape of the grid"
 _ALLOWED_DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1e60"
-
-
-@attrs.frozen
-class StressMaximum(Estimate):
-    """The maximum of a stress below a surface, and its place.
-
-    Attributes
-    ----------
-    value
-        The maximum, Pa.
-    uncertainty
-        One standard deviation, Pa.
-    unit
-        ``"Pa"``.
-    x, y, depth
-        Its place, m; the origin is the centre of the domain at the surface.
-    warnings
-        Why the value must not be trusted, in sentences; empty without a reason.
-    """
-
-    value: float
-    uncertainty: float
-    x: float
-    y: float
-    depth: float
-    unit: str = attrs.field(default="Pa", init=False)
-    warnings: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        relative = 100.0 * self.uncertainty / self.value if self.value > 0.0 else 0.0
-        place = f"x = {si(self.x, 'm')}, y = {si(self.y, 'm')}, depth {si(self.depth, 'm')}"
-        return f"{si(self.value, 'Pa', 5)} +- {relative:.2g} % at {place}{self._reasons}"
-
-
-@attrs.frozen
-class PlanePeak:
-    """The maximum in a plane, in its scale, and its place, m."""
-
-    value: float
-    x: float
-    y: float
-
-
-def find_von_mises(field: StressField, boundary: Boundary) -> PlanePeak:
-    """Return the maximum of the von Mises stress in a plane, between the points by a parabola along each axis."""
-    return _find_peak(field, boundary, von_mises(field.values), von_mises)
-
-
-def find_shear(field: StressField, boundary: Boundary) -> PlanePeak:
-    """Return the largest of the maximum shear stresses in a plane, between the points by a parabola along each axis."""
-    # The shear stress lies between sqrt(3)/2 and 1 of this root, so that few points need the angle.
-    root = np.sqrt(shear_invariant(field.values))
-    shear = math.sqrt(0.75) * root
-    near = np.nonzero(root >= float(shear.max()))
-    shear[near] = maximum_shear(field.values[:, near[0], near[1]])
-    return _find_peak(field, boundary, shear, maximum_shear)
-
-
-def _find_peak(
-    field: StressField, boundary: Boundary, stress: RealArray, measure: Callable[[RealArray], RealArray]
-) -> PlanePeak:
-    i, j = (int(place) for place in np.unravel_index(int(np.argmax(stress)), stress.shape))
-    value = float(stress[i, j])
-    offsets = []
-    for axis, place in enumerate((i, j)):
-        count = stress.shape[axis]
-        beside = np.array((place - 1, place + 1))
-        if boundary is Boundary.PERIODIC:
-            beside %= count
-        if count < 3 or beside[0] < 0 or beside[1] >= count:
-            offsets.append(0.0)
-            continue
-        points = (beside, j) if axis == 0 else (i, beside)
-        left, right = measure(field.values[:, *points])
-        shift, rise = _fit_parabola(float(left), float(stress[i, j]), float(right))
-        offsets.append(shift)
-        value += rise
-    grid = field.grid
-    return PlanePeak(
-        value,
-        float(grid.x[i, 0]) + offsets[0] * grid.spacing[0],
-        float(grid.y[0, j]) + offsets[1] * grid.spacing[1],
-    )
-
-
-def _fit_parabola(left: float, middle: float, right: float) -> tuple[float, float]:
-    """Return where a parabola through three points has its maximum, in steps from the middle, and its rise above it."""
-    bend = left - 2.0 * middle + right
-    slope = 0.5 * (right - left)
-    if bend >= 0.0:
-        return 0.0, 0.0
-    shift = min(max(-slope / bend, -0.5), 0.5)
-    return shift, shift * (slope + 0.5 * bend * shift)
-
-
-def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: float) -> StressMaximum:
-    """Return the maximum over all depths, between them by a parabola over the logarithm of the depth.
-
-    Parameters
-    ----------
-    depths
-        Depths, m, ascending.
-    peaks
-        The maximum at each of them.
-    scale
-        The unit of the peaks, Pa.
-    cell
-        The larger side of a cell, m.
-    """
-    values = np.array([peak.value for peak in peaks])
-    top = int(np.argmax(values))
-    value = float(values[top])
-    depth = float(depths[top])
-    rise = 0.0
-    warnings = []
-    inside = 0 < top < values.size - 1 and depths[top - 1] > 0.0
-    if inside:
-        place = np.log(depths[top - 1 : top + 2] / depths[top])
-        coefficients = np.polyfit(place, values[top - 1 : top + 2], 2)
-        if coefficients[0] < 0.0:
-            shift = float(np.clip(-0.5 * coefficients[1] / coefficients[0], place[0], place[2]))
-            rise = float(np.polyval(coefficients, shift)) - value
-            value = value + rise
-            depth = depth * math.exp(shift)
-    else:
-        end = "the smallest" if top == 0 else "the largest"
-        text = f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
-        warnings.append(ContactWarning(text, "depths", depth))
-    cells = depth / cell
-    if cells < _MIN_DEPTH_CELLS:
-        text = f"the maximum lies only {cells:.2g} cells below the surface, where it depends on the grid"
-        warnings.append(ContactWarning(text, "resolution", cells))
-    inverse = 1.0 / max(cells, 1e-3) ** 2
-    relative = math.hypot(
-        _MIN_RELATIVE_ERROR, min(_GRID_ERROR_TERMS[0] * inverse + _GRID_ERROR_TERMS[1] * inverse**2, 1.0)
-    )
-    uncertainty = math.hypot(relative * value, _INTERPOLATION_ERROR * rise)
-    return StressMaximum(value * scale, uncertainty * scale, peaks[top].x, peaks[top].y, depth, tuple(warnings))
 
 
 @attrs.frozen(eq=False)
@@ -207,11 +77,14 @@ class Stress:
         Depths below the surface, shape (depths,), m.
     poisson
         Poisson's ratio of the body.
+    traction
+        Tangential traction on this body along x and y, shape (2, nx, ny), Pa; None without.
     """
 
     solution: ContactSolution = attrs.field(repr=False)
     depths: Array = attrs.field(converter=frozen_array, repr=outlined)
     poisson: float
+    traction: Array | None = attrs.field(default=None, converter=attrs.converters.optional(frozen_array), repr=outlined)
     _threads: int = attrs.field(default=1, repr=False)
 
     @property
@@ -248,12 +121,85 @@ class Stress:
     @property
     def maximum(self) -> StressMaximum:
         """The maximum of the von Mises stress, between the points and the depths, with its place and uncertainty."""
-        return self._find_maximum(0)
+        return self._find_maximum(0, von_mises)
 
     @property
     def maximum_shear(self) -> StressMaximum:
         """The maximum shear stress, of all directions, with its place and uncertainty."""
-        return self._find_maximum(1)
+        return self._find_maximum(1, maximum_shear)
+
+    @cached_property
+    def maximum_principal(self) -> StressMaximum:
+        """The maximum principal stress at the surface, where brittle bodies crack; tension is positive.
+
+        Behind a sliding contact it has a peak, which cells of constant load smooth: the value is extrapolated from this
+        grid and cells of twice the side.
+        """
+        value, uncertainty = self._edge.extrapolate(maximum_principal)
+        uncertainty = max(uncertainty, MIN_RELATIVE_ERROR * abs(value)) * self._scale
+        edge = self._edge
+        found = StressMaximum(value * self._scale, uncertainty, edge.x, edge.y, 0.0, self.warnings)
+        return self._warn_of_edges(found)
+
+    def crossland(self, alpha: float, axis: int = 0) -> Array:
+        r"""Return Crossland's fatigue number at each depth for a contact that rolls or slides along an axis.
+
+        A point of the body passes through all stresses s along the axis. From its path, with :math:`R` the radius of
+        the smallest sphere around the deviators, in the norm :math:`\sqrt{s_{ij} s_{ij}}`, and :math:`\sigma_H` a third
+        of the trace,
+
+        .. math:: \sqrt{J_{2,a}} + \alpha\, \max_t \sigma_H(t), \quad \sqrt{J_{2,a}} = R / \sqrt 2
+
+        The point comes from where there is no stress; on a periodic boundary from the period before. A life is endless
+        where the number is below the fatigue limit in torsion.
+
+        Parameters
+        ----------
+        alpha
+            Sensitivity to the mean stress, a constant of the material.
+        axis
+            Axis of rolling: 0 (x) or 1 (y).
+
+        Returns
+        -------
+        numpy.ndarray
+            The maximum over all paths, shape (depths,), Pa.
+        """
+        return self._find_fatigue(find_crossland, alpha, axis)
+
+    def dang_van(self, alpha: float, axis: int = 0) -> Array:
+        r"""Return Dang Van's fatigue number at each depth for a contact that rolls or slides along an axis.
+
+        The mesoscopic shear stress is that around the centre :math:`s^*` of the smallest sphere of `crossland`:
+
+        .. math:: \max_t \left[\tau(t) + \alpha\, \sigma_H(t)\right], \quad
+                  \tau = \tfrac12 (\hat s_1 - \hat s_3), \quad \hat s = s(t) - s^*
+
+        Parameters
+        ----------
+        alpha
+            Sensitivity to the mean stress, a constant of the material.
+        axis
+            Axis of rolling: 0 (x) or 1 (y).
+
+        Returns
+        -------
+        numpy.ndarray
+            The maximum over all paths, shape (depths,), Pa.
+
+        References
+        ----------
+        Dang Van, Griveau, Message, in: Biaxial and Multiaxial Fatigue, EGF 3 (1989) 479-496
+        """
+        return self._find_fatigue(find_dang_van, alpha, axis)
+
+    def _find_fatigue(self, find: Callable[[RealArray, float], float], alpha: float, axis: int) -> Array:
+        alpha = number(alpha, "The sensitivity to the mean stress", at_least=0.0)
+        if isinstance(axis, bool) or axis not in (0, 1):
+            raise InputError.about("The axis of rolling", axis, "0 (x) or 1 (y)")
+        starts_unloaded = self.solution.boundary is not Boundary.PERIODIC
+        paths = (list_paths(field.values, axis, starts_unloaded) for field in self)
+        return np.array([find(path, alpha) for path in paths]) * self._scale
 
     @property
     def profile(self) -> Array:
@@ -261,12 +207,35 @@ class Stress:
         known = {float(depth): peak[0].value for depth, peak in zip(np.unique(self.depths), self._peaks, strict=True)}
         return np.array([known[float(depth)] * self._scale for depth in self.depths])
 
-    def _find_maximum(self, measure: int) -> StressMaximum:
-        peaks = [peak[measure] for peak in self._peaks]
+    def _find_maximum(self, place: int, measure: Callable[[RealArray], RealArray]) -> StressMaximum:
+        peaks = [peak[place] for peak in self._peaks]
         found = find_maximum(np.unique(self.depths), peaks, self._scale, max(self._grid.spacing))
-        if self._reaches_border or (found.warnings and self._has_sharp_edge):
-            found = attrs.evolve(found, uncertainty=found.value, warnings=(*found.warnings, _SHARP_EDGE_WARNING))
+        if self.traction is not None and (self.depths == 0.0).any():
+            found = self._compare_with_edge(found, measure)
+        if self._reaches_border or found.warnings:
+            found = self._warn_of_edges(found)
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
+
+    def _compare_with_edge(self, found: StressMaximum, measure: Callable[[RealArray], RealArray]) -> StressMaximum:
+        """Return the larger one of a maximum between the cells and the peak at an edge, which the cells smooth."""
+        value, uncertainty = (part * self._scale for part in self._edge.extrapolate(measure))
+        if value > found.value:
+            warning = warn_of_depth(0.0)
+            return StressMaximum(value, uncertainty, self._edge.x, self._edge.y, 0.0, warnings=(warning,))
+        above = max(value + uncertainty - found.value, 0.0)
+        # Inside the contact the stress at the surface is as uncertain as the pressure.
+        peak = self.solution.peak_pressure()
+        inside = found.value * peak.uncertainty / peak.value if found.depth == 0.0 else 0.0
+        return attrs.evolve(found, uncertainty=math.hypot(found.uncertainty, above, inside))
+
+    @cached_property
+    def _edge(self) -> EdgeStress:
+        return find_edge_stress(self._field(0.0, (1, 1)))
+
+    def _warn_of_edges(self, found: StressMaximum) -> StressMaximum:
+        if not (self._reaches_border or self._has_sharp_edge):
+            return found
+        return attrs.evolve(found, uncertainty=abs(found.value), warnings=(*found.warnings, _SHARP_EDGE_WARNING))
 
     @property
     def _reaches_border(self) -> bool:
@@ -306,10 +275,11 @@ class Stress:
     @cached_property
     def _planes(self) -> StressPlanes:
         pressure = (self.solution.pressure / self._scale).astype(np.float32)
+        traction = None if self.traction is None else (self.traction / self._scale).astype(np.float32)
         if self.solution.boundary is Boundary.PERIODIC:
-            return PeriodicPlanes(pressure, self._sides)
+            return PeriodicPlanes(pressure, self._sides, traction)
         steps = [find_steps(self._grid.shape, self._sides, float(z)) for z in self.depths / self._grid.spacing[0]]
-        return FreePlanes(pressure, self._sides, common_step(steps))
+        return FreePlanes(pressure, self._sides, common_step(steps), traction)
 
     def _field(self, depth: float, steps: tuple[int, int]) -> StressField:
         grid = self._grid
@@ -347,6 +317,36 @@ def _depths(value: Any) -> Array | None:
     return frozen_array(depths)
 
 
+def _traction(value: Any) -> Array | None:
+    return None if value is None else frozen_array(numbers(value, "The traction", _ALLOWED_TRACTION))
+
+
+def coefficient(value: Any) -> Array | None:
+    """Return a coefficient of friction, shape () or (nx, ny), or raise `InputError`."""
+    if value is None:
+        return None
+    found = numbers(value, "The coefficient of friction", _ALLOWED_FRICTION)
+    if isinstance(value, bool) or found.ndim not in (0, 2) or not np.all((found >= 0.0) & (found <= _MAX_LOAD_RATIO)):
+        raise InputError.about("The coefficient of friction", value, _ALLOWED_FRICTION)
+    return frozen_array(found).reshape(found.shape)
+
+
+def degrees(value: Any) -> float:
+    """Return a direction in degrees, or raise `InputError`."""
+    return number(value, "The direction", "degrees from the x axis")
+
+
+def sliding_traction(solution: ContactSolution, friction: Array, direction: float) -> Array:
+    """Return the traction on the body in full sliding, shape (2, nx, ny), Pa, along a direction in degrees."""
+    shape = solution.grid.shape
+    if friction.ndim and friction.shape != shape:
+        raise InputError.about("The shape of the coefficient of friction", friction.shape, f"() or {shape}")
+    limit = friction * solution.contact_pressure
+    # Exactly along an axis, where a direction is.
+    along = np.round([math.cos(math.radians(direction)), math.sin(math.radians(direction))], 15)
+    return along[:, np.newaxis, np.newaxis] * limit
+
+
 def body_name(value: str) -> str:
     """Return the name of one of the bodies, or raise `InputError`."""
     return choice(value, "The body", ("body", "counterbody"))
@@ -355,25 +355,44 @@ def body_name(value: str) -> str:
 @responses.register("stress")
 @attrs.frozen(eq=False)
 class StressBelow(Response[Stress]):
-    """Stress below the surface of one of the bodies, by Love's solution for each cell of the contact.
+    r"""Stress below the surface of one of the bodies, by Love's and Cerruti's solutions for each cell of the contact.
+
+    A traction on the body along x presses it together ahead of the contact, at larger x, and pulls it behind. The
+    counterbody has the opposite traction, so that it is pulled at larger x. The stress :math:`\sigma_{xz}` has the
+    opposite sign of the traction, as z points into the body.
 
     Parameters
     ----------
     depths
         Depths below the surface, m; None: from half a cell to two radii of the largest contact patch, each 1.15 times
-        the last.
+        the last, and the surface itself where there is a tangential traction.
     body
         ``"body"`` or ``"counterbody"``.
+    traction
+        Tangential traction on the body along x and y, shape (2, nx, ny), Pa; the counterbody has the opposite one.
+    friction
+        In place of a traction: the coefficient of friction, a number or shape (nx, ny), of a contact in full sliding,
+        whose traction is the friction times the contact pressure.
+    direction
+        Direction of this traction on the body, degrees from x towards y: against the sliding of the body.
 
     References
     ----------
-    Love, Phil. Trans. R. Soc. A 228 (1929) 377-420, https://doi.org/10.1098/rsta.1929.0009
+    Love, Phil. Trans. R. Soc. A 228 (1929) 377-420, https://doi.org/10.1098/rsta.1929.0009;
+    Johnson, Contact Mechanics (1985), sec. 3.6, https://doi.org/10.1017/CBO9781139171731
     """
 
     with_adhesion = "total pressure"
 
     depths: Array | None = attrs.field(default=None, converter=_depths)
     body: str = attrs.field(default="body", converter=body_name)
+    traction: Array | None = attrs.field(default=None, converter=_traction, repr=outlined)
+    friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined)
+    direction: float = attrs.field(default=0.0, converter=degrees)
+
+    def __attrs_post_init__(self) -> None:
+        if self.traction is not None and self.friction is not None:
+            raise InputError("Both a traction and a friction were given: give one of them.")
 
     def respond(self, solution: ContactSolution) -> Stress:
         """Return the stress; see `Response.respond`."""
@@ -396,12 +415,31 @@ class StressBelow(Response[Stress]):
             raise InputError(
                 f"{what} no stress below its surface: ask for body='{other}', or give it a Poisson's ratio."
             )
-        depths = default_depths(solution) if self.depths is None else self.depths
+        traction = self._find_traction(solution)
+        depths = self.depths
+        if depths is None:
+            depths = default_depths(solution)
+            depths = depths if traction is None else np.concatenate(([0.0], depths))
         deepest = _MAX_DEPTH_SIDES * max(solution.grid.size)
         if float(depths.max()) > deepest:
             allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
             raise InputError.about("A depth", float(depths.max()), allowed, "Depths are in metres.")
-        return Stress(solution, depths, float(poisson), threads=problem.plan.thread_choice[0])
+        return Stress(solution, depths, float(poisson), traction, threads=problem.plan.thread_choice[0])
+
+    def _find_traction(self, solution: ContactSolution) -> Array | None:
+        """Return the traction on the chosen body, shape (2, nx, ny), Pa."""
+        traction = self.traction
+        if self.friction is not None:
+            traction = sliding_traction(solution, self.friction, self.direction)
+        if traction is None:
+            return None
+        shape = (2, *solution.grid.shape)
+        if traction.shape != shape:
+            raise InputError.about("The shape of the traction", traction.shape, f"{shape}, along x and y")
+        if not np.abs(traction).max() <= _MAX_LOAD_RATIO * solution.pressure.max():
+            allowed = f"finite, at most {_MAX_LOAD_RATIO:g} times the maximum pressure"
+            raise InputError.about("The traction", float(np.abs(traction).max()), allowed, "Tractions are in pascals.")
+        return traction if self.body == "body" else -traction
 
 
 def default_depths(solution: ContactSolution) -> Array:

@@ -40,7 +40,7 @@ def _describe(solution: rc.ContactSolution, estimator: str | None) -> dict[str, 
         "converged": solution.status.success,
         "area": _area(solution.area()),
         **({} if estimator is None else {"other_area": _area(solution.area(estimator))}),
-        "peak_pressure": _estimate(peak),
+        "peak_pressure": describe_estimate(peak),
         "force": _value(solution.force, "N"),
         "mean_pressure": _value(solution.mean_pressure, "Pa"),
         "approach": _value(solution.approach, "m"),
@@ -60,7 +60,8 @@ def _value(value: Any, unit: str) -> dict[str, Any]:
     return {"value": value, "unit": unit}
 
 
-def _estimate(found: rc.Estimate) -> dict[str, Any]:
+def describe_estimate(found: rc.Estimate) -> dict[str, Any]:
+    """Return an estimate as data that JSON can hold."""
     return {
         "value": float(found.value),
         "uncertainty": float(found.uncertainty),
@@ -70,7 +71,7 @@ def _estimate(found: rc.Estimate) -> dict[str, Any]:
 
 
 def _area(area: rc.Area) -> dict[str, Any]:
-    return {**_estimate(area), "fraction": float(area.fraction), "estimator": area.estimator}
+    return {**describe_estimate(area), "fraction": float(area.fraction), "estimator": area.estimator}
 
 
 def _finite(value: Any) -> Any:

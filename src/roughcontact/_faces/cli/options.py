@@ -96,7 +96,8 @@ OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
 
 def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None:
     """Declare a contact problem of measured height maps, and its loads; or a study file, which needs neither."""
-    loads = "--pressure P | --force F | --approach D" + ("" if study else " | --loads L ...")
+    others = "" if study else " |\n            --loads L ... | --cycle FROM TO"
+    loads = f"--pressure P | --force F | --approach D{others}"
     parser.usage = f"%(prog)s MAP [MAP] (--young E | --material NAME) [options]\n           ({loads})"
     _add_maps(parser, study)
     _add_pair(parser)
@@ -107,13 +108,18 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     if not study:
         several = "several loads of one kind, each a first loading: 1N 2N 5N"
         load.add_argument("--loads", type=_load, nargs="+", metavar="L", help=several)
+        path = "loading and unloading between two approaches, with --adhesion: -0.1um 0.5um"
+        load.add_argument("--cycle", type=METRE, nargs=2, metavar=("FROM", "TO"), help=path)
     _add_materials(parser, study)
-    parser.add_argument_group("adhesion").add_argument(
+    adhesion = parser.add_argument_group("adhesion")
+    adhesion.add_argument(
         "--adhesion",
         nargs="+",
         metavar=("LAW", "FIELD=VALUE"),
         help="law by which the surfaces attract each other: exponential work=50mJ/m2 range=2nm (none)",
     )
+    if not study:
+        adhesion.add_argument("--states", type=whole_number, metavar="N", help="states on each branch of --cycle (41)")
     method = parser.add_argument_group("method")
     method.add_argument(
         "--boundary", choices=("free", "periodic", "wrapped"), default="free", help="what lies beyond the domain (free)"

@@ -22,6 +22,8 @@ from roughcontact._solve.problem import require_memory_of_solve
 
 def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
     """Return the loads that the options state."""
+    if getattr(options, "cycle", None) is not None:
+        return tuple(Load("approach", value) for value in options.cycle)
     several = getattr(options, "loads", None)
     make = Load.of if options.adhesion is None else Load.signed
     return several or (make(pressure=options.pressure, force=options.force, approach=options.approach),)

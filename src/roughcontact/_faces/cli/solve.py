@@ -15,6 +15,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import plan_outputs, to_csv, to_json, to_text, write_outputs
+from roughcontact._faces.cli.cycle import refuse_for_cycle, solve_cycle
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of
 from roughcontact._faces.cli.progress import describe_steps, show_progress
@@ -35,6 +36,8 @@ examples:
   roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
   roughcontact solve map.npz --force 1N --young 210GPa --json | jq .area
   roughcontact solve map.npz --force 1N --young 210GPa --report contact.html
+  roughcontact solve map.npz --cycle -0.1um 0.5um --young 2MPa \\
+      --poisson 0.5 --adhesion short-range work=50mJ/m2 -o cycle.png
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
@@ -77,17 +80,24 @@ examples:
         if options.dry_run and piped:
             raise rc.InputError("--dry-run prints the plan, which is text: omit --json or --csv.")
         _refuse_for_several(options)
+        refuse_for_cycle(options)
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
         paths = [checks.path(name, "The map") for name in maps]
-        files = plan_outputs(options.output, options.report, paths, len(loads_of(options)))
+        outputs = options.output if options.cycle is None else []
+        files = plan_outputs(outputs, options.report, paths, len(loads_of(options)))
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
         if options.explain or options.dry_run:
             plan = fit(problem.explain())
             print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
         loads = tuple(problem.require_load(**load.arguments) for load in loads_of(options))
+        if options.cycle is not None:
+            problem.require_cycle(approach=options.cycle)
         if options.dry_run:
             return 0
+        if options.cycle is not None:
+            cycle = solve_cycle(options, problem)
+            return _status((*cycle.loading, *cycle.unloading), quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
             subject, solutions = _solve(options, problem, loads, change)
         if not options.quiet:

@@ -235,6 +235,8 @@ def list_certificate(solution: ContactSolution) -> dict[str, str]:
         rows["Accuracy"] = quantity(str(solution.accuracy).replace("\n", "; "))
     if solution.theory is not None:
         rows["Persson's theory"] = quantity(str(solution.theory))
+    if solution.stickiness is not None:
+        rows["Stickiness"] = quantity(str(solution.stickiness))
     return rows
 
 

@@ -16,7 +16,7 @@ from roughcontact._faces.panels.base import Panel
 from roughcontact._faces.panels.curves import add_key, draw_band, scale_axes
 from roughcontact._faces.panels.figures import loads_of, write_picture
 from roughcontact._faces.panels.theme import apply_theme, require_matplotlib, style, theme_of
-from roughcontact._solve.problem import AdhesionCycle, Sweep
+from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
 from roughcontact._solve.solution import Estimate
 from roughcontact._work.reports.error import ErrorReport
 from roughcontact._work.reports.error.result import ReportRow, find_varying_parts, group_by_setup
@@ -24,6 +24,8 @@ from roughcontact.errors import InputError
 
 # Minimum load over the maximum one, of the loads for which a unit is chosen.
 _MIN_LOAD_RATIO = 1e-4
+# A component of the tangential force is drawn if it varies by more than this fraction of both.
+_SHOWN_FRACTION = 1e-3
 Box = tuple[float, float, float, float]  # left, lower, right and upper end, points
 _MARKERS = "oDs^vP*X<>hp"
 _DASHES = ("-", "--", "-.", ":")
@@ -113,7 +115,53 @@ class LoadApproachPanel(Panel):
 
 
 def draw_cycle(cycle: AdhesionCycle, axes: Any, dark: bool = False) -> Any:
-    """Draw the force of loading and of unloading over the approach; see `AdhesionCycle.plot`."""
+    """Draw the force of both branches over the approach, and the jumps; see `AdhesionCycle.plot`."""
+    axes = _own_axes(axes, dark)
+    branches = {"loading": cycle.loading, "unloading": cycle.unloading}
+    force_factor, force_unit = prefixed(max(float(np.abs(one.force).max()) for one in branches.values()), "N")
+    length_factor, length_unit = prefixed(float(np.abs(cycle.loading.approach).max()), "m")
+    theme = theme_of(axes)
+    with style(theme.is_dark):
+        for name, sweep in branches.items():
+            spread = np.zeros(len(sweep))
+            draw_band(axes, length_factor * sweep.approach, force_factor * sweep.force, spread, label=name)
+        label: str | None = "jump"
+        for sweep, jumps in zip(branches.values(), cycle.jump_steps, strict=True):
+            for step in np.flatnonzero(jumps):
+                ends = slice(step, step + 2)
+                x, y = length_factor * sweep.approach[ends], force_factor * sweep.force[ends]
+                axes.plot(x, y, ":", color=theme.ink, linewidth=2.5, label=label)
+                label = None
+        axes.axhline(0.0, color=theme.ink, linewidth=0.5)
+        scale_axes(axes, x=f"approach since first touch, {length_unit}", y=f"force, {force_unit}", logarithmic="")
+        add_key(axes)
+    return axes
+
+
+def draw_loop(path: FrictionalPath, axes: Any, dark: bool = False) -> Any:
+    """Draw the tangential force over the displacement; see `FrictionalPath.plot`."""
+    axes = _own_axes(axes, dark)
+    loop = path.loop
+    force_factor, force_unit = prefixed(float(np.abs(loop.force).max()), "N")
+    length_factor, length_unit = prefixed(float(np.abs(loop.displacement).max()), "m")
+    theme = theme_of(axes)
+    shown = [place for place in (0, 1) if np.ptp(loop.force[:, place]) > _SHOWN_FRACTION * np.ptp(loop.force)]
+    with style(theme.is_dark):
+        for place in shown:
+            x = length_factor * loop.displacement[:, place]
+            y = force_factor * loop.force[:, place]
+            spread = 2.0 * length_factor * loop.uncertainty[:, place]
+            line = draw_band(axes, x, y, np.zeros(y.size), label=f"along {'xy'[place]}")
+            axes.fill_betweenx(y, x - spread, x + spread, color=line.get_color(), alpha=0.25, linewidth=0.0)
+        axes.axhline(0.0, color=theme.ink, linewidth=0.5)
+        scale_axes(axes, x=f"displacement, {length_unit}", y=f"tangential force, {force_unit}")
+        if len(shown) > 1:
+            add_key(axes)
+    return axes
+
+
+def _own_axes(axes: Any, dark: bool) -> Any:
+    """Return the given axes, or new ones."""
     require_matplotlib()
     from matplotlib import pyplot
     from matplotlib.axes import Axes
@@ -123,31 +171,12 @@ def draw_cycle(cycle: AdhesionCycle, axes: Any, dark: bool = False) -> Any:
             axes = pyplot.subplots(layout="constrained")[1]
     if not isinstance(axes, Axes):
         raise InputError.about("The axes", axes, "an Axes of matplotlib, or None")
-    branches = {"loading": cycle.loading, "unloading": cycle.unloading}
-    force_factor, force_unit = prefixed(max(float(np.abs(one.force).max()) for one in branches.values()), "N")
-    length_factor, length_unit = prefixed(float(np.abs(cycle.loading.approach).max()), "m")
-    theme = theme_of(axes)
-    with style(theme.is_dark):
-        for name, sweep in branches.items():
-            spread = np.zeros(len(sweep))
-            draw_band(axes, length_factor * sweep.approach, force_factor * sweep.force, spread, label=name)
-        axes.axhline(0.0, color=theme.ink, linewidth=0.5)
-        scale_axes(axes, x=f"approach since first touch, {length_unit}", y=f"force, {force_unit}", logarithmic="")
-        add_key(axes)
     return axes
 
 
 def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes: Any) -> Any:
     """Draw a column over the pressure; see `InterfaceLaw.plot`."""
-    require_matplotlib()
-    from matplotlib import pyplot
-    from matplotlib.axes import Axes
-
-    if axes is None:
-        with style():
-            axes = pyplot.subplots(layout="constrained")[1]
-    if not isinstance(axes, Axes):
-        raise InputError.about("The axes", axes, "an Axes of matplotlib, or None")
+    axes = _own_axes(axes, dark=False)
     values = column.values
     theme = theme_of(axes)
     shown = np.isfinite(values) & (values > 0.0)

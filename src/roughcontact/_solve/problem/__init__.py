@@ -2,7 +2,9 @@
 
 from roughcontact._solve.problem.accuracy import resample_problem
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
-from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, step_approach
+from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, linearise, make_cycle_table
+from roughcontact._solve.problem.increments import StepNumbers
+from roughcontact._solve.problem.path import FrictionalPath, TangentialLoop
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.run import computing
@@ -15,10 +17,15 @@ __all__ = [
     "AdhesionCycle",
     "Body",
     "ContactProblem",
+    "FrictionalPath",
     "SolvePlan",
+    "StepNumbers",
     "Sweep",
+    "TangentialLoop",
     "computing",
     "find_stability",
+    "linearise",
+    "make_cycle_table",
     "make_table",
     "make_task",
     "maximum_pressure",
@@ -29,5 +36,4 @@ __all__ = [
     "require_memory_of_solve",
     "resample_problem",
     "run_sweep",
-    "step_approach",
 ]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import textwrap
 from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
@@ -11,15 +13,15 @@ from typing import TYPE_CHECKING, Any, Protocol
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array
+from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.tables import Table
-from roughcontact._base.units import Estimate, si
+from roughcontact._base.units import WIDTH, Estimate, si, write_column
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.plan import SolvePlan
-from roughcontact._solve.problem.sweep import Sweep
-from roughcontact._solve.problem.task import make_task
-from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, trapping_error
-from roughcontact._solve.solvers import stability_margin
+from roughcontact._solve.problem.sweep import Sweep, make_table
+from roughcontact._solve.problem.task import bind_interaction
+from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, Status, describe_range, trapping_error
+from roughcontact._solve.solvers import LinearisedGap, surface_stiffness
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -39,6 +41,8 @@ _COARSE_ERROR = 0.3
 # sum of both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
 _JUMP_OF_WORK = 0.1
 _JUMP_OF_LOWEST = 0.05
+# Columns of the table of a sweep that that of a cycle has too.
+_COLUMNS = ("mean_pressure", "force", "approach", "area", "area_uncertainty", "area_fraction")
 
 
 class Solve(Protocol):
@@ -105,13 +109,36 @@ class AdhesionCycle:
     def jumps(self) -> tuple[tuple[float, float], ...]:
         """Approaches, m, between which the contact jumps: much of the work of such a step is lost."""
         found = []
+        for sweep, is_jump in zip((self.loading, self.unloading), self.jump_steps, strict=True):
+            found += [(float(sweep.approach[k]), float(sweep.approach[k + 1])) for k in np.flatnonzero(is_jump)]
+        return tuple(found)
+
+    @property
+    def jump_steps(self) -> tuple[Mask, Mask]:
+        """Whether each step of loading and of unloading is a jump."""
         lowest = abs(min(float(sweep.force.min()) for sweep in (self.loading, self.unloading)))
-        for sweep, lost in zip((self.loading, self.unloading), self.losses, strict=True):
+        losses = self.losses
+        found = []
+        for sweep, lost, back in zip((self.loading, self.unloading), losses, losses[::-1], strict=True):
             steps = np.abs(np.diff(sweep.approach))
             work = np.abs(0.5 * (sweep.force[1:] + sweep.force[:-1])) * steps
             allowed = _JUMP_OF_WORK * work + _JUMP_OF_LOWEST * lowest * steps
-            found += [(float(sweep.approach[k]), float(sweep.approach[k + 1])) for k in np.flatnonzero(lost > allowed)]
-        return tuple(found)
+            # What the trapezoidal rule errs by on one branch it gives back on the other.
+            found.append(np.asarray((lost > allowed) & (lost + back[::-1] > 0.5 * lost)))
+        return found[0], found[1]
+
+    def to_pandas(self) -> Any:
+        """Return the states as a `pandas.DataFrame`, those of loading first (extra ``table``).
+
+        Its columns are ``branch``, ``mean_pressure``, ``force``, ``approach``, ``area``, ``area_uncertainty`` and
+        ``area_fraction``, in the units of ``frame.attrs["units"]``, and of the step that leads to a state ``lost``, its
+        energy lost, J, and ``jump``, whether it is one.
+        """
+        return make_cycle_table(self).to_pandas()
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; an existing file is replaced."""
+        make_cycle_table(self).to_csv(path)
 
     def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the force of both branches over the approach (extra ``plot``); see `ContactSolution.plot`."""
@@ -124,19 +151,56 @@ class AdhesionCycle:
         return tuple(text for text in self.loading[0].warnings if getattr(text, "rule", "") == "cohesive length")
 
     def __str__(self) -> str:
-        columns: dict[str, Any] = {"branch": [], "approach": [], "force": [], "area, %": []}
-        for name, sweep in (("loading", self.loading), ("unloading", self.unloading)):
-            columns["branch"] += [name] * len(sweep)
-            columns["approach"] += sweep.approach.tolist()
-            columns["force"] += sweep.force.tolist()
-            columns["area, %"] += (100.0 * sweep.area / sweep[0].grid.area).tolist()
-        table = Table(columns, {"approach": "m", "force": "N"}).to_text()
-        jumps = "; ".join(f"{si(a, 'm', 3)} to {si(b, 'm', 3)}" for a, b in self.jumps) or "none"
-        lines = [f"pull-off    {self.pull_off}", f"dissipated  {self.dissipated}", f"jumps       {jumps}"]
-        return "\n".join([table, *lines])
+        lines = textwrap.wrap(f"jumps       {self._name_jumps()}", WIDTH, subsequent_indent=" " * 12)
+        results = [f"{name:<12}{text}" for name, text in self._list_results().items()]
+        warnings = (f"warning     {text}" for text in self._warnings)
+        lines += [line for text in warnings for line in textwrap.wrap(text, WIDTH, subsequent_indent=" " * 12)]
+        return "\n".join([self._list_states().to_text(), *results, *lines])
 
     def __repr__(self) -> str:
-        return f"<AdhesionCycle {len(self.loading)} and {len(self.unloading)} states, pull-off {self.pull_off}>"
+        pull_off = self._list_results()["pull-off"]
+        return f"<AdhesionCycle {len(self.loading)} and {len(self.unloading)} states, pull-off {pull_off}>"
+
+    def _repr_html_(self) -> str:
+        results = [f"{name}: {text}" for name, text in self._list_results().items()]
+        return self._list_states().to_html(*results, f"jumps: {self._name_jumps()}", *self._warnings)
+
+    def _list_results(self) -> dict[str, str]:
+        """Return pull-in, pull-off and the energy lost as texts, without the warnings that they share."""
+        found = {"pull-in": self.pull_in, "pull-off": self.pull_off, "dissipated": self.dissipated}
+        texts = {}
+        for name, one in found.items():
+            reasons = "; ".join(text for text in one.warnings if text not in self._warnings)
+            texts[name] = f"{write_column([one])[0]}{f' ({reasons})' if reasons else ''}".replace("±", "+-")
+        return texts
+
+    def _name_jumps(self) -> str:
+        return "; ".join(f"{si(a, 'm', 3)} to {si(b, 'm', 3)}" for a, b in self.jumps) or "none"
+
+    def _list_states(self) -> Table:
+        columns: dict[str, Any] = {"branch": [], "approach": [], "force": [], "area, %": [], "": []}
+        for name, jumps in zip(("loading", "unloading"), self.jump_steps, strict=True):
+            sweep: Sweep = getattr(self, name)
+            columns["branch"] += [name] * len(sweep)
+            # Approaches such as those of numpy.linspace may miss zero by a rounding.
+            near = np.abs(sweep.approach) < 1e-9 * np.abs(sweep.approach).max()
+            columns["approach"] += np.where(near, 0.0, sweep.approach).tolist()
+            columns["force"] += sweep.force.tolist()
+            columns["area, %"] += (100.0 * sweep.area / sweep[0].grid.area).tolist()
+            columns[""] += ["", *("jump" if jump else "" for jump in jumps)]
+        return Table(columns, {"approach": "m", "force": "N"}, left=("branch", ""))
+
+
+def make_cycle_table(cycle: AdhesionCycle) -> Table:
+    """Return a row for each state; see `AdhesionCycle.to_pandas`."""
+    branches = {"loading": cycle.loading, "unloading": cycle.unloading}
+    tables = [make_table(sweep) for sweep in branches.values()]
+    columns: dict[str, Any] = {"branch": [name for name, sweep in branches.items() for _ in sweep]}
+    for name in _COLUMNS:
+        columns[name] = np.concatenate([table.columns[name] for table in tables])
+    columns["lost"] = np.concatenate([np.append(0.0, lost) for lost in cycle.losses])
+    columns["jump"] = [bool(jump) for jumps in cycle.jump_steps for jump in (False, *jumps)]
+    return Table(columns, {**{name: tables[0].units[name] for name in _COLUMNS}, "lost": "J"}, left=("branch",))
 
 
 def require_resolved(plan: SolvePlan) -> None:
@@ -169,24 +233,40 @@ def _open_gap(state: ContactSolution) -> Array:
     return np.where(state.contact, 0.0, np.maximum(state.gap, 0.0))
 
 
-def step_approach(problem: ContactProblem, solution: ContactSolution, change: float) -> ContactSolution:
-    """Return the state of a problem whose approach, m, differs by a change, continued from a solution with adhesion."""
-    return _follow(problem._solve, [solution], Load("approach", solution.approach + change))
-
-
 def find_stability(problem: ContactProblem, solution: ContactSolution) -> float:
     """Return how far a state with adhesion is from a jump: 1 far away, 0 at one, negative where it is unstable."""
-    if solution.tension is None or solution.origin is None:
+    held = "" if solution.origin is None else next(iter(solution.origin.load))
+    return linearise(problem, solution, holds_approach=held == "approach").find_margin()
+
+
+def linearise(problem: ContactProblem, solution: ContactSolution, *, holds_approach: bool) -> LinearisedGap:
+    """Return the linear problem of small changes of a solution with adhesion, at a given approach or load.
+
+    Its pressures are in E* over the cell, times the unit of the heights.
+    """
+    plan = problem.plan
+    if plan.interaction is None or solution.tension is None:
         raise InputError("Without adhesion each state is stable: there is no jump.")
-    task = make_task(problem.plan, solution.initial_gap, Load.signed(**solution.origin.load))
-    return stability_margin(problem.convolution, task, _open_gap(solution) / problem.plan.peak_to_valley)
+    if solution.status is Status.SEPARATED:
+        raise InputError("The surfaces have come apart: there is no contact that could change a little.")
+    return LinearisedGap(
+        surface_stiffness(problem.convolution),
+        bind_interaction(plan, plan.interaction),
+        _open_gap(solution) / plan.peak_to_valley,
+        solution.saturated,
+        holds_approach=holds_approach,
+    )
+
+
+def require_ascending(loads: Sequence[Load]) -> None:
+    """Raise `InputError` unless the approaches of a cycle ascend."""
+    values = [load.value for load in loads]
+    if len(values) < 2 or any(after <= before for before, after in pairwise(values)):
+        raise InputError("The approaches of a cycle must ascend, two of them or more: unloading passes them backwards.")
 
 
 def run_cycle(solve: Solve, loads: tuple[Load, ...]) -> AdhesionCycle:
     """Return both branches over ascending approaches."""
-    values = [load.value for load in loads]
-    if len(values) < 2 or any(after <= before for before, after in pairwise(values)):
-        raise InputError("The approaches of a cycle must ascend, two of them or more: unloading passes them backwards.")
     loading = follow_loads(solve, loads)
     return AdhesionCycle(loading, follow_loads(solve, loads[::-1], loading[-1]))
 

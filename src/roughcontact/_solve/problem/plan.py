@@ -293,7 +293,7 @@ def make_plan(
         peak_to_valley=peak_to_valley,
         pressure_limit=limit,
         omitted=(
-            *_list_omitted((body, counterbody), boundary, capped=capped),
+            *_list_omitted((body, counterbody), boundary, capped=capped, adhesive=interaction is not None),
             *solver.omitted,
             *_list_borders(solver, boundary),
         ),
@@ -336,11 +336,12 @@ def _require_range(value: float, unit: str, name: str) -> None:
         raise InputError(f"A {name} of {value:g} {unit} leaves the range of float64: check the units.")
 
 
-def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool) -> list[str]:
+def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool, adhesive: bool) -> list[str]:
     """Return the steps that this problem does not need, with the reasons."""
     texts = [_OMITTED_IMAGES[boundary]]
     if not capped:
         texts.append("pressure limit: neither material has one")
+    texts.append("the repulsive part of the law: the wall is hard" if adhesive else "adhesion: none is given")
     if boundary is Boundary.PERIODIC:
         texts.append("kernel in real space: its spectrum is used")
     for body in bodies:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -13,18 +13,35 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
 from roughcontact._parts.grid import Boundary, Grid, Load
-from roughcontact._parts.interactions import Interaction
+from roughcontact._parts.interactions import FrictionLaw, Interaction
 from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, kernels
+from roughcontact._parts.materials import pair_constants
 from roughcontact._parts.surfaces import rms_slope
-from roughcontact._solve.convolvers import Convolver, PreparedConvolution, convolvers
+from roughcontact._solve.convolvers import Convolver, PreparedConvolution, ShearConvolution, convolvers
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
-from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, require_resolved, run_cycle
+from roughcontact._solve.problem.cycle import (
+    AdhesionCycle,
+    find_pull_off,
+    follow_loads,
+    require_ascending,
+    require_resolved,
+    run_cycle,
+)
+from roughcontact._solve.problem.friction_certificate import verify_frictional
+from roughcontact._solve.problem.path import FrictionalPath, run_path, run_slide
 from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
 from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
 from roughcontact._solve.problem.sweep import Sweep, find_load_of_area, run_sweep
 from roughcontact._solve.problem.task import limit_load, maximum_pressure
-from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, Estimate, Origin
+from roughcontact._solve.solution import (
+    DEFAULT_AREA,
+    AreaEstimator,
+    ContactSolution,
+    Estimate,
+    FrictionalSolution,
+    Origin,
+)
 from roughcontact._solve.solvers import Solver, Step, solvers
 from roughcontact.errors import InputError
 
@@ -135,6 +152,16 @@ class ContactProblem:
         if not isinstance(prepared, PreparedConvolution):
             raise InputError(f"The convolver {plan.convolver!r} must return a PreparedConvolution, not {prepared!r}.")
         return prepared
+
+    @cached_property
+    def shear_convolution(self) -> ShearConvolution:
+        """The map from tractions to displacements, in the variables of `convolution`; normal contact needs none.
+
+        `InputError` if the boundary or the kernel has none, or Poisson's ratio of a material is not known.
+        """
+        plan = self.plan
+        bound = attrs.evolve(self.convolution.setup.kernel, pair=pair_constants(*plan.materials))
+        return plan.convolver.prepare(bound, plan.grid, plan.boundary).shear()
 
     @property
     def initial_gap(self) -> Array:
@@ -294,7 +321,9 @@ class ContactProblem:
             limit_load(self.plan, self.initial_gap, load)
         return run_sweep(self._solve, loads) if self.adhesion is None else follow_loads(self._solve, loads)
 
-    def cycle(self, *, approach: Iterable[float]) -> AdhesionCycle:
+    def cycle(
+        self, *, approach: Iterable[float], on_state: Callable[[ContactSolution], None] | None = None
+    ) -> AdhesionCycle:
         """Press surfaces that attract each other together and pull them apart again, along given approaches.
 
         Parameters
@@ -302,6 +331,8 @@ class ContactProblem:
         approach
             Approaches of loading, m, ascending; those of unloading are the same in the other order. Negative ones are
             before the first touch. On a periodic boundary the mean gap is the mean of the initial gap minus them.
+        on_state
+            Called with each state when it is found.
 
         Returns
         -------
@@ -315,11 +346,102 @@ class ContactProblem:
         NotConverged
             If a state is not certified.
         """
+        loads = self.require_cycle(approach=approach)
+        told = callback(on_state, "on_state=", "solution")
+
+        def solve(load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
+            state = self._solve(load, start, start_gap=start_gap)
+            if told is not None:
+                told(state)
+            return state
+
+        return run_cycle(solve, loads)
+
+    def require_cycle(self, *, approach: Iterable[float]) -> tuple[Load, ...]:
+        """Return the loads of a branch of a cycle; `InputError` if it cannot be followed; see `cycle`."""
         require_resolved(self.plan)
         loads = Load.signed_sequence(approach=approach)
+        require_ascending(loads)
         for load in loads:
             limit_load(self.plan, self.initial_gap, load)
-        return run_cycle(self._solve, loads)
+        return loads
+
+    def path(
+        self,
+        *,
+        force: float | Iterable[float] | None = None,
+        pressure: float | Iterable[float] | None = None,
+        approach: float | Iterable[float] | None = None,
+        tangential_force: Iterable[Sequence[float]] | Sequence[float] | None = None,
+        displacement: Iterable[Sequence[float]] | Sequence[float] | None = None,
+        friction: float | FrictionLaw,
+        substeps: int | str = "auto",
+    ) -> FrictionalPath:
+        """Follow a contact with friction along a path of normal and tangential loads.
+
+        Parameters
+        ----------
+        force, pressure, approach
+            Exactly one of them: a list, a value for each step; or one value for all steps, which is applied before the
+            first. Of a list the first step goes from the first touch to the first of both loads at once.
+        tangential_force, displacement
+            Exactly one of them: a list of pairs (x, y), or one pair for all steps. The force by which the counterbody
+            is pushed over the body, N; or its displacement since the first touch, m.
+        friction
+            A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`.
+        substeps
+            Increments of each step, in which both loads change in proportion. ``"auto"``: one where that is exact, as
+            for like materials under a constant normal load; else doubled, up to 16, until displacement, energy and
+            stick area hardly change. Their limits are then extrapolated, and the last change is their uncertainty.
+
+        Returns
+        -------
+        FrictionalPath
+            The states at the given loads, each certified with the one before.
+
+        Raises
+        ------
+        InputError
+            If the loads do not fit together, or the bodies slide; with adhesion, on a wrapped boundary or if the kernel
+            does not know shear; of unlike materials if friction times beta exceeds 1, or the pressure its limit.
+        NotConverged
+            If a state is not certified.
+        """
+        normal = {"force": force, "pressure": pressure, "approach": approach}
+        tangential = {"tangential_force": tangential_force, "displacement": displacement}
+        return run_path(self, normal, tangential, friction, substeps)
+
+    def slide(
+        self,
+        *,
+        force: float | None = None,
+        pressure: float | None = None,
+        approach: float | None = None,
+        friction: float | FrictionLaw,
+        direction: float = 0.0,
+    ) -> FrictionalSolution:
+        """Return the contact while the counterbody slides steadily over the body.
+
+        Each cell carries its shear strength in one direction.
+
+        Parameters
+        ----------
+        force, pressure, approach
+            Exactly one: normal force, N; nominal mean pressure, Pa; approach since first touch, m.
+        friction
+            A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`.
+        direction
+            Angle of the traction on the body from x towards y, degrees.
+
+        Raises
+        ------
+        InputError
+            As for `path`; friction times beta above one is admitted in full contact alone.
+        NotConverged
+            If the state is not certified.
+        """
+        normal = {"force": force, "pressure": pressure, "approach": approach}
+        return run_slide(self, normal, friction, direction)
 
     def pull_off(self) -> Estimate:
         """Return the force at which surfaces that attract each other come apart, N, negative: the minimum on unloading.
@@ -357,13 +479,13 @@ class ContactProblem:
         maximum = maximum_pressure(self.plan)
         return find_load_of_area(self._solve, fraction, estimator, min(typical_pressure, maximum), maximum)
 
-    def verify(self, solution: ContactSolution) -> None:
+    def verify(self, solution: ContactSolution | FrictionalSolution) -> None:
         """Recompute the displacement and residuals of a solution of this problem from its pressure: one convolution.
 
         Parameters
         ----------
         solution
-            A solution whose `origin` states its load, such as one from a file.
+            A solution whose `origin` states its load, such as one from a file; with friction both of its states count.
 
         Raises
         ------
@@ -371,7 +493,10 @@ class ContactProblem:
             If it is not a solution of this problem, or its fields, residuals and status contradict each other.
         """
         with computing(self):
-            verify_solution(self.plan, self.convolution, self._gap, solution)
+            if isinstance(solution, FrictionalSolution):
+                verify_frictional(self, solution)
+            else:
+                verify_solution(self.plan, self.convolution, self._gap, solution)
 
     def _solve(
         self,

@@ -7,7 +7,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary, Load
-from roughcontact._parts.interactions import BoundInteraction
+from roughcontact._parts.interactions import BoundInteraction, Interaction
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.solvers import Task
 from roughcontact.errors import InputError
@@ -38,7 +38,7 @@ def make_task(
     start = None if start is None else _limit_start(start, plan) / unit
     interaction = None
     if plan.interaction is not None:
-        interaction = BoundInteraction(plan.interaction, length=plan.peak_to_valley, pressure=unit)
+        interaction = bind_interaction(plan, plan.interaction)
     elif start is not None and load.kind == "pressure" and not start.max() > _MIN_LOAD:
         # A pressure of zero cannot be scaled to a load.
         start = None
@@ -55,6 +55,11 @@ def make_task(
         interaction=interaction,
         start_gap=None if start_gap is None else np.maximum(start_gap, 0.0) / plan.peak_to_valley,
     )
+
+
+def bind_interaction(plan: SolvePlan, law: Interaction) -> BoundInteraction:
+    """Return a law in the dimensionless variables of a `Task`."""
+    return BoundInteraction(law, length=plan.peak_to_valley, pressure=pressure_unit(plan))
 
 
 def limit_load(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:

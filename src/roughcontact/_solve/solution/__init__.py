@@ -11,6 +11,9 @@ from roughcontact._solve.solution.attraction import (
 from roughcontact._solve.solution.conditions import ContactConditions, Violation
 from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.fields import ContactFields, ContactPatches
+from roughcontact._solve.solution.frictional import FrictionalSolution
+from roughcontact._solve.solution.frictional_files import read_path, write_path
+from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
 from roughcontact._solve.solution.healing import fill_gap, heal
 from roughcontact._solve.solution.origin import Accuracy, Origin, Trial, key_of_origin, solution_key, versions
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES, Rule, exceeds_metals, find_contact, find_scene
@@ -38,7 +41,7 @@ from roughcontact._solve.solution.summary import (
     name_load,
     note_loads,
 )
-from roughcontact._solve.solution.theory import TheoryBeside
+from roughcontact._solve.solution.theory import Stickiness, TheoryBeside
 from roughcontact._solve.solution.writers import SolutionWriter, page_or_file, writers
 
 __all__ = [
@@ -57,6 +60,9 @@ __all__ = [
     "ContactPatches",
     "ContactSolution",
     "Estimate",
+    "FrictionalResiduals",
+    "FrictionalSolution",
+    "FrictionalState",
     "GridLevel",
     "Origin",
     "Residuals",
@@ -64,6 +70,8 @@ __all__ = [
     "Rule",
     "SolutionWriter",
     "Status",
+    "Stickiness",
+    "TangentialLoad",
     "TheoryBeside",
     "Trial",
     "Violation",
@@ -86,11 +94,13 @@ __all__ = [
     "page_or_file",
     "read",
     "read_figures",
+    "read_path",
     "require_netcdf",
     "responses",
     "solution_key",
     "trapping_error",
     "versions",
     "write",
+    "write_path",
     "writers",
 ]

@@ -33,7 +33,7 @@ from roughcontact._solve.solution.results import (
     responses,
 )
 from roughcontact._solve.solution.summary import abbreviate, summarize
-from roughcontact._solve.solution.theory import TheoryBeside, compare_with_theory
+from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compare_with_theory, find_stickiness
 from roughcontact._solve.solution.writers import page_or_file, to_pyvista, write_solution, writers
 from roughcontact.errors import InputError
 
@@ -183,25 +183,48 @@ class ContactSolution(ContactFields):
         found: Conductance = self.response(asked)
         return found
 
-    def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
+    def stress(
+        self,
+        depths: float | Array | Sequence[float] | None = None,
+        body: str = "body",
+        *,
+        traction: Array | None = None,
+        friction: float | Array | None = None,
+        direction: float = 0.0,
+    ) -> Stress:
         """Return the stress below a surface; `roughcontact.responses.StressBelow` states the equations.
 
         Parameters
         ----------
         depths
-            Depths below the surface, m, shape (n,); None: from half a cell to two radii of the largest patch.
+            Depths below the surface, m, shape (n,); None: from half a cell to two radii of the largest patch, and the
+            surface where there is a tangential traction.
         body
             ``"body"`` or ``"counterbody"``.
+        traction
+            Tangential traction on the body along x and y, shape (2, nx, ny), Pa; the counterbody has the opposite one.
+        friction
+            In place of a traction: the coefficient of friction in full sliding, a number or shape (nx, ny).
+        direction
+            Direction of the traction on the body in full sliding, degrees from x towards y.
 
         Raises
         ------
         InputError
-            If the body has no stress: it is rigid or layered.
+            If the body has no stress: it is rigid or layered; or if a traction has another shape than the grid.
         """
-        stress: Stress = self.response(responses.create("stress", depths, body=body))
+        asked = responses.create("stress", depths, body=body, traction=traction, friction=friction, direction=direction)
+        stress: Stress = self.response(asked)
         return stress
 
-    def first_yield(self, yield_stress: float, body: str = "body") -> YieldPoint:
+    def first_yield(
+        self,
+        yield_stress: float,
+        body: str = "body",
+        *,
+        friction: float | Array | None = None,
+        direction: float = 0.0,
+    ) -> YieldPoint:
         """Return the load, N, and depth, m, at which a body first yields below its surface.
 
         `roughcontact.responses.FirstYield` states the method.
@@ -212,13 +235,18 @@ class ContactSolution(ContactFields):
             Yield stress in tension, Pa.
         body
             ``"body"`` or ``"counterbody"``.
+        friction
+            Coefficient of friction in full sliding, a number or shape (nx, ny); None: without friction.
+        direction
+            Direction of the traction on the body, degrees from x towards y.
 
         Raises
         ------
         InputError
             If the body has no stress, or the problem cannot be solved again.
         """
-        found: YieldPoint = self.response(responses.create("first-yield", yield_stress, body=body))
+        asked = responses.create("first-yield", yield_stress, body=body, friction=friction, direction=direction)
+        found: YieldPoint = self.response(asked)
         return found
 
     def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
@@ -319,6 +347,15 @@ class ContactSolution(ContactFields):
         many waves, most of them longer than four cells; grids have at most 2048 x 2048 cells.
         """
         return compare_with_theory(self) if self.tension is None else None
+
+    @cached_property
+    def stickiness(self) -> Stickiness | None:
+        """Whether the surfaces stick by theory, and the energy of full contact; None without adhesion.
+
+        The energy needs a periodic boundary without saturated cells and a law that is the same everywhere, the
+        criterion also the roughness of `theory` and a range that is short beside the heights.
+        """
+        return find_stickiness(self)
 
     @property
     def _materials(self) -> dict[str, Material]:

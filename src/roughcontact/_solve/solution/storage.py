@@ -7,7 +7,7 @@ import importlib
 import io
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -137,7 +137,7 @@ def write(path: Path, solution: ContactSolution, *, flush: bool = True) -> None:
     """Write a solution; see `ContactSolution.save` and, for `flush`, `replacing`."""
     if path.suffix not in (".npz", ".nc"):
         raise InputError.about("The name of a solution's file", path.name, "one ending in .npz or .nc")
-    arrays, header = _disassemble(solution)
+    arrays, header = disassemble(solution)
     if missing := missing_classes(header["problem"]):
         warn(f"{path.name} keeps the fields of the solution. {missing}")
     if path.suffix == ".nc":
@@ -153,17 +153,17 @@ def read(path: Path, key: str | None = None) -> dict[str, Any]:
     arrays, header = read_netcdf(path) if path.suffix == ".nc" else read_archive(path)
     if header.get("kind") != _ARCHIVE_KIND:
         raise InputError(f"The file {path.name} does not hold a solution.")
-    with _usable(path, "its header is wrong"):
+    with usable(path, "its header is wrong"):
         require_key(header, key)
-        fields = _assemble(arrays, header)
-        _require_sound(fields, arrays)
+        fields = assemble(arrays, header)
+        require_sound(fields, arrays)
         return fields
 
 
 def read_figures(path: Path, key: str) -> dict[str, Any]:
     """Return status, cost and scalars of the solution with a key; the file is compared with its checksum."""
     arrays, header = read_some(path, _SCALARS)
-    with _usable(path, "its header is wrong"):
+    with usable(path, "its header is wrong"):
         require_key(header, key)
         numbers = {name: float(arrays[name]) for name in _SCALARS}
         stated = {name: rebuild(header[name], {}) for name in ("status", "seconds", *_COUNT_FIELDS)}
@@ -172,20 +172,27 @@ def read_figures(path: Path, key: str) -> dict[str, Any]:
 
 def verify(path: Path, solution: ContactSolution) -> None:
     """Raise `InputError` unless the residuals recomputed from a solution's pressure confirm it."""
-    origin = solution.origin
+    verify_states(path, solution, [solution])
+
+
+def verify_states(path: Path, first: ContactSolution, states: Sequence[Any]) -> None:
+    """Raise `InputError` unless the problem of the first contact confirms all states, which `verify` takes."""
+    origin = first.origin
     missing = "It does not name its problem." if origin is None else origin.missing
     if origin is None or missing:
         raise InputError(
             f"The file {path.name} cannot be verified. {missing} ContactSolution.load(..., verify=False) takes its "
             "fields and residuals as they are."
         )
-    with _usable(path, "its problem cannot be verified"):
-        problem: Any = public_class("ContactProblem")
-        problem(**origin.bound(solution.grid)).verify(solution)
+    with usable(path, "its problem cannot be verified"):
+        kind: Any = public_class("ContactProblem")
+        problem = kind(**origin.bound(first.grid))
+        for state in states:
+            problem.verify(state)
 
 
 @contextlib.contextmanager
-def _usable(path: Path, trouble: str) -> Iterator[None]:
+def usable(path: Path, trouble: str) -> Iterator[None]:
     """Turn any error by the content of a file into an `InputError`."""
     try:
         # Numbers of a file may overflow: infinite ones are refused later.
@@ -200,7 +207,7 @@ def _usable(path: Path, trouble: str) -> Iterator[None]:
         raise InputError(f"The file {path.name} cannot be used: {trouble} ({error!r:.200}).") from error
 
 
-def _require_sound(fields: Mapping[str, Any], arrays: Mapping[str, RealArray]) -> None:
+def require_sound(fields: Mapping[str, Any], arrays: Mapping[str, RealArray]) -> None:
     """Raise `InputError` if the figures and fields of a file contradict each other; no convolution is needed."""
     pressure = fields["pressure"]
     status = fields["status"]
@@ -240,7 +247,7 @@ def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
     return make_dataset(variables, places, title)
 
 
-def _disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
+def disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
     """Return all arrays by name, and everything else as data for JSON."""
     parts: dict[str, RealArray] = {}
     origin = solution.origin
@@ -292,7 +299,7 @@ def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:
     return {what: value, f"{what}_uncertainty": uncertainty}
 
 
-def _assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dict[str, Any]:
+def assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dict[str, Any]:
     parts = {
         name.removeprefix(_PART_PREFIX): values for name, values in arrays.items() if name.startswith(_PART_PREFIX)
     }

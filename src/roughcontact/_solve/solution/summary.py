@@ -100,6 +100,8 @@ def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: M
     rows += [("warning", text) for text in list_all_warnings(solution)]
     if solution.theory is not None:
         rows.append(("Persson", str(solution.theory)))
+    if solution.stickiness is not None:
+        rows.append(("stickiness", str(solution.stickiness)))
     if solution.accuracy is not None:
         rows.append(("accuracy", str(solution.accuracy)))
     rigid = [name for name, material in materials.items() if material.compliance == 0.0]

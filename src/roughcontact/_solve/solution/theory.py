@@ -1,4 +1,4 @@
-"""Persson's theory beside a solution, where it holds."""
+"""Theories beside a solution, where they hold: Persson's, and with adhesion whether rough surfaces stick."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.interactions import Interaction
 from roughcontact.reference.persson import PerssonContact, evaluate_persson
 from roughcontact.reference.roughness import Waves, find_lay, find_shape, transform_waves
+from roughcontact.reference.stickiness import FullContactEnergies, PastewkaRobbins, evaluate_full_contact
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
@@ -66,16 +68,7 @@ class TheoryBeside:
 
 def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
     """Return the theory beside a solution, or None if it does not hold: see `ContactSolution.theory`."""
-    applies = (
-        solution.boundary is Boundary.PERIODIC
-        and solution.status.success
-        and solution.moduli is None
-        and solution.non_measured is None
-        and solution.grid.cells <= _MAX_CELLS
-        and solution.initial_gap.any()
-        and solution.contact.any()
-        and not solution.saturated.any()
-    )
+    applies = _has_spectrum(solution) and solution.contact.any()
     waves = _find_waves(solution.initial_gap, solution.grid) if applies else None
     if waves is None:
         return None
@@ -94,16 +87,90 @@ def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
     return TheoryBeside(contact, ratio, gap_ratio, departure)
 
 
+@attrs.frozen(eq=False)
+class Stickiness:
+    """What theory says of rough surfaces that attract each other: whether they stick, and what full contact costs.
+
+    Attributes
+    ----------
+    criterion
+        The criterion of Pastewka and Robbins; None where the surface is not isotropic, Gaussian roughness of many waves
+        that the grid resolves, or the range exceeds the heights around a contact patch.
+    full_contact
+        The energies of full contact by Persson and Tosatti.
+    work
+        Work of adhesion, J/m2.
+    """
+
+    criterion: PastewkaRobbins | None
+    full_contact: FullContactEnergies
+    work: float
+
+    def __str__(self) -> str:
+        compared = "more" if self.full_contact.released < 0.0 else "less"
+        elastic, work = (si(energy, "J/m2", 3) for energy in (self.full_contact.elastic, self.work))
+        costs = f"full contact takes {elastic}, {compared} than the work of adhesion, {work} (Persson, Tosatti)"
+        if self.criterion is None:
+            return costs
+        return f"ratio {self.criterion.ratio:.3g}, sticky below 1 (Pastewka, Robbins); {costs}"
+
+
+def find_stickiness(solution: ContactSolution) -> Stickiness | None:
+    """Return the theories of adhesion beside a solution; see `ContactSolution.stickiness`."""
+    if solution.tension is None or solution.origin is None or solution.origin.missing or not _has_spectrum(solution):
+        return None
+    given: Interaction = solution.origin.problem["adhesion"]
+    law = given.resolve(solution.grid.spacing, solution.modulus)
+    if np.ndim(law.work) or np.ndim(law.strength):
+        return None
+    work = float(law.work)
+    waves = transform_waves(solution.initial_gap, solution.grid)
+    energies = evaluate_full_contact(waves, work, solution.modulus)
+    return Stickiness(_find_criterion(solution, waves, work, work / float(law.strength)), energies, work)
+
+
+def _find_criterion(solution: ContactSolution, waves: Waves, work: float, reach: float) -> PastewkaRobbins | None:
+    if not (_is_gaussian(solution.initial_gap) and _is_resolved(waves, solution.grid)):
+        return None
+    slope = math.sqrt(waves.sum(waves.square)) * waves.height / waves.cell
+    curvature = math.sqrt(waves.sum(waves.square**2)) * waves.height / waves.cell**2
+    found = PastewkaRobbins(slope, curvature, solution.modulus, work, reach)
+    # Else the attracted zones beside the patches, d (3 range / (4 h' d))^(2/3) wide, would meet.
+    return found if 0.75 * reach < slope * found.patch_diameter else None
+
+
+def _has_spectrum(solution: ContactSolution) -> bool:
+    """Return whether the solution is one of elastic half-spaces whose heights have a spectrum."""
+    return bool(
+        solution.boundary is Boundary.PERIODIC
+        and solution.status.success
+        and solution.moduli is None
+        and solution.non_measured is None
+        and solution.grid.cells <= _MAX_CELLS
+        and solution.initial_gap.any()
+        and not solution.saturated.any()
+    )
+
+
 def _find_waves(initial_gap: Array, grid: Grid) -> Waves | None:
     """Return the waves of isotropic Gaussian roughness that the grid resolves; None for other surfaces."""
-    # The heights are the negative gap, so that their skewness has the other sign.
-    skewness, kurtosis = find_shape(initial_gap)
-    if abs(skewness) > _MAX_SKEWNESS or not _KURTOSIS_RANGE[0] <= kurtosis <= _KURTOSIS_RANGE[1]:
+    if not _is_gaussian(initial_gap):
         return None
     waves = transform_waves(initial_gap, grid)
+    return waves if _is_resolved(waves, grid) else None
+
+
+def _is_gaussian(initial_gap: Array) -> bool:
+    # The heights are the negative gap, so that their skewness has the other sign.
+    skewness, kurtosis = find_shape(initial_gap)
+    return abs(skewness) <= _MAX_SKEWNESS and _KURTOSIS_RANGE[0] <= kurtosis <= _KURTOSIS_RANGE[1]
+
+
+def _is_resolved(waves: Waves, grid: Grid) -> bool:
+    """Return whether there are many waves without a lay, most of them longer than four cells."""
     square = waves.square
     slope = waves.sum(square)
     cell = max(grid.spacing) / grid.spacing[0]
     short = waves.sum(np.where(square > (0.5 * np.pi / cell) ** 2 * (1.0 + 1e-9), square, 0.0))
     few = waves.spread(1.0) > _MAX_HEIGHT_ERROR * waves.sum(1.0) or waves.spread(square) > _MAX_SLOPE_ERROR * slope
-    return None if few or short > _MAX_UNRESOLVED_FRACTION * slope or find_lay(waves) > _MAX_LAY_RATIO else waves
+    return not few and short <= _MAX_UNRESOLVED_FRACTION * slope and find_lay(waves) <= _MAX_LAY_RATIO

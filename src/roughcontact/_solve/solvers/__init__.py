@@ -1,6 +1,6 @@
 """Solvers: the pressure that satisfies the conditions of contact."""
 
-from roughcontact._solve.solvers.adhesive import GapDescent, Majorise, stability_margin
+from roughcontact._solve.solvers.adhesive import GapDescent, LinearisedGap, Majorise, surface_stiffness
 from roughcontact._solve.solvers.base import (
     Monitor,
     Outcome,
@@ -31,6 +31,7 @@ from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 __all__ = [
     "ActiveCells",
     "GapDescent",
+    "LinearisedGap",
     "Majorise",
     "MaskedCells",
     "Monitor",
@@ -56,7 +57,7 @@ __all__ = [
     "rescale_to_load",
     "shear_solvers",
     "solvers",
-    "stability_margin",
     "starting_pressure",
+    "surface_stiffness",
     "total",
 ]

@@ -89,7 +89,8 @@ async function showPlan(values, change) {
     return;
   }
   if (change !== changes) return;
-  const loads = plan.loads.length > 1 ? `${plan.loads.length} loads, about` : "About";
+  const solves = plan.solves > plan.loads.length ? "states" : "loads";
+  const loads = plan.solves > 1 ? `${plan.solves} ${solves}, about` : "About";
   byId("plan").textContent = `${loads} ${duration(plan.seconds)} for the solve, ${plan.memory}.`;
   byId("plan-basis").textContent = plan.basis;
   byId("plan-text").textContent = plan.text;

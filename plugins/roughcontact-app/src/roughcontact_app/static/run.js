@@ -72,7 +72,10 @@ function renderAnswer(state) {
   byId("answer").hidden = false;
   const [first] = state.answers;
   const percent = (answer) => `${(100 * quantity(answer, "contact area fraction").value).toPrecision(3)} % of nominal`;
-  byId("headline").textContent = many
+  const isCycle = state.settings.load === "cycle";
+  byId("headline").textContent = isCycle
+    ? `Pull-off ${quantity(first, "pull-off").text}; energy lost in the cycle ${quantity(first, "energy lost").text}`
+    : many
     ? `${state.answers.length} loads solved`
     : `Contact area ${quantity(first, "contact area").text}; ${percent(first)}`;
   const failed = state.answers.filter((answer) => !answer.certified);
@@ -123,8 +126,9 @@ function curveRows(state) {
 
 function fileLink(state, output, text, main = false) {
   const address = `runs/${state.id}/${output.file}`;
-  const { loads, load_unit: unit } = state.settings;
-  const run = `${subjectOf(state.settings).replace(/\.[^.]*$/, "")}-${loads}-${unit}`;
+  const { load, loads, load_unit: unit } = state.settings;
+  const what = load === "cycle" ? "" : `-${loads}-${unit}`;
+  const run = `${subjectOf(state.settings).replace(/\.[^.]*$/, "")}${what}`;
   const link = element("a", text, { href: address, download: `${run.replace(/[^\p{L}\p{N}.]+/gu, "-")}-${output.file}` });
   if (main !== null) link.className = main ? "button main" : "button";
   return link;
@@ -141,7 +145,7 @@ function renderOutputs(state) {
     }));
   }
   // It keeps the place of the report, so that nothing jumps away under the pointer.
-  else if (!ENDED.includes(state.phase)) links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
+  else if (!ENDED.includes(state.phase) && state.settings.load !== "cycle") links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
   if (of("table")) links.push(fileLink(state, of("table"), "Table (.csv)"));
   if (!many && of("solution")) links.push(fileLink(state, of("solution"), "Fields (.npz)"));
   keepOrReplace(byId("downloads"), links);

@@ -5,12 +5,14 @@ const UNITS = {
   length: { m: "m", mm: "mm", um: "µm", nm: "nm" },
   modulus: { Pa: "Pa", MPa: "MPa", GPa: "GPa" },
   pressure: { Pa: "Pa", kPa: "kPa", MPa: "MPa", GPa: "GPa" },
-  force: { N: "N", mN: "mN", uN: "µN", kN: "kN" },
+  force: { N: "N", mN: "mN", uN: "µN", nN: "nN", kN: "kN" },
   approach: { mm: "mm", um: "µm", nm: "nm" },
   work: { "J/m2": "J/m²", "mJ/m2": "mJ/m²" },
 };
+// A cycle has fields of its own; those of a load keep what they hold at first.
+UNITS.cycle = UNITS.pressure;
 // At first for each kind of load: a value and its unit.
-const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"] };
+const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"], cycle: ["100", "MPa"] };
 const FORMS = { plane: "its plane", quadratic: "its form of second degree", sphere: "its sphere" };
 let defaults = {};
 // Young's modulus, GPa, Poisson's ratio and hardness, GPa, of typical materials by name.
@@ -165,8 +167,13 @@ export function describe(values) {
   const parts = [subjectOf(values)];
   if (["file", "example"].includes(values.surface) && values.form !== "none") parts.push(`less ${FORMS[values.form]}`);
   if (values.ball && values.surface !== "sphere") parts.push(`ball of ${of("ball")}`);
-  parts.push(values.load === "approach" ? `approach ${of("loads", "load_unit")}` : of("loads", "load_unit"), material(""));
+  const load = {
+    approach: `approach ${of("loads", "load_unit")}`,
+    cycle: `approach from ${values.cycle_from} to ${of("cycle_to", "cycle_unit")} and back`,
+  };
+  parts.push(load[values.load] || of("loads", "load_unit"), material(""));
   if (values.counterbody === "deformable") parts.push(`counterbody ${material("counterbody_")}`);
-  if (values.adhesion !== "none") parts.push(`adhesion ${of("work").replace("m2", "m²")}`);
+  if (values.adhesion !== "none") parts.push(`${values.adhesion.replaceAll("-", " ")} adhesion of ${of("work").replace("m2", "m²")}`);
+  if (["exponential", "van-der-waals"].includes(values.adhesion)) parts.push(`range ${of("range")}`);
   return [...parts, values.boundary].join(", ");
 }

@@ -18,10 +18,6 @@ from roughcontact._solve.solvers.adhesive.gap_problem import GapProblem
 T = TypeVar("T")
 Precision: TypeAlias = type[np.float32] | type[np.float64]
 
-# Support against waves longer than the openings, over the mean stiffness of a punch of the open cells, and its
-# minimum over the stiffness of the longest wave.
-SUPPORT = 0.5
-_LONGEST = 0.02
 # Fraction of the cells that may open or close before the support is computed again.
 _CHANGED = 0.05
 # Minimum weight of a cell of a held mean, over the mean of the weights.
@@ -81,10 +77,7 @@ class AdhesiveDescent:
         self.dtype = dtype
         stiffness = problem.stiffness
         self._inverse = stiffness.of_precision(dtype)
-        self._symbol = self._inverse.stiffness
-        if problem.mean_stiffness:
-            self._symbol = self._symbol.copy()
-            self._symbol[0, 0] = problem.mean_stiffness
+        self._symbol = stiffness.symbol(problem.mean_stiffness, dtype)
         self._shape = stiffness.shape
         self._tiles = self._split()
         self._preconditioner: RealArray = np.zeros(0, dtype=dtype)
@@ -213,9 +206,8 @@ class AdhesiveDescent:
         stiff = self._inverse.multiply(cells, self._symbol, self._inverse.padded)
         self.products += 1
         count = max(int(np.count_nonzero(self._mask)), 1)
-        mean = math.fsum(self._map(lambda tile: _dot(stiff[tile.rows], cells[tile.rows]))) / count
-        support = max(SUPPORT * mean, _LONGEST * self.problem.stiffness.longest)
-        self._preconditioner = 1.0 / (self._symbol + self.dtype(support))
+        punch = math.fsum(self._map(lambda tile: _dot(stiff[tile.rows], cells[tile.rows]))) / count
+        self._preconditioner = self.problem.stiffness.precondition(self._symbol, punch)
         if self.problem.holds_mean:
             weights = self._inverse.multiply(cells, self._preconditioner, self._inverse.padded)
             self.products += 1

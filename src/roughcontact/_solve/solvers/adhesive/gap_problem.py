@@ -64,7 +64,7 @@ def make_gap_problem(stiffness: SurfaceStiffness, task: Task) -> GapProblem:
         interaction=task.interaction,
         closing=stiffness.embed(task.initial_gap),
         base=base,
-        mean_stiffness=1.0 / compliance if approach is not None and compliance > 0.0 else 0.0,
+        mean_stiffness=0.0 if approach is None else stiffness.mean_stiffness,
         holds_mean=approach is not None and compliance == 0.0,
         limit=task.pressure_limit,
     )

@@ -16,6 +16,10 @@ from roughcontact.errors import InputError
 
 # Amplitude over the mean one below which a displacement does not determine the pressure.
 _SINGULAR = 1e-9
+# Support against waves longer than the open cells, over the mean stiffness of a punch of them, and its minimum over the
+# stiffness of the longest wave.
+_SUPPORT = 0.5
+_LONGEST = 0.02
 
 
 @attrs.frozen(eq=False)
@@ -59,6 +63,32 @@ class SurfaceStiffness:
     def cohesive_cells(self, interaction: BoundInteraction) -> float:
         """Return the cells of the cohesive length of an interaction: the shortest wave of a half-space has pi E*/2."""
         return 2.0 / np.pi * self.shortest / interaction.steepest
+
+    @property
+    def mean_stiffness(self) -> float:
+        """Uniform pressure of a uniform unit displacement; zero on a periodic boundary, where it is arbitrary."""
+        return 1.0 / self.mean_compliance if self.mean_compliance > 0.0 else 0.0
+
+    def symbol(self, mean_stiffness: float, dtype: type) -> RealArray:
+        """Return the stiffness of each wave in float32 or float64, with that of the mean."""
+        symbol = self.of_precision(dtype).stiffness
+        if mean_stiffness:
+            symbol = symbol.copy()
+            symbol[0, 0] = mean_stiffness
+        return symbol
+
+    def precondition(self, symbol: RealArray, punch: float) -> RealArray:
+        """Return an approximate inverse of a symbol on some cells, which resist a uniform displacement as a punch.
+
+        Parameters
+        ----------
+        symbol
+            Stiffness of each wave.
+        punch
+            Mean stiffness of the punch of these cells.
+        """
+        support = max(_SUPPORT * punch, _LONGEST * self.longest)
+        return np.asarray(1.0 / (symbol + symbol.dtype.type(support)))
 
     @cached_property
     def single(self) -> InverseConvolution:
@@ -124,7 +154,8 @@ def surface_stiffness(convolution: PreparedConvolution, extended: tuple[int, int
     if others.size and not others.min() > _SINGULAR * float(others.mean()):
         raise InputError(
             f"The kernel {setup.kernel.kernel!r} displaces nothing by some waves of pressure, so that a gap does not "
-            "determine the pressure on this grid: choose solver='majorise'."
+            "determine the pressure on this grid: solver='majorise' finds the contact, but without its stability, "
+            "stiffness and gradients."
         )
     stiffness = np.zeros_like(response)
     np.divide(1.0, response, out=stiffness, where=response > 0.0)

@@ -1,0 +1,224 @@
+"""The maximum of a stress between points and depths, its place and uncertainty, and the peak at an edge."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import attrs
+import numpy as np
+
+from roughcontact._answers.subsurface.field import (
+    COMPONENTS,
+    StressField,
+    maximum_principal,
+    maximum_shear,
+    shear_invariant,
+    von_mises,
+)
+from roughcontact._base.arrays import Array, RealArray
+from roughcontact._base.units import ContactWarning, Estimate, si
+from roughcontact._parts.grid import Boundary
+
+# Factors of 1/n^2 and 1/n^4 in the relative error of the maximum at a depth of n cells: set on Hertz's balls and on
+# rough surfaces, and judged on others by docs/studies/stress.py.
+_GRID_ERROR_TERMS = (0.012, 0.004)
+# Error by the distance of the depths, over the rise of the parabola above the largest value at a depth.
+_INTERPOLATION_ERROR = 0.3
+# Smallest relative error: by float32 and by the tolerance of the solver.
+MIN_RELATIVE_ERROR = 2e-4
+# Depth in cells below which the stress depends on the shape of the cells at the edges of the contact.
+_MIN_DEPTH_CELLS = 2.0
+# Relative error of a maximum at the surface inside a contact, where cells may smooth a larger one at its edge.
+_SURFACE_ERROR = 0.03
+# Error of the stress at the peak behind a sliding contact over the difference that an average over 2 x 2 points makes:
+# 1/(sqrt(2) - 1) where it falls with the root of the cell's side, less on balls.
+_PEAK_FACTOR = 2.0
+
+
+@attrs.frozen
+class StressMaximum(Estimate):
+    """The maximum of a stress below a surface, and its place.
+
+    Attributes
+    ----------
+    value
+        The maximum, Pa.
+    uncertainty
+        One standard deviation, Pa.
+    unit
+        ``"Pa"``.
+    x, y, depth
+        Its place, m; the origin is the centre of the domain at the surface.
+    warnings
+        Why the value must not be trusted, in sentences; empty without a reason.
+    """
+
+    value: float
+    uncertainty: float
+    x: float
+    y: float
+    depth: float
+    unit: str = attrs.field(default="Pa", init=False)
+    warnings: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        relative = 100.0 * self.uncertainty / self.value if self.value > 0.0 else 0.0
+        place = f"x = {si(self.x, 'm')}, y = {si(self.y, 'm')}, depth {si(self.depth, 'm')}"
+        return f"{si(self.value, 'Pa', 5)} +- {relative:.2g} % at {place}{self._reasons}"
+
+
+@attrs.frozen
+class PlanePeak:
+    """The maximum in a plane, in its scale, and its place, m."""
+
+    value: float
+    x: float
+    y: float
+
+
+def find_von_mises(field: StressField, boundary: Boundary) -> PlanePeak:
+    """Return the maximum of the von Mises stress in a plane, between the points by a parabola along each axis."""
+    return _find_peak(field, boundary, von_mises(field.values), von_mises)
+
+
+@attrs.frozen(eq=False)
+class EdgeStress:
+    """The stress where the maximum principal stress at the surface is largest: at an edge, behind a sliding contact.
+
+    There the stress has a peak, which cells of constant load smooth by an amount that falls with the root of their
+    side. Averages over 2 x 2 points are the stress of cells of twice the side.
+
+    Attributes
+    ----------
+    x, y
+        The place, m.
+    values
+        The components at the nearest point, in the scale of the field, shape (6,).
+    averages
+        The averages over 2 x 2 points beside it with the largest maximum principal stress, shape (6,).
+    """
+
+    x: float
+    y: float
+    values: RealArray
+    averages: RealArray
+
+    def extrapolate(self, measure: Callable[[RealArray], RealArray]) -> tuple[float, float]:
+        """Return a measure of the stress for cells without size, and its uncertainty, in the scale of the field."""
+        value = float(measure(self.values + _PEAK_FACTOR * (self.values - self.averages)))
+        return value, abs(value - float(measure(self.values))) / _PEAK_FACTOR
+
+
+def find_edge_stress(field: StressField) -> EdgeStress:
+    """Return the stress at the point of a surface with the largest maximum principal stress."""
+    values = field.values
+    stress = maximum_principal(values)
+    i, j = (int(place) for place in np.unravel_index(int(np.argmax(stress)), stress.shape))
+    around = values.take(range(i - 1, i + 2), axis=1, mode="wrap").take(range(j - 1, j + 2), axis=2, mode="wrap")
+    averages = 0.25 * (around[:, 1:, 1:] + around[:, 1:, :-1] + around[:, :-1, 1:] + around[:, :-1, :-1])
+    averages = averages.reshape(len(COMPONENTS), -1)
+    largest = averages[:, int(np.argmax(maximum_principal(averages)))]
+    return EdgeStress(float(field.grid.x[i, 0]), float(field.grid.y[0, j]), values[:, i, j], largest)
+
+
+def find_shear(field: StressField, boundary: Boundary) -> PlanePeak:
+    """Return the largest of the maximum shear stresses in a plane, between the points by a parabola along each axis."""
+    # The shear stress lies between sqrt(3)/2 and 1 of this root, so that few points need the angle.
+    root = np.sqrt(shear_invariant(field.values))
+    shear = math.sqrt(0.75) * root
+    near = np.nonzero(root >= float(shear.max()))
+    shear[near] = maximum_shear(field.values[:, near[0], near[1]])
+    return _find_peak(field, boundary, shear, maximum_shear)
+
+
+def _find_peak(
+    field: StressField, boundary: Boundary, stress: RealArray, measure: Callable[[RealArray], RealArray]
+) -> PlanePeak:
+    i, j = (int(place) for place in np.unravel_index(int(np.argmax(stress)), stress.shape))
+    value = float(stress[i, j])
+    offsets = []
+    for axis, place in enumerate((i, j)):
+        count = stress.shape[axis]
+        beside = np.array((place - 1, place + 1))
+        if boundary is Boundary.PERIODIC:
+            beside %= count
+        if count < 3 or beside[0] < 0 or beside[1] >= count:
+            offsets.append(0.0)
+            continue
+        points = (beside, j) if axis == 0 else (i, beside)
+        left, right = measure(field.values[:, *points])
+        shift, rise = _fit_parabola(float(left), float(stress[i, j]), float(right))
+        offsets.append(shift)
+        value += rise
+    grid = field.grid
+    return PlanePeak(
+        value,
+        float(grid.x[i, 0]) + offsets[0] * grid.spacing[0],
+        float(grid.y[0, j]) + offsets[1] * grid.spacing[1],
+    )
+
+
+def _fit_parabola(left: float, middle: float, right: float) -> tuple[float, float]:
+    """Return where a parabola through three points has its maximum, in steps from the middle, and its rise above it."""
+    bend = left - 2.0 * middle + right
+    slope = 0.5 * (right - left)
+    if bend >= 0.0:
+        return 0.0, 0.0
+    shift = min(max(-slope / bend, -0.5), 0.5)
+    return shift, shift * (slope + 0.5 * bend * shift)
+
+
+def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: float) -> StressMaximum:
+    """Return the maximum over all depths, between them by a parabola over the logarithm of the depth.
+
+    Parameters
+    ----------
+    depths
+        Depths, m, ascending.
+    peaks
+        The maximum at each of them.
+    scale
+        The unit of the peaks, Pa.
+    cell
+        The larger side of a cell, m.
+    """
+    values = np.array([peak.value for peak in peaks])
+    top = int(np.argmax(values))
+    value = float(values[top])
+    depth = float(depths[top])
+    rise = 0.0
+    warnings = []
+    at_surface = depth == 0.0 and values.size > 1
+    if 0 < top < values.size - 1:
+        near = depths[top - 1 : top + 2]
+        logarithmic = near[0] > 0.0
+        place = np.log(near / depth) if logarithmic else near / depth - 1.0
+        coefficients = np.polyfit(place, values[top - 1 : top + 2], 2)
+        if coefficients[0] < 0.0:
+            shift = float(np.clip(-0.5 * coefficients[1] / coefficients[0], place[0], place[2]))
+            rise = float(np.polyval(coefficients, shift)) - value
+            value = value + rise
+            depth = depth * (math.exp(shift) if logarithmic else 1.0 + shift)
+    elif not at_surface:
+        end = "the smallest" if top == 0 else "the largest"
+        text = f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
+        warnings.append(ContactWarning(text, "depths", depth))
+    cells = depth / cell
+    if cells < _MIN_DEPTH_CELLS:
+        warnings.append(warn_of_depth(cells))
+    if at_surface:
+        relative = _SURFACE_ERROR
+    else:
+        inverse = 1.0 / max(cells, 1e-3) ** 2
+        relative = math.hypot(
+            MIN_RELATIVE_ERROR, min(_GRID_ERROR_TERMS[0] * inverse + _GRID_ERROR_TERMS[1] * inverse**2, 1.0)
+        )
+    uncertainty = math.hypot(relative * value, _INTERPOLATION_ERROR * rise)
+    return StressMaximum(value * scale, uncertainty * scale, peaks[top].x, peaks[top].y, depth, tuple(warnings))
+
+
+def warn_of_depth(cells: float) -> ContactWarning:
+    """Return the warning that a maximum lies so few cells below the surface."""
+    place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"
+    return ContactWarning(f"the maximum lies {place} the surface, where it depends on the grid", "resolution", cells)

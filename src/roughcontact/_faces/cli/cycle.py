@@ -1,0 +1,94 @@
+"""``roughcontact solve --cycle``: loading and unloading of surfaces that attract each other."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+from collections.abc import Callable
+from typing import Any
+
+import attrs
+import numpy as np
+
+import roughcontact as rc
+from roughcontact._base.units import si
+from roughcontact._faces.cli.answers import describe_estimate, plan_picture
+from roughcontact._faces.cli.progress import show_progress
+from roughcontact._faces.panels.figures import save_figure
+from roughcontact._solve.problem import AdhesionCycle, make_cycle_table
+from roughcontact._solve.solution import versions
+
+# States on each branch.
+_STATES = 41
+# Options of a solve that say nothing of a cycle.
+_OF_SOLVES = ("refine", "area", "area_within", "peak_within", "report", "pull_off")
+
+
+def solve_cycle(options: argparse.Namespace, problem: rc.ContactProblem) -> AdhesionCycle:
+    """Return the cycle that the options describe, after writing its pictures."""
+    pictures = [plan_picture(name) for name in options.output]
+    if options.tolerance is not None:
+        problem = attrs.evolve(problem, solver=problem.plan.solver.with_tolerance(options.tolerance))
+    low, high = options.cycle
+    states = _STATES if options.states is None else options.states
+    total = 2 * states - 1
+    with show_progress(f"state 1 of {total}", quiet=options.quiet) as change:
+        cycle = problem.cycle(approach=np.linspace(low, high, states), on_state=_count(total, change))
+    for path in pictures:
+        save_figure(cycle.plot(), path)
+    if not options.quiet:
+        write = cycle_to_json if options.json else cycle_to_csv if options.csv else str
+        print(write(cycle))
+        if pictures and write is str:
+            print(f"\nWritten: {', '.join(map(str, pictures))}")
+    return cycle
+
+
+def refuse_for_cycle(options: argparse.Namespace) -> None:
+    """Refuse what does not fit a cycle, before anything is read."""
+    if options.cycle is None:
+        if options.states is not None:
+            raise rc.InputError("--states is for --cycle, whose branches have them: give both, or neither.")
+        return
+    if options.adhesion is None:
+        raise rc.InputError("--cycle is for surfaces that attract each other: give --adhesion too.")
+    for name in _OF_SOLVES:
+        if getattr(options, name) not in (None, False):
+            shown = f"--{name.replace('_', '-')}"
+            raise rc.InputError(f"{shown} is for single loads: omit it with --cycle, which has many states.")
+    if options.states is not None and options.states < 2:
+        raise rc.InputError.about("The number of --states", options.states, "at least 2")
+    low, high = options.cycle
+    if not low < high:
+        raise rc.InputError(f"--cycle needs its lower approach first, but got {si(low, 'm')} and {si(high, 'm')}.")
+
+
+def _count(total: int, change: Callable[[str], None]) -> Callable[[rc.ContactSolution], None]:
+    found = 0
+
+    def note(state: rc.ContactSolution) -> None:
+        nonlocal found
+        found += 1
+        change(f"state {min(found + 1, total)} of {total}")
+
+    return note
+
+
+def cycle_to_csv(cycle: AdhesionCycle) -> str:
+    """Return a header and a row for each state, in SI units: the columns of `AdhesionCycle.to_csv`."""
+    text = io.StringIO()
+    make_cycle_table(cycle).write(text)
+    return text.getvalue().replace("\r\n", "\n").rstrip("\n")
+
+
+def cycle_to_json(cycle: AdhesionCycle) -> str:
+    """Return one JSON object: the results of a cycle, and its states."""
+    table = make_cycle_table(cycle)
+    columns = [np.asarray(column).tolist() for column in table.columns.values()]
+    content: dict[str, Any] = {name: describe_estimate(getattr(cycle, name)) for name in ("pull_in", "pull_off")}
+    content["dissipated"] = describe_estimate(cycle.dissipated)
+    content["jumps"] = [list(jump) for jump in cycle.jumps]
+    content["states"] = [dict(zip(table.columns, row, strict=True)) for row in zip(*columns, strict=True)]
+    content |= {"units": dict(table.units), "versions": versions()}
+    return json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False)

@@ -1,0 +1,325 @@
+"""One increment of a contact with friction: normal and tangential solves in turn."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Load
+from roughcontact._parts.interactions import shear_limit
+from roughcontact._solve.problem.accuracy import with_tolerance
+from roughcontact._solve.problem.body import InitialGap
+from roughcontact._solve.problem.friction_certificate import (
+    CONE_TOLERANCE,
+    FORCE_TOLERANCE,
+    FoundTractions,
+    FrictionalContact,
+    FrictionalFields,
+    stack_along,
+)
+from roughcontact._solve.problem.run import computing, run_solve
+from roughcontact._solve.solution import (
+    ContactConditions,
+    ContactSolution,
+    FrictionalSolution,
+    FrictionalState,
+    Status,
+    TangentialLoad,
+)
+from roughcontact._solve.solvers import ProjectedShearCG, ShearOutcome, ShearSolver, ShearTask
+from roughcontact.errors import InputError, NotConverged
+
+# Alternations of normal and tangential solves after which a coupled solve is given up.
+_MAX_PASSES = 80
+# Iterations of the tangential solver.
+_MAX_ITERATIONS = 2000
+# Friction times beta beyond which a coupled solve is relaxed, and beyond which it may not converge.
+_RELAXED_COUPLING = 0.7
+_MAX_COUPLING = 1.0
+# Error of a normal solve, and of a tangential one, over the last error of the normal equilibrium of a coupled solve.
+_INNER_ERROR = 0.03
+_INNER_SLIP = 0.1
+# Bounds of the first, over the tolerance, and of the second.
+_LOOSEST_INNER = 100.0
+_TIGHTEST_INNER = 0.3
+_LOOSEST_SLIP = 0.03
+# Residual of a tangential solve below which passes are combined (Anderson), and earlier passes of a combination.
+_MIXED_SLIP = 0.1
+_MIXED_PASSES = 4
+# Growth of the pressure at which a law must not give less.
+_PROBED_GROWTH = 1.25
+
+
+@attrs.frozen(eq=False)
+class CoupledSolve(FrictionalContact):
+    """The solves of a path."""
+
+    _known: dict[Load, ContactSolution] = attrs.field(factory=dict, init=False)
+
+    @property
+    def solver(self) -> ShearSolver:
+        """The tangential solver."""
+        return ProjectedShearCG()
+
+    def press(self, load: Load) -> ContactSolution:
+        """Return the frictionless contact: that of `ContactProblem.solve`; the last one is kept."""
+        if load not in self._known:
+            found = self.problem.solve(**load.arguments)
+            self._known.clear()
+            self._known[load] = found
+        return self._known[load]
+
+    def step(
+        self, load: Load, tangential: TangentialLoad, before: FrictionalState, start: FrictionalFields
+    ) -> tuple[FrictionalSolution, FrictionalFields]:
+        """Return the certified end of one increment, and its fields.
+
+        Parameters
+        ----------
+        load, tangential
+            The normal and the tangential load at the end of the increment.
+        before, start
+            The state at its begin, and the fields of this state.
+        """
+        started = time.perf_counter()
+        with computing(self.problem):
+            found = (
+                self._step_coupled(load, tangential, start)
+                if self.shear.coupled
+                else self._step_like(load, tangential, start)
+            )
+            solution, fields = self._certify(load, tangential, found, before, start, started)
+        return _require_success(solution), fields
+
+    def slide(self, load: Load, direction: Pair) -> FrictionalSolution:
+        """Return the contact of bodies that slide steadily: the traction is the shear strength, in one direction."""
+        started = time.perf_counter()
+        tangential = TangentialLoad("direction", direction)
+        before = FrictionalState.unloaded(self.problem.plan.grid.shape)
+        with computing(self.problem):
+            found = self._slide_coupled(load, direction) if self.shear.coupled else self._slide_like(load, direction)
+            solution, _ = self._certify(load, tangential, found, before, self.fields_of(before), started)
+        return _require_success(solution)
+
+    def _step_like(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> FoundTractions:
+        """Solve once for the pressure, and once for the traction."""
+        contact = self.press(load)
+        limit, _ = self._find_limit(contact)
+        self._require_stick(tangential, limit)
+        at_rest = tangential.values == (0.0, 0.0) and not start.shear.any()
+        if at_rest and (tangential.kind == "tangential_force" or not start.displacement.any()):
+            return FoundTractions(contact, start.shear, start.displacement, Status.CONVERGED, 1, 0)
+        outcome = self._shear(tangential, limit, -start.relative, start.shear, self.tolerance)
+        return FoundTractions(
+            contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations
+        )
+
+    def _slide_like(self, load: Load, direction: Pair) -> FoundTractions:
+        contact = self.press(load)
+        shear = stack_along(self._find_limit(contact)[0], direction)
+        return FoundTractions(contact, shear, np.full(2, math.nan), Status.CONVERGED, 1, 0)
+
+    def _step_coupled(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> FoundTractions:
+        """Alternate: the traction changes the initial gap, the pressure changes the limit and the offset."""
+        shear = start.shear
+        lifted = self.shear.apply(shear, to="z")[0]
+        pressure: Array | None = start.pressure * self.unit if start.pressure.any() else None
+        mixing = _Mixing()
+        error = math.inf
+        iterations = 0
+        passes = 0
+        while passes < _MAX_PASSES:
+            passes += 1
+            contact = self._press_on(lifted, load, pressure, error)
+            pressure = contact.pressure
+            limit, coupling = self._find_limit(contact)
+            self._require_coupling(coupling)
+            self._require_stick(tangential, limit)
+            dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
+            goal = max(min(_INNER_SLIP * error, _LOOSEST_SLIP), _TIGHTEST_INNER * self.tolerance)
+            outcome = self._shear(tangential, limit, -start.relative - dragged, shear, goal)
+            iterations += outcome.iterations
+            shear = outcome.shear
+            found = self.shear.apply(shear, to="z")[0]
+            error = self._normal_error(contact, load, found)
+            if max(error, outcome.residual) <= self.tolerance:
+                break
+            damping = 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0
+            if outcome.residual < _MIXED_SLIP:
+                lifted = mixing.combine(lifted, found - lifted, damping)
+            else:
+                lifted = lifted + damping * (found - lifted)
+        error = max(error, outcome.residual)
+        status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
+        return FoundTractions(contact, shear, np.array(outcome.displacement), status, passes, iterations)
+
+    def _slide_coupled(self, load: Load, direction: Pair) -> FoundTractions:
+        """Alternate as for a step, with combinations of earlier passes: what is left is linear on a fixed contact."""
+        contact = self.press(load)
+        _, coupling = self._find_limit(contact)
+        mixing = _Mixing()
+        if not contact.contact.all():
+            self._require_coupling(coupling)
+        lifted = np.zeros(self.problem.plan.grid.shape)
+        error = math.inf
+        for passes in range(1, _MAX_PASSES + 1):
+            contact = self._press_on(lifted, load, contact.pressure, error if passes > 1 else self.tolerance)
+            shear = stack_along(self._find_limit(contact)[0], direction)
+            found = self.shear.apply(shear, to="z")[0]
+            error = self._normal_error(contact, load, found)
+            if error <= self.tolerance:
+                break
+            lifted = mixing.combine(lifted, found - lifted, 1.0 / (1.0 + coupling**2))
+        status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
+        return FoundTractions(contact, shear, np.full(2, math.nan), status, passes, 0)
+
+    def _press_on(self, lifted: Array, load: Load, pressure: Array | None, error: float) -> ContactSolution:
+        """Return the contact on the initial gap changed by the traction, as accurate as a coupled error asks for."""
+        gap, load, datum = self._change_gap(lifted, load)
+        inner = min(max(_INNER_ERROR * error, _TIGHTEST_INNER * self.tolerance), _LOOSEST_INNER * self.tolerance)
+        problem = with_tolerance(self.problem, min(inner, 1.0))
+        found = run_solve(problem, gap, load, pressure, None)
+        return attrs.evolve(found, initial_gap=found.initial_gap + datum, approach=found.approach + datum)
+
+    def _change_gap(self, lifted: Array, load: Load) -> tuple[InitialGap, Load, float]:
+        """Return the changed initial gap, its least value zero, the load from there, and that value, m."""
+        gap = self.problem._gap
+        values = gap.values + lifted * self.length
+        datum = float(values.min() if gap.non_measured is None else values[~gap.non_measured].min())
+        if load.kind == "approach":
+            load = Load("approach", load.value - datum)
+        return attrs.evolve(gap, values=values - datum), load, datum
+
+    def _normal_error(self, contact: ContactSolution, load: Load, lifted: Array) -> float:
+        """Return the error of a pressure on the gap changed by the traction."""
+        plan = self.problem.plan
+        gap = self.problem._gap.values / self.length + lifted
+        if plan.non_measured is not None:
+            gap = np.where(plan.non_measured, np.maximum(gap, contact.initial_gap / self.length), gap)
+        approach = load.value / self.length if load.kind == "approach" else None
+        measured = True if plan.non_measured is None else ~plan.non_measured
+        conditions = ContactConditions(gap, plan.pressure_limit / self.unit, approach, float(gap.std(where=measured)))
+        return conditions.measure(contact.pressure / self.unit, contact.displacement / self.length).error
+
+    def _find_limit(self, contact: ContactSolution) -> tuple[Array, float]:
+        """Return the dimensionless shear strength of each cell, and how strongly it couples to the pressure.
+
+        The second is the largest slope of the strength over the pressure times the magnitude of beta.
+        """
+        if self.shear.coupled and contact.saturated.any():
+            raise InputError(
+                "The pressure reaches its limit, and the bodies are of unlike materials: friction is then not known "
+                "where cells yield. Lower the load, or take Elastic materials."
+            )
+        pressure = contact.pressure
+        limit = shear_limit(self.law, pressure)
+        growth = shear_limit(self.law, pressure * _PROBED_GROWTH) - limit
+        if (growth < -CONE_TOLERANCE * limit).any():
+            raise InputError(f"The limit of the friction law {self.law!r} falls with the pressure: it must not.")
+        pressed = pressure > 0.0
+        slope = float(np.max(growth[pressed] / pressure[pressed], initial=0.0)) / (_PROBED_GROWTH - 1.0)
+        return limit / self.unit, abs(self.pair.beta) * slope
+
+    def _require_coupling(self, coupling: float) -> None:
+        if coupling > _MAX_COUPLING:
+            raise InputError(
+                f"Friction times Dundurs' beta is {coupling:.3g}: above {_MAX_COUPLING:g} the coupled problem may have "
+                "several solutions or none. Lower the friction, or choose materials that differ less."
+            )
+
+    def _require_stick(self, tangential: TangentialLoad, limit: Array) -> None:
+        if tangential.kind != "tangential_force":
+            return
+        sliding = float(limit.sum()) * self.force_unit
+        size = math.hypot(*tangential.values)
+        if not size < sliding * (1.0 - FORCE_TOLERANCE) and size > 0.0:
+            raise InputError(
+                f"The bodies slide: the tangential force of {si(size, 'N')} is not below the sum of the shear "
+                f"strengths, {si(sliding, 'N')}. Give displacement= instead, or call problem.slide(...)."
+            )
+
+    def _shear(
+        self,
+        tangential: TangentialLoad,
+        limit: Array,
+        offset: Array,
+        shear: Array,
+        tolerance: float,
+    ) -> ShearOutcome:
+        """Return the traction within a shear strength, from another one; `offset` is what moves the surfaces."""
+        x, y = tangential.values
+        force: tuple[float | None, float | None] = (None, None)
+        moved: tuple[float | None, float | None] = (None, None)
+        if tangential.kind == "tangential_force":
+            force = x / self.force_unit, y / self.force_unit
+        else:
+            moved = x / self.length, y / self.length
+        task = ShearTask(
+            limit=limit,
+            offset=offset,
+            shear_force=force,
+            displacement=moved,
+            start=shear,
+            tolerance=tolerance,
+            max_iterations=_MAX_ITERATIONS,
+        )
+        return self.solver.solve(self.shear, task)
+
+    def _certify(
+        self,
+        load: Load,
+        tangential: TangentialLoad,
+        found: FoundTractions,
+        before: FrictionalState,
+        start: FrictionalFields,
+        started: float,
+    ) -> tuple[FrictionalSolution, FrictionalFields]:
+        """Return the solution in SI units with its residuals."""
+        contact = found.contact
+        shear = found.shear * self.unit
+        limit = shear_limit(self.law, contact.pressure)
+        # The unit may round a traction beyond the cone.
+        size = np.hypot(*shear)
+        shear = shear * np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)
+        if self.shear.coupled:
+            contact = self.certify_contact(contact, load, shear)
+        moved = (float(found.displacement[0]) * self.length, float(found.displacement[1]) * self.length)
+        state = FrictionalState(pressure=contact.pressure, shear=shear, displacement=moved, approach=contact.approach)
+        return self.judge(contact, state, tangential, before, start, found, time.perf_counter() - started)
+
+
+class _Mixing:
+    """The next field of a fixed-point iteration, from the last ones: Anderson's combination of least change."""
+
+    def __init__(self) -> None:
+        self._fields: list[Array] = []
+        self._changes: list[Array] = []
+
+    def combine(self, field: Array, change: Array, damping: float) -> Array:
+        """Return the field from which to go on, after one and its change, of which a part is taken."""
+        self._fields = [*self._fields[-_MIXED_PASSES:], field]
+        self._changes = [*self._changes[-_MIXED_PASSES:], change]
+        best = field
+        left = change
+        if len(self._changes) > 1:
+            steps = np.stack([np.ravel(one - change) for one in self._changes[:-1]], axis=1)
+            weights = np.linalg.lstsq(steps, -np.ravel(change), rcond=1e-10)[0]
+            for weight, one, moved in zip(weights, self._fields, self._changes, strict=False):
+                best = best + weight * (one - field)
+                left = left + weight * (moved - change)
+        return best + damping * left
+
+
+def _require_success(solution: FrictionalSolution) -> FrictionalSolution:
+    if not solution.status.success:
+        raise NotConverged(
+            f"The contact with friction is {solution.status} ({solution.passes} passes, {solution.iterations} "
+            f"tangential iterations; {solution.residuals}).",
+            solution,
+        )
+    return solution

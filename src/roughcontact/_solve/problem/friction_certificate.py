@@ -1,0 +1,307 @@
+"""The certificate of a contact with friction: its conditions, recomputed in float64 from two states in a row."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.units import Estimate
+from roughcontact._parts.grid import Load
+from roughcontact._parts.interactions import FrictionLaw, shear_limit
+from roughcontact._parts.materials import PairConstants
+from roughcontact._solve.problem.run import certify
+from roughcontact._solve.problem.task import make_task, pressure_unit
+from roughcontact._solve.solution import (
+    ContactSolution,
+    FrictionalResiduals,
+    FrictionalSolution,
+    FrictionalState,
+    Origin,
+    Status,
+    TangentialLoad,
+)
+from roughcontact._solve.solvers import Outcome, natural_residual
+from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact._solve.convolvers import ShearConvolution
+    from roughcontact._solve.problem.problem import ContactProblem
+
+# Rounding of tangential forces and of the friction cone.
+FORCE_TOLERANCE = 1e-10
+CONE_TOLERANCE = 1e-12
+# Difference between machines of displacements and energies, over their maximum; see `run.py`.
+_MACHINE_DIFFERENCE = 1e-10
+
+
+@attrs.frozen(eq=False)
+class FrictionalFields:
+    """A state in dimensionless variables, with the displacements that it causes.
+
+    Attributes
+    ----------
+    pressure, shear
+        Tractions, shapes (nx, ny) and (2, nx, ny).
+    tangential, normal
+        Displacements by both tractions, shapes (2, nx, ny) and (nx, ny).
+    relative
+        Displacement of the counterbody's surface relative to the body's since the first touch, shape (2, nx, ny).
+    displacement, approach
+        Those of the bodies.
+    """
+
+    pressure: Array
+    shear: Array
+    tangential: Array
+    normal: Array
+    relative: Array
+    displacement: Array
+    approach: float
+
+    @property
+    def energy(self) -> float:
+        """Elastic energy of both bodies."""
+        return 0.5 * (inner(self.pressure, self.normal) + inner(self.shear, self.tangential))
+
+
+@attrs.frozen(eq=False)
+class FoundTractions:
+    """What the solves found: a contact, the dimensionless traction and displacement, and their cost."""
+
+    contact: ContactSolution
+    shear: Array
+    displacement: Array
+    status: Status
+    passes: int
+    iterations: int
+
+
+@attrs.frozen(eq=False)
+class FrictionalContact:
+    """A problem with a friction law, in dimensionless variables, and the certificate of its states.
+
+    Attributes
+    ----------
+    problem
+        The contact.
+    law
+        The friction law.
+    """
+
+    problem: ContactProblem
+    law: FrictionLaw
+
+    @cached_property
+    def shear(self) -> ShearConvolution:
+        """The linear map from tractions to displacements."""
+        return self.problem.shear_convolution
+
+    @property
+    def pair(self) -> PairConstants:
+        """The constants of the two materials."""
+        return self.shear.setup.kernel.pair
+
+    @cached_property
+    def unit(self) -> float:
+        """Tractions that count as one, Pa."""
+        return pressure_unit(self.problem.plan)
+
+    @property
+    def length(self) -> float:
+        """Displacements that count as one, m."""
+        return self.problem.plan.peak_to_valley
+
+    @property
+    def tolerance(self) -> float:
+        """Error that counts as converged."""
+        return self.problem.plan.solver.tolerance
+
+    @property
+    def force_unit(self) -> float:
+        """Force that counts as one, N."""
+        return self.unit * self.problem.plan.grid.cell_area
+
+    def fields_of(self, state: FrictionalState) -> FrictionalFields:
+        """Return a state in dimensionless variables; products with zero tractions are omitted."""
+        pressure = state.pressure / self.unit
+        shear = state.shear / self.unit
+        moved = np.array(state.displacement) / self.length
+        coupled = self.shear.coupled
+        loaded = bool(pressure.any())
+        sheared = bool(shear.any())
+        tangential = np.zeros_like(shear)
+        normal = self.problem.convolution.apply(pressure) if loaded else np.zeros_like(pressure)
+        if coupled and loaded:
+            tangential = self.shear.apply(np.concatenate([shear, pressure[np.newaxis]]), of="xyz")
+        elif sheared:
+            tangential = self.shear.apply(shear)
+        if coupled and sheared:
+            normal = normal + self.shear.apply(shear, to="z")[0]
+        relative = moved[:, np.newaxis, np.newaxis] - tangential
+        return FrictionalFields(pressure, shear, tangential, normal, relative, moved, state.approach / self.length)
+
+    def certify_contact(self, contact: ContactSolution, load: Load, shear: Array) -> ContactSolution:
+        """Return a contact with the certificate of its pressure on the gap changed by the final traction."""
+        plan = self.problem.plan
+        gap = self.problem._gap
+        lifted = self.shear.apply(shear / self.unit, to="z")[0]
+        values = gap.values + lifted * self.length
+        if gap.non_measured is not None:
+            values = np.where(gap.non_measured, np.maximum(values, contact.initial_gap), values)
+        outcome = Outcome(
+            pressure=contact.pressure / self.unit,
+            status=contact.status,
+            iterations=contact.iterations,
+            convolutions=contact.convolutions,
+            errors=contact.errors,
+            levels=contact.levels,
+        )
+        task = make_task(plan, values, load)
+        found = certify(plan, self.problem.convolution, values, task, outcome, seconds=contact.seconds)
+        # To the last bit: the unit may round.
+        origin = Origin(self.problem.parts, load.arguments, source=self.problem)
+        return attrs.evolve(found, pressure=contact.pressure, origin=origin)
+
+    def judge(
+        self,
+        contact: ContactSolution,
+        state: FrictionalState,
+        tangential: TangentialLoad,
+        before: FrictionalState,
+        start: FrictionalFields,
+        found: FoundTractions,
+        seconds: float,
+    ) -> tuple[FrictionalSolution, FrictionalFields]:
+        """Return the solution with the residuals recomputed from two states, and its fields."""
+        steady = tangential.kind == "direction"
+        if steady:
+            # The displacement of steady sliding is not determined.
+            fields = self.fields_of(attrs.evolve(state, displacement=(0.0, 0.0)))
+            slip = np.broadcast_to(np.array(tangential.values)[:, np.newaxis, np.newaxis], state.shear.shape)
+        else:
+            fields = self.fields_of(state)
+            slip = fields.relative - start.relative
+        limit = shear_limit(self.law, state.pressure) / self.unit
+        strongest = float(limit.max()) or 1.0
+        total = float(limit.sum()) or 1.0
+        own = 0.5 * sum(self.shear.own)
+        lost = inner(fields.shear, slip)
+        if steady:
+            residual = float(np.abs(fields.shear - stack_along(limit, tangential.values)).max()) / strongest
+        else:
+            residual = natural_residual(fields.shear, slip, limit, own) if limit.any() else 0.0
+        wanted = np.array(tangential.values)
+        load_error = 0.0
+        if tangential.kind == "tangential_force":
+            load_error = float(np.hypot(*(fields.shear.sum(axis=(1, 2)) - wanted / self.force_unit))) / total
+        elif not steady:
+            load_error = float(np.abs(state.displacement - wanted).max()) / self.length
+        excess = np.hypot(*fields.shear) - limit
+        residuals = FrictionalResiduals(
+            normal=contact.residuals,
+            shear_load=load_error,
+            cone=max(float(excess.max()), 0.0) / strongest,
+            slip=residual,
+            dissipation=max(-lost, 0.0) / (own * strongest * total),
+            energy=0.0 if steady else _find_imbalance(start, fields),
+        )
+        confirmed = (
+            residuals.shear_load <= FORCE_TOLERANCE
+            and residuals.cone <= CONE_TOLERANCE
+            and residuals.slip <= 2.0 * self.tolerance
+        )
+        status = contact.status if not contact.status.success or found.status.success else found.status
+        if status.success and not confirmed:
+            status = Status.UNCONFIRMED
+        # Per distance in steady sliding.
+        factor = self.force_unit * (1.0 if steady else self.length)
+        unsure = 0.0 if steady else 0.5 * abs(inner(fields.shear - start.shear, slip)) * factor
+        solution = FrictionalSolution(
+            contact=contact,
+            shear=state.shear,
+            displacement=state.displacement,
+            slip=slip if steady else slip * self.length,
+            friction=self.law,
+            given=tangential,
+            pair=self.pair,
+            before=before,
+            dissipated=Estimate(lost * factor, unsure, "J/m" if steady else "J"),
+            elastic_energy=fields.energy * self.force_unit * self.length,
+            residuals=residuals,
+            status=status,
+            passes=found.passes,
+            iterations=found.iterations,
+            seconds=seconds,
+        )
+        return solution, fields
+
+
+def require_frictional(problem: ContactProblem) -> None:
+    """Raise `InputError` unless a problem has a contact with friction; its shear convolution is prepared."""
+    if problem.adhesion is not None:
+        raise InputError("Friction with adhesion is not known: omit adhesion=.")
+    _ = problem.shear_convolution
+
+
+def verify_frictional(problem: ContactProblem, solution: FrictionalSolution) -> None:
+    """Recompute the certificate of a solution from both states; see `FrictionalSolution.verify`."""
+    run = FrictionalContact(problem, solution.friction)
+    origin = solution.contact.origin
+    if origin is None or not solution.grid.matches(problem.plan.grid):
+        raise InputError(f"It is not a solution at a load, on the grid of the problem, {problem.plan.grid}.")
+    load = Load.of(**origin.load)
+    contact = solution.contact
+    if run.shear.coupled:
+        contact = run.certify_contact(contact, load, np.asarray(solution.shear))
+        if not _are_close(solution.contact.initial_gap, contact.initial_gap, run.length):
+            raise InputError("Its initial gap contradicts its traction and its problem.")
+        if solution.contact.status.success and not contact.status.success:
+            raise InputError(f"Its contact is not in equilibrium: the recomputed residuals are {contact.residuals}.")
+    else:
+        problem.verify(contact)
+    found = FoundTractions(contact, solution.shear, np.zeros(2), solution.status, solution.passes, solution.iterations)
+    start = run.fields_of(solution.before)
+    again, fields = run.judge(contact, solution.state, solution.given, solution.before, start, found, 0.0)
+    if solution.status.success and not again.status.success:
+        raise InputError(f"Its status is {solution.status.name}, but the recomputed residuals are {again.residuals}.")
+    energy = abs(again.elastic_energy)
+    moved = float(np.abs(fields.tangential).max()) * run.length
+    pairs: dict[str, tuple[float | Array, float | Array, float]] = {
+        "approach": (solution.approach, again.approach, run.length),
+        "elastic energy": (solution.elastic_energy, again.elastic_energy, energy),
+    }
+    if solution.increments == 1:
+        pairs["slip"] = solution.slip, again.slip, 1.0 if solution.is_steady else moved
+        pairs["energy lost"] = solution.dissipated.value, again.dissipated.value, max(energy, again.dissipated.value)
+    for name, (given, right, scale) in pairs.items():
+        if not _are_close(given, right, scale):
+            raise InputError(f"Its {name} contradicts its tractions and its problem.")
+
+
+def _are_close(given: float | Array, right: float | Array, scale: float) -> bool:
+    return bool(np.abs(np.subtract(given, right)).max() <= _MACHINE_DIFFERENCE * scale)
+
+
+def _find_imbalance(start: FrictionalFields, end: FrictionalFields) -> float:
+    """Return the error of the balance of energy and work between two states, over its largest term."""
+    pressing = 0.5 * inner(start.pressure + end.pressure, end.normal - start.normal)
+    mean = 0.5 * (start.shear + end.shear)
+    driving = float(mean.sum(axis=(1, 2)) @ (end.displacement - start.displacement))
+    losing = inner(mean, end.relative - start.relative)
+    terms = (end.energy, start.energy, pressing, driving, losing)
+    scale = max(abs(term) for term in terms)
+    return abs(terms[0] - terms[1] - pressing - driving + losing) / scale if scale > 0.0 else 0.0
+
+
+def stack_along(limit: Array, direction: Pair) -> Array:
+    """Return tractions of given sizes in one direction, shape (2, nx, ny)."""
+    return np.stack([limit * direction[0], limit * direction[1]])
+
+
+def inner(one: Array, other: Array) -> float:
+    """Return the sum of the products of two fields."""
+    return float(np.einsum("i,i->", np.ravel(one), np.ravel(other)))

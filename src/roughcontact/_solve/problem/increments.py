@@ -1,0 +1,287 @@
+"""The increments of the steps of a path, and the limits of its numbers for infinitely many of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+
+import attrs
+import numpy as np
+
+from roughcontact._base import checks
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.units import ContactWarning, Estimate, counted
+from roughcontact._parts.grid import Load
+from roughcontact._solve.problem.coupled import CoupledSolve
+from roughcontact._solve.problem.friction_certificate import FrictionalFields
+from roughcontact._solve.solution import FrictionalSolution, FrictionalState, TangentialLoad
+from roughcontact.errors import InputError
+
+# Maximum increments of a step by "auto", and the changes from half as many at which it ends: of the displacement over
+# its maximum, of the energy lost over its sum, and of the area that sticks over that of the contact.
+_MAX_INCREMENTS = 16
+_DISPLACEMENT_TOLERANCE = 2.5e-2
+_ENERGY_TOLERANCE = 0.1
+_STICK_TOLERANCE = 3e-2
+# Least displacement over the approach, and energy lost over the elastic energy, that count.
+_LEAST_DISPLACEMENT = 1e-2
+_LEAST_LOSS = 1e-2
+# Sine of the angle between two changes of load below which they have one direction.
+_ONE_DIRECTION = 1e-9
+GIVEN_INCREMENTS = ContactWarning(
+    "the number of increments was given, so that the error of the increments is not known: leave it to substeps='auto'",
+    "increments",
+)
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class StepNumbers:
+    """Numbers of one step, extrapolated to infinitely many increments.
+
+    Attributes
+    ----------
+    displacement
+        Along x and y, m.
+    dissipated
+        Energy lost in the step, J.
+    stick_area
+        Area that sticks at its end, m2.
+    """
+
+    displacement: tuple[Estimate, Estimate]
+    dissipated: Estimate
+    stick_area: Estimate
+
+
+@attrs.frozen
+class PathStep:
+    """One step: the loads at its ends.
+
+    Attributes
+    ----------
+    start, end
+        Normal loads.
+    before, after
+        Tangential loads.
+    exact
+        Why one increment is enough; empty if it is not.
+    """
+
+    start: Load
+    end: Load
+    before: Pair
+    after: TangentialLoad
+    exact: str = ""
+
+    def at(self, number: int, count: int) -> tuple[Load, TangentialLoad]:
+        """Return the loads at the end of an increment, of a number from one to `count`."""
+        if number == count:
+            return self.end, self.after
+        part = number / count
+        load = self.end
+        if self.end.value != self.start.value:
+            load = attrs.evolve(self.end, value=self.start.value + part * (self.end.value - self.start.value))
+        x, y = (old + part * (new - old) for old, new in zip(self.before, self.after.values, strict=True))
+        return load, attrs.evolve(self.after, values=(x, y))
+
+
+def is_single(normal: Mapping[str, object]) -> bool:
+    values = [value for value in normal.values() if value is not None]
+    return len(values) == 1 and (isinstance(values[0], str) or not isinstance(values[0], Iterable))
+
+
+def list_steps(run: CoupledSolve, normal: Mapping[str, object], tangential: Mapping[str, object]) -> list[PathStep]:
+    """Return the steps of a path, that of pressing first if the normal load is constant."""
+    single = is_single(normal)
+    loads = (Load.of(**normal),) if single else Load.sequence(**normal)
+    targets = _list_targets(tangential)
+    if len(targets) not in (1, len(loads)) and not single:
+        raise InputError(
+            f"The path has {counted(len(loads), 'normal load')}, but {counted(len(targets), 'tangential load')}: "
+            "give as many of both, or one value for all steps."
+        )
+    steps = max(len(loads), len(targets))
+    loads = loads * steps if len(loads) == 1 else loads
+    targets = targets * steps if len(targets) == 1 else targets
+    start = Load(loads[0].kind, 0.0)
+    before: Pair = (0.0, 0.0)
+    if single:
+        loads = (loads[0], *loads)
+        targets = [TangentialLoad(targets[0].kind, before), *targets]
+    segments = []
+    direction: Array | None = None
+    is_straight = True
+    for load, target in zip(loads, targets, strict=True):
+        change = np.subtract(target.values, before)
+        size = float(np.hypot(*change))
+        if size > 0.0:
+            unit = change / size
+            is_straight = is_straight and (
+                direction is None or abs(float(unit[0] * direction[1] - unit[1] * direction[0])) < _ONE_DIRECTION
+            )
+            direction = unit if direction is None else direction
+        exact = ""
+        if not run.shear.coupled:
+            if direction is None:
+                exact = "no tangential load, and pressure moves nothing along the surface"
+            elif load == start and is_straight:
+                exact = "the normal load is constant, slip is monotone"
+        segments.append(PathStep(start, load, before, target, exact))
+        start, before = load, target.values
+    return segments
+
+
+def _list_targets(tangential: Mapping[str, object]) -> list[TangentialLoad]:
+    named = {kind: value for kind, value in tangential.items() if value is not None}
+    if len(named) != 1:
+        given = " and ".join(f"{kind}=" for kind in named) or "neither"
+        raise InputError(f"Give tangential_force= or displacement=, but got {given}.")
+    kind, values = next(iter(named.items()))
+    unit = "N" if kind == "tangential_force" else "m"
+    allowed = f"pairs (x, y) in {unit}, {kind}=[(x, y), ...]"
+    try:
+        items = list(values) if not isinstance(values, (str, bytes)) else []  # type: ignore[call-overload]
+    except TypeError:
+        items = []
+    if len(items) == 2 and all(isinstance(item, str) or np.ndim(item) == 0 for item in items):
+        items = [items]
+    if not items:
+        raise InputError.about(f"{kind}=", values, allowed)
+    targets = []
+    for item in items:
+        if isinstance(item, str) or np.ndim(item) != 1 or len(item) != 2:
+            raise InputError.about(f"An item of {kind}=", item, allowed)
+        x, y = (checks.number(value, f"A component of {kind}=", unit) for value in item)
+        targets.append(TangentialLoad(kind, (x, y)))
+    return targets
+
+
+def follow_steps(run: CoupledSolve, segments: Sequence[PathStep], count: int) -> list[FrictionalSolution]:
+    """Return the state at the end of each step, with so many increments where one is not exact."""
+    state = FrictionalState.unloaded(run.problem.plan.grid.shape)
+    fields = run.fields_of(state)
+    steps: list[FrictionalSolution] = []
+    for segment in segments:
+        if steps and segment.end.value < segment.start.value and steps[-1].contact.saturated.any():
+            raise InputError(
+                "The normal load falls after the pressure has reached its limit: each state would be a first loading. "
+                "Give loads that do not fall, or the problem that run_in(...) returns."
+            )
+        parts: list[FrictionalSolution] = []
+        begin = fields
+        increments = 1 if segment.exact else count
+        for number in range(1, increments + 1):
+            load, target = segment.at(number, increments)
+            part, fields = run.step(load, target, state, fields)
+            state = part.state
+            parts.append(part)
+        steps.append(_join(run, parts, begin, fields))
+    return steps
+
+
+def _join(
+    run: CoupledSolve, parts: Sequence[FrictionalSolution], begin: FrictionalFields, end: FrictionalFields
+) -> FrictionalSolution:
+    """Return the last increment of a step with slip, energy lost and cost of all of them."""
+    lost = Estimate(
+        math.fsum(part.dissipated.value for part in parts),
+        math.fsum(part.dissipated.uncertainty for part in parts),
+        "J",
+    )
+    return attrs.evolve(
+        parts[-1],
+        slip=(end.relative - begin.relative) * run.length,
+        dissipated=lost,
+        passes=max(part.passes for part in parts),
+        iterations=sum(part.iterations for part in parts),
+        increments=len(parts),
+        seconds=math.fsum(part.seconds for part in parts),
+    )
+
+
+def refine_steps(
+    run: CoupledSolve, segments: Sequence[PathStep]
+) -> tuple[list[FrictionalSolution], list[StepNumbers], list[str]]:
+    """Double the increments until the numbers hardly change, and extrapolate these."""
+    count = 1
+    steps = follow_steps(run, segments, count)
+    change = math.inf
+    while count < _MAX_INCREMENTS and change > 1.0:
+        count *= 2
+        coarser = steps
+        steps = follow_steps(run, segments, count)
+        change = _compare(coarser, steps)
+    warning: tuple[str, ...] = ()
+    if change > 1.0:
+        text = (
+            f"{count} increments of a step are not enough: from half as many the numbers change by {change:.2g} times "
+            "what is admissible; give more steps"
+        )
+        warning = (ContactWarning(text, "increments", change),)
+    pairs = zip(segments, coarser, steps, strict=True)
+    numbers = [
+        numbers_of(fine)
+        if segment.exact and all(one.exact for one in segments[:place])
+        else _extrapolate(coarse, fine, warning)
+        for place, (segment, coarse, fine) in enumerate(pairs)
+    ]
+    reasons = [
+        segment.exact or f"doubled until the numbers change by {change:.2g} of what is admissible"
+        for segment in segments
+    ]
+    return steps, numbers, reasons
+
+
+def _compare(coarse: Sequence[FrictionalSolution], fine: Sequence[FrictionalSolution]) -> float:
+    """Return the largest change of a number over what is admissible."""
+    moved = np.array([step.displacement for step in fine])
+    shift = np.abs(moved - np.array([step.displacement for step in coarse])).max()
+    lost = np.array([step.dissipated.value for step in fine])
+    lost_shift = np.abs(lost - np.array([step.dissipated.value for step in coarse])).sum()
+    # Where nothing slips the energy lost is rounding.
+    scale = max(float(np.abs(lost).sum()), _LEAST_LOSS * max(step.elastic_energy for step in fine))
+    areas = [
+        abs(one.stick_area.value - other.stick_area.value)
+        / max(
+            _STICK_TOLERANCE * float(np.count_nonzero(other.contact.contact)) * other.grid.cell_area,
+            other.stick_area.uncertainty,
+            other.grid.cell_area,
+        )
+        for one, other in zip(coarse, fine, strict=True)
+    ]
+    # Without a tangential load it is rounding, or small.
+    largest = max(float(np.abs(moved).max()), _LEAST_DISPLACEMENT * max(abs(step.approach) for step in fine))
+    changes = (
+        float(shift) / (_DISPLACEMENT_TOLERANCE * largest) if largest > 0.0 else 0.0,
+        float(lost_shift) / (_ENERGY_TOLERANCE * scale) if scale > 0.0 else 0.0,
+        *areas,
+    )
+    return max(changes)
+
+
+def numbers_of(step: FrictionalSolution, warnings: tuple[str, ...] = ()) -> StepNumbers:
+    x, y = (Estimate(value, 0.0, "m", warnings) for value in step.displacement)
+    lost = step.dissipated if warnings else attrs.evolve(step.dissipated, uncertainty=0.0)
+    return StepNumbers(
+        displacement=(x, y),
+        dissipated=attrs.evolve(lost, warnings=warnings),
+        stick_area=attrs.evolve(step.stick_area, warnings=warnings),
+    )
+
+
+def _extrapolate(coarse: FrictionalSolution, fine: FrictionalSolution, warnings: tuple[str, ...]) -> StepNumbers:
+    """Return the limits of infinitely many increments: the error is of first order in the increment."""
+
+    def extend(
+        old: float, new: float, unit: str, known: float = 0.0, low: float = -math.inf, high: float = math.inf
+    ) -> Estimate:
+        return Estimate(min(max(2.0 * new - old, low), high), math.hypot(abs(new - old), known), unit, warnings)
+
+    x, y = (extend(old, new, "m") for old, new in zip(coarse.displacement, fine.displacement, strict=True))
+    stick = fine.stick_area
+    touching = int(np.count_nonzero(fine.contact.contact)) * fine.grid.cell_area
+    return StepNumbers(
+        displacement=(x, y),
+        dissipated=extend(coarse.dissipated.value, fine.dissipated.value, "J", low=0.0),
+        stick_area=extend(coarse.stick_area.value, stick.value, "m2", stick.uncertainty, 0.0, touching),
+    )

@@ -1,0 +1,325 @@
+"""Paths of normal and tangential loads with friction: their increments, extrapolated numbers, and energy lost."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, overload
+
+import attrs
+import numpy as np
+
+from roughcontact._base import checks
+from roughcontact._base.arrays import Array, read_only
+from roughcontact._base.tables import Table
+from roughcontact._base.units import Estimate, PlainText, counted, outlined
+from roughcontact._parts.grid import Load
+from roughcontact._parts.interactions import Coulomb, FrictionLaw
+from roughcontact._solve.problem.coupled import CoupledSolve
+from roughcontact._solve.problem.friction_certificate import require_frictional
+from roughcontact._solve.problem.increments import (
+    GIVEN_INCREMENTS,
+    StepNumbers,
+    follow_steps,
+    is_single,
+    list_steps,
+    numbers_of,
+    refine_steps,
+)
+from roughcontact._solve.problem.task import limit_load
+from roughcontact._solve.solution import (
+    FrictionalSolution,
+    read_path,
+    write_path,
+)
+from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact._solve.problem.problem import ContactProblem
+
+# Numbers over the largest of their kind that a table shows as zero.
+_TABLE_ROUNDING = 1e-9
+
+
+@attrs.frozen(eq=False)
+class TangentialLoop:
+    """Tangential force over displacement along a path, from its start.
+
+    Attributes
+    ----------
+    force
+        Force (x, y) at each state, shape (n + 1, 2), N.
+    displacement
+        Displacement (x, y), shape (n + 1, 2), m.
+    uncertainty
+        Standard deviation of the displacement by the increments, shape (n + 1, 2), m.
+    """
+
+    force: Array = attrs.field(converter=read_only, repr=outlined)
+    displacement: Array = attrs.field(converter=read_only, repr=outlined)
+    uncertainty: Array = attrs.field(converter=read_only, repr=outlined)
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class FrictionalPath(Sequence[FrictionalSolution]):
+    """The states of a contact with friction along a path of loads: iterable, with `len` and ``[]``.
+
+    Attributes
+    ----------
+    states
+        The states at the given loads.
+    pressed
+        The state under the normal load alone, from which the path starts; None if it starts from the first touch.
+    numbers
+        Displacement, energy lost and area that sticks of each step, with the uncertainty of the increments.
+    increments
+        Increments of each step.
+    reasons
+        Why each step has its increments, in words.
+
+    Examples
+    --------
+    Half a fretting cycle of a ball:
+
+    >>> import roughcontact as rc
+    >>> steel = rc.Elastic(young=210e9, poisson=0.3)
+    >>> ball, flat = rc.Body(rc.SphereSurface(radius=1e-3), steel), rc.Body(rc.FlatSurface(), steel)
+    >>> problem = rc.ContactProblem(ball, flat, grid=rc.Grid((32, 32), 100e-6))
+    >>> path = problem.path(force=1.0, tangential_force=[(0.2, 0.0), (-0.2, 0.0)], friction=0.3)
+    >>> len(path), [f"{x * 1e9:.1f} nm" for x in path.loop.displacement[:, 0]]
+    (2, ['0.0 nm', '65.8 nm', '-65.8 nm'])
+    """
+
+    states: tuple[FrictionalSolution, ...]
+    pressed: FrictionalSolution | None
+    numbers: tuple[StepNumbers, ...]
+    increments: tuple[int, ...]
+    reasons: tuple[str, ...]
+
+    def __iter__(self) -> Iterator[FrictionalSolution]:
+        return iter(self.states)
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    @overload
+    def __getitem__(self, index: int) -> FrictionalSolution: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[FrictionalSolution, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> FrictionalSolution | tuple[FrictionalSolution, ...]:
+        return checks.item_of(self.states, index, "The index of a path")
+
+    @cached_property
+    def loop(self) -> TangentialLoop:
+        """Tangential force over displacement, from the start of the path."""
+        start = self.pressed
+        forces = [(0.0, 0.0) if start is None else start.tangential_force]
+        forces += [state.tangential_force for state in self.states]
+        moved = [(0.0, 0.0) if start is None else start.displacement]
+        moved += [(one.displacement[0].value, one.displacement[1].value) for one in self.numbers]
+        unsure = [(0.0, 0.0)]
+        unsure += [(one.displacement[0].uncertainty, one.displacement[1].uncertainty) for one in self.numbers]
+        return TangentialLoop(np.array(forces), np.array(moved), np.array(unsure))
+
+    @property
+    def dissipated(self) -> Estimate:
+        """Energy lost by friction along the path, J, without that of pressing; its uncertainty is of the increments."""
+        parts = [one.dissipated for one in self.numbers]
+        warnings = dict.fromkeys(text for part in parts for text in part.warnings)
+        value = math.fsum(part.value for part in parts)
+        return Estimate(value, math.fsum(part.uncertainty for part in parts), "J", tuple(warnings))
+
+    @property
+    def work(self) -> Array:
+        """Energy lost by friction at each place in each step, by the slip at its end, shape (n, nx, ny), J/m2.
+
+        It is what models of fretting wear take; its sum over the cells is that of a step in one increment.
+        """
+        return np.stack([np.einsum("aij,aij->ij", state.shear, state.slip) for state in self.states])
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Why numbers of the path must not be trusted, in sentences; empty without a reason."""
+        parts = [part for one in self.numbers for part in (*one.displacement, one.dissipated, one.stick_area)]
+        found = [text for part in parts for text in part.warnings]
+        return tuple(dict.fromkeys([*found, *(text for state in self.states for text in state.contact.warnings)]))
+
+    def table(self) -> Table:
+        """Return a row for each step, in SI units; see `roughcontact.typing.Table`."""
+        columns: dict[str, Any] = {
+            "force": np.array([state.force for state in self.states]),
+            **{f"tangential_{axis}": _without_rounding(self.loop.force[1:])[:, k] for k, axis in enumerate("xy")},
+            **{f"displacement_{axis}": self._displacements(k) for k, axis in enumerate("xy")},
+            "dissipated": [one.dissipated for one in self.numbers],
+            "stick_area": [one.stick_area for one in self.numbers],
+            "approach": np.array([state.approach for state in self.states]),
+            "increments": list(self.increments),
+        }
+        units = {"force": "N", "tangential_x": "N", "tangential_y": "N", "approach": "m"}
+        return Table(columns, units)
+
+    def _displacements(self, axis: int) -> list[Estimate]:
+        values = _without_rounding(self.loop.displacement[1:])[:, axis].tolist()
+        return [
+            attrs.evolve(one.displacement[axis], value=value) for one, value in zip(self.numbers, values, strict=True)
+        ]
+
+    def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
+        """Draw the tangential force over the displacement (extra ``plot``); see `ContactSolution.plot`."""
+        from roughcontact.plotting import draw_loop
+
+        return draw_loop(self, axes, dark)
+
+    def explain(self) -> str:
+        """Return the constants of the pair, the increments with their reasons, and what was omitted, in words."""
+        first = self.states[0]
+        pair = first.pair
+        coupled = pair.beta != 0.0
+        passes = max(state.passes for state in self.states)
+        omitted = []
+        if not coupled:
+            omitted.append("displacement across the surface by the traction, and along it by pressure: beta = 0")
+        if pair.gamma == 0.0:
+            omitted.append("displacement along x by traction along y: gamma = 0")
+        if not coupled and self.pressed is not None:
+            omitted.append("tangential solve of pressing: without a tangential load nothing moves")
+        rows = [
+            ("pair", f"beta {pair.beta:.4g}, gamma {pair.gamma:.4g}"),
+            (
+                "coupling",
+                f"normal and tangential solves in turn, at most {passes} of each in an increment"
+                if coupled
+                else "none: one solve of each",
+            ),
+            ("components", "xx, yy, xy" + (", zx, zy" if coupled else "")),
+            *(
+                (f"step {number}", f"{counted(count, 'increment')}: {reason}")
+                for number, (count, reason) in enumerate(zip(self.increments, self.reasons, strict=True), 1)
+            ),
+            *(("omitted", text) for text in omitted),
+        ]
+        return PlainText("\n".join(f"{label:<10} {text}" for label, text in rows))
+
+    def verify(self) -> None:
+        """Recompute the certificate of each state; `InputError` if one contradicts itself or the state before."""
+        for state in (*([] if self.pressed is None else [self.pressed]), *self.states):
+            state.verify()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the path to a file ``.npz``, completely or not at all; an existing file is replaced."""
+        numbers = [attrs.asdict(one) for one in self.numbers]
+        notes = {"increments": list(self.increments), "reasons": list(self.reasons), "numbers": numbers}
+        write_path(checks.path(path, "The file"), self.states, self.pressed, notes)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], *, verify: bool = True) -> FrictionalPath:
+        """Return the path in a file that `save` has written.
+
+        Parameters
+        ----------
+        path
+            The file.
+        verify
+            Whether to build the problem and recompute the certificate of each state.
+
+        Raises
+        ------
+        InputError
+            If there is no such file, it is damaged or of another kind, or its content contradicts itself.
+        """
+        states, pressed, notes = read_path(
+            checks.path(path, "The file"), FrictionalSolution, verify=checks.flag(verify, "verify=")
+        )
+        numbers = tuple(
+            StepNumbers(
+                displacement=(_estimate(one["displacement"][0]), _estimate(one["displacement"][1])),
+                dissipated=_estimate(one["dissipated"]),
+                stick_area=_estimate(one["stick_area"]),
+            )
+            for one in notes["numbers"]
+        )
+        return cls(
+            states=states,
+            pressed=pressed,
+            numbers=numbers,
+            increments=tuple(int(count) for count in notes["increments"]),
+            reasons=tuple(str(text) for text in notes["reasons"]),
+        )
+
+    def __str__(self) -> str:
+        lines = [self.table().to_text(), f"energy lost  {self.dissipated}"]
+        return "\n".join([*lines, *(f"warning: {text}" for text in self.warnings)])
+
+    def __repr__(self) -> str:
+        return f"<FrictionalPath {counted(len(self), 'state')}, {self.states[0].grid}, lost {self.dissipated}>"
+
+
+def _without_rounding(values: Array) -> Array:
+    """Return values with zeros in place of those that are rounding beside the largest one."""
+    return np.where(np.abs(values) < _TABLE_ROUNDING * np.abs(values).max(), 0.0, values)
+
+
+def _estimate(stored: Any) -> Estimate:
+    return Estimate(
+        float(stored["value"]), float(stored["uncertainty"]), str(stored["unit"]), tuple(map(str, stored["warnings"]))
+    )
+
+
+def resolve_friction(friction: object) -> FrictionLaw:
+    """Return a friction law: a number is a coefficient of friction."""
+    if isinstance(friction, FrictionLaw):
+        return friction
+    if isinstance(friction, (bool, str)) or not isinstance(friction, (int, float, np.ndarray, np.number)):
+        raise InputError.about("friction=", friction, "a coefficient or a FrictionLaw such as Coulomb(0.3)")
+    return Coulomb(friction)
+
+
+def run_path(
+    problem: ContactProblem,
+    normal: Mapping[str, object],
+    tangential: Mapping[str, object],
+    friction: object,
+    substeps: object,
+) -> FrictionalPath:
+    """Return the states along a path; see `ContactProblem.path`."""
+    law = resolve_friction(friction)
+    count = None if substeps == "auto" else checks.integer(substeps, "substeps=", at_least=1)
+    require_frictional(problem)
+    run = CoupledSolve(problem, law)
+    segments = list_steps(run, normal, tangential)
+    for segment in segments:
+        limit_load(problem.plan, problem.initial_gap, segment.end)
+    has_pressing = segments[0].after.values == (0.0, 0.0) and is_single(normal)
+    if count is not None or all(segment.exact for segment in segments):
+        steps = follow_steps(run, segments, count or 1)
+        warning = () if all(segment.exact for segment in segments) else (GIVEN_INCREMENTS,)
+        numbers = [numbers_of(step, warning) for step in steps]
+        reasons = [segment.exact or "as given" for segment in segments]
+    else:
+        steps, numbers, reasons = refine_steps(run, segments)
+    kept = slice(1 if has_pressing else 0, None)
+    return FrictionalPath(
+        states=tuple(steps[kept]),
+        pressed=steps[0] if has_pressing else None,
+        numbers=tuple(numbers[kept]),
+        increments=tuple(step.increments for step in steps[kept]),
+        reasons=tuple(reasons[kept]),
+    )
+
+
+def run_slide(
+    problem: ContactProblem, normal: Mapping[str, object], friction: object, direction: object
+) -> FrictionalSolution:
+    """Return the contact in steady sliding; see `ContactProblem.slide`."""
+    law = resolve_friction(friction)
+    angle = math.radians(checks.number(direction, "The direction of sliding", "degrees"))
+    require_frictional(problem)
+    load = Load.of(**normal)
+    limit_load(problem.plan, problem.initial_gap, load)
+    # Exactly along an axis.
+    x, y = (round(value, 15) for value in (math.cos(angle), math.sin(angle)))
+    return CoupledSolve(problem, law).slide(load, (x, y))

@@ -1,0 +1,262 @@
+"""The solution of a contact with friction: tractions, stick and slip, and their certificate."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import attrs
+import numpy as np
+
+from roughcontact._base import checks
+from roughcontact._base.arrays import Array, Mask, Pair, read_only
+from roughcontact._base.units import Estimate, si
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.interactions import FrictionLaw, shear_limit
+from roughcontact._parts.materials import PairConstants
+from roughcontact._solve.solution.contact import ContactSolution
+from roughcontact._solve.solution.frictional_files import read_frictional, write_frictional
+from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
+from roughcontact._solve.solution.results import Status, responses
+from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact.responses import Stress
+
+# Traction over the shear strength from which a cell counts as slipping: it moves the edge of the stick zone by less
+# than a cell, as the uncertainty of its area does.
+_SLIPPING_FRACTION = 1.0 - 1e-3
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class FrictionalSolution:
+    """A contact with friction at the end of one step of a path, or in steady sliding.
+
+    All signs are those of the traction on the body: the counterbody is pushed over the body along the tangential
+    force, and moves by the displacement; slip is that of the counterbody's surface relative to the body's.
+
+    Attributes
+    ----------
+    contact
+        The normal contact, on the initial gap changed by the traction: of like bodies, that without friction.
+    shear
+        Traction on the body, shape (2, nx, ny), Pa.
+    displacement
+        Displacement (x, y) of the counterbody relative to the body since the first touch, far from the contact, m: on
+        a periodic boundary what the contact adds. In steady sliding it is not determined, and nan.
+    slip
+        Slip in this step, shape (2, nx, ny), m, of cells that do not touch too; in steady sliding per distance.
+    friction
+        The friction law.
+    given
+        The tangential load.
+    pair
+        The pair of materials.
+    before
+        The state at the begin of the last increment of the step.
+    dissipated
+        Energy that friction has lost in this step, J; in steady sliding per distance, J/m. Its uncertainty is that of
+        the increments alone.
+    elastic_energy
+        Energy stored in both bodies, J.
+    residuals
+        The certificate.
+    status, passes, iterations, increments, seconds
+        End of the solve, and its cost: alternations of normal and tangential solves, iterations of the tangential
+        ones, increments of the step, wall time in s.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> flat = rc.Body(rc.FlatSurface(), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, flat, grid=rc.Grid((32, 32), 100e-6))
+    >>> path = problem.path(force=1.0, tangential_force=[(0.15, 0.0)], friction=0.3)
+    >>> isinstance(path[0], rc.FrictionalSolution)
+    True
+    >>> print(f"{100 * path[0].stick_area.value / path[0].contact.area().value:.0f} % of the contact sticks")
+    68 % of the contact sticks
+    """
+
+    contact: ContactSolution
+    shear: Array = attrs.field(converter=read_only)
+    displacement: Pair
+    slip: Array = attrs.field(converter=read_only)
+    friction: FrictionLaw
+    given: TangentialLoad
+    pair: PairConstants
+    before: FrictionalState
+    dissipated: Estimate
+    elastic_energy: float
+    residuals: FrictionalResiduals
+    status: Status
+    passes: int
+    iterations: int
+    increments: int = 1
+    seconds: float = 0.0
+
+    @property
+    def grid(self) -> Grid:
+        """The cells."""
+        return self.contact.grid
+
+    @property
+    def boundary(self) -> Boundary:
+        """What lies beyond the border."""
+        return self.contact.boundary
+
+    @property
+    def pressure(self) -> Array:
+        """Contact pressure, shape (nx, ny), Pa."""
+        return self.contact.pressure
+
+    @property
+    def force(self) -> float:
+        """Normal force, N."""
+        return self.contact.force
+
+    @property
+    def approach(self) -> float:
+        """Approach of the bodies since first touch, m."""
+        return self.contact.approach
+
+    @property
+    def tangential_force(self) -> Pair:
+        """Force (x, y) by which the counterbody is pushed over the body, N."""
+        x, y = (float(part.sum()) * self.grid.cell_area for part in self.shear)
+        return x, y
+
+    @cached_property
+    def limit(self) -> Array:
+        """Shear strength of each cell by the friction law, shape (nx, ny), Pa."""
+        return read_only(shear_limit(self.friction, self.pressure))
+
+    @cached_property
+    def stick(self) -> Mask:
+        """Cells in contact that stick, whose traction is below 99.9 % of the strength, shape (nx, ny)."""
+        size = np.hypot(*self.shear)
+        return read_only(self.contact.contact & (size < _SLIPPING_FRACTION * self.limit))
+
+    @property
+    def slipping(self) -> Mask:
+        """Cells in contact that slip, shape (nx, ny)."""
+        return read_only(self.contact.contact & ~self.stick)
+
+    @property
+    def stick_area(self) -> Estimate:
+        """Area that sticks, m2: its uncertainty is half a ring of cells along the edge between stick and slip."""
+        return self._count(self.stick)
+
+    @property
+    def slip_area(self) -> Estimate:
+        """Area that slips, m2, with its uncertainty."""
+        return self._count(self.slipping)
+
+    def _count(self, cells: Mask) -> Estimate:
+        edges = sum(int(np.count_nonzero(np.diff(self.stick, axis=axis) & self._both_touch(axis))) for axis in (0, 1))
+        value = int(np.count_nonzero(cells)) * self.grid.cell_area
+        return Estimate(value, 0.5 * edges * self.grid.cell_area, "m2")
+
+    def _both_touch(self, axis: int) -> Mask:
+        touching = np.moveaxis(self.contact.contact, axis, 0)
+        return np.moveaxis(touching[1:] & touching[:-1], 0, axis)
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the bodies slide steadily."""
+        return self.given.kind == "direction"
+
+    @property
+    def state(self) -> FrictionalState:
+        """What the next step of a path knows of this one."""
+        return FrictionalState(
+            pressure=self.pressure, shear=self.shear, displacement=self.displacement, approach=self.approach
+        )
+
+    def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
+        """Return the stress below a surface under pressure and traction; see `ContactSolution.stress`.
+
+        Parameters
+        ----------
+        depths
+            Depths below the surface, m, shape (n,); None: from half a cell to two radii of the largest patch.
+        body
+            ``"body"`` or ``"counterbody"``.
+
+        Raises
+        ------
+        InputError
+            If the body has no stress: it is rigid or layered.
+        """
+        asked = responses.create("stress", depths, body=body, traction=self.shear)
+        found: Stress = self.contact.response(asked)
+        return found
+
+    def verify(self) -> None:
+        """Recompute the certificate from tractions, displacement and the state before.
+
+        Raises
+        ------
+        InputError
+            If they contradict each other or the problem, as after the friction cone was kept from another pressure.
+        """
+        origin = self.contact.origin
+        if origin is None or origin.source is None:
+            raise InputError("The solution does not hold its problem: call problem.verify(solution).")
+        origin.source.verify(self)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the solution to a file ``.npz``, completely or not at all; an existing file is replaced.
+
+        It holds both states, so that `load` verifies it alone; the state before is named by its digest too, so that
+        the steps of a path can be put in a row.
+        """
+        write_frictional(checks.path(path, "The file"), self)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], *, verify: bool = True) -> FrictionalSolution:
+        """Return the solution in a file that `save` has written.
+
+        Parameters
+        ----------
+        path
+            The file.
+        verify
+            Whether to build the problem and recompute the certificate. False takes it from the file.
+
+        Raises
+        ------
+        InputError
+            If there is no such file, it is damaged or of another kind, or its content contradicts itself.
+        """
+        return read_frictional(checks.path(path, "The file"), cls, verify=checks.flag(verify, "verify="))
+
+    def __str__(self) -> str:
+        moved = " and ".join(si(value, "m", 5) for value in self.displacement)
+        pushed = " and ".join(si(value, "N", 5) for value in self.tangential_force)
+        areas = (
+            f"{si(one.value, 'm2', 5)} +- {si(one.uncertainty, 'm2', 2)}" for one in (self.stick_area, self.slip_area)
+        )
+        rows = {
+            "normal force": si(self.force, "N", 6),
+            "tangential force": f"{pushed} (x, y)",
+            "displacement": "steady sliding" if self.is_steady else f"{moved} (x, y)",
+            **dict(zip(("area that sticks", "area that slips"), areas, strict=True)),
+            "energy lost": str(self.dissipated),
+            "status": str(self.status),
+            "residuals": str(self.residuals),
+        }
+        return "\n".join(f"{name:18} {value}" for name, value in rows.items())
+
+    def __repr__(self) -> str:
+        return f"<FrictionalSolution {self.grid}, force {si(self.force, 'N')}, {self.status.name}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Arrays in pickles and deep copies are writable: the constructor makes them read-only again.
+        return _restore, (attrs.asdict(self, recurse=False),)
+
+
+def _restore(fields: dict[str, Any]) -> FrictionalSolution:
+    return FrictionalSolution(**fields)
