@@ -1,4 +1,4 @@
-"""Stick and slip within given limits: closed forms, partial slip, an own judge on random tasks, invariance, refusals."""
+"""Stick and slip within given limits: closed forms, an own judge on random tasks, invariance, refusals."""
 
 from __future__ import annotations
 
@@ -71,8 +71,8 @@ def judge(convolution, task, outcome):
     reach = np.hypot(*trial)
     nearest = np.where(reach > s, trial * (s / np.where(reach > 0, reach, 1)), trial)
     load = [abs(q[k].sum() - force) for k, force in enumerate(task.shear_force) if force is not None]
-    for given, found in zip(task.displacement, outcome.displacement, strict=True):
-        assert given is None or given == found
+    for one, other in zip(task.displacement, outcome.displacement, strict=True):
+        assert one is None or one == other
     return np.hypot(*(q - nearest)).max() / s.max(), (size - s).max() / s.max(), max(load, default=0.0) / s.sum()
 
 
@@ -275,7 +275,7 @@ def test_friction_that_varies_over_the_surface():
     size = np.hypot(*found.shear)
     slips = (size > (1 - 1e-9) * limit) & (limit > 0)
     sticks = size < (1 - 1e-3) * limit
-    assert 0.5 < slips[friction == 0.1].sum() / (limit > 0)[friction == 0.1].sum()
+    assert slips[friction == 0.1].sum() / (limit > 0)[friction == 0.1].sum() > 0.5
     assert sticks[friction == 0.3].sum() > sticks[friction == 0.1].sum()
 
 
@@ -369,6 +369,6 @@ def test_natural_residual_is_zero_if_and_only_if_stick_and_slip_hold():
     shear = np.array([[1.2, 0.0], [0.5, -1.0]])
     slip = np.array([[0.0, 0.0], [0.0, -3.0]])
     assert natural_residual(shear, slip, limit, 0.7) == pytest.approx(0.0, abs=1e-15)
-    assert natural_residual(shear, slip + [[0.07], [0.0]], limit, 0.7) == pytest.approx(0.05, rel=0.01)
+    assert natural_residual(shear, slip + np.array([[0.07], [0.0]]), limit, 0.7) == pytest.approx(0.05, rel=0.01)
     assert natural_residual(shear, -slip, limit, 0.7) > 0.5
     assert natural_residual(0.5 * shear, slip, limit, 0.7) > 0.2

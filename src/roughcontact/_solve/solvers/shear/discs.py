@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact.errors.door import guarded
 
 # Maximum rounds of Newton's method for the shift that gives a force, and halvings of one of its steps.
 _MAX_ROUNDS = 60
@@ -46,6 +47,7 @@ def project_to_discs(shear: Array, limit: Array) -> Array:
     return shear * np.divide(limit, size, out=np.ones_like(size), where=beyond)
 
 
+@guarded
 def natural_residual(shear: Array, slip: Array, limit: Array, own: float) -> float:
     r"""Return the violation of stick and slip, zero if and only if they hold in every cell; no unit.
 
@@ -64,6 +66,19 @@ def natural_residual(shear: Array, slip: Array, limit: Array, own: float) -> flo
         Limit s of the magnitude of the shear, not all zero, shape (...).
     own
         Displacement k of a cell by a unit shear on it.
+
+    Examples
+    --------
+    One cell sticks, the other slips along its shear; slip against the shear is wrong.
+
+    >>> import numpy as np
+    >>> from roughcontact.typing import natural_residual
+    >>> shear = np.array([[0.6, 0.0], [0.8, -2.0]])
+    >>> slip = np.array([[0.0, 0.0], [0.0, -0.1]])
+    >>> print(f"{natural_residual(shear, slip, np.array([3.0, 2.0]), 1.0):.3f}")
+    0.000
+    >>> print(f"{natural_residual(shear, -slip, np.array([3.0, 2.0]), 1.0):.3f}")
+    0.033
     """
     return float(magnitude(shear - project_to_discs(shear + slip / own, limit)).max() / limit.max())
 
