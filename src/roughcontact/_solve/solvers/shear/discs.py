@@ -20,7 +20,7 @@ FORCE_EPSILON = 2e-15
 _ENERGY_EPSILON = 1e-14
 # Smallest stiffness of the search, over that without limits.
 _MIN_STIFFNESS = 1e-14
-_LEAST_STIFFNESS = 1e-100
+_MIN_TRACE = 1e-100
 # Part of the predicted decrease that a step must reach.
 _MIN_DECREASE = 1e-4
 
@@ -123,7 +123,7 @@ class ForceControl:
         search = _ShiftSearch(self, values, limit, circle, gain)
         shift = np.zeros(2)
         found = search.evaluate(shift)
-        least = found.error
+        smallest = found.error
         admissible = max(error, FORCE_EPSILON) * float(limit.sum())
         for _ in range(_MAX_ROUNDS):
             if not found.error > admissible:
@@ -132,7 +132,10 @@ class ForceControl:
             slope = float(found.excess @ step)
             for _ in range(_MAX_HALVINGS):
                 trial = search.evaluate(shift + step)
-                if trial.error <= 0.5 * least or trial.energy <= found.energy + _MIN_DECREASE * slope + found.rounding:
+                if (
+                    trial.error <= 0.5 * smallest
+                    or trial.energy <= found.energy + _MIN_DECREASE * slope + found.rounding
+                ):
                     break
                 step = 0.5 * step
                 slope *= 0.5
@@ -140,7 +143,7 @@ class ForceControl:
                 break
             shift = shift + step
             found = trial
-            least = min(least, found.error)
+            smallest = min(smallest, found.error)
         return found.shear, shift
 
     def solve_on_axes(self, matrix: Array, values: Array) -> Array:
@@ -149,7 +152,7 @@ class ForceControl:
         A small part of its trace is added to the diagonal, so that the matrix may be singular.
         """
         held = np.outer(self.axes, self.axes) * matrix
-        regular = max(_MIN_STIFFNESS * float(np.trace(held)), _LEAST_STIFFNESS)
+        regular = max(_MIN_STIFFNESS * float(np.trace(held)), _MIN_TRACE)
         return np.asarray(np.linalg.solve(held + np.diag(1.0 - self.axes + regular), self.axes * values))
 
     def find_error(self, shear: Array, limit: Array) -> float:
