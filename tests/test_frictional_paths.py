@@ -327,7 +327,7 @@ class TestUnlikeBodies:
         assert centre == pytest.approx(float((exact * grid.x).sum() / exact.sum()), abs=0.01 * half_width)
 
     def test_frozen_cone_is_refused(self):
-        """The traction within the limits of the pressure without friction is no equilibrium."""
+        """The traction within the limits of the pressure without friction is not an equilibrium."""
         problem = make_rough()
         force = 0.05
         frozen = problem.solve(force=force)

@@ -187,7 +187,7 @@ class CoupledSolve(FrictionalContact):
         return attrs.evolve(found, initial_gap=found.initial_gap + datum, approach=found.approach + datum)
 
     def _change_gap(self, lifted: Array, load: Load) -> tuple[InitialGap, Load, float]:
-        """Return the changed initial gap, its least value zero, the load from there, and that value, m."""
+        """Return the changed initial gap, its minimum zero, the load from there, and that value, m."""
         gap = self.problem._gap
         values = gap.values + lifted * self.length
         datum = float(values.min() if gap.non_measured is None else values[~gap.non_measured].min())
@@ -294,7 +294,7 @@ class CoupledSolve(FrictionalContact):
 
 
 class _Mixing:
-    """The next field of a fixed-point iteration, from the last ones: Anderson's combination of least change."""
+    """The next field of a fixed-point iteration, from the last ones: Anderson's combination of smallest change."""
 
     def __init__(self) -> None:
         self._fields: list[Array] = []

@@ -23,9 +23,9 @@ _MAX_INCREMENTS = 16
 _DISPLACEMENT_TOLERANCE = 2.5e-2
 _ENERGY_TOLERANCE = 0.1
 _STICK_TOLERANCE = 3e-2
-# Least displacement over the approach, and energy lost over the elastic energy, that count.
-_LEAST_DISPLACEMENT = 1e-2
-_LEAST_LOSS = 1e-2
+# Minimum displacement over the approach, and energy lost over the elastic energy, that count.
+_MIN_DISPLACEMENT = 1e-2
+_MIN_LOSS = 1e-2
 # Sine of the angle between two changes of load below which they have one direction.
 _ONE_DIRECTION = 1e-9
 GIVEN_INCREMENTS = ContactWarning(
@@ -239,7 +239,7 @@ def _compare(coarse: Sequence[FrictionalSolution], fine: Sequence[FrictionalSolu
     lost = np.array([step.dissipated.value for step in fine])
     lost_shift = np.abs(lost - np.array([step.dissipated.value for step in coarse])).sum()
     # Where nothing slips the energy lost is rounding.
-    scale = max(float(np.abs(lost).sum()), _LEAST_LOSS * max(step.elastic_energy for step in fine))
+    scale = max(float(np.abs(lost).sum()), _MIN_LOSS * max(step.elastic_energy for step in fine))
     areas = [
         abs(one.stick_area.value - other.stick_area.value)
         / max(
@@ -250,7 +250,7 @@ def _compare(coarse: Sequence[FrictionalSolution], fine: Sequence[FrictionalSolu
         for one, other in zip(coarse, fine, strict=True)
     ]
     # Without a tangential load it is rounding, or small.
-    largest = max(float(np.abs(moved).max()), _LEAST_DISPLACEMENT * max(abs(step.approach) for step in fine))
+    largest = max(float(np.abs(moved).max()), _MIN_DISPLACEMENT * max(abs(step.approach) for step in fine))
     changes = (
         float(shift) / (_DISPLACEMENT_TOLERANCE * largest) if largest > 0.0 else 0.0,
         float(lost_shift) / (_ENERGY_TOLERANCE * scale) if scale > 0.0 else 0.0,

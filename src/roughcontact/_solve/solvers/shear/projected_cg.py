@@ -43,9 +43,7 @@ class ProjectedShearCG(ShearSolver):
             goal = max(_GOAL_FRACTION * max(task.tolerance, best.floor), _FLOAT32_GAIN * best.residual)
             found = Verified(system, descent.run(best, goal, task.max_iterations))
             idle = 0 if found.residual < 0.5 * best.residual else idle + 1
-            # The energy falls in each iteration, the residual does not: a short descent must keep what it has gained.
-            ended = descent.iterations >= task.max_iterations and found.energy < best.energy
-            best = found if found.residual < best.residual or ended else best
+            best = found if found.residual < best.residual else best
             if idle == _MAX_IDLE_PASSES:
                 found, status, others = descend_by_gradients(system, best, task, descent.iterations)
                 status = Status.RESCUED if status is Status.CONVERGED else status
