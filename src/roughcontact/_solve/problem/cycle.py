@@ -292,16 +292,16 @@ def list_approaches(plan: SolvePlan, initial_gap: Array, approach: Iterable[floa
 def run_cycle(
     solve: Solve, loads: tuple[Load, ...], on_state: Callable[[ContactSolution], object] | None = None
 ) -> AdhesionCycle:
-    """Return both branches over ascending approaches; a callback is told each state."""
+    """Return both branches over ascending approaches; a callback gets each state."""
 
-    def solve_and_tell(load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
+    def solve_and_report(load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
         state = solve(load, start, start_gap=start_gap)
         if on_state is not None:
             on_state(state)
         return state
 
-    loading = follow_loads(solve_and_tell, loads)
-    return AdhesionCycle(loading, follow_loads(solve_and_tell, loads[::-1], loading[-1]))
+    loading = follow_loads(solve_and_report, loads)
+    return AdhesionCycle(loading, follow_loads(solve_and_report, loads[::-1], loading[-1]))
 
 
 def find_pull_off(problem: ContactProblem) -> Estimate:
