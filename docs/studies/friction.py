@@ -9,10 +9,14 @@ import math
 import time
 from pathlib import Path
 
+import attrs
 import numpy as np
 from doc_tables import DocTable, write_tables
 
 import roughcontact as rc
+from roughcontact._parts.grid import Load
+from roughcontact._solve.problem.friction_certificate import FoundTractions, FrictionalContact
+from roughcontact._solve.solution import FrictionalState, TangentialLoad
 from roughcontact._solve.solvers import ProjectedShearCG, ShearTask
 from roughcontact.plotting import style
 from roughcontact.reference import CattaneoMindlin
@@ -136,27 +140,54 @@ def freeze_cone(
 
 
 def make_frozen_rows() -> list[list[str]]:
-    rows = [["β", "displacement, %", "traction beyond the limit, % of the force"]]
+    rows = [["β", "state", "normal", "cone", "slip", "displacement, %", "beyond the limit, % of the force"]]
     for poisson in (0.3, 0.0):
         problem = make_rough(rc.Elastic(210e9, poisson), rc.Rigid())
         force = 0.005 * problem.plan.modulus * problem.plan.grid.area
         pushed = 0.7 * FRICTION * force
-        frozen = problem.solve(force=force)
-        moved, shear = freeze_cone(problem, frozen, pushed, coupled=True)
         true = problem.path(force=[force], tangential_force=[(pushed, 0.0)], friction=FRICTION, substeps=1)[0]
-        # The pressure that belongs to the frozen traction.
-        lifted = problem.shear_convolution.apply(shear / problem.plan.modulus, to="z")[0] * problem.plan.grid.spacing[0]
-        raised = rc.HeightMap(-(frozen.initial_gap + lifted), problem.plan.grid.size, periodic=True)
-        answer = with_heights(problem, raised).solve(force=force)
-        beyond = np.maximum(np.hypot(*shear) - FRICTION * answer.pressure, 0.0).sum() / np.abs(shear[0]).sum()
-        rows.append(
-            [
-                f"{true.pair.beta:.2f}",
-                f"{100.0 * (moved / true.displacement[0] - 1.0):+.1f}",
-                f"{100.0 * beyond:.1f}",
-            ]
-        )
+        frozen = certify_frozen(problem, force, pushed)
+        for name, state in (("path", true), ("frozen cone", frozen)):
+            beyond = np.maximum(np.hypot(*state.shear) - state.limit, 0.0).sum() / np.abs(state.shear[0]).sum()
+            rows.append(
+                [
+                    f"{state.pair.beta:.2f}",
+                    name,
+                    f"{max(state.residuals.normal.complementarity, state.residuals.normal.penetration):.0e}",
+                    f"{state.residuals.cone:.1g}",
+                    f"{state.residuals.slip:.1g}",
+                    f"{100.0 * (state.displacement[0] / true.displacement[0] - 1.0):+.1f}",
+                    f"{100.0 * beyond:.1f}",
+                ]
+            )
     return rows
+
+
+def certify_frozen(problem: rc.ContactProblem, force: float, pushed: float) -> rc.FrictionalSolution:
+    """Return the state of a code that keeps the limits of the first pressure, with our certificate of it."""
+    certificate = FrictionalContact(problem, rc.Coulomb(FRICTION))
+    first = problem.solve(force=force)
+    moved, shear = freeze_cone(problem, first, pushed, coupled=True)
+    # The pressure that belongs to this traction: the normal contact is solved as it should be.
+    lifted = problem.shear_convolution.apply(shear / problem.plan.modulus, to="z")[0] * problem.plan.grid.spacing[0]
+    raised = rc.HeightMap(-(first.initial_gap + lifted), problem.plan.grid.size, periodic=True)
+    answer = with_heights(problem, raised).solve(force=force)
+    found = attrs.evolve(first, pressure=answer.pressure)
+    contact = certificate.certify_contact(found, Load.of(force=force), shear)
+    before = FrictionalState.unloaded(problem.plan.grid.shape)
+    state = FrictionalState(
+        pressure=contact.pressure, shear=shear, displacement=(moved, 0.0), approach=contact.approach
+    )
+    given = TangentialLoad("tangential_force", (pushed, 0.0))
+    return certificate.judge(
+        contact,
+        state,
+        given,
+        before,
+        certificate.fields_of(before),
+        FoundTractions(contact, shear, np.zeros(2), contact.status, 1, 0),
+        0.0,
+    )[0]
 
 
 def with_heights(problem: rc.ContactProblem, heights: rc.HeightMap) -> rc.ContactProblem:
