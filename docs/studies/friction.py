@@ -348,7 +348,9 @@ def draw(folder: Path = FIGURES) -> None:
 
 TABLES = {
     "friction-balls": DocTable(make_ball_rows, seconds=8),
-    "friction-increments": DocTable(make_increment_rows, seconds=7),
+    "friction-increments": DocTable(
+        make_increment_rows, seconds=7, shown=pick(lines=("1", "4", "16", "auto", "punch"))
+    ),
     "friction-unlike": DocTable(make_unlike_rows, seconds=30),
     "friction-frozen": DocTable(
         make_frozen_rows,
