@@ -27,7 +27,7 @@ class ProjectedGradient(ShearSolver):
         step = 0.9 / float(np.linalg.norm(wave))
         shear, moved = project(np.zeros_like(offset), limit, force, moved, step)
         ahead, momentum = shear, 1.0
-        for iteration in range(task.max_iterations):
+        for iteration in range(1, task.max_iterations + 1):
             slip = offset - convolution.apply(ahead) / own
             found, moved = project(ahead + step * slip, limit, force, moved, step)
             if np.sum((ahead - found) * (found - shear)) > 0.0:
@@ -44,8 +44,8 @@ class ProjectedGradient(ShearSolver):
             shear=shear * unit,
             displacement=tuple(moved * (unit * own)),
             residual=residual,
-            iterations=iteration + 1,
-            products=2 * iteration + 32,
+            iterations=iteration,
+            products=2 * iteration + 30,
             status=rc.Status.CONVERGED if is_found else rc.Status.MAXIMUM_ITERATIONS,
         )
 
