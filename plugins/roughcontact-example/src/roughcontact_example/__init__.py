@@ -3,6 +3,7 @@
 from roughcontact_example.area import Between
 from roughcontact_example.convolver import SignalConvolver
 from roughcontact_example.flattening import Springback
+from roughcontact_example.friction import Saturating
 from roughcontact_example.interaction import Capillary
 from roughcontact_example.kernel import Springs
 from roughcontact_example.material import Foam
@@ -21,6 +22,7 @@ __all__ = [
     "Foam",
     "PatchForces",
     "Raw16",
+    "Saturating",
     "SignalConvolver",
     "Springback",
     "Springs",
