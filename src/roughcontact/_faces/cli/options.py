@@ -128,7 +128,9 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     )
     method.add_argument("--kernel", default="love", metavar="NAME", help="influence kernel (love)")
     method.add_argument("--solver", default="auto", metavar="NAME", help="solver (auto)")
-    method.add_argument("--threads", type=_number_or_auto, default="auto", metavar="N", help="threads (as many as gain)")
+    method.add_argument(
+        "--threads", type=_number_or_auto, default="auto", metavar="N", help="threads (as many as gain)"
+    )
 
 
 def _add_friction(parser: argparse.ArgumentParser) -> None:

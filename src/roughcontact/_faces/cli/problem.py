@@ -64,7 +64,9 @@ def make_law(registry: Registry[Any], option: str, name: str, texts: Sequence[st
     for text in texts:
         field, equals, value = text.partition("=")
         if not equals or field not in known:
-            raise rc.InputError.about(f"A field of {option} {name}", text, f"FIELD=VALUE with one of {', '.join(known)}")
+            raise rc.InputError.about(
+                f"A field of {option} {name}", text, f"FIELD=VALUE with one of {', '.join(known)}"
+            )
         try:
             given[field] = parse_quantity(value, known[field])
         except ValueError as error:
