@@ -80,9 +80,7 @@ def make_task(seed):
     """Return a random convolution and task: limits, offsets, starts, and what is given along each axis."""
     rng = np.random.default_rng(seed)
     shape = tuple(int(n) for n in rng.integers(2, 28, 2))
-    limit = np.abs(rng.standard_normal(shape)) ** rng.choice([0.5, 1.0, 4.0]) * (
-        rng.random(shape) < rng.choice([0.2, 0.6, 1.0])
-    )
+    limit = np.abs(rng.standard_normal(shape)) ** rng.choice([0.5, 1.0, 4.0]) * (rng.random(shape) < rng.choice([0.2, 0.6, 1.0]))
     limit.flat[0] = 1.0
     offset = 10.0 ** rng.uniform(-5, 1) * (rng.random() < 0.7) * rng.standard_normal((2, *shape))
     angle, fraction = rng.uniform(0, 2 * np.pi), rng.choice([0.0, 0.1, 0.5, 0.9, 0.9999])
@@ -112,11 +110,7 @@ def test_cattaneo_and_mindlins_ball(cells, moved, traction):
         assert found.status.success
         c = a * (1 - fraction) ** (1 / 3)
         assert found.displacement[0] / (FRICTION * (a**2 - c**2) / RADIUS) == pytest.approx(1, abs=moved)
-        exact = (
-            FRICTION
-            * peak
-            * (np.sqrt(np.maximum(1 - (x / a) ** 2, 0)) - c / a * np.sqrt(np.maximum(1 - (x / c) ** 2, 0)))
-        )
+        exact = FRICTION * peak * (np.sqrt(np.maximum(1 - (x / a) ** 2, 0)) - c / a * np.sqrt(np.maximum(1 - (x / c) ** 2, 0)))
         inside = solution.pressure > 0
         error = found.shear[0] - exact
         assert np.sqrt(np.mean(error[inside] ** 2)) < rms * np.sqrt(np.mean(exact[inside] ** 2))
@@ -264,9 +258,7 @@ def test_force_and_displacement_give_the_same_state(seed):
 
 def test_friction_that_varies_over_the_surface():
     solution = press_ball(12)
-    friction = np.where(np.arange(solution.grid.shape[0])[:, np.newaxis] % 4 < 2, 0.1, 0.3) * np.ones(
-        solution.grid.shape
-    )
+    friction = np.where(np.arange(solution.grid.shape[0])[:, np.newaxis] % 4 < 2, 0.1, 0.3) * np.ones(solution.grid.shape)
     limit = friction * solution.pressure
     force = 0.6 * limit.sum() * solution.grid.cell_area
     found = slide(solution, (force, 0.0), GAMMA, friction)
