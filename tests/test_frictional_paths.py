@@ -179,6 +179,22 @@ class TestLikeBodies:
         assert not state.shear[1].any()
         assert state.displacement[0] == pytest.approx(other.displacement.value, rel=1e-6)
 
+    def test_stated_uncertainties_hold_at_random_places(self):
+        random = np.random.default_rng(11)
+        inside = []
+        for _ in range(40):
+            problem, force = make_ball(
+                math.exp(random.uniform(1.1, 3.2)), STIFF, STIFF, tuple(random.uniform(-0.5, 0.5, 2))
+            )
+            ball = CattaneoMindlin(force, RADIUS, problem.plan.modulus, FRICTION, 1.0)
+            pushed = random.uniform(0.1, 0.95) * FRICTION * force
+            path = problem.path(force=force, tangential_force=[(pushed, 0.0), (-pushed, 0.0)], friction=FRICTION)
+            moved = path.numbers[0].displacement[0]
+            lost = path.numbers[1].dissipated
+            inside.append(abs(moved.value - ball.displacement(pushed)) <= 2.0 * moved.uncertainty)
+            inside.append(abs(lost.value - 0.5 * ball.dissipated(pushed)) <= 2.0 * lost.uncertainty)
+        assert np.mean(inside) >= 0.93
+
     @pytest.mark.parametrize("fraction", [0.5, 0.9])
     def test_energy_of_a_cycle_with_one_increment_a_reversal(self, fraction):
         problem, force = make_ball(32, STIFF, STIFF, place=(0.5, 0.0))

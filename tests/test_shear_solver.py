@@ -1,4 +1,4 @@
-"""Stick and slip within given limits: closed forms, partial slip, an own judge on random tasks, invariance, refusals."""
+"""Stick and slip within given limits: closed forms, an own judge on random tasks, invariance, refusals."""
 
 from __future__ import annotations
 
@@ -71,8 +71,8 @@ def judge(convolution, task, outcome):
     reach = np.hypot(*trial)
     nearest = np.where(reach > s, trial * (s / np.where(reach > 0, reach, 1)), trial)
     load = [abs(q[k].sum() - force) for k, force in enumerate(task.shear_force) if force is not None]
-    for given, found in zip(task.displacement, outcome.displacement, strict=True):
-        assert given is None or given == found
+    for one, other in zip(task.displacement, outcome.displacement, strict=True):
+        assert one is None or one == other
     return np.hypot(*(q - nearest)).max() / s.max(), (size - s).max() / s.max(), max(load, default=0.0) / s.sum()
 
 
@@ -80,7 +80,9 @@ def make_task(seed):
     """Return a random convolution and task: limits, offsets, starts, and what is given along each axis."""
     rng = np.random.default_rng(seed)
     shape = tuple(int(n) for n in rng.integers(2, 28, 2))
-    limit = np.abs(rng.standard_normal(shape)) ** rng.choice([0.5, 1.0, 4.0]) * (rng.random(shape) < rng.choice([0.2, 0.6, 1.0]))
+    limit = np.abs(rng.standard_normal(shape)) ** rng.choice([0.5, 1.0, 4.0]) * (
+        rng.random(shape) < rng.choice([0.2, 0.6, 1.0])
+    )
     limit.flat[0] = 1.0
     offset = 10.0 ** rng.uniform(-5, 1) * (rng.random() < 0.7) * rng.standard_normal((2, *shape))
     angle, fraction = rng.uniform(0, 2 * np.pi), rng.choice([0.0, 0.1, 0.5, 0.9, 0.9999])
@@ -98,19 +100,24 @@ def make_task(seed):
 
 
 @pytest.mark.parametrize(
-    ("cells", "moved", "traction"), [(8, 3e-4, (0.13, 0.05, 0.025)), (16, 1.5e-4, (0.065, 0.027, 0.013))]
+    ("cells", "moved", "traction"), [(16, 6e-4, (0.065, 0.027, 0.013)), (64, 6e-5, (0.016, 0.007, 0.004))]
 )
 def test_cattaneo_and_mindlins_ball(cells, moved, traction):
     solution = press_ball(cells)
     a = cells * CELL
-    x = np.hypot(*np.meshgrid(*solution.grid.axes, indexing="ij"))
+    x = (np.arange(solution.grid.shape[0]) - (solution.grid.shape[0] - 1) / 2) * CELL
+    r = np.hypot(x[:, np.newaxis], x)
     peak = 2 * MODULUS * a / (np.pi * RADIUS)
     for fraction, rms in zip((0.2, 0.5, 0.9), traction, strict=True):
         found = slide(solution, (fraction * FRICTION * solution.force, 0.0))
         assert found.status.success
         c = a * (1 - fraction) ** (1 / 3)
         assert found.displacement[0] / (FRICTION * (a**2 - c**2) / RADIUS) == pytest.approx(1, abs=moved)
-        exact = FRICTION * peak * (np.sqrt(np.maximum(1 - (x / a) ** 2, 0)) - c / a * np.sqrt(np.maximum(1 - (x / c) ** 2, 0)))
+        exact = (
+            FRICTION
+            * peak
+            * (np.sqrt(np.maximum(1 - (r / a) ** 2, 0)) - c / a * np.sqrt(np.maximum(1 - (r / c) ** 2, 0)))
+        )
         inside = solution.pressure > 0
         error = found.shear[0] - exact
         assert np.sqrt(np.mean(error[inside] ** 2)) < rms * np.sqrt(np.mean(exact[inside] ** 2))
@@ -122,11 +129,11 @@ def test_cattaneo_and_mindlins_ball(cells, moved, traction):
 @pytest.mark.parametrize("poisson", [0.3, 0.5])
 def test_the_closed_form_is_nearly_right_with_poissons_ratio(poisson):
     # It takes the traction parallel to the force; on balls that is wrong by some 1e-3 of the displacement.
-    solution = press_ball(16)
+    solution = press_ball(32)
     gamma = poisson / (1 - poisson)
-    for fraction, error in ((0.2, 5e-4), (0.5, 1.5e-3), (0.9, 3.5e-3)):
+    for fraction, error in ((0.2, 7e-4), (0.5, 1.5e-3), (0.9, 3.5e-3)):
         found = slide(solution, (0.0, fraction * FRICTION * solution.force), gamma)
-        exact = (1 + gamma / 2) * FRICTION * (16 * CELL) ** 2 / RADIUS * (1 - (1 - fraction) ** (2 / 3))
+        exact = (1 + gamma / 2) * FRICTION * (32 * CELL) ** 2 / RADIUS * (1 - (1 - fraction) ** (2 / 3))
         assert -error < found.displacement[1] / exact - 1 < 0
         assert np.abs(found.shear[0]).max() > 0.01 * FRICTION * solution.peak_pressure().value
 
@@ -258,7 +265,9 @@ def test_force_and_displacement_give_the_same_state(seed):
 
 def test_friction_that_varies_over_the_surface():
     solution = press_ball(12)
-    friction = np.where(np.arange(solution.grid.shape[0])[:, np.newaxis] % 4 < 2, 0.1, 0.3) * np.ones(solution.grid.shape)
+    friction = np.where(np.arange(solution.grid.shape[0])[:, np.newaxis] % 4 < 2, 0.1, 0.3) * np.ones(
+        solution.grid.shape
+    )
     limit = friction * solution.pressure
     force = 0.6 * limit.sum() * solution.grid.cell_area
     found = slide(solution, (force, 0.0), GAMMA, friction)
@@ -266,7 +275,7 @@ def test_friction_that_varies_over_the_surface():
     size = np.hypot(*found.shear)
     slips = (size > (1 - 1e-9) * limit) & (limit > 0)
     sticks = size < (1 - 1e-3) * limit
-    assert 0.5 < slips[friction == 0.1].sum() / (limit > 0)[friction == 0.1].sum()
+    assert slips[friction == 0.1].sum() / (limit > 0)[friction == 0.1].sum() > 0.5
     assert sticks[friction == 0.3].sum() > sticks[friction == 0.1].sum()
 
 
@@ -348,7 +357,7 @@ def test_projection_keeps_force_and_limits(seed):
     force = axes * rng.uniform(0, 0.999) * limit.sum() * np.array([0.6, -0.8])
     control = ForceControl(force, axes)
     found, shift = control.project(values, limit)
-    assert control.find_error(found, limit) < 1e-13
+    assert control.find_error(found, limit) < 1e-15 * (100 + np.abs(values).max() / limit.max())
     assert (np.hypot(*found) <= limit * (1 + 1e-15)).all()
     # The nearest one: the projection of the shifted values, with a shift along the given axes alone.
     assert not shift[axes == 0.0].any()
@@ -360,6 +369,6 @@ def test_natural_residual_is_zero_if_and_only_if_stick_and_slip_hold():
     shear = np.array([[1.2, 0.0], [0.5, -1.0]])
     slip = np.array([[0.0, 0.0], [0.0, -3.0]])
     assert natural_residual(shear, slip, limit, 0.7) == pytest.approx(0.0, abs=1e-15)
-    assert natural_residual(shear, slip + [[0.07], [0.0]], limit, 0.7) == pytest.approx(0.05, rel=0.01)
+    assert natural_residual(shear, slip + np.array([[0.07], [0.0]]), limit, 0.7) == pytest.approx(0.05, rel=0.01)
     assert natural_residual(shear, -slip, limit, 0.7) > 0.5
     assert natural_residual(0.5 * shear, slip, limit, 0.7) > 0.2

@@ -17,11 +17,13 @@ import pytest
 import roughcontact as rc
 import roughcontact.testing as kit
 from roughcontact.__main__ import main
-from roughcontact.typing import Outcome, PreparedConvolution, RawMap, ShearConvolution
+from roughcontact._solve.solvers import shear_solvers
+from roughcontact.typing import Outcome, PreparedConvolution, RawMap, ShearConvolution, ShearSolver
 
 ROOT = Path(__file__).parent.parent
 EXAMPLE = ROOT / "plugins" / "roughcontact-example"
 HARDNESS = np.linspace(1e8, 1e9, 120).reshape(12, 10)
+CAREFUL_SHEAR = shear_solvers.create("projected-cg")
 # Registered classes that cannot be made without arguments.
 MADE = {
     "conductance": [rc.responses.create("conductance", (50.0, 20.0)), rc.responses.create("conductance", 1.0, 1e-9)],
@@ -429,7 +431,62 @@ class Misattracts(rc.Interaction):
         return Misattracts("weak") if self.fault == "moody" and modulus != 1e7 else self
 
 
+class Slippery(rc.FrictionLaw):
+    """Coulomb's law with one fault."""
+
+    def __init__(self, fault):
+        self.fault = fault
+
+    def limit(self, pressure):
+        if self.fault == "writes":
+            pressure *= 0.5
+        if self.fault == "falls":
+            return 1e6 * np.minimum(pressure / 1e3, 1e3 / (pressure + 1e-300))
+        if self.fault == "sticky":
+            return 0.3 * pressure + 1.0
+        if self.fault == "mean":
+            return 0.3 * np.full_like(pressure, pressure.mean())
+        noise = np.random.default_rng().random() if self.fault == "moody" else 0.0
+        return (0.3 + 0.1 * noise) * pressure
+
+
+class Loose(ShearSolver):
+    """A solver of shear with one fault."""
+
+    def __init__(self, fault):
+        self.fault = fault
+
+    def solve(self, convolution, task):
+        found = CAREFUL_SHEAR.solve(convolution, task)
+        if self.fault == "writes":
+            task.offset[...] *= 0.5
+        if self.fault == "frozen":
+            return attrs.evolve(found, shear=found.shear[::-1])
+        if self.fault == "light":
+            return attrs.evolve(found, shear=(1 - 1e-10) * found.shear)
+        if self.fault == "stubborn" and task.start is not None:
+            return attrs.evolve(found, shear=task.start)
+        if self.fault == "leans":
+            return attrs.evolve(found, shear=np.abs(found.shear))
+        if self.fault == "moody":
+            return attrs.evolve(found, shear=found.shear * (1 + 1e-15 * np.random.default_rng().random()))
+        return attrs.evolve(found, status=rc.Status.CONVERGED)
+
+
 BROKEN = [
+    (Slippery("sticky"), "limits"),
+    (Slippery("falls"), "not falling with the pressure"),
+    (Slippery("mean"), "local"),
+    (Slippery("writes"), "input unchanged"),
+    (Slippery("moody"), "repeatable"),
+    (Loose("frozen"), "stick and slip"),
+    (Loose("light"), "limits and forces to rounding"),
+    (Loose("stubborn"), "any start"),
+    (Loose("leans"), "opposite directions"),
+    (Loose("writes"), "input unchanged"),
+    (Loose("moody"), "repeatable"),
+    (Loose("moody"), "powers of two change no bit"),
+    (Loose("infinite"), "stops at non-finite values"),
     (Misattracts("repels"), "attracts"),
     (Misattracts("energy"), "tension is the derivative of the energy"),
     (Misattracts("slope"), "slope is the derivative of the tension"),

@@ -6,16 +6,22 @@ python docs/studies/adhesion.py
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
 from doc_tables import DocTable, pick, write_tables
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+
+import adhesion_classes
 
 import roughcontact as rc
 from roughcontact.errors import InputError, NotConverged
 from roughcontact.plotting import style
 from roughcontact.reference import JKR, MaugisDugdale
 
+SPLITS = ("tuned", "held-out")
 FIGURES = Path(__file__).parent.parent / "figures"
 RADIUS = 1e-6
 MODULUS = 1e9
@@ -207,6 +213,19 @@ def make_cycle_rows() -> list[list[str]]:
     return rows
 
 
+def make_class_rows() -> list[list[str]]:
+    found = {split: adhesion_classes.report(list(adhesion_classes.CLASSES), split) for split in SPLITS}
+    rows = [["class", *(f"{split}: {part}" for split in SPLITS for part in ("n", "error, %", "within two, %"))]]
+    for name in adhesion_classes.CLASSES:
+        row = [name]
+        for split in SPLITS:
+            judged = found[split][name]
+            sizes = (f"{100 * judged[part]:.2g}" for part in ("median error", "median uncertainty"))
+            row += [f"{judged['n']}", " / ".join(sizes), f"{100 * judged['within 2']:.0f}"]
+        rows.append(row)
+    return rows
+
+
 def find_theory(strength: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return approach and force of Johnson, and of Maugis, of contact radii down to small ones."""
     theory = MaugisDugdale(RADIUS, MODULUS, WORK, strength)
@@ -248,6 +267,9 @@ def draw(folder: Path = FIGURES, cells: int = 128) -> None:
 
 
 TABLES = {
+    "adhesion-classes": DocTable(
+        make_class_rows, seconds=250, shown=pick(columns=["class", "held-out: error, %", "held-out: within two, %"])
+    ),
     "adhesion-balls": DocTable(make_ball_rows, seconds=30),
     "adhesion-stiffness": DocTable(
         make_stiffness_rows, seconds=20, shown=pick(lines=[f"{part:g}; 64 x 64" for part in (0.25, 0.5, 1.0, 2.0)])

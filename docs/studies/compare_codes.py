@@ -53,6 +53,8 @@ class Case:
     mean: float
     boundary: str = "periodic"
     hardness: float | None = None
+    # Work and range of an exponential attraction; the mean gap is then given, and not the mean pressure.
+    adhesion: tuple[float, float] | None = None
 
 
 def make_rough(cells: int, seed: int = 0) -> np.ndarray:
@@ -75,12 +77,26 @@ def make_cases(largest: int) -> list[Case]:
         cases.append(Case("Hertz, free, 1024", ball.heights(rc.Grid((1024, 1024), 1024.0)), force / 1024**2, "free"))
     cases.append(Case("hardness 0.3 slope, x = 0.05, 512", make_rough(512), 0.05 * SLOPE, hardness=0.3 * SLOPE))
     cases.append(Case("mean pressure 0.9 H, 512", make_rough(512), 0.27 * SLOPE, hardness=0.3 * SLOPE))
+    # An attraction of four cells of cohesive length, at the mean gap of a small load.
+    cases += [make_adhesive(n) for n in (256, 512, 1024) if n <= largest]
     return cases
+
+
+def make_adhesive(cells: int) -> Case:
+    """Return a rough contact with adhesion, waves of 16 cells to a quarter of the domain."""
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=SLOPE, shortest=16.0, longest=0.25 * cells, seed=1)
+    heights = surface.heights(rc.Grid((cells, cells), float(cells)))
+    work = 0.02 * SLOPE**2
+    case = Case(f"adhesion, {cells}", heights, 0.0, adhesion=(work, (4.0 * work) ** 0.5))
+    relaxed = make_problem(case).solve(pressure=0.05 * SLOPE)
+    return attrs.evolve(case, mean=float(relaxed.gap.mean()))
 
 
 def measure_violation(pressure: np.ndarray, case: Case) -> tuple[float, float]:
     """Return the violation of the contact conditions over the rms height, and the error of the load, by numpy's FFT."""
     n = case.heights.shape[0]
+    if case.adhesion is not None:
+        return measure_adhesive_violation(pressure, case)
     if case.boundary == "free":
         offsets = np.minimum(np.arange(2 * n), 2 * n - np.arange(2 * n)).astype(int)
         table = rc.Love().coefficients((n + 1, n + 1), (1.0, 1.0), 1.0)[np.ix_(offsets, offsets)]
@@ -99,18 +115,41 @@ def measure_violation(pressure: np.ndarray, case: Case) -> tuple[float, float]:
     return float(max(opened, overlap) / case.heights.std()), float(abs(pressure.mean() / case.mean - 1))
 
 
-def solve_ours(case: Case, tolerance: float | None = None) -> np.ndarray:
+def measure_adhesive_violation(pressure: np.ndarray, case: Case) -> tuple[float, float]:
+    """Return the violation at the given mean gap over the rms height; no load is given that could be wrong."""
+    assert case.adhesion is not None
+    work, length = case.adhesion
+    n = case.heights.shape[0]
+    q = 2 * np.pi * np.hypot(np.fft.fftfreq(n)[:, None], np.fft.rfftfreq(n)[None, :])
+    q[0, 0] = np.inf
+    gap = np.fft.irfft2(np.fft.rfft2(pressure) * 2 / q, s=(n, n)) - case.heights
+    gap += case.mean - gap.mean()
+    contact = pressure + work / length * np.exp(-np.maximum(gap, 0.0) / length)
+    opened = np.sum(np.maximum(contact, 0.0) * np.abs(gap)) / np.sum(np.maximum(contact, 0.0))
+    # A pressure below the law belongs to a smaller gap.
+    below = max(0.0, -contact.min()) * length**2 / work
+    return float(max(opened, below, -gap.min()) / case.heights.std()), 0.0
+
+
+def make_problem(case: Case, tolerance: float | None = None) -> rc.ContactProblem:
     material = rc.Elastic(1.0, 0.0)
     if case.hardness is not None:
         material = rc.ElasticPerfectlyPlastic(1.0, 0.0, case.hardness)
     size = float(case.heights.shape[0])
-    problem = rc.ContactProblem(
+    return rc.ContactProblem(
         rc.Body(rc.HeightMap(case.heights, size=size, periodic=True), material),
         boundary=case.boundary,
         kernel="love" if case.boundary == "free" else "fourier",
         solver="auto" if tolerance is None else rc.ProjectedConjugateGradient(tolerance=tolerance),
+        adhesion=None if case.adhesion is None else rc.Exponential(*case.adhesion),
         threads=THREADS,
     )
+
+
+def solve_ours(case: Case, tolerance: float | None = None) -> np.ndarray:
+    problem = make_problem(case, tolerance)
+    if case.adhesion is not None:
+        return np.array(problem.solve(approach=float(problem.initial_gap.mean()) - case.mean).pressure)
     return np.array(problem.solve(pressure=case.mean).pressure)
 
 
@@ -124,6 +163,15 @@ def solve_tamaas(case: Case, tolerance: float) -> np.ndarray | None:
     n = case.heights.shape[0]
     model = tm.ModelFactory.createModel(tm.model_type.basic_2d, [float(n)] * 2, [n, n])
     model.E, model.nu = 1.0, 0.0
+    if case.adhesion is not None:
+        kind = tm.PolonskyKeerRey.gap
+        solver = tm.PolonskyKeerRey(model, case.heights, tolerance, kind, kind)
+        law = tm.ExponentialAdhesionFunctional(case.heights)
+        law.parameters = dict(zip(("surface_energy", "rho"), case.adhesion, strict=True))
+        solver.addFunctionalTerm(law)
+        solver.max_iter = 10_000
+        solver.solve(case.mean)
+        return np.array(model.traction)
     solver = tm.PolonskyKeerRey(model, case.heights, tolerance)
     if case.boundary == "free":
         tm.ModelFactory.registerNonPeriodic(model, "dcfft")
@@ -135,7 +183,7 @@ def solve_tamaas(case: Case, tolerance: float) -> np.ndarray | None:
 
 def solve_contact_mechanics(case: Case, tolerance: float) -> np.ndarray | None:
     # Without a hardness it took 1.6 to 4 times as long as tamaas on 1024 x 1024 cells: minutes a case.
-    if case.hardness is None and case.heights.shape[0] > 512:
+    if case.adhesion is not None or (case.hardness is None and case.heights.shape[0] > 512):
         return None
     from ContactMechanics import FreeFFTElasticHalfSpace, PeriodicFFTElasticHalfSpace
     from ContactMechanics.Optimization import constrained_conjugate_gradients
@@ -155,7 +203,7 @@ def solve_contact_mechanics(case: Case, tolerance: float) -> np.ndarray | None:
 
 
 def solve_aspher(case: Case, tolerance: float) -> np.ndarray | None:
-    if case.hardness is not None:
+    if case.hardness is not None or case.adhesion is not None:
         return None
     from aspher import solve_nested
 
@@ -176,7 +224,7 @@ def solve_aspher(case: Case, tolerance: float) -> np.ndarray | None:
 
 def solve_slippy(case: Case, tolerance: float) -> np.ndarray | None:
     # The solver under its model classes, which takes a gap and a load, on either boundary.
-    if case.hardness is not None:
+    if case.hardness is not None or case.adhesion is not None:
         return None
     import slippy
 
@@ -216,6 +264,7 @@ PEERS = {
 }
 # Factors between the tolerances of a ladder, and how many are tried.
 STEPS, RUNGS = (1.0, 0.5, 0.2), 10
+LOOSEST_GAP = 1e-3
 
 
 @attrs.frozen
@@ -246,7 +295,9 @@ def match_run(peer: Peer, case: Case, required: float) -> Run | None:
     """Return the run with the loosest tolerance that meets the requirement, else the one nearest to it."""
     best = None
     for rung in range(RUNGS):
-        tolerance = peer.loosest * STEPS[rung % len(STEPS)] * 10.0 ** -(rung // len(STEPS))
+        # With adhesion the tolerance of tamaas is that of the gap.
+        loosest = peer.loosest if case.adhesion is None else LOOSEST_GAP
+        tolerance = loosest * STEPS[rung % len(STEPS)] * 10.0 ** -(rung // len(STEPS))
         found = measure_run(lambda case, tolerance=tolerance: peer.solve(case, tolerance), case, tolerance)
         if found is None:
             break

@@ -11,7 +11,8 @@ ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=20e-6, shortest
 PARTS = [
     example.Foam(young=70e9, strength=200e6, density=0.1),
     example.Capillary(surface_energy=0.072, kelvin_radius=1e-9, smoothing=3e-10),
-    example.Saturating(coefficient=0.4, strength=50e6),
+    example.Junctions(coefficient=0.3, strength=200e6),
+    example.ProjectedGradient(),
     example.Springs(thickness=2e-6),
     example.SignalConvolver(),
     example.AcceleratedGradient(),
@@ -39,12 +40,12 @@ def test_friction_along_a_path_in_a_file_and_on_the_command_line(tmp_path, capsy
     grid = rc.Grid((32, 32), 100e-6)
     np.savez("ball.npz", heights=rc.ParaboloidSurface(1e-3).heights(grid), size=grid.size)
     steel = ["--young", "210GPa", "--counterbody-young", "210GPa"]
-    law = ["--friction", "saturating", "coefficient=0.4", "strength=100MPa"]
+    law = ["--friction", "junctions", "coefficient=0.4", "strength=100MPa"]
     solve = ["solve", "ball.npz", "--force", "1N", *steel]
     assert main([*solve, *law, "--tangential", "50mN", "-50mN", "-o", "path.npz"]) == 0
     assert "energy lost" in capsys.readouterr().out
     path = rc.FrictionalPath.load("path.npz")
-    assert path[0].friction == example.Saturating(0.4, 100e6)
+    assert path[0].friction == example.Junctions(0.4, 100e6)
     assert all(state.status.success for state in path)
     assert (np.hypot(*path[1].shear) <= 100e6 * (1 + 1e-6)).all()
     assert main(["info", "path.npz"]) == 0

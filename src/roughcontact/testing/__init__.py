@@ -19,6 +19,7 @@ from roughcontact.testing import (  # noqa: F401 - claims
     panels,
     responses,
     shear,
+    shear_solvers,
     solvers,
 )
 from roughcontact.testing.claim import (

@@ -1,18 +1,27 @@
 """A law of friction."""
 
 import attrs
-import numpy as np
 
 import roughcontact as rc
 
 
 @attrs.frozen
-class Saturating(rc.FrictionLaw):
-    """Coulomb's law at light pressure, with a smooth passage to the shear strength of the softer body, Pa."""
+class Junctions(rc.FrictionLaw):
+    """Junctions that grow with the pressure until they are one: friction at low pressure, a shear strength at high one.
 
-    coefficient: float = attrs.field(converter=float, metadata={"unit": ""})
-    strength: float = attrs.field(converter=float, metadata={"unit": "Pa"})
+    Parameters
+    ----------
+    coefficient
+        Coefficient of friction at low pressure.
+    strength
+        Shear strength of the material, Pa.
+    """
+
+    coefficient: float
+    # The command line asks for this unit.
+    strength: float = attrs.field(metadata={"unit": "Pa"})
 
     def limit(self, pressure):
-        """Return the shear strength at a pressure of at least zero, Pa."""
-        return self.strength * np.tanh(self.coefficient * pressure / self.strength)
+        """Return s = mu p k / (mu p + k), Pa."""
+        sheared = self.coefficient * pressure
+        return sheared * self.strength / (sheared + self.strength)

@@ -54,10 +54,7 @@ def shear_limit(law: FrictionLaw, pressure: Array) -> Array:
         If the limit is of another shape, not finite, negative, or above zero where there is no pressure.
     """
     shape = pressure.shape
-    try:
-        limit = np.asarray(law.limit(pressure), dtype=np.float64)
-    except ValueError as error:
-        raise InputError(f"The friction law {law!r} has no limit for a pressure of shape {shape}: {error}.") from error
+    limit = np.asarray(law.limit(pressure), dtype=np.float64)
     if limit.shape != shape:
         raise InputError(
             f"The friction law {law!r} has limits of shape {limit.shape}, where those of the grid, {shape}, are needed."
@@ -67,6 +64,16 @@ def shear_limit(law: FrictionLaw, pressure: Array) -> Array:
     if limit[pressure <= 0.0].any():
         raise InputError(f"The friction law {law!r} has a limit above zero where there is no pressure.")
     return limit
+
+
+def _fitting(parameter: float | Array, pressure: RealArray) -> float | Array:
+    """Return a parameter; `InputError` if it is an array of another shape than the pressure."""
+    if isinstance(parameter, np.ndarray) and parameter.shape != np.shape(pressure):
+        raise InputError(
+            f"The friction varies over cells of shape {parameter.shape}, but the pressure has shape "
+            f"{np.shape(pressure)}."
+        )
+    return parameter
 
 
 def _coefficient(value: object) -> float | Array:
@@ -100,7 +107,7 @@ class Coulomb(FrictionLaw):
 
     def limit(self, pressure: RealArray) -> RealArray:
         """Return the shear strength, Pa; see `FrictionLaw.limit`."""
-        return np.asarray(self.coefficient * pressure)
+        return np.asarray(_fitting(self.coefficient, pressure) * pressure)
 
 
 @attrs.frozen(eq=False)
@@ -130,4 +137,4 @@ class LimitedCoulomb(FrictionLaw):
 
     def limit(self, pressure: RealArray) -> RealArray:
         """Return the shear strength, Pa; see `FrictionLaw.limit`."""
-        return np.minimum(self.coefficient * pressure, self.strength)
+        return np.minimum(_fitting(self.coefficient, pressure) * pressure, _fitting(self.strength, pressure))

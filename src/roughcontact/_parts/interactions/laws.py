@@ -301,7 +301,7 @@ class ShortRange(Interaction):
     .. math:: \rho = \sqrt{n\, w\, \Delta / E^*}, \quad n = 2
 
     with the longer side :math:`\Delta` of a cell: the cohesive length has n cells. `resolve` returns that law. Pull-off
-    and contact radius go to those of the limit as the power 1.5 of the range.
+    and contact radius go to those of the limit as the power 1.5 of the range; `ContactProblem.pull_off` extrapolates.
 
     Parameters
     ----------

@@ -175,19 +175,22 @@ def follow_steps(run: CoupledSolve, segments: Sequence[PathStep], count: int) ->
             part, fields = run.step(load, target, state, fields)
             state = part.state
             parts.append(part)
-        steps.append(_join(run, parts, begin, fields))
+        steps.append(_join(run, parts, begin, fields, is_exact=bool(segment.exact)))
     return steps
 
 
 def _join(
-    run: CoupledSolve, parts: Sequence[FrictionalSolution], begin: FrictionalFields, end: FrictionalFields
+    run: CoupledSolve,
+    parts: Sequence[FrictionalSolution],
+    begin: FrictionalFields,
+    end: FrictionalFields,
+    *,
+    is_exact: bool,
 ) -> FrictionalSolution:
     """Return the last increment of a step with slip, energy lost and cost of all of them."""
-    lost = Estimate(
-        math.fsum(part.dissipated.value for part in parts),
-        math.fsum(part.dissipated.uncertainty for part in parts),
-        "J",
-    )
+    value = math.fsum(part.dissipated.value for part in parts)
+    unsure = 0.0 if is_exact else math.fsum(part.dissipated.uncertainty for part in parts)
+    lost = Estimate(value, math.hypot(unsure, parts[-1].cell_errors[1] * value), "J")
     return attrs.evolve(
         parts[-1],
         slip=(end.relative - begin.relative) * run.length,
@@ -218,11 +221,12 @@ def refine_steps(
             "what is admissible; give more steps"
         )
         warning = (ContactWarning(text, "increments", change),)
+    moved = find_amplitude(steps)
     pairs = zip(segments, coarser, steps, strict=True)
     numbers = [
-        numbers_of(fine)
+        numbers_of(fine, moved)
         if segment.exact and all(one.exact for one in segments[:place])
-        else _extrapolate(coarse, fine, warning)
+        else _extrapolate(coarse, fine, moved, warning)
         for place, (segment, coarse, fine) in enumerate(pairs)
     ]
     reasons = [
@@ -259,17 +263,30 @@ def _compare(coarse: Sequence[FrictionalSolution], fine: Sequence[FrictionalSolu
     return max(changes)
 
 
-def numbers_of(step: FrictionalSolution, warnings: tuple[str, ...] = ()) -> StepNumbers:
-    x, y = (Estimate(value, 0.0, "m", warnings) for value in step.displacement)
-    lost = step.dissipated if warnings else attrs.evolve(step.dissipated, uncertainty=0.0)
+def find_amplitude(steps: Sequence[FrictionalSolution]) -> float:
+    """Return the largest tangential displacement of the steps, m."""
+    return max(math.hypot(*step.displacement) for step in steps)
+
+
+def numbers_of(step: FrictionalSolution, amplitude: float, warnings: tuple[str, ...] = ()) -> StepNumbers:
+    """Return the numbers of a step as they are, of a path with a largest displacement."""
+    error = _displacement_error(step, amplitude)
+    x, y = (Estimate(value, error, "m", warnings) for value in step.displacement)
     return StepNumbers(
         displacement=(x, y),
-        dissipated=attrs.evolve(lost, warnings=warnings),
+        dissipated=attrs.evolve(step.dissipated, warnings=warnings),
         stick_area=attrs.evolve(step.stick_area, warnings=warnings),
     )
 
 
-def _extrapolate(coarse: FrictionalSolution, fine: FrictionalSolution, warnings: tuple[str, ...]) -> StepNumbers:
+def _displacement_error(step: FrictionalSolution, amplitude: float) -> float:
+    """Return the standard deviation of the displacement by the size of the cells, m; zero if it is given."""
+    return 0.0 if step.given.kind == "displacement" else step.cell_errors[0] * amplitude
+
+
+def _extrapolate(
+    coarse: FrictionalSolution, fine: FrictionalSolution, amplitude: float, warnings: tuple[str, ...]
+) -> StepNumbers:
     """Return the limits of infinitely many increments: the error is of first order in the increment."""
 
     def extend(
@@ -277,11 +294,13 @@ def _extrapolate(coarse: FrictionalSolution, fine: FrictionalSolution, warnings:
     ) -> Estimate:
         return Estimate(min(max(2.0 * new - old, low), high), math.hypot(abs(new - old), known), unit, warnings)
 
-    x, y = (extend(old, new, "m") for old, new in zip(coarse.displacement, fine.displacement, strict=True))
+    error = _displacement_error(fine, amplitude)
+    x, y = (extend(old, new, "m", error) for old, new in zip(coarse.displacement, fine.displacement, strict=True))
+    lost = fine.dissipated.value
     stick = fine.stick_area
     touching = int(np.count_nonzero(fine.contact.contact)) * fine.grid.cell_area
     return StepNumbers(
         displacement=(x, y),
-        dissipated=extend(coarse.dissipated.value, fine.dissipated.value, "J", low=0.0),
+        dissipated=extend(coarse.dissipated.value, lost, "J", fine.cell_errors[1] * lost, low=0.0),
         stick_area=extend(coarse.stick_area.value, stick.value, "m2", stick.uncertainty, 0.0, touching),
     )

@@ -22,6 +22,7 @@ from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.increments import (
     GIVEN_INCREMENTS,
     StepNumbers,
+    find_amplitude,
     follow_steps,
     is_single,
     list_steps,
@@ -127,7 +128,7 @@ class FrictionalPath(Sequence[FrictionalSolution]):
 
     @property
     def dissipated(self) -> Estimate:
-        """Energy lost by friction along the path, J, without that of pressing; its uncertainty is of the increments."""
+        """Energy lost by friction along the path, J, without that of pressing; with its uncertainty."""
         parts = [one.dissipated for one in self.numbers]
         warnings = dict.fromkeys(text for part in parts for text in part.warnings)
         value = math.fsum(part.value for part in parts)
@@ -297,7 +298,8 @@ def run_path(
     if count is not None or all(segment.exact for segment in segments):
         steps = follow_steps(run, segments, count or 1)
         warning = () if all(segment.exact for segment in segments) else (GIVEN_INCREMENTS,)
-        numbers = [numbers_of(step, warning) for step in steps]
+        moved = find_amplitude(steps)
+        numbers = [numbers_of(step, moved, warning) for step in steps]
         reasons = [segment.exact or "as given" for segment in segments]
     else:
         steps, numbers, reasons = refine_steps(run, segments)

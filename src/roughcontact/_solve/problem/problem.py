@@ -12,6 +12,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
+from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Boundary, Grid, Load
 from roughcontact._parts.interactions import FrictionLaw, Interaction
 from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, kernels
@@ -20,28 +21,14 @@ from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution, ShearConvolution, convolvers
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
-from roughcontact._solve.problem.cycle import (
-    AdhesionCycle,
-    find_pull_off,
-    follow_loads,
-    require_ascending,
-    require_resolved,
-    run_cycle,
-)
+from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_frictional
 from roughcontact._solve.problem.path import FrictionalPath, run_path, run_slide
 from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
 from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
 from roughcontact._solve.problem.sweep import Sweep, find_load_of_area, run_sweep
 from roughcontact._solve.problem.task import limit_load, maximum_pressure
-from roughcontact._solve.solution import (
-    DEFAULT_AREA,
-    AreaEstimator,
-    ContactSolution,
-    Estimate,
-    FrictionalSolution,
-    Origin,
-)
+from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, FrictionalSolution, Origin
 from roughcontact._solve.solvers import Solver, Step, solvers
 from roughcontact.errors import InputError
 
@@ -346,25 +333,12 @@ class ContactProblem:
         NotConverged
             If a state is not certified.
         """
-        loads = self.require_cycle(approach=approach)
         told = callback(on_state, "on_state=", "solution")
-
-        def solve(load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
-            state = self._solve(load, start, start_gap=start_gap)
-            if told is not None:
-                told(state)
-            return state
-
-        return run_cycle(solve, loads)
+        return run_cycle(self._solve, self.require_cycle(approach=approach), told)
 
     def require_cycle(self, *, approach: Iterable[float]) -> tuple[Load, ...]:
         """Return the loads of a branch of a cycle; `InputError` if it cannot be followed; see `cycle`."""
-        require_resolved(self.plan)
-        loads = Load.signed_sequence(approach=approach)
-        require_ascending(loads)
-        for load in loads:
-            limit_load(self.plan, self.initial_gap, load)
-        return loads
+        return list_approaches(self.plan, self.initial_gap, approach)
 
     def path(
         self,
@@ -446,7 +420,8 @@ class ContactProblem:
     def pull_off(self) -> Estimate:
         """Return the force at which surfaces that attract each other come apart, N, negative: the minimum on unloading.
 
-        The path begins at zero load and is followed by the approach, downwards.
+        The path begins at zero load and is followed by the approach, downwards. With `ShortRange` the force is that of
+        the limit, extrapolated from the range that the grid resolves and one 1.4 times as long.
 
         Raises
         ------
@@ -455,8 +430,7 @@ class ContactProblem:
         NotConverged
             If a state is not certified.
         """
-        require_resolved(self.plan)
-        return find_pull_off(self._solve, self.plan)
+        return find_pull_off(self)
 
     def solve_area(self, fraction: float, estimator: str | AreaEstimator = DEFAULT_AREA) -> ContactSolution:
         """Find the load at which the real contact area is a given fraction of the nominal area.
@@ -476,8 +450,7 @@ class ContactProblem:
         if self.adhesion is not None:
             raise InputError("With adhesion one area may belong to several loads: sweep the loads instead.")
         typical_pressure = self.plan.modulus * rms_slope(self.initial_gap, self.plan.grid)
-        maximum = maximum_pressure(self.plan)
-        return find_load_of_area(self._solve, fraction, estimator, min(typical_pressure, maximum), maximum)
+        return find_load_of_area(self._solve, fraction, estimator, typical_pressure, maximum_pressure(self.plan))
 
     def verify(self, solution: ContactSolution | FrictionalSolution) -> None:
         """Recompute the displacement and residuals of a solution of this problem from its pressure: one convolution.

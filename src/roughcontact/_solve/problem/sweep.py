@@ -242,7 +242,7 @@ def find_load_of_area(
         raise InputError.about("The fraction of the area", fraction, "below 1", "Full contact is given by many loads.")
     low = 0.0
     high = maximum
-    pressure = min(0.5 * fraction * guess, 0.5 * maximum)
+    pressure = 0.5 * fraction * min(guess, maximum)
     solutions: list[ContactSolution] = []
     for _ in range(_MAX_TRIES):
         load = Load("pressure", pressure)

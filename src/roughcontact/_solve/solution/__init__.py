@@ -5,6 +5,7 @@ from roughcontact._solve.solution.attraction import (
     TRAPPED_CELLS,
     AdhesiveConditions,
     AdhesiveViolation,
+    count_patch_cells,
     describe_range,
     trapping_error,
 )
@@ -76,6 +77,7 @@ __all__ = [
     "Trial",
     "Violation",
     "areas",
+    "count_patch_cells",
     "describe_maps",
     "describe_range",
     "describe_work",

@@ -15,12 +15,13 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import ContactWarning, Estimate, si
-from roughcontact._parts.grid import Grid, extend, grow
+from roughcontact._parts.grid import Boundary, Grid, extend, grow
 from roughcontact._parts.interactions import BoundInteraction, Interaction
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
     from roughcontact._solve.solution.origin import Origin
+    from roughcontact._solve.solution.results import Area
 
 # Rounding of the gap over its largest term, as in `conditions`.
 _ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
@@ -151,11 +152,47 @@ class AdhesiveConditions:
 # twice that where the centre lies on a symmetry of the cells.
 RESOLVED_CELLS = 2.5
 TRAPPED_CELLS = 1.5
+# Relative standard deviation of the area because the contact pressure varies over the cohesive length at its edge: this
+# number over the cells of that length and the root of the cells of a patch, on 200 balls and 50 rough surfaces in
+# random places (benchmarks/adhesion_classes.py). Because it sticks to the cells: on a ball of 0.5 and one of 1 cell.
+_EDGE_ERROR = 0.2
+_STUCK_AREA = 1.6
+_STUCK_DECAY = 4.0
+# Standard deviation of the mean gap over the mean bend of the gap in and around the contact, the second differences
+# along both axes together, on 75 rough surfaces: summits lie between the cells.
+_MISSED_SUMMIT = 0.05
 
 
 def trapping_error(cells: float) -> float:
     """Return the relative error of the force of pull-off because the edge of the contact sticks to the cells."""
     return 0.8 * math.exp(-2.0 * cells)
+
+
+def count_patch_cells(mask: Mask, boundary: Boundary) -> float:
+    """Return the number of cells of a mask, at most that of a disc of the same ratio of area to edge; one at least."""
+    cells = np.count_nonzero(mask)
+    border = np.count_nonzero(mask & grow(~mask, 1, boundary))
+    disc = 4.0 * math.pi * (cells / border) ** 2 if border else math.inf
+    return max(min(disc, float(cells)), 1.0)
+
+
+def widen_area(area: Area, solution: ContactSolution, origin: Origin) -> Area:
+    """Return an area with the uncertainty by the size of the cells beside that of its estimator."""
+    cells = _count_cohesive_cells(solution, origin)
+    if cells is None or area.value == 0.0:
+        return area
+    size = count_patch_cells(solution.contact, solution.boundary)
+    error = math.hypot(_EDGE_ERROR / (cells * math.sqrt(size)), _STUCK_AREA * math.exp(-_STUCK_DECAY * cells))
+    return attrs.evolve(area, uncertainty=math.hypot(area.uncertainty, error * area.value))
+
+
+def _count_cohesive_cells(solution: ContactSolution, origin: Origin) -> float | None:
+    """Return the number of cells of the cohesive length; None without a law."""
+    if solution.tension is None or origin.missing:
+        return None
+    law: Interaction = origin.problem["adhesion"]
+    spacing = solution.grid.spacing
+    return law.resolve(spacing, solution.modulus).cohesive_cells(spacing, solution.modulus)
 
 
 def describe_range(law: Interaction, grid: Grid, modulus: float) -> ContactWarning | None:
@@ -202,8 +239,12 @@ def interpolate_peak(solution: ContactSolution) -> Estimate:
 
 
 def average_gap(solution: ContactSolution) -> Estimate:
-    """Return the mean gap, m, over the cell centres; its uncertainty is that of the gap of cells at the edge."""
+    """Return the mean gap, m, over the cell centres; its uncertainty is that of summits between the cells."""
     gap = np.maximum(solution.gap, 0.0)
-    beside = gap[grow(solution.contact, 1, solution.boundary) & ~solution.contact]
-    error = float(beside.mean()) * beside.size / gap.size if beside.size else 0.0
-    return Estimate(float(gap.mean()), 0.1 * error + solution.residuals.error * solution.residuals.scale, "m")
+    initial = solution.gap - solution.displacement
+    around = grow(solution.contact if solution.contact.any() else initial == initial.min(), 1, solution.boundary)
+    extended = extend(initial, 1, solution.boundary)
+    bend = np.abs(extended[:-2, 1:-1] + extended[2:, 1:-1] - 2.0 * initial)
+    bend += np.abs(extended[1:-1, :-2] + extended[1:-1, 2:] - 2.0 * initial)
+    missed = _MISSED_SUMMIT * float(bend[around].mean())
+    return Estimate(float(gap.mean()), math.hypot(missed, solution.residuals.error * solution.residuals.scale), "m")

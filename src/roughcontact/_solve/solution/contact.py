@@ -15,7 +15,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution import storage
-from roughcontact._solve.solution.attraction import interpolate_peak, warn_of_range
+from roughcontact._solve.solution.attraction import interpolate_peak, warn_of_range, widen_area
 from roughcontact._solve.solution.fields import ContactFields
 from roughcontact._solve.solution.healing import heal
 from roughcontact._solve.solution.plausibility import list_warnings
@@ -119,7 +119,8 @@ class ContactSolution(ContactFields):
             raise InputError(
                 f"The area estimator {chosen!r} returned {area!r}, which is not an Area of finite numbers."
             )
-        return judge_maps(area, self._maps, self.grid.cell_area)
+        area = judge_maps(area, self._maps, self.grid.cell_area)
+        return area if self.origin is None else widen_area(area, self, self.origin)
 
     @cached_property
     def _maps(self) -> tuple[HeightMap, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from functools import cached_property
@@ -13,7 +14,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Mask, Pair, read_only
 from roughcontact._base.units import Estimate, si
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Boundary, Grid, extend
 from roughcontact._parts.interactions import FrictionLaw, shear_limit
 from roughcontact._parts.materials import PairConstants
 from roughcontact._solve.solution.contact import ContactSolution
@@ -28,6 +29,13 @@ if TYPE_CHECKING:
 # Traction over the shear strength from which a cell counts as slipping: it moves the edge of the stick zone by less
 # than a cell, as the uncertainty of its area does.
 _SLIPPING_FRACTION = 1.0 - 1e-3
+# Relative standard deviation of the displacement of a contact of one cell's radius, which falls as the square of the
+# radius, and of the energy lost in slip that is one cell wide, which falls as the width to 1.5: measured on balls of 3
+# to 24 cells at random places against Cattaneo and Mindlin, and on rough contacts against finer grids.
+_DISPLACEMENT_ERROR = 0.1
+_ENERGY_ERROR = 0.04
+# Component of the tangential force over the force that is printed as zero.
+_ROUNDING = 1e-12
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -58,7 +66,7 @@ class FrictionalSolution:
         The state at the begin of the last increment of the step.
     dissipated
         Energy that friction has lost in this step, J; in steady sliding per distance, J/m. Its uncertainty is that of
-        the increments alone.
+        the increments and of the cells.
     elastic_energy
         Energy stored in both bodies, J.
     residuals
@@ -163,6 +171,20 @@ class FrictionalSolution:
         touching = np.moveaxis(self.contact.contact, axis, 0)
         return np.moveaxis(touching[1:] & touching[:-1], 0, axis)
 
+    @cached_property
+    def cell_errors(self) -> Pair:
+        """Relative standard deviations of the displacement and of the energy lost, by the size of the cells."""
+        contact = extend(self.contact.contact, 1, self.boundary)
+        changes = np.diff(contact[:, 1:-1], axis=0), np.diff(contact[1:-1], axis=1)
+        edges = sum(int(np.count_nonzero(change)) for change in changes)
+        if edges == 0:
+            return 0.0, 0.0
+        # Of a disc the sides of its cells are longer than the edge.
+        length = 0.25 * math.pi * edges
+        radius = 2.0 * int(np.count_nonzero(self.contact.contact)) / length
+        width = max(int(np.count_nonzero(self.slipping)), 1) / length
+        return min(_DISPLACEMENT_ERROR / radius**2, 1.0), min(_ENERGY_ERROR / width**1.5, 1.0)
+
     @property
     def is_steady(self) -> bool:
         """Whether the bodies slide steadily."""
@@ -235,7 +257,10 @@ class FrictionalSolution:
 
     def __str__(self) -> str:
         moved = " and ".join(si(value, "m", 5) for value in self.displacement)
-        pushed = " and ".join(si(value, "N", 5) for value in self.tangential_force)
+        largest = max(abs(value) for value in self.tangential_force)
+        pushed = " and ".join(
+            si(value, "N", 5) if abs(value) > _ROUNDING * largest else "0 N" for value in self.tangential_force
+        )
         areas = (
             f"{si(one.value, 'm2', 5)} +- {si(one.uncertainty, 'm2', 2)}" for one in (self.stick_area, self.slip_area)
         )

@@ -111,7 +111,22 @@ class ShearOutcome:
 
 
 class ShearSolver(abc.ABC):
-    """A method to find the shear within given limits, from a convolution alone."""
+    """A method to find the shear within given limits, from a convolution alone.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> from roughcontact._solve.solvers import ProjectedShearCG
+    >>> from roughcontact.typing import ShearTask
+    >>> rubber = rc.Elastic(young=2e6, poisson=0.5)
+    >>> problem = rc.ContactProblem(rc.Body(rc.SphereSurface(1e-2), rubber), rc.Body(rc.FlatSurface(), rubber),
+    ...                             grid=rc.Grid((16, 16), 1e-3))
+    >>> task = ShearTask(limit=np.ones((16, 16)), offset=np.zeros((2, 16, 16)), shear_force=(128.0, 0.0))
+    >>> found = ProjectedShearCG().solve(problem.convolution.shear(), task)
+    >>> print(f"{found.shear[0].sum():g}, {found.status}")
+    128, converged: the conditions of contact hold within the tolerance
+    """
 
     @abc.abstractmethod
     def solve(self, convolution: ShearConvolution, task: ShearTask) -> ShearOutcome:
@@ -238,7 +253,7 @@ class ShearSystem:
         """Return the displacement by a shear, in its precision."""
         self.products += 1
         scale = shear.dtype.type(1.0 / self._compliance)
-        return self.gather(self._convolution.apply(self.scatter(shear))) * scale
+        return np.asarray(self.gather(self._convolution.apply(self.scatter(shear))) * scale)
 
     def multiply_inverse(self, displacement: RealArray) -> RealArray:
         """Return the product of a displacement in float32 with the approximate inverse of the kernel.

@@ -117,10 +117,10 @@ class ShearDescent:
         last = face.balance(self._last.step)
         bent = face.curvature * last
         product = _sum(preconditioned, self._last.change) + _sum(preconditioned, bent)
-        factor = -product / (self._last.curvature + _sum(last, bent))
-        if not factor > 0.0:
+        curvature = self._last.curvature + _sum(last, bent)
+        if not (curvature > 0.0 > product):
             return preconditioned
-        direction = preconditioned + factor * last
+        direction = preconditioned - product / curvature * last
         steep = _sum(residual, direction) > _MIN_CONJUGATE_SLOPE * _sum(residual, preconditioned)
         return direction if steep else preconditioned
 

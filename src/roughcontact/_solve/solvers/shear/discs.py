@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact.errors.door import guarded
 
 # Maximum rounds of Newton's method for the shift that gives a force, and halvings of one of its steps.
 _MAX_ROUNDS = 60
@@ -19,7 +20,7 @@ FORCE_EPSILON = 2e-15
 _ENERGY_EPSILON = 1e-14
 # Smallest stiffness of the search, over that without limits.
 _MIN_STIFFNESS = 1e-14
-_LEAST_STIFFNESS = 1e-100
+_MIN_TRACE = 1e-100
 # Part of the predicted decrease that a step must reach.
 _MIN_DECREASE = 1e-4
 
@@ -46,6 +47,7 @@ def project_to_discs(shear: Array, limit: Array) -> Array:
     return shear * np.divide(limit, size, out=np.ones_like(size), where=beyond)
 
 
+@guarded
 def natural_residual(shear: Array, slip: Array, limit: Array, own: float) -> float:
     r"""Return the violation of stick and slip, zero if and only if they hold in every cell; no unit.
 
@@ -64,6 +66,19 @@ def natural_residual(shear: Array, slip: Array, limit: Array, own: float) -> flo
         Limit s of the magnitude of the shear, not all zero, shape (...).
     own
         Displacement k of a cell by a unit shear on it.
+
+    Examples
+    --------
+    One cell sticks, the other slips along its shear; slip against the shear is wrong.
+
+    >>> import numpy as np
+    >>> from roughcontact.typing import natural_residual
+    >>> shear = np.array([[0.6, 0.0], [0.8, -2.0]])
+    >>> slip = np.array([[0.0, 0.0], [0.0, -0.1]])
+    >>> print(f"{natural_residual(shear, slip, np.array([3.0, 2.0]), 1.0):.3f}")
+    0.000
+    >>> print(f"{natural_residual(shear, -slip, np.array([3.0, 2.0]), 1.0):.3f}")
+    0.033
     """
     return float(magnitude(shear - project_to_discs(shear + slip / own, limit)).max() / limit.max())
 
@@ -108,7 +123,7 @@ class ForceControl:
         search = _ShiftSearch(self, values, limit, circle, gain)
         shift = np.zeros(2)
         found = search.evaluate(shift)
-        least = found.error
+        smallest = found.error
         admissible = max(error, FORCE_EPSILON) * float(limit.sum())
         for _ in range(_MAX_ROUNDS):
             if not found.error > admissible:
@@ -117,7 +132,10 @@ class ForceControl:
             slope = float(found.excess @ step)
             for _ in range(_MAX_HALVINGS):
                 trial = search.evaluate(shift + step)
-                if trial.error <= 0.5 * least or trial.energy <= found.energy + _MIN_DECREASE * slope + found.rounding:
+                if (
+                    trial.error <= 0.5 * smallest
+                    or trial.energy <= found.energy + _MIN_DECREASE * slope + found.rounding
+                ):
                     break
                 step = 0.5 * step
                 slope *= 0.5
@@ -125,7 +143,7 @@ class ForceControl:
                 break
             shift = shift + step
             found = trial
-            least = min(least, found.error)
+            smallest = min(smallest, found.error)
         return found.shear, shift
 
     def solve_on_axes(self, matrix: Array, values: Array) -> Array:
@@ -134,7 +152,7 @@ class ForceControl:
         A small part of its trace is added to the diagonal, so that the matrix may be singular.
         """
         held = np.outer(self.axes, self.axes) * matrix
-        regular = max(_MIN_STIFFNESS * float(np.trace(held)), _LEAST_STIFFNESS)
+        regular = max(_MIN_STIFFNESS * float(np.trace(held)), _MIN_TRACE)
         return np.asarray(np.linalg.solve(held + np.diag(1.0 - self.axes + regular), self.axes * values))
 
     def find_error(self, shear: Array, limit: Array) -> float:

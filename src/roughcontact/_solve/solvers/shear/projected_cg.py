@@ -28,9 +28,7 @@ class ProjectedShearCG(ShearSolver):
 
     References
     ----------
-    Dostál, Kozubek, An optimal algorithm and superrelaxation for minimization of a quadratic function subject to
-    separable convex constraints with applications, Math. Program. 135 (2012) 195-220,
-    https://doi.org/10.1007/s10107-011-0454-2
+    Vollebregt, J. Optim. Theory Appl. 162 (2014) 862-879, https://doi.org/10.1007/s10957-013-0499-x, for pressures
     """
 
     def solve(self, convolution: ShearConvolution, task: ShearTask) -> ShearOutcome:

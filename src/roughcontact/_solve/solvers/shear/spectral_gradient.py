@@ -54,9 +54,9 @@ def descend_by_gradients(
         # With the force restored, the displacement of an axis with a given force does not matter.
         energies.append(found.energy)
         step = system.control.project(found.shear + length * found.slip, system.limit)[0] - found.shear
-        slope = sum_of_products(found.slip, step)
-        if not slope > 0.0:
+        if not step.any():
             return found, Status.STALLED, iterations
+        slope = sum_of_products(found.slip, step)
         trial = Verified(system, found.shear + step)
         curvature = sum_of_products(
             step, found.slip - trial.slip - (found.displacement - trial.displacement)[:, np.newaxis]
