@@ -18,7 +18,8 @@ class Junctions(rc.FrictionLaw):
     """
 
     coefficient: float
-    strength: float
+    # The command line asks for this unit.
+    strength: float = attrs.field(metadata={"unit": "Pa"})
 
     def limit(self, pressure):
         """Return s = mu p k / (mu p + k), Pa."""
