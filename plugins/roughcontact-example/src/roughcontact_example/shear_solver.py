@@ -27,7 +27,9 @@ class ProjectedGradient(ShearSolver):
         step = 0.9 / float(np.linalg.norm(wave))
         shear, moved = project(np.zeros_like(offset), limit, force, moved, step)
         ahead, momentum = shear, 1.0
-        for iteration in range(1, task.max_iterations + 1):
+        iterations, residual = 0, np.inf
+        while residual > task.tolerance and iterations < task.max_iterations:
+            iterations += 1
             slip = offset - convolution.apply(ahead) / own
             found, moved = project(ahead + step * slip, limit, force, moved, step)
             if np.sum((ahead - found) * (found - shear)) > 0.0:
@@ -37,15 +39,13 @@ class ProjectedGradient(ShearSolver):
             shear, momentum = found, grown
             slip = offset - convolution.apply(shear) / own + moved[:, None, None]
             residual = natural_residual(shear, slip, limit, float(np.mean(convolution.own)) / own)
-            if residual <= task.tolerance:
-                break
         is_found = residual <= task.tolerance
         return ShearOutcome(
             shear=shear * unit,
             displacement=tuple(moved * (unit * own)),
             residual=residual,
-            iterations=iteration,
-            products=2 * iteration + 30,
+            iterations=iterations,
+            products=2 * iterations + 30,
             status=rc.Status.CONVERGED if is_found else rc.Status.MAXIMUM_ITERATIONS,
         )
 
