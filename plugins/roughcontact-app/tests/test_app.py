@@ -991,6 +991,58 @@ def test_a_cycle_that_cannot_be_followed_is_refused_before_it_is_solved(client, 
     assert sentence in client.refusal("api/plan", {**CYCLE, **given})
 
 
+FRETTING = {"surface": "sphere", "radius": "1", "radius_unit": "mm", "side": "100", "cells": "32", "load": "fretting"}
+FRETTING |= {"counterbody": "deformable", "normal_force": "1", "tangential_force": "200", "tangential_force_unit": "mN"}
+
+
+def test_a_fretting_cycle_is_planned_solved_drawn_and_tabulated(client, tmp_path):
+    plan = client.post("api/plan", FRETTING)
+    assert (len(plan["loads"]), plan["solves"]) == (1, 3)
+    state = client.wait(client.post("api/runs", FRETTING)["id"])
+    assert state["phase"] == "done", state
+    settings = read_settings(FRETTING)
+    problem = make_problem(settings, make_scene(settings, None))
+    expected = problem.path(force=1.0, tangential_force=[(0.2, 0.0), (-0.2, 0.0), (0.2, 0.0)], friction=0.3)
+    (answer,) = state["answers"]
+    assert answer["certified"]
+    found = {one["name"]: one["value"] for one in answer["quantities"]}
+    _, back, there = expected.numbers
+    assert found["energy lost in a cycle"] == pytest.approx(back.dissipated.value + there.dissipated.value, rel=1e-6)
+    ends = expected.loop.displacement[2:, 0]
+    assert found["displacement from turn to turn"] == pytest.approx(ends[1] - ends[0], rel=1e-6)
+    assert found["area that sticks at the first turn"] == back.stick_area.value
+    files = {one["role"]: one["file"] for one in state["outputs"]}
+    assert client.get(f"runs/{state['id']}/{files['picture']}")[:4] == b"\x89PNG"
+    table = client.get(f"runs/{state['id']}/{files['table']}").decode("utf-8")
+    forces = [float(row["tangential_x [N]"]) for row in csv.DictReader(io.StringIO(table))]
+    assert forces == pytest.approx([0.2, -0.2, 0.2], rel=1e-6)
+    saved = tmp_path / "path.npz"
+    saved.write_bytes(client.get(f"runs/{state['id']}/{files['solution']}"))
+    assert rc.FrictionalPath.load(saved).dissipated.value == pytest.approx(expected.dissipated.value, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"tangential_force": "300"}, "must be below the coefficient of friction times the normal force"),
+        ({"friction": "0"}, "The coefficient of friction must be above 0, and at most 10, but got 0"),
+        ({"friction": ""}, "The coefficient of friction is missing: fill it in."),
+        ({"normal_force": "-1"}, "The normal force must be above 0, but got -1 N."),
+        ({"tangential_force_unit": "lbf"}, "The unit of the force must be one of N, mN, uN, nN, kN, but got 'lbf'."),
+        ({"boundary": "wrapped"}, "A wrapped boundary has no response to forces along the surface"),
+        ({"adhesion": "short-range"}, "Friction between surfaces that attract each other is not known"),
+    ],
+)
+def test_a_fretting_cycle_that_cannot_be_followed_is_refused_before_it_is_solved(client, given, sentence):
+    assert sentence in client.refusal("api/plan", {**FRETTING, **given})
+
+
+def test_unlike_materials_that_yield_are_refused_in_words_of_the_page(client):
+    state = client.wait(client.post("api/runs", {**FRETTING, "counterbody": "rigid", "hardness": "0.5"})["id"])
+    assert state["phase"] == "failed"
+    assert "or leave the hardness empty" in state["error"]
+
+
 @pytest.mark.slow
 def test_loads_with_adhesion_follow_each_other_as_in_a_script(client):
     settings = {**STICKY, "load_unit": "nN", "loads": "20 -20 0", "range": "200"}

@@ -7,7 +7,8 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from roughcontact import ContactSolution, Estimate
+import attrs
+from roughcontact import ContactSolution, Estimate, FrictionalPath
 from roughcontact.typing import (
     AdhesionCycle,
     exceeds_metals,
@@ -62,6 +63,35 @@ def describe_cycle(cycle: AdhesionCycle) -> dict[str, Any]:
         "seconds": sum(state.seconds for state in states),
         "quantities": quantities,
         "warnings": [end_sentence(text) for text in (*shared, *gather_warnings([*others.items()]))],
+    }
+
+
+def describe_fretting(path: FrictionalPath) -> dict[str, Any]:
+    """Return the answer of a fretting cycle, in the form of the answer at a load: a way there, back and there again."""
+    _, back, there = path.numbers
+    parts = back.dissipated, there.dissipated
+    lost = Estimate(sum(part.value for part in parts), sum(part.uncertainty for part in parts), "J")
+    # The increments shift both turning points alike, not independently.
+    ends = there.displacement[0], back.displacement[0]
+    moved = Estimate(ends[0].value - ends[1].value, sum(end.uncertainty for end in ends), "m")
+    found = {
+        "energy lost in a cycle": lost,
+        "displacement from turn to turn": moved,
+        "area that sticks at the first turn": back.stick_area,
+        "area that sticks at the second turn": there.stick_area,
+        "contact area": path[-1].contact.area(),
+        "approach": Estimate(path[-1].approach, 0.0, "m"),
+    }
+    hard = _warn_of_hardness(path[-1].contact)
+    return {
+        "load": "fretting",
+        "status": in_words_of_page(str(path[-1].status)),
+        "certified": all(state.status.success for state in path),
+        "seconds": sum(state.seconds for state in path),
+        "quantities": [
+            _describe(name, attrs.evolve(one, warnings=()), write_column([one])[0]) for name, one in found.items()
+        ],
+        "warnings": [end_sentence(in_words_of_page(text)) for text in (*hard, *path.warnings)],
     }
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import attrs
-from roughcontact import ContactSolution
+from roughcontact import ContactSolution, FrictionalPath
 from roughcontact.errors import RoughContactError
 from roughcontact.plotting import panels
 from roughcontact.typing import AdhesionCycle, Sweep, replacing
@@ -106,6 +106,41 @@ class CycleOutputs:
     def _draw(self) -> dict[str, Any]:
         draw(lambda: self.cycle.plot(dark=self.dark), self.folder / "cycle.png")
         return {"role": "picture", "file": "cycle.png", "panel": "cycle"}
+
+
+@attrs.frozen(eq=False)
+class FrettingOutputs:
+    """What is written of a fretting cycle: the table of its states, all fields, and the picture of the loop.
+
+    Attributes
+    ----------
+    path
+        The cycle.
+    folder, dark
+        As of `Outputs`.
+    """
+
+    path: FrictionalPath
+    folder: Path
+    dark: bool
+
+    def steps(self) -> Iterator[Callable[[], dict[str, Any]]]:
+        """Yield functions that write a file and return what the page is to know of it."""
+        yield self._write_table
+        yield self._draw
+        yield self._write_path
+
+    def _write_table(self) -> dict[str, Any]:
+        self.path.table().to_csv(self.folder / "loop.csv")
+        return {"role": "table", "file": "loop.csv"}
+
+    def _draw(self) -> dict[str, Any]:
+        draw(lambda: self.path.plot(dark=self.dark), self.folder / "loop.png")
+        return {"role": "picture", "file": "loop.png", "panel": "loop"}
+
+    def _write_path(self) -> dict[str, Any]:
+        self.path.save(self.folder / "path.npz")
+        return {"role": "solution", "file": "path.npz", "load": 0}
 
 
 def draw(plot: Callable[[], Any], path: Path) -> None:

@@ -32,7 +32,7 @@ from roughcontact import (
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.typing import TYPICAL, Load, Pair, RawMap, read_raw, require_memory_of_solve
 
-from roughcontact_app.settings import Settings, cycle_values, load_values, plain, quantity, whole
+from roughcontact_app.settings import Settings, cycle_values, fretting_values, load_values, plain, quantity, whole
 
 EXAMPLES: dict[str, Callable[[], HeightMap]] = {
     one.__name__: one for one in (examples.ground_ring, examples.ball, examples.lapped_plate, examples.honed_liner)
@@ -114,7 +114,12 @@ def _make_interaction(settings: Settings) -> Interaction | None:
 
 
 def make_loads(settings: Settings, problem: ContactProblem) -> tuple[Load, ...]:
-    """Return the loads, or those of a branch of a cycle, that the bodies can carry, or raise `InputError`."""
+    """Return the loads that the bodies can carry, or raise `InputError`.
+
+    Of a cycle they are those of a branch, of a fretting cycle the normal load.
+    """
+    if settings["load"] == "fretting":
+        return (problem.require_load(force=fretting_values(settings)[0]),)
     if settings["load"] == "cycle":
         return problem.require_cycle(approach=cycle_values(settings))
     values = load_values(settings)

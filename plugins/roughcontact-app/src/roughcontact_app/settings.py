@@ -83,6 +83,11 @@ DEFAULTS: dict[str, str] = {
     "cycle_to": "0.5",
     "cycle_unit": "um",
     "states": "41",
+    "normal_force": "1",
+    "normal_force_unit": "N",
+    "tangential_force": "0.2",
+    "tangential_force_unit": "N",
+    "friction": "0.3",
     "boundary": "free",
     "scheme": "light",
 }
@@ -93,7 +98,7 @@ _CHOICES = {
     "form": ("none", "plane", "quadratic", "sphere"),
     "counterbody": ("rigid", "deformable"),
     "adhesion": ("none", "exponential", "van-der-waals", "short-range"),
-    "load": ("force", "pressure", "approach", "cycle"),
+    "load": ("force", "pressure", "approach", "cycle", "fretting"),
     "boundary": ("free", "periodic", "wrapped"),
     "scheme": ("light", "dark"),
 }
@@ -103,6 +108,8 @@ _NUMBER = re.compile(r"[-+]?(?:[0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})(?:[eE][-
 _WHOLE = re.compile(r"[0-9]{1,9}")
 # Loads of one run: a curve has no more points that can be told apart.
 _MOST_LOADS = 40
+# Beyond those of any surfaces.
+_MOST_FRICTION = 10.0
 # States on each branch of a cycle.
 _MOST_STATES = 201
 
@@ -173,6 +180,25 @@ def cycle_values(settings: Settings) -> list[float]:
     if not 2 <= count <= _MOST_STATES:
         raise InputError.about("The number of states", count, f"from 2 to {_MOST_STATES}")
     return [low + (high - low) * step / (count - 1) for step in range(count)]
+
+
+def fretting_values(settings: Settings) -> tuple[float, float, float]:
+    """Return the normal force and the greatest tangential force of a fretting cycle, N, and the friction."""
+    if settings["adhesion"] != "none":
+        raise InputError("Friction between surfaces that attract each other is not known: choose no adhesion.")
+    if settings["boundary"] == "wrapped":
+        raise InputError("A wrapped boundary has no response to forces along the surface: choose another boundary.")
+    normal = quantity(settings, "normal_force", "The normal force", "force")
+    tangential = quantity(settings, "tangential_force", "The tangential force", "force")
+    friction = plain(settings, "friction", "The coefficient of friction")
+    if not 0.0 < friction <= _MOST_FRICTION:
+        raise InputError.about("The coefficient of friction", friction, f"above 0, and at most {_MOST_FRICTION:g}")
+    if tangential >= friction * normal:
+        raise InputError(
+            "The tangential force of a fretting cycle must be below the coefficient of friction times the normal "
+            "force, from which on the bodies slide."
+        )
+    return normal, tangential, friction
 
 
 def _unit(settings: Settings, name: str, kind: str) -> str:

@@ -8,6 +8,9 @@ from collections.abc import Callable
 from roughcontact.typing import si
 
 _CONTROLS = {
+    "or take Elastic materials": "or leave the hardness empty",
+    "Give displacement= instead, or call problem.slide(...)": "Give a smaller tangential force",
+    ": leave it to substeps='auto'": "",
     "give decimal=',' or decimal='.'": "write decimals with points, or separate the numbers by semicolons",
     ", or a ParaboloidSurface": " or a larger radius",
     "Say which it is: rows='y', or rows='x'": "Choose which it is beside 'Rows of the file'",

@@ -9,16 +9,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from roughcontact import ContactProblem, ContactSolution, ProjectedConjugateGradient
+from roughcontact import ContactProblem, ContactSolution, FrictionalPath, ProjectedConjugateGradient
 from roughcontact.errors import InputError, RoughContactError
-from roughcontact.typing import AdhesionCycle, Array, Load, Sweep, binary, run_sweep, si
+from roughcontact.typing import AdhesionCycle, Array, Load, Sweep, binary, pair_constants, run_sweep, si
 
-from roughcontact_app.answers import describe_cycle, describe_solutions, list_warnings
-from roughcontact_app.outputs import CycleOutputs, Outputs, draw
+from roughcontact_app.answers import describe_cycle, describe_fretting, describe_solutions, list_warnings
+from roughcontact_app.outputs import CycleOutputs, FrettingOutputs, Outputs, draw
 from roughcontact_app.preview import describe
 from roughcontact_app.progress import Progress
 from roughcontact_app.scene import Scene, Upload, inspect_file, make_loads, make_problem, make_scene
-from roughcontact_app.settings import Settings, read_settings
+from roughcontact_app.settings import Settings, fretting_values, read_settings
 from roughcontact_app.words import end_sentence, in_words_of_page
 
 # How the time of a solve is estimated.
@@ -31,11 +31,15 @@ _CORRECTED = (
     "corrected by the runs before."
 )
 
+# Time of a fretting cycle over that of a solve, of unlike and of like materials, measured on balls and ground surfaces.
+_COST_UNLIKE = 100.0
+_COST_LIKE = 3.0
+
 Send = Callable[[dict[str, Any]], None]
 
 # The beginnings of settings that the surface does not follow from: they do not make it anew.
-_OF_MATERIALS = ("young", "poisson", "hardness", "counterbody", "adhesion", "work", "range")
-_OF_OTHERS = (*_OF_MATERIALS, "load", "cycle", "states", "scheme")
+_OF_MATERIALS = ("young", "poisson", "hardness", "counterbody", "adhesion", "work", "range", "friction")
+_OF_OTHERS = (*_OF_MATERIALS, "load", "cycle", "states", "normal_force", "tangential_force", "scheme")
 
 
 def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
@@ -85,7 +89,7 @@ def _plan(settings: Settings, upload: Upload | None, calibration: float) -> dict
     return {
         "loads": [str(load) for load in loads],
         "solves": _count_solves(settings, loads),
-        "seconds": calibration * _count_solves(settings, loads) * plan.seconds,
+        "seconds": calibration * _estimate_seconds(settings, problem, loads),
         "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
         "basis": _BASIS if calibration == 1.0 else _CORRECTED,
         "text": in_words_of_page(problem.explain()),
@@ -97,16 +101,27 @@ def _solve(settings: Settings, upload: Upload | None, folder: Path, send: Send) 
     send({"phase": "preparing"})
     problem = make_problem(settings, _scene(settings, upload))
     loads = make_loads(settings, problem)
-    forecast = _count_solves(settings, loads) * problem.plan.seconds
+    forecast = _estimate_seconds(settings, problem, loads)
     started = time.perf_counter()
-    result = _run_cycle(problem, loads, send) if settings["load"] == "cycle" else _run(problem, loads, send)
-    ratio = (time.perf_counter() - started) / forecast
+    result: Sweep | AdhesionCycle | FrictionalPath
+    if settings["load"] == "cycle":
+        result = _run_cycle(problem, loads, send)
+    elif settings["load"] == "fretting":
+        result = _run_fretting(problem, settings, send)
+    else:
+        result = _run(problem, loads, send)
+    ratio: float | None = (time.perf_counter() - started) / forecast
     send({"phase": "evaluating", "fraction": 1.0, "text": "The contact is solved; areas and uncertainties follow."})
     dark = settings["scheme"] == "dark"
-    outputs: Outputs | CycleOutputs
+    outputs: Outputs | CycleOutputs | FrettingOutputs
     if isinstance(result, AdhesionCycle):
         answers = [describe_cycle(result)]
         outputs = CycleOutputs(result, folder, dark)
+    elif isinstance(result, FrictionalPath):
+        answers = [describe_fretting(result)]
+        outputs = FrettingOutputs(result, folder, dark)
+        # Its cost depends on the answer: it says nothing of the time of other runs.
+        ratio = None
     else:
         answers = describe_solutions(result.solutions)
         outputs = Outputs(result, answers, folder, dark)
@@ -116,11 +131,18 @@ def _solve(settings: Settings, upload: Upload | None, folder: Path, send: Send) 
 
 
 def _count_solves(settings: Settings, loads: tuple[Load, ...]) -> int:
-    """Return the number of solves: unloading passes all states of loading but the last."""
-    return 2 * len(loads) - 1 if settings["load"] == "cycle" else len(loads)
+    """Return the number of states: unloading passes all states of loading but the last; fretting has three."""
+    return {"cycle": 2 * len(loads) - 1, "fretting": 3}.get(settings["load"], len(loads))
 
 
-def _write_all(outputs: Outputs | CycleOutputs, send: Send) -> list[str]:
+def _estimate_seconds(settings: Settings, problem: ContactProblem, loads: tuple[Load, ...]) -> float:
+    if settings["load"] != "fretting":
+        return _count_solves(settings, loads) * problem.plan.seconds
+    unlike = pair_constants(problem.body.material, problem.counterbody.material).beta != 0.0
+    return (_COST_UNLIKE if unlike else _COST_LIKE) * problem.plan.seconds
+
+
+def _write_all(outputs: Outputs | CycleOutputs | FrettingOutputs, send: Send) -> list[str]:
     """Write all files of a run; return in sentences what cannot be written."""
     notes = []
     for write in outputs.steps():
@@ -159,3 +181,10 @@ def _run_cycle(problem: ContactProblem, loads: tuple[Load, ...], send: Send) -> 
         send({"phase": "solving", "fraction": count / total, "text": f"{text}, force {si(state.force, 'N', 3)}"})
 
     return problem.cycle(approach=[load.value for load in loads], on_state=tell)
+
+
+def _run_fretting(problem: ContactProblem, settings: Settings, send: Send) -> FrictionalPath:
+    normal, most, friction = fretting_values(settings)
+    text = "There, back and there again, each step in as many increments as its numbers need."
+    send({"phase": "solving", "text": text})
+    return problem.path(force=normal, tangential_force=[(most, 0.0), (-most, 0.0), (most, 0.0)], friction=friction)

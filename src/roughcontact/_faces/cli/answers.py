@@ -153,17 +153,22 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path],
         if files[-1].suffix != ".html":
             raise rc.InputError.about("The report", report, "a file that ends in .html")
     for path in files:
-        if not path.parent.is_dir():
-            raise rc.InputError(f"There is no folder {str(path.parent)!r} to write {path.name!r} into.")
-        for target in (path, *_numbered(path, count)):
-            if target.exists() and any(one.exists() and target.samefile(one) for one in maps):
-                raise rc.InputError(f"The output {str(target)!r} is a height map that is read: give another name.")
+        require_place(path, (path, *_numbered(path, count)), maps)
         # A report has figures.
         if path.suffix in {*PICTURES, ".html"}:
             require_matplotlib()
         elif path.suffix == ".nc":
             require_netcdf()
     return files
+
+
+def require_place(path: Path, targets: Sequence[Path], maps: Sequence[Path]) -> None:
+    """Raise `InputError` if there is no folder for a file, or if one of its targets is a height map that is read."""
+    if not path.parent.is_dir():
+        raise rc.InputError(f"There is no folder {str(path.parent)!r} to write {path.name!r} into.")
+    for target in targets:
+        if target.exists() and any(one.exists() and target.samefile(one) for one in maps):
+            raise rc.InputError(f"The output {str(target)!r} is a height map that is read: give another name.")
 
 
 def plan_picture(text: str, others: Sequence[str] = ()) -> Path:

@@ -16,11 +16,12 @@ import numpy as np
 
 import roughcontact as rc
 from roughcontact._base import checks
-from roughcontact._base.archive import replacing
+from roughcontact._base.archive import HEADER, read_some, replacing
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.answers import plan_picture, to_json, to_text
+from roughcontact._faces.cli.friction import path_to_json, path_to_text
 from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, name_options, quantity, whole_number
 from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
@@ -76,7 +77,7 @@ def _measured(surface: rc.HeightMap) -> Array:
 
 
 class Info(Command):
-    """Describe a height map, or a solution that was saved."""
+    """Describe a height map, or a solution or path that was saved."""
 
     epilog = """
 examples:
@@ -94,15 +95,19 @@ examples:
         subject = _read(options)
         if isinstance(subject, rc.ContactSolution):
             print((to_json if options.json else to_text)([subject]))
+        elif isinstance(subject, rc.FrictionalPath):
+            print((path_to_json if options.json else path_to_text)(subject))
         elif options.json:
-            raise rc.InputError("--json is for solutions: omit it for a height map.")
+            raise rc.InputError("--json is for solutions and paths: omit it for a height map or a state of a path.")
+        elif isinstance(subject, rc.FrictionalSolution):
+            print(fit(str(subject)))
         else:
             print(describe_map(subject))
         return 0
 
 
 class Plot(Command):
-    """Draw a height map, or a solution that was saved."""
+    """Draw a height map, or a solution or path that was saved."""
 
     epilog = """
 examples:
@@ -121,7 +126,15 @@ examples:
         """Draw the map or the solution of the file, and return 0."""
         path = plan_picture(options.output)
         subject = _read(options)
-        save_figure(subject.plot(panel=options.panel, dark=options.dark), path)
+        if isinstance(subject, rc.FrictionalPath):
+            if options.panel is not None:
+                raise rc.InputError("--panel is for maps and solutions: omit it for a path, which has one picture.")
+            axes = subject.plot(dark=options.dark)
+        else:
+            # Of a state of a path the contact is drawn.
+            drawn = subject.contact if isinstance(subject, rc.FrictionalSolution) else subject
+            axes = drawn.plot(panel=options.panel, dark=options.dark)
+        save_figure(axes, path)
         print(fit(f"Written: {path}"))
         for text in list_warnings(subject) if isinstance(subject, rc.HeightMap) else ():
             print(text)
@@ -129,20 +142,28 @@ examples:
 
 
 def _read(options: argparse.Namespace) -> Any:
-    """Return the solution or the height map of a file."""
+    """Return the solution, path or height map of a file."""
     path = checks.path(options.surface, "The file")
-    return rc.ContactSolution.load(path) if _holds_solution(path) else read_map(options)
+    kind = _find_kind(path)
+    return read_map(options) if kind is None else kind.load(path)
 
 
-def _holds_solution(path: Path) -> bool:
+def _find_kind(path: Path) -> Any:
+    """Return the class whose `load` reads a file; None for files that are read as height maps."""
     if path.suffix == ".nc":
-        return True
+        return rc.ContactSolution
     try:
         with zipfile.ZipFile(path) as archive:
-            return "displacement.npy" in archive.namelist()
-    # Other files are read as height maps, whose readers say what is wrong.
+            names = archive.namelist()
+    # Readers of height maps say what is wrong.
     except (OSError, zipfile.BadZipFile):
-        return False
+        return None
+    if "displacement.npy" in names:
+        return rc.ContactSolution
+    if f"{HEADER}.npy" not in names:
+        return None
+    kinds = {"frictional path": rc.FrictionalPath, "frictional solution": rc.FrictionalSolution}
+    return kinds.get(str(read_some(path)[1].get("kind")))
 
 
 class MakeSurface(Command):

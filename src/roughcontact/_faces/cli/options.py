@@ -120,13 +120,49 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     )
     if not study:
         adhesion.add_argument("--states", type=whole_number, metavar="N", help="states on each branch of --cycle (41)")
+    if not study:
+        _add_friction(parser)
     method = parser.add_argument_group("method")
     method.add_argument(
         "--boundary", choices=("free", "periodic", "wrapped"), default="free", help="what lies beyond the domain (free)"
     )
     method.add_argument("--kernel", default="love", metavar="NAME", help="influence kernel (love)")
     method.add_argument("--solver", default="auto", metavar="NAME", help="solver (auto)")
-    method.add_argument("--threads", type=_threads, default="auto", metavar="N", help="threads (as many as gain)")
+    method.add_argument(
+        "--threads", type=_number_or_auto, default="auto", metavar="N", help="threads (as many as gain)"
+    )
+
+
+def _add_friction(parser: argparse.ArgumentParser) -> None:
+    """Declare loads along the surface."""
+    friction = parser.add_argument_group("friction")
+    friction.add_argument(
+        "--friction",
+        nargs="+",
+        metavar=("MU", "FIELD=VALUE"),
+        help="coefficient of friction, or a law: 0.3, limited-coulomb coefficient=0.3 strength=200MPa",
+    )
+    friction.add_argument(
+        "--tangential",
+        type=_tangential,
+        nargs="+",
+        metavar="Q",
+        help="tangential forces or displacements one after the other, along x or as X,Y: 0.5N -0.5N 0.5N",
+    )
+    friction.add_argument(
+        "--substeps", type=_number_or_auto, metavar="N", help="increments of each step, with --tangential (auto)"
+    )
+
+
+def _tangential(text: str) -> tuple[str, tuple[float, float]]:
+    """Return the kind of a load along the surface, which follows from its unit, and its components, for argparse."""
+    parts = text.split(",") if text.count(",") == 1 else [text, ""]
+    for kind, unit in (("tangential_force", "N"), ("displacement", "m")):
+        with contextlib.suppress(ValueError):
+            x, y = (parse_quantity(part, unit) if part else 0.0 for part in parts)
+            return kind, (x, y)
+    shown = f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a tangential force or displacement"
+    raise argparse.ArgumentTypeError(f"{shown}; write it like 0.5N, 0.5N,-0.1N or 50nm")
 
 
 def add_accuracy(parser: argparse.ArgumentParser) -> None:
@@ -216,7 +252,7 @@ def _place(text: str) -> tuple[float, float]:
     return METRE(parts[0]), METRE(parts[1])
 
 
-def _threads(text: str) -> int | str:
+def _number_or_auto(text: str) -> int | str:
     return text if text == "auto" else whole_number(text)
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import inspect
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import attrs
 
 import roughcontact as rc
+from roughcontact._base.registry import Registry
 from roughcontact._base.units import parse_quantity
 from roughcontact._faces.cli.options import OF_READERS, add_problem
 from roughcontact._parts.files import read_raw
@@ -42,31 +44,38 @@ def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
         kernel=options.kernel,
         solver=options.solver,
         threads=options.threads,
-        adhesion=None if options.adhesion is None else _make_interaction(*options.adhesion),
+        adhesion=_adhesion(options),
     )
 
 
-def _make_interaction(name: str, *texts: str) -> rc.Interaction:
+def _adhesion(options: argparse.Namespace) -> rc.Interaction | None:
+    if options.adhesion is None:
+        return None
+    name, *texts = options.adhesion
+    law: rc.Interaction = make_law(rc.interactions, "--adhesion", name, texts)
+    return law
+
+
+def make_law(registry: Registry[Any], option: str, name: str, texts: Sequence[str]) -> Any:
     """Return the law with a registered name, its fields from texts such as ``work=50mJ/m2``."""
-    kind: Any = rc.interactions[name]
+    kind: Any = registry[name]
     known = {field.alias: field.metadata.get("unit", "") for field in attrs.fields(kind)} if attrs.has(kind) else {}
     given: dict[str, Any] = {}
     for text in texts:
         field, equals, value = text.partition("=")
         if not equals or field not in known:
             raise rc.InputError.about(
-                f"A field of --adhesion {name}", text, f"FIELD=VALUE with one of {', '.join(known)}"
+                f"A field of {option} {name}", text, f"FIELD=VALUE with one of {', '.join(known)}"
             )
         try:
             given[field] = parse_quantity(value, known[field])
         except ValueError as error:
-            raise rc.InputError(f"--adhesion {name} {field}: {error}.") from error
+            raise rc.InputError(f"{option} {name} {field}: {error}.") from error
     try:
         inspect.signature(kind).bind(**given)
     except TypeError as error:
-        raise rc.InputError(f"--adhesion {name} needs FIELD=VALUE for each of its fields ({error}).") from error
-    law: rc.Interaction = kind(**given)
-    return law
+        raise rc.InputError(f"{option} {name} needs FIELD=VALUE for each of its fields ({error}).") from error
+    return kind(**given)
 
 
 def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.Grid | None]:

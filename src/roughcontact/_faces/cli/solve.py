@@ -16,6 +16,13 @@ from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import plan_outputs, to_csv, to_json, to_text, write_outputs
 from roughcontact._faces.cli.cycle import refuse_for_cycle, solve_cycle
+from roughcontact._faces.cli.friction import (
+    friction_of,
+    plan_path_outputs,
+    refuse_for_path,
+    solve_path,
+    write_path_outputs,
+)
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of
 from roughcontact._faces.cli.progress import describe_steps, show_progress
@@ -38,6 +45,8 @@ examples:
   roughcontact solve map.npz --force 1N --young 210GPa --report contact.html
   roughcontact solve map.npz --cycle -0.1um 0.5um --young 2MPa \\
       --poisson 0.5 --adhesion short-range work=50mJ/m2 -o cycle.png
+  roughcontact solve map.npz --force 1N --young 210GPa --counterbody-young 210GPa \\
+      --friction 0.3 --tangential 0.2N -0.2N 0.2N -o loop.npz -o loop.png
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
@@ -80,11 +89,16 @@ examples:
         if options.dry_run and piped:
             raise rc.InputError("--dry-run prints the plan, which is text: omit --json or --csv.")
         _refuse_for_several(options)
+        refuse_for_path(options)
         refuse_for_cycle(options)
+        law = None if options.friction is None else friction_of(options)
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
         paths = [checks.path(name, "The map") for name in maps]
-        outputs = options.output if options.cycle is None else []
-        files = plan_outputs(outputs, options.report, paths, len(loads_of(options)))
+        if law is not None:
+            files = plan_path_outputs(options, paths)
+        else:
+            outputs = options.output if options.cycle is None else []
+            files = plan_outputs(outputs, options.report, paths, len(loads_of(options)))
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
         if options.explain or options.dry_run:
@@ -98,6 +112,10 @@ examples:
         if options.cycle is not None:
             cycle = solve_cycle(options, problem)
             return _status((*cycle.loading, *cycle.unloading), quiet=options.quiet)
+        if law is not None:
+            path = solve_path(options, problem, law, loads)
+            write_path_outputs(options, path, files)
+            return _tell_doubts(bool(path.warnings), quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
             subject, solutions = _solve(options, problem, loads, change)
         if not options.quiet:
@@ -173,7 +191,11 @@ def _status(solutions: tuple[rc.ContactSolution, ...], *, quiet: bool) -> int:
             raise rc.NotConverged(f"The contact is {solution.status}; what is shown is the last iterate.", solution)
         if solution.accuracy is not None and not solution.accuracy.met:
             raise rc.NotConverged(solution.accuracy.explain(), solution)
-    doubtful = any(solution.warnings for solution in solutions)
+    return _tell_doubts(any(solution.warnings for solution in solutions), quiet=quiet)
+
+
+def _tell_doubts(doubtful: bool, *, quiet: bool) -> int:
+    """Return the exit status of a converged answer, after saying if it has warnings."""
     if doubtful and not quiet:
         print("roughcontact: The solution is converged, but doubtful: see its warnings.", file=sys.stderr)
     return DOUBTFUL if doubtful else 0

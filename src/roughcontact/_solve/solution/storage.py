@@ -51,6 +51,8 @@ if TYPE_CHECKING:
 _STORED_BOOLEANS = np.int8
 T = TypeVar("T")
 _ARCHIVE_KIND = "solution"
+# Files of contacts with friction, and the classes that load them.
+_WITH_FRICTION = {"frictional path": "FrictionalPath", "frictional solution": "FrictionalSolution"}
 _PART_PREFIX = "part_"
 _FIELDS = {
     "pressure": ("contact pressure", "Pa"),
@@ -152,7 +154,8 @@ def read(path: Path, key: str | None = None) -> dict[str, Any]:
     """Return the arguments of a `ContactSolution`, which must have the key if one is given; see its `load`."""
     arrays, header = read_netcdf(path) if path.suffix == ".nc" else read_archive(path)
     if header.get("kind") != _ARCHIVE_KIND:
-        raise InputError(f"The file {path.name} does not hold a solution.")
+        found = _WITH_FRICTION.get(str(header.get("kind")), "")
+        raise InputError(f"The file {path.name} does not hold a solution{found and f': {found}.load reads it'}.")
     with usable(path, "its header is wrong"):
         require_key(header, key)
         fields = assemble(arrays, header)

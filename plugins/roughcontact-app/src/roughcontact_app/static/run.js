@@ -10,6 +10,8 @@ const PHASES = {
   waiting: "Waiting", starting: "Starting", preparing: "Preparing", solving: "Solving", evaluating: "Evaluating",
   drawing: "Drawing", done: "Done", failed: "Failed", cancelled: "Cancelled",
 };
+// Loads without a value of their own, and without a report.
+const CYCLES = ["cycle", "fretting"];
 const INTERVAL = 400;
 let viewer;
 let current = "";
@@ -72,8 +74,10 @@ function renderAnswer(state) {
   byId("answer").hidden = false;
   const [first] = state.answers;
   const percent = (answer) => `${(100 * quantity(answer, "contact area fraction").value).toPrecision(3)} % of nominal`;
-  const isCycle = state.settings.load === "cycle";
-  byId("headline").textContent = isCycle
+  const { load } = state.settings;
+  byId("headline").textContent = load === "fretting"
+    ? `Energy lost in a cycle ${quantity(first, "energy lost in a cycle").text}`
+    : load === "cycle"
     ? `Pull-off ${quantity(first, "pull-off").text}; energy lost in the cycle ${quantity(first, "energy lost").text}`
     : many
     ? `${state.answers.length} loads solved`
@@ -127,7 +131,7 @@ function curveRows(state) {
 function fileLink(state, output, text, main = false) {
   const address = `runs/${state.id}/${output.file}`;
   const { load, loads, load_unit: unit } = state.settings;
-  const what = load === "cycle" ? "" : `-${loads}-${unit}`;
+  const what = CYCLES.includes(load) ? "" : `-${loads}-${unit}`;
   const run = `${subjectOf(state.settings).replace(/\.[^.]*$/, "")}${what}`;
   const link = element("a", text, { href: address, download: `${run.replace(/[^\p{L}\p{N}.]+/gu, "-")}-${output.file}` });
   if (main !== null) link.className = main ? "button main" : "button";
@@ -145,7 +149,7 @@ function renderOutputs(state) {
     }));
   }
   // It keeps the place of the report, so that nothing jumps away under the pointer.
-  else if (!ENDED.includes(state.phase) && state.settings.load !== "cycle") links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
+  else if (!ENDED.includes(state.phase) && !CYCLES.includes(state.settings.load)) links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
   if (of("table")) links.push(fileLink(state, of("table"), "Table (.csv)"));
   if (!many && of("solution")) links.push(fileLink(state, of("solution"), "Fields (.npz)"));
   keepOrReplace(byId("downloads"), links);

@@ -9,10 +9,10 @@ const UNITS = {
   approach: { mm: "mm", um: "µm", nm: "nm" },
   work: { "J/m2": "J/m²", "mJ/m2": "mJ/m²" },
 };
-// A cycle has fields of its own; those of a load keep what they hold at first.
-UNITS.cycle = UNITS.pressure;
+// Cycles have fields of their own; those of a load keep what they hold at first.
+UNITS.cycle = UNITS.fretting = UNITS.pressure;
 // At first for each kind of load: a value and its unit.
-const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"], cycle: ["100", "MPa"] };
+const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"], cycle: ["100", "MPa"], fretting: ["100", "MPa"] };
 const FORMS = { plane: "its plane", quadratic: "its form of second degree", sphere: "its sphere" };
 let defaults = {};
 // Young's modulus, GPa, Poisson's ratio and hardness, GPa, of typical materials by name.
@@ -170,6 +170,7 @@ export function describe(values) {
   const load = {
     approach: `approach ${of("loads", "load_unit")}`,
     cycle: `approach from ${values.cycle_from} to ${of("cycle_to", "cycle_unit")} and back`,
+    fretting: `normal force ${of("normal_force")}, tangential force ±${of("tangential_force")}, friction ${values.friction}`,
   };
   parts.push(load[values.load] || of("loads", "load_unit"), material(""));
   if (values.counterbody === "deformable") parts.push(`counterbody ${material("counterbody_")}`);

@@ -1,0 +1,169 @@
+"""``roughcontact solve --friction``: a contact with friction along a path of loads along the surface."""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+import roughcontact as rc
+from roughcontact._base import checks
+from roughcontact._base.units import fit, parse_quantity
+from roughcontact._faces.cli.answers import describe_estimate, plan_picture, require_place
+from roughcontact._faces.cli.options import name_options
+from roughcontact._faces.cli.problem import make_law
+from roughcontact._faces.cli.progress import show_progress
+from roughcontact._faces.panels.figures import save_figure
+from roughcontact._parts.grid import Load
+from roughcontact._solve.solution import versions
+
+# Options of a solve that say nothing of a path.
+_OF_SOLVES = ("cycle", "refine", "area", "area_within", "peak_within", "report", "pull_off")
+# What a script does where the bodies slide, and what the command line does.
+_SLIDING = ("Give displacement= instead, or call problem.slide(...).", "Give displacements to --tangential instead.")
+
+
+def refuse_for_path(options: argparse.Namespace) -> None:
+    """Refuse what does not fit a contact with friction, before anything is read."""
+    if options.tangential is None:
+        for name in ("friction", "substeps"):
+            if getattr(options, name) is not None:
+                raise rc.InputError(f"--{name} is for loads along the surface: give --tangential too, or omit it.")
+        return
+    if options.friction is None:
+        raise rc.InputError("--tangential needs a law by which the surfaces slip: give --friction 0.3, for example.")
+    for name in _OF_SOLVES:
+        if getattr(options, name) not in (None, False):
+            shown = f"--{name.replace('_', '-')}"
+            raise rc.InputError(f"{shown} is for loads without friction: omit it with --tangential.")
+    kinds = {kind for kind, _ in options.tangential}
+    if len(kinds) > 1:
+        raise rc.InputError("--tangential needs loads of one kind, but got forces and displacements.")
+
+
+def friction_of(options: argparse.Namespace) -> rc.FrictionLaw:
+    """Return the law that ``--friction`` names: a number is a coefficient of friction."""
+    # A blank stands before a number with a minus; see `main`.
+    first, *others = (text.strip() for text in options.friction)
+    if others or first[:1].isalpha():
+        law: rc.FrictionLaw = make_law(rc.frictions, "--friction", first, others)
+        return law
+    try:
+        return rc.Coulomb(parse_quantity(first, ""))
+    except ValueError as error:
+        raise rc.InputError(f"--friction: {error}.") from error
+
+
+def plan_path_outputs(options: argparse.Namespace, maps: list[Path]) -> list[Path]:
+    """Return the files of a path: itself, .npz, or its picture."""
+    files = []
+    for text in options.output:
+        path = checks.path(text, "The output")
+        path = path if path.suffix == ".npz" else plan_picture(text, (".npz",))
+        require_place(path, [path], maps)
+        files.append(path)
+    return files
+
+
+def solve_path(
+    options: argparse.Namespace, problem: rc.ContactProblem, law: rc.FrictionLaw, loads: tuple[Load, ...]
+) -> rc.FrictionalPath:
+    """Return the path that the options describe."""
+    if options.tolerance is not None:
+        problem = attrs.evolve(problem, solver=problem.plan.solver.with_tolerance(options.tolerance))
+    values: Any = loads[0].value if options.loads is None else [load.value for load in loads]
+    kind = options.tangential[0][0]
+    along: dict[str, Any] = {kind: [pair for _, pair in options.tangential]}
+    substeps = "auto" if options.substeps is None else options.substeps
+    with show_progress(f"following {len(options.tangential)} steps", quiet=options.quiet):
+        try:
+            return problem.path(**{loads[0].kind: values}, **along, friction=law, substeps=substeps)
+        except rc.InputError as error:
+            raise rc.InputError(str(error).replace(*_SLIDING)) from error
+
+
+def write_path_outputs(options: argparse.Namespace, path: rc.FrictionalPath, files: list[Path]) -> None:
+    """Print a path, and write its files."""
+    for file in files:
+        if file.suffix == ".npz":
+            path.save(file)
+        else:
+            save_figure(path.plot(), file)
+    if options.quiet:
+        return
+    write = path_to_json if options.json else path_to_csv if options.csv else path_to_text
+    print(write(path))
+    if files and write is path_to_text:
+        print(fit(f"\nWritten: {', '.join(map(str, files))}"))
+
+
+def lost_in_loop(path: rc.FrictionalPath) -> rc.Estimate | None:
+    """Return the energy lost since the loads last were those at the end of the path, J; None if they never were."""
+    states = [*([] if path.pressed is None else [path.pressed]), *path.states]
+    numbers = path.numbers[len(path.numbers) - len(states) + 1 :]
+    loads = [(_normal_load(state), state.given.values) for state in states]
+    for back in range(2, len(states)):
+        if loads[-1 - back] == loads[-1]:
+            parts = [one.dissipated for one in numbers[-back:]]
+            texts = dict.fromkeys(text for part in parts for text in part.warnings)
+            value, uncertainty = (math.fsum(getattr(part, name) for part in parts) for name in ("value", "uncertainty"))
+            return rc.Estimate(value, uncertainty, "J", tuple(texts))
+    return None
+
+
+def _normal_load(state: rc.FrictionalSolution) -> Any:
+    return None if state.contact.origin is None else state.contact.origin.load
+
+
+def path_to_text(path: rc.FrictionalPath) -> str:
+    """Return a path for people: its states, the energy lost and its warnings, in lines of at most 80 columns."""
+    lines = [path.table().to_text(), f"energy lost  {_without_warnings(path.dissipated)}"]
+    lost = lost_in_loop(path)
+    if lost is not None:
+        lines.append(f"in the last loop  {_without_warnings(lost)}")
+    statuses = dict.fromkeys(str(state.status) for state in path)
+    lines += [f"status       {'; '.join(statuses)}"]
+    lines += [f"warning      {name_options(text, ('substeps',))}" for text in path.warnings]
+    return fit("\n".join(lines))
+
+
+def _without_warnings(found: rc.Estimate) -> rc.Estimate:
+    return attrs.evolve(found, warnings=())
+
+
+def path_to_csv(path: rc.FrictionalPath) -> str:
+    """Return a header and a row for each state, in SI units: the columns of `FrictionalPath.table`."""
+    text = io.StringIO()
+    path.table().write(text)
+    return text.getvalue().replace("\r\n", "\n").rstrip("\n")
+
+
+def path_to_json(path: rc.FrictionalPath) -> str:
+    """Return one JSON object: the energy lost along a path and in its last loop, and its states."""
+    table = path.table()
+    rows = zip(*table.columns.values(), strict=True)
+    states = [{name: _plain(value) for name, value in zip(table.columns, row, strict=True)} for row in rows]
+    for row, state in zip(states, path, strict=True):
+        row |= {"status": state.status.name, "residual": state.residuals.error}
+    lost = lost_in_loop(path)
+    content = {
+        "dissipated": describe_estimate(path.dissipated),
+        "loop": None if lost is None else describe_estimate(lost),
+        "states": states,
+        "pair": attrs.asdict(path[0].pair),
+        "warnings": list(path.warnings),
+        "units": dict(table.units),
+        "versions": versions(),
+    }
+    return json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, rc.Estimate):
+        return describe_estimate(value)
+    return value.item() if hasattr(value, "item") else value

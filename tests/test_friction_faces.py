@@ -1,0 +1,145 @@
+"""Friction through the doors of those who do not script: the command line and its files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.__main__ import main
+
+BODY = ["--young", "210GPa", "--counterbody-young", "210GPa"]
+LOOP = ["--friction", "0.3", "--tangential", "0.2N", "-0.2N", "0.2N"]
+
+
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory):
+    grid = rc.Grid((32, 32), 100e-6)
+    path = tmp_path_factory.mktemp("maps") / "ball.npz"
+    np.savez(path, heights=rc.ParaboloidSurface(1e-3).heights(grid), size=grid.size)
+    return path
+
+
+@pytest.fixture(scope="module")
+def problem(ball):
+    steel = rc.Elastic(210e9, 0.3)
+    return rc.ContactProblem(rc.Body(rc.read_surface(ball), steel), rc.Body(rc.FlatSurface(), steel))
+
+
+@pytest.fixture(scope="module")
+def path(problem):
+    return problem.path(force=1.0, tangential_force=[(0.2, 0.0), (-0.2, 0.0), (0.2, 0.0)], friction=0.3)
+
+
+def run(capsys, *arguments):
+    try:
+        status = main([str(argument) for argument in arguments])
+    except SystemExit as ended:
+        status = ended.code
+    return status, capsys.readouterr()
+
+
+def solve(capsys, ball, *arguments, load=("--force", "1N")):
+    return run(capsys, "solve", ball, *load, *BODY, *arguments)
+
+
+def test_prints_the_states_of_a_script_and_the_energy_of_the_loop(ball, capsys, path):
+    status, printed = solve(capsys, ball, *LOOP)
+    assert status == 0
+    assert path.table().to_text() in printed.out
+    assert f"energy lost  {path.dissipated}" in printed.out
+    # Masing: the loop after the first step loses what its two steps lose.
+    _, back, there = (one.dissipated.value for one in path.numbers)
+    found = json.loads(solve(capsys, ball, *LOOP, "--json")[1].out)
+    assert found["loop"]["value"] == pytest.approx(back + there, rel=1e-12)
+    stated = {name: getattr(path.dissipated, name) for name in ("value", "uncertainty", "unit")}
+    assert found["dissipated"] == {**stated, "warnings": []}
+    assert [state["displacement_x"]["value"] for state in found["states"]] == path.loop.displacement[1:, 0].tolist()
+    assert {state["status"] for state in found["states"]} == {"CONVERGED"}
+
+
+def test_prints_a_table_for_programs(ball, capsys, path):
+    rows = list(csv.DictReader(io.StringIO(solve(capsys, ball, *LOOP, "--csv")[1].out)))
+    assert [float(row["tangential_x [N]"]) for row in rows] == pytest.approx([0.2, -0.2, 0.2])
+    assert [float(row["dissipated [J]"]) for row in rows] == [one.dissipated.value for one in path.numbers]
+
+
+def test_a_path_that_is_open_has_no_loop(ball, capsys):
+    found = json.loads(solve(capsys, ball, "--friction", "0.3", "--tangential", "0.1N", "0.2N", "--json")[1].out)
+    assert found["loop"] is None
+    closed = json.loads(solve(capsys, ball, "--friction", "0.3", "--tangential", "0.2N", "0N", "--json")[1].out)
+    assert closed["loop"] == closed["dissipated"]
+
+
+def test_writes_files_that_other_commands_read(ball, capsys, path, tmp_path):
+    saved = tmp_path / "path.npz"
+    picture = tmp_path / "loop.png"
+    _, printed = solve(capsys, ball, *LOOP, "-o", saved, "-o", picture)
+    assert "Written:" in printed.out
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    np.testing.assert_array_equal(rc.FrictionalPath.load(saved)[2].shear, path[2].shear)
+    status, shown = run(capsys, "info", saved)
+    assert status == 0
+    assert shown.out.strip() in printed.out
+    assert json.loads(run(capsys, "info", saved, "--json")[1].out)["dissipated"]["value"] == path.dissipated.value
+    assert run(capsys, "plot", saved, "-o", tmp_path / "again.png")[0] == 0
+    status, refused = run(capsys, "plot", saved, "-o", tmp_path / "again.png", "--panel", "pressure")
+    assert status == 2
+    assert "--panel is for maps and solutions" in refused.err
+    state = tmp_path / "state.npz"
+    path[0].save(state)
+    assert "area that sticks" in run(capsys, "info", state)[1].out
+    assert run(capsys, "plot", state, "-o", tmp_path / "state.png")[0] == 0
+    with pytest.raises(rc.InputError, match=r"does not hold a solution: FrictionalPath\.load reads it"):
+        rc.ContactSolution.load(saved)
+
+
+def test_takes_laws_directions_displacements_and_normal_loads(ball, capsys, problem):
+    law = ["--friction", "limited-coulomb", "coefficient=0.3", "strength=200MPa"]
+    found = json.loads(solve(capsys, ball, *law, "--tangential", "10nm,-5nm", "--json")[1].out)
+    expected = problem.path(force=1.0, displacement=[(10e-9, -5e-9)], friction=rc.LimitedCoulomb(0.3, 200e6))
+    assert found["states"][0]["tangential_y"] == pytest.approx(expected.loop.force[1, 1], rel=1e-12)
+    several = ["--friction", "30%", "--tangential", "0.1N", "0.2N", "--substeps", "2", "--json"]
+    status, printed = solve(capsys, ball, *several, load=("--loads", "0.8N", "1N"))
+    assert status == 3
+    rows = json.loads(printed.out)["states"]
+    assert [row["force"] for row in rows] == pytest.approx([0.8, 1.0], rel=1e-5)
+    assert [row["increments"] for row in rows] == [2, 2]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("--friction", "0.3"), "--friction is for loads along the surface"),
+        (("--substeps", "2"), "--substeps is for loads along the surface"),
+        (("--tangential", "0.1N"), "--tangential needs a law by which the surfaces slip"),
+        (("--friction", "0.3", "--tangential", "0.1N", "5nm"), "needs loads of one kind"),
+        (("--friction", "0.3", "--tangential", "0.1"), "write it like 0.5N"),
+        (("--friction", "glue", "--tangential", "0.1N"), "There is no friction law named 'glue'"),
+        (("--friction", "-0.3", "--tangential", "0.1N"), "The coefficient of friction must be"),
+        (("--friction", "0.3N", "--tangential", "0.1N"), "--friction: "),
+        (("--friction", "limited-coulomb", "--tangential", "0.1N"), "needs FIELD=VALUE for each of its fields"),
+        (("--friction", "0.3", "--tangential", "0.3N"), "Give displacements to --tangential instead."),
+        (("--friction", "0.3", "--tangential", "0.1N", "--substeps", "0"), "--substeps must be a whole number"),
+        ((*LOOP, "--refine"), "--refine is for loads without friction"),
+        ((*LOOP, "--boundary", "wrapped"), "A wrapped boundary has no response to shear"),
+        ((*LOOP, "--adhesion", "short-range", "work=50mJ/m2"), "Friction with adhesion is not known"),
+        ((*LOOP, "-o", "path.vti"), "must be a file that ends in .npz"),
+        ((*LOOP, "-o", "missing/path.npz"), "There is no folder 'missing'"),
+    ],
+)
+def test_refuses_in_a_sentence(ball, capsys, arguments, sentence):
+    status, printed = solve(capsys, ball, *arguments)
+    assert status == 2
+    assert sentence in " ".join(printed.err.split())
+    assert printed.out == ""
+
+
+def test_replaces_no_map_that_is_read(ball, capsys):
+    status, printed = solve(capsys, ball, *LOOP, "-o", ball)
+    assert status == 2
+    assert "is a height map that is read" in printed.err
