@@ -22,11 +22,11 @@ MAX_UNCOUPLED_BETA = 0.01
 # Limit of the traction over the maximum of the normal answer, so that no cell slips, and residual in this unit.
 _STICK_LIMIT = 100.0
 _STICK_TOLERANCE = 1e-6
-# Relative standard deviation by the neglected change of the pressure, over the square of Dundurs' beta: on discs,
-# ellipses and rough contacts the stiffness is 0.08 to 0.18 of this square too small, by all nine components of the kernel.
+# Relative standard deviation by the neglected change of the pressure, over the square of Dundurs' beta: with all nine
+# components of the kernel discs, ellipses and rough contacts are stiffer by 0.08 to 0.18 of this square.
 _COUPLING_STD = 0.1
-# Relative standard deviation by the shape that the cells give a patch, over the anisotropy, times the root of its cells.
-# Set on 60 ellipses of 1:1 to 81:1 in radii, of 1.5 to 8 cells.
+# Relative standard deviation by the shape that the cells give a patch, over the anisotropy, times the root of their
+# number. Set on 60 ellipses of 1:1 to 81:1 in radii, of 1.5 to 8 cells.
 _SHAPE_STD = 0.1
 
 
