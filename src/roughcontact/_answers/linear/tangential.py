@@ -47,11 +47,33 @@ def find_anisotropy(solution: ContactSolution) -> float:
     return abs(gamma) / (1.0 + gamma)
 
 
-def find_compliance_ratio(solution: ContactSolution, answer: Array, axis: int) -> float:
-    """Return the tangential over the normal compliance of the cells in contact, all of which stick.
+def find_compliance_ratio(solution: ContactSolution, traction: Array, axis: int) -> float:
+    """Return the tangential over the normal compliance of a traction along an axis and as a pressure.
 
-    The force is along an axis; the cells may move across it. Both compliances are energies of tractions near their
-    minimum, so that the error is the square of that of the tractions.
+    Compliances are energies over squared forces. A traction that displaces nothing has the ratio of round contacts.
+
+    Parameters
+    ----------
+    solution
+        The contact.
+    traction
+        Traction, shape (nx, ny), in any unit.
+    axis
+        0 for a force along x, 1 along y.
+    """
+    convolution = problem_of(solution).shear_convolution
+    unit = (traction / float(np.abs(traction).max()))[np.newaxis]
+    letter = "xy"[axis]
+    tangential, normal = (_sum_products(unit, convolution.apply(unit, one, one)) for one in (letter, "z"))
+    gamma = convolution.setup.kernel.pair.gamma
+    return tangential / normal if normal > 0.0 else 1.0 + 0.5 * gamma
+
+
+def find_relief(solution: ContactSolution, answer: Array, axis: int) -> float:
+    """Return the compliance of cells in contact that all stick, over that under a traction as their normal answer.
+
+    The force is along an axis, and the cells may move across it. The compliance is an energy near its minimum, so that
+    its error is the square of that of the traction.
 
     Parameters
     ----------
@@ -65,10 +87,9 @@ def find_compliance_ratio(solution: ContactSolution, answer: Array, axis: int) -
     convolution = problem_of(solution).shear_convolution
     if convolution.setup.kernel.pair.gamma == 0.0:
         return 1.0
-    normal = answer / float(np.abs(answer).max())
     start = np.zeros((2, *solution.grid.shape))
-    start[axis] = normal
-    force = float(normal.sum())
+    start[axis] = answer / float(np.abs(answer).max())
+    force = float(start.sum())
     task = ShearTask(
         limit=np.where(solution.contact, _STICK_LIMIT, 0.0),
         offset=np.zeros_like(start),
@@ -79,8 +100,12 @@ def find_compliance_ratio(solution: ContactSolution, answer: Array, axis: int) -
     found = ProjectedShearCG().solve(convolution, task)
     if not found.status.success:
         raise NotConverged(f"The tangential answer of the contact was not found: {found.status}.", solution)
-    tangential = float(np.einsum("aij,aij->", found.shear, convolution.apply(found.shear)))
-    return tangential / float(np.einsum("ij,ij->", normal, convolution.apply(normal[np.newaxis], "z", "z")[0]))
+    true, trial = (_sum_products(one, convolution.apply(one)) for one in (found.shear, start))
+    return true / trial
+
+
+def _sum_products(tractions: Array, displacements: Array) -> float:
+    return float(np.einsum("aij,aij->", tractions, displacements))
 
 
 @responses.register("tangential-stiffness")
@@ -135,7 +160,8 @@ class TangentialStiffness(Response[Estimate]):
             warnings += (ContactWarning(text, "coupling", beta),)
         if not 0.0 < normal.value < math.inf:
             return Estimate(normal.value, 0.0, "N/m", warnings)
-        value = normal.value / find_compliance_ratio(solution, normal.field, self.axis)
+        ratio = find_compliance_ratio(solution, normal.field, self.axis)
+        value = normal.value / (ratio * find_relief(solution, normal.field, self.axis))
         by_shape = _SHAPE_STD * find_anisotropy(solution) * _find_scatter(solution, normal.field)
         std = math.hypot(normal.uncertainty / normal.value, by_shape, _COUPLING_STD * beta**2) * value
         return Estimate(value, std, "N/m", warnings)
