@@ -9,6 +9,8 @@ ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=20e-6, shortest
 PARTS = [
     example.Foam(young=70e9, strength=200e6, density=0.1),
     example.Capillary(surface_energy=0.072, kelvin_radius=1e-9, smoothing=3e-10),
+    example.Junctions(coefficient=0.3, strength=200e6),
+    example.ProjectedGradient(),
     example.Springs(thickness=2e-6),
     example.SignalConvolver(),
     example.AcceleratedGradient(),
