@@ -270,12 +270,16 @@ TABLES = {
     "adhesion-classes": DocTable(
         make_class_rows, seconds=250, shown=pick(columns=["class", "held-out: error, %", "held-out: within two, %"])
     ),
-    "adhesion-balls": DocTable(make_ball_rows, seconds=30),
+    "adhesion-balls": DocTable(make_ball_rows, seconds=30, shown=pick(lines=("0.1", "0.5", "2", "5"))),
     "adhesion-stiffness": DocTable(
         make_stiffness_rows, seconds=20, shown=pick(lines=[f"{part:g}; 64 x 64" for part in (0.25, 0.5, 1.0, 2.0)])
     ),
     "adhesion-range": DocTable(make_range_rows, seconds=4),
-    "adhesion-cost": DocTable(make_cost_rows, seconds=15),
+    "adhesion-cost": DocTable(
+        make_cost_rows,
+        seconds=15,
+        shown=pick(["cells", "mean pressure / E*", "without", "work 2", "work 16"]),
+    ),
     "adhesion-cycle": DocTable(make_cycle_rows, seconds=60),
 }
 

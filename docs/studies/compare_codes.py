@@ -8,6 +8,7 @@ Needs a separate environment with the other codes (none is a dependency of ours;
     peers/bin/python docs/studies/compare_codes.py
 
 slippy 0.5.2 asks for a numpy before 1.21, but its solver runs with newer ones. What is not installed is omitted.
+`--friction` compares the first step of a path with friction, of which ASPHER alone has histories (like materials).
 
 Ours runs at its default tolerance. Each other code gets the loosest tolerance of a ladder, three to a factor of ten,
 with which `measure_violation` finds it as good as ours, or 1e-6 of the rms height if ours is better. CPU time on one
@@ -329,6 +330,100 @@ def compare(case: Case, tolerances: dict[str, float]) -> dict[str, Run]:
     return {"ours": attrs.evolve(mine[-1], cpu=cpu, wall=wall), **runs}
 
 
+@attrs.frozen(eq=False)
+class Push:
+    """The first tangential force on a contact with friction: what it moves, the traction, and what it cost."""
+
+    displacement: float
+    shear: np.ndarray
+    pressure: np.ndarray
+    iterations: int
+    cpu: float
+    tolerance: float | None = None
+
+
+FRICTION = 0.3
+PUSHED = 0.5
+
+
+def measure_slip(push: Push, influence: np.ndarray, own: float) -> float:
+    """Return the natural residual of stick and slip over the largest limit, by numpy's FFT (nu = 0: axis by axis)."""
+    n = push.pressure.shape[0]
+    moved = [np.fft.irfft2(np.fft.rfft2(part, s=(2 * n, 2 * n)) * influence)[:n, :n] for part in push.shear]
+    limit = FRICTION * push.pressure
+    tried = push.shear + (np.array([push.displacement, 0.0])[:, None, None] - moved) / own
+    return float(np.hypot(*(push.shear - project(tried, limit))).max() / limit.max())
+
+
+def project(shear: np.ndarray, limit: np.ndarray) -> np.ndarray:
+    """Return the nearest traction within the limit of each cell."""
+    size = np.hypot(*shear)
+    return shear * np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)
+
+
+def push_ours(case: Case) -> Push:
+    body = rc.Body(rc.HeightMap(case.heights, size=float(case.heights.shape[0])), rc.Elastic(2.0, 0.0))
+    problem = rc.ContactProblem(
+        body, rc.Body(rc.FlatSurface(), rc.Elastic(2.0, 0.0)), boundary="free", kernel="love", threads=1
+    )
+    force = case.mean * case.heights.size
+    begin = time.process_time()
+    path = problem.path(
+        force=[force], tangential_force=[(PUSHED * FRICTION * force, 0.0)], friction=FRICTION, substeps=1
+    )
+    spent = time.process_time() - begin
+    state = path[0]
+    return Push(state.displacement[0], np.array(state.shear), np.array(state.pressure), state.iterations, spent)
+
+
+def push_aspher(case: Case, tolerance: float) -> Push:
+    from aspher import CoulombFriction, FrictionSolver
+
+    n = case.heights.shape[0]
+    begin = time.process_time()
+    solver = FrictionSolver(n, float(n), 1.0, 0.0, CoulombFriction(FRICTION))
+    solver.set_gap(np.ascontiguousarray(case.heights.max() - case.heights))
+    found = solver.step(
+        p_bar=case.mean, q_bar=(PUSHED * FRICTION * case.mean, 0.0), tol_tangential=tolerance, tol_kkt=1.0
+    )
+    spent = time.process_time() - begin
+    return Push(
+        float(found.delta_t[0]),
+        np.stack([np.reshape(part, (n, n)) for part in (found.qx, found.qy)]),
+        np.reshape(solver.pressure, (n, n)),
+        found.tangential_iters,
+        spent,
+        tolerance,
+    )
+
+
+def compare_friction(cells: int = 128) -> None:
+    """Print the first step of a path with friction by ours and ASPHER, both judged on their own pressure."""
+    case = Case(f"friction, {cells}", make_rough(cells), 0.05 * SLOPE, "free")
+    offsets = np.minimum(np.arange(2 * cells), 2 * cells - np.arange(2 * cells)).astype(int)
+    table = rc.Love().coefficients((cells + 1, cells + 1), (1.0, 1.0), 1.0)
+    influence = np.fft.rfft2(table[np.ix_(offsets, offsets)])
+    push_ours(case)
+    mine = push_ours(case)
+    required = measure_slip(mine, influence, table[0, 0])
+    print("| code | iterations | CPU, s | residual of stick and slip | displacement | traction, of the largest |")
+    print("|---|---|---|---|---|---|")
+    print(f"| ours | {mine.iterations} | {mine.cpu:.2f} | {required:.0e} | {mine.displacement:.6g} | - |")
+    if importlib.util.find_spec("aspher") is None:
+        return
+    for rung in range(RUNGS):
+        other = push_aspher(case, 1e-4 * STEPS[rung % len(STEPS)] * 10.0 ** -(rung // len(STEPS)))
+        residual = measure_slip(other, influence, table[0, 0])
+        if residual <= required:
+            break
+    moved = other.displacement / mine.displacement - 1.0
+    sheared = np.abs(other.shear - mine.shear).max() / np.abs(mine.shear).max()
+    print(
+        f"| ASPHER, tolerance {other.tolerance:.0e} | {other.iterations} | {other.cpu:.2f} | {residual:.0e} "
+        f"| {other.displacement:.6g} ({moved:+.0e}) | {sheared:.0e} |"
+    )
+
+
 def compare_in_process(name: str, largest: int, threads: int, tolerances: dict[str, float]) -> dict[str, Run]:
     """Return the runs of one case in a process of its own with a number of threads."""
     options = ["--largest", str(largest), "--case", name, "--tolerances", json.dumps(tolerances)]
@@ -378,10 +473,13 @@ if __name__ == "__main__":
     parser.add_argument("--largest", type=int, default=1024, help="maximum number of cells along a side (1024)")
     parser.add_argument("--only", default="", help="only the cases whose name contains this")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)), help="number of all threads")
+    parser.add_argument("--friction", action="store_true", help="the first step of a path with friction instead")
     parser.add_argument("--case", help=argparse.SUPPRESS)
     parser.add_argument("--tolerances", type=json.loads, default={}, help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.case is None:
+    if options.friction:
+        compare_friction()
+    elif options.case is None:
         main(options.largest, options.only, options.threads)
     else:
         chosen = next(case for case in make_cases(options.largest) if case.name == options.case)

@@ -99,7 +99,7 @@ SHOWN = (
     "with that H: force",
     "with that H: area",
 )
-TABLES = {"finite-elements": DocTable(make_rows, seconds=15, units=2, shown=pick(SHOWN, ("2", "6", "20", "70", "110")))}
+TABLES = {"finite-elements": DocTable(make_rows, seconds=15, units=2, shown=pick(SHOWN, ("2", "20", "110")))}
 
 if __name__ == "__main__":
     write_tables(TABLES)

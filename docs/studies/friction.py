@@ -7,12 +7,17 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from pathlib import Path
 
+import attrs
 import numpy as np
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, pick, write_tables
 
 import roughcontact as rc
+from roughcontact._parts.grid import Load
+from roughcontact._solve.problem.friction_certificate import FoundTractions, FrictionalContact
+from roughcontact._solve.solution import FrictionalState, TangentialLoad
 from roughcontact._solve.solvers import ProjectedShearCG, ShearTask
 from roughcontact.plotting import style
 from roughcontact.reference import CattaneoMindlin
@@ -118,45 +123,89 @@ def freeze_cone(
     problem: rc.ContactProblem, contact: rc.typing.ContactSolution, pushed: float, *, coupled: bool
 ) -> tuple[float, np.ndarray]:
     """Return displacement, m, and traction, Pa, within the limits of a pressure that the traction does not change."""
-    shear = problem.shear_convolution
+    task = make_task(problem, contact, pushed, coupled=coupled, tolerance=1e-6)
+    found = ProjectedShearCG().solve(problem.shear_convolution, task)
+    return found.displacement[0] * problem.plan.grid.spacing[0], found.shear * problem.plan.modulus
+
+
+def make_task(
+    problem: rc.ContactProblem,
+    contact: rc.typing.ContactSolution,
+    pushed: float,
+    *,
+    coupled: bool,
+    tolerance: float,
+) -> ShearTask:
+    """Return the tangential problem of a first push, N, in units of E* and of the side of a cell."""
     unit = problem.plan.modulus
     pressure = contact.pressure / unit
-    offset = -shear.apply(pressure[np.newaxis], of="z") if coupled else np.zeros((2, *pressure.shape))
-    task = ShearTask(
+    offset = np.zeros((2, *pressure.shape))
+    if coupled:
+        offset -= problem.shear_convolution.apply(pressure[np.newaxis], of="z")
+    return ShearTask(
         limit=FRICTION * pressure,
         offset=offset,
         shear_force=(pushed / unit / problem.plan.grid.cell_area, 0.0),
         displacement=(None, None),
         start=None,
-        tolerance=1e-6,
+        tolerance=tolerance,
         max_iterations=500,
     )
-    found = ProjectedShearCG().solve(shear, task)
-    return found.displacement[0] * problem.plan.grid.spacing[0], found.shear * unit
 
 
 def make_frozen_rows() -> list[list[str]]:
-    rows = [["β", "displacement, %", "traction beyond the limit, % of the force"]]
+    rows = [["β", "state", "normal", "cone", "slip", "displacement, %", "beyond the limit, % of the force"]]
     for poisson in (0.3, 0.0):
         problem = make_rough(rc.Elastic(210e9, poisson), rc.Rigid())
         force = 0.005 * problem.plan.modulus * problem.plan.grid.area
         pushed = 0.7 * FRICTION * force
-        frozen = problem.solve(force=force)
-        moved, shear = freeze_cone(problem, frozen, pushed, coupled=True)
         true = problem.path(force=[force], tangential_force=[(pushed, 0.0)], friction=FRICTION, substeps=1)[0]
-        # The pressure that belongs to the frozen traction.
-        lifted = problem.shear_convolution.apply(shear / problem.plan.modulus, to="z")[0] * problem.plan.grid.spacing[0]
-        raised = rc.HeightMap(-(frozen.initial_gap + lifted), problem.plan.grid.size, periodic=True)
-        answer = with_heights(problem, raised).solve(force=force)
-        beyond = np.maximum(np.hypot(*shear) - FRICTION * answer.pressure, 0.0).sum() / np.abs(shear[0]).sum()
-        rows.append(
-            [
-                f"{true.pair.beta:.2f}",
-                f"{100.0 * (moved / true.displacement[0] - 1.0):+.1f}",
-                f"{100.0 * beyond:.1f}",
-            ]
-        )
+        frozen = certify_frozen(problem, force, pushed)
+        for name, state in (("path", true), ("frozen cone", frozen)):
+            beyond = np.maximum(np.hypot(*state.shear) - state.limit, 0.0).sum() / np.abs(state.shear[0]).sum()
+            rows.append(
+                [
+                    f"{state.pair.beta:.2f}",
+                    name,
+                    format_residual(max(state.residuals.normal.complementarity, state.residuals.normal.penetration)),
+                    format_residual(state.residuals.cone),
+                    format_residual(state.residuals.slip),
+                    f"{100.0 * (state.displacement[0] / true.displacement[0] - 1.0):+.1f}",
+                    f"{100.0 * beyond:.1f}",
+                ]
+            )
     return rows
+
+
+def format_residual(value: float) -> str:
+    return f"{value:.2f}" if value > 1e-3 else "below 1e-5" if value <= 1e-5 else f"{value:.0e}"
+
+
+def certify_frozen(problem: rc.ContactProblem, force: float, pushed: float) -> rc.FrictionalSolution:
+    """Return the state of a code that keeps the limits of the first pressure, with our certificate of it."""
+    certificate = FrictionalContact(problem, rc.Coulomb(FRICTION))
+    first = problem.solve(force=force)
+    moved, shear = freeze_cone(problem, first, pushed, coupled=True)
+    # The pressure that belongs to this traction: the normal contact is solved as it should be.
+    lifted = problem.shear_convolution.apply(shear / problem.plan.modulus, to="z")[0] * problem.plan.grid.spacing[0]
+    raised = rc.HeightMap(-(first.initial_gap + lifted), problem.plan.grid.size, periodic=True)
+    answer = with_heights(problem, raised).solve(force=force)
+    found = attrs.evolve(first, pressure=answer.pressure)
+    contact = certificate.certify_contact(found, Load.of(force=force), shear)
+    before = FrictionalState.unloaded(problem.plan.grid.shape)
+    state = FrictionalState(
+        pressure=contact.pressure, shear=shear, displacement=(moved, 0.0), approach=contact.approach
+    )
+    given = TangentialLoad("tangential_force", (pushed, 0.0))
+    return certificate.judge(
+        contact,
+        state,
+        given,
+        before,
+        certificate.fields_of(before),
+        FoundTractions(contact, shear, np.zeros(2), contact.status, 1, 0),
+        0.0,
+    )[0]
 
 
 def with_heights(problem: rc.ContactProblem, heights: rc.HeightMap) -> rc.ContactProblem:
@@ -166,23 +215,91 @@ def with_heights(problem: rc.ContactProblem, heights: rc.HeightMap) -> rc.Contac
     )
 
 
-def make_cost_rows() -> list[list[str]]:
-    rows = [["cells", "bodies", "iterations", "CPU, s", "in normal solves"]]
-    for cells in (256, 512):
-        for name, other in (("like", STEEL), ("unlike", ALUMINIUM)):
-            problem = make_rough(STEEL, other, cells)
-            force = 0.005 * problem.plan.modulus * problem.plan.grid.area
-            problem.shear_convolution.inverse(np.float32)
-            begin = time.process_time()
-            problem.solve(force=force)
-            normal = time.process_time() - begin
-            begin = time.process_time()
-            path = problem.path(
-                force=[force], tangential_force=[(0.5 * FRICTION * force, 0.0)], friction=FRICTION, substeps=1
-            )
-            spent = time.process_time() - begin
-            rows.append([f"{cells} x {cells}", name, str(path[0].iterations), f"{spent:.2f}", f"{spent / normal:.1f}"])
+def make_increment_rows() -> list[list[str]]:
+    """Return what one ball finds with few increments: unlike materials pressed only, and like ones pushed meanwhile."""
+    rows = [["increments", "unlike: radius that sticks / contact radius", "like, both loads at once: displacement, %"]]
+    cells, together = 16, 0.5
+    pressed, normal = make_ball(cells, (STEEL, rc.Rigid()), (0.3, 0.2))
+    friction = 0.6 * pressed.shear_convolution.setup.kernel.pair.beta
+    pushed, force = make_ball(cells, (STIFF, STIFF), (0.3, 0.2))
+    exact = together * FRICTION * (cells * CELL) ** 2 / RADIUS
+    for count in (1, 2, 4, 8, 16, "auto"):
+        (alone,) = pressed.path(
+            force=[normal], tangential_force=[(0.0, 0.0)], friction=friction, substeps=count
+        ).numbers
+        (both,) = pushed.path(
+            force=[force], tangential_force=[(together * FRICTION * force, 0.0)], friction=FRICTION, substeps=count
+        ).numbers
+        area = math.pi * (cells * CELL) ** 2
+        rows.append(
+            [
+                str(count),
+                f"{math.sqrt(alone.stick_area.value / area):.2f}",
+                f"{100.0 * (both.displacement[0].value / exact - 1.0):+.1f}",
+            ]
+        )
+    rows.append(["punch", f"{measure_punch(friction):.2f}", ""])
     return rows
+
+
+def measure_punch(friction: float, cells: int = 32) -> float:
+    """Return the radius that sticks over that of a flat punch: that of a ball too, whose contact grows alike."""
+    count = 2 * math.ceil(1.25 * cells) + 4
+    axis = np.arange(count) - 0.5 * (count - 1)
+    inside = np.hypot(axis[:, np.newaxis] - 0.3, axis - 0.2) <= cells
+    punch = rc.HeightMap(np.where(inside, 0.0, -1e-4), size=count * CELL)
+    problem = rc.ContactProblem(rc.Body(punch, STEEL), rc.Body(rc.FlatSurface(), rc.Rigid()), threads=1)
+    force = 1e-3 * problem.plan.modulus * (cells * CELL) ** 2
+    path = problem.path(force=[force], tangential_force=[(0.0, 0.0)], friction=friction, substeps=1)
+    return math.sqrt(np.count_nonzero(path[0].stick) / np.count_nonzero(inside))
+
+
+def make_cost_rows() -> list[list[str]]:
+    rows = [
+        [
+            "contact, %",
+            "like: iterations",
+            "tangential solve, normal solves",
+            "unlike: iterations",
+            "step, normal solves",
+        ]
+    ]
+    for pressure in (0.001, 0.0025, 0.005):
+        like = make_rough(STEEL, STEEL, 512)
+        force = pressure * like.plan.modulus * like.plan.grid.area
+        contact = like.solve(force=force)
+        normal = measure_cpu(lambda problem=like, force=force: problem.solve(force=force))
+        task = make_task(like, contact, 0.5 * FRICTION * force, coupled=False, tolerance=1e-5)
+        found = ProjectedShearCG().solve(like.shear_convolution, task)
+        alone = measure_cpu(lambda problem=like, task=task: ProjectedShearCG().solve(problem.shear_convolution, task))
+        unlike = make_rough(STEEL, ALUMINIUM, 512)
+        force = pressure * unlike.plan.modulus * unlike.plan.grid.area
+        loads = {"force": [force], "tangential_force": [(0.5 * FRICTION * force, 0.0)]}
+        state = unlike.path(**loads, friction=FRICTION, substeps=1)[0]
+        before = measure_cpu(lambda problem=unlike, force=force: problem.solve(force=force))
+        step = measure_cpu(
+            lambda problem=unlike, loads=loads: problem.path(**loads, friction=FRICTION, substeps=1), repeats=1
+        )
+        rows.append(
+            [
+                f"{100.0 * np.mean(contact.contact):.0f}",
+                str(found.iterations),
+                f"{alone / normal:.1f}",
+                str(state.iterations),
+                f"{step / before:.1f}",
+            ]
+        )
+    return rows
+
+
+def measure_cpu(compute: Callable[[], object], repeats: int = 3) -> float:
+    """Return the smallest CPU time, s: another process on the machine only adds to it."""
+    times = []
+    for _ in range(repeats):
+        begin = time.process_time()
+        compute()
+        times.append(time.process_time() - begin)
+    return min(times)
 
 
 def run_fretting(points: int = 8) -> tuple[rc.ContactProblem, rc.FrictionalPath]:
@@ -231,9 +348,21 @@ def draw(folder: Path = FIGURES) -> None:
 
 TABLES = {
     "friction-balls": DocTable(make_ball_rows, seconds=8),
+    "friction-increments": DocTable(
+        make_increment_rows, seconds=7, shown=pick(lines=("1", "4", "16", "auto", "punch"))
+    ),
     "friction-unlike": DocTable(make_unlike_rows, seconds=30),
-    "friction-frozen": DocTable(make_frozen_rows, seconds=6),
-    "friction-cost": DocTable(make_cost_rows, seconds=30, timed=("CPU, s", "in normal solves")),
+    "friction-frozen": DocTable(
+        make_frozen_rows,
+        seconds=2,
+        shown=pick(
+            ["β", "normal", "cone", "slip", "displacement, %", "beyond the limit, % of the force"],
+            ["0.29; frozen cone", "0.50; frozen cone"],
+        ),
+    ),
+    "friction-cost": DocTable(
+        make_cost_rows, seconds=25, timed=("tangential solve, normal solves", "step, normal solves")
+    ),
 }
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import attrs
 import numpy as np
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, pick, write_tables
 from matplotlib.figure import Figure
 from scipy.optimize import minimize
 
@@ -166,7 +166,13 @@ def main(cells: int = 64, rounds: int = 12, steps: int = 5, folder: Path = FIGUR
     figure.savefig(folder / "gradients.png", dpi=110)
 
 
-TABLES = {"area-gradient": DocTable(make_rows, seconds=12, units=2)}
+LINES = (
+    "ball, radius of 3 cells",
+    "ball, radius of 12 cells",
+    "rough, p / (E* slope) = 0.01",
+    "rough, p / (E* slope) = 0.2",
+)
+TABLES = {"area-gradient": DocTable(make_rows, seconds=12, units=2, shown=pick(lines=LINES))}
 
 if __name__ == "__main__":
     write_tables(TABLES)

@@ -78,7 +78,13 @@ def make_rows(seeds: int = 4) -> list[list[str]]:
 
 TABLES = {
     "ladders": DocTable(
-        make_rows, seconds=120, units=3, shown=pick(("ladders of three grids", "finest, %", "Richardson, %"))
+        make_rows,
+        seconds=120,
+        units=3,
+        shown=pick(
+            ("ladders of three grids", "finest, %", "Richardson, %"),
+            ("wave, whole cells, 12 to 20 on the finest", "rough, 2 to 8 cells", "ball, 1.5 to 6 cells, then finer"),
+        ),
     )
 }
 

@@ -129,7 +129,11 @@ def main(lines: list[list[str]], folder: Path = FIGURES) -> None:
 
 # The columns of the page.
 SHOWN = ("N", "counted", "sub-grid", "stated", "of that: estimator", "lost heights")
-TABLES = {"lost-heights": DocTable(make_rows, seconds=400, shown=pick(SHOWN, ("before, 10 N",)))}
+TABLES = {
+    "lost-heights": DocTable(
+        make_rows, seconds=400, shown=pick(SHOWN, tuple(f"before, 10 N; {n}" for n in (128, 512, 1024, 2048)))
+    )
+}
 
 if __name__ == "__main__":
     write_tables(TABLES)

@@ -49,7 +49,8 @@ def make_rows(grids: tuple[int, ...] = published.GRIDS) -> list[list[str]]:
 
 # The columns of the page.
 SHOWN = ("pair", "printed: counted, eq. 28", "counted", "error", "sub-grid", "saturated")
-TABLES = {"pair-areas": DocTable(make_rows, seconds=300, shown=pick(SHOWN))}
+LINES = ("before, 2.5 N", "before, 10 N", "after, 2.5 N", "after, 10 N")
+TABLES = {"pair-areas": DocTable(make_rows, seconds=300, shown=pick(SHOWN, LINES))}
 
 if __name__ == "__main__":
     write_tables(TABLES)

@@ -145,10 +145,8 @@ def main(
 SHOWN = ("method", "error, %", "CPU time, s", "time / first")
 METHODS = (
     "blend on 250 x 250, projected-cg",
-    "blend on 240 x 240, projected-cg",
     "count on 2048 x 2048, polonsky-keer",
     "eq. 28, counts on 64 to 2048, polonsky-keer",
-    "power law, counts on 512 to 2048, polonsky-keer",
     "count on 2048 x 2048, projected-cg",
 )
 TABLES = {

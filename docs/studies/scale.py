@@ -95,7 +95,7 @@ def print_products(grids: tuple[int, ...] = GRIDS[:-1], repeats: int = 20) -> No
 TIMED = ("CPU, s", "wall, s", "wall on two threads, s", "peak memory, MiB", "arrays of the grid")
 # The columns and lines of the page.
 SHOWN = ("boundary", "N", "CPU, s", "wall on two threads, s", "peak memory, MiB")
-LINES = tuple(f"{boundary}; {n}" for boundary in ("periodic", "free") for n in (512, 1024, 2048, 4096, 8192))
+LINES = tuple(f"{boundary}; {n}" for boundary in ("periodic", "free") for n in (512, 1024, 4096, 8192))
 TABLES = {"scale": DocTable(make_rows, seconds=1200, timed=TIMED, shown=pick(SHOWN, LINES))}
 
 if __name__ == "__main__":

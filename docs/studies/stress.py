@@ -153,10 +153,13 @@ def draw(folder: Path = FIGURES) -> None:
 
 
 TABLES = {
-    "stress-balls": DocTable(list_balls, seconds=25, units=2.0, shown=pick(lines=("1.5", "3", "6", "12", "24"))),
+    "stress-balls": DocTable(list_balls, seconds=25, units=2.0, shown=pick(lines=("1.5", "3", "6", "24"))),
     "stress-rough": DocTable(list_rough, seconds=50, units=2.0, shown=pick(lines=("4", "8", "16"))),
     "stress-cost": DocTable(
-        list_costs, seconds=90, timed=("CPU, s", "memory, MiB"), shown=pick(lines=("1024 x 1024",))
+        list_costs,
+        seconds=90,
+        timed=("CPU, s", "memory, MiB"),
+        shown=pick(lines=("1024 x 1024; free; 64", "1024 x 1024; periodic; 64")),
     ),
 }
 

@@ -121,7 +121,6 @@ SHOWN = ("20 loads", "products of one solve", "sweep, in solves", "CPU")
 LINES = (
     "rough, 512 x 512, equal ratios",
     "rough, pressure limit, equal ratios",
-    "wave, equal ratios",
     "ball, free boundary, equal ratios",
 )
 TABLES = {"sweeps": DocTable(make_rows, seconds=60, timed=(CPU,), units=10.0, shown=pick(SHOWN, LINES))}

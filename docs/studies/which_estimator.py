@@ -161,7 +161,7 @@ TABLES = {
         lambda: make_table(measure_wave()), seconds=40, timed=TIMES, units=2, shown=pick(SHOWN, ("100", "256", "1024"))
     ),
     "rough-estimators": DocTable(
-        lambda: make_table(measure_rough()), seconds=30, timed=TIMES, units=2, shown=pick(SHOWN)
+        lambda: make_table(measure_rough()), seconds=30, timed=TIMES, units=2, shown=pick(SHOWN, ("64", "128", "512"))
     ),
 }
 
