@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import roughcontact as rc
+from roughcontact._solve.problem import problem_of
 from roughcontact.reference import Westergaard
 
 RADIUS, CELL, FRICTION = 1e-2, 1e-6, 0.3
@@ -86,7 +87,7 @@ def test_cattaneo_and_mindlin(cells, moved, energy):
 
 @pytest.mark.parametrize(("cells", "sides"), [((40, 120), (1, 1)), ((120, 40), (1, 1)), ((51, 47), (1, 3))])
 def test_slender_ellipses_move_less_along_their_length(cells, sides):
-    # The tangential compliance of an ellipse is uniform: that of the same contact before slip.
+    # The tangential compliance of an ellipse is that of the same contact before slip, but fewer cells stick.
     size = cells[0] * sides[0] * CELL, cells[1] * sides[1] * CELL
     body = rc.Body(rc.ParaboloidSurface((RADIUS / 9, RADIUS), (0.3 * CELL, 0.2 * CELL)), ALIKE)
     problem = rc.ContactProblem(body, rc.Body(rc.FlatSurface(), ALIKE), grid=rc.Grid(cells, size), threads=1)
@@ -94,7 +95,7 @@ def test_slender_ellipses_move_less_along_their_length(cells, sides):
     across, along = (slide(solution, 0.5, axis=axis) for axis in (0, 1))
     stiffness = [solution.response(rc.responses.create("tangential-stiffness", axis=axis)) for axis in (0, 1)]
     ratio = stiffness[1].value / stiffness[0].value
-    assert across.compliance_ratio / along.compliance_ratio == pytest.approx(ratio, rel=1.2e-2)
+    assert across.compliance_ratio / along.compliance_ratio == pytest.approx(ratio, rel=2e-2)
     assert ratio < 0.95
     assert across.displacement.value < along.displacement.value
     assert re.search(r"direction +y", str(along))
@@ -210,8 +211,8 @@ def test_uncoupled_bodies_of_different_materials():
     found = slide(press_ball(8, (0.3, 0.1), soft, stiff, modulus), 0.6)
     across = slide(found.contact, 0.6, axis=1)
     ratio = modulus * (1.8 / (4 * shear) + 1.65 / (2 * shear))
-    assert (found.compliance_ratio + across.compliance_ratio) / 2 == pytest.approx(ratio)
-    assert found.compliance_ratio == pytest.approx(ratio, rel=2e-4)
+    for one in (found, across):
+        assert one.compliance_ratio == pytest.approx(ratio, rel=3e-3)
     assert found.warnings == ()
     assert slide(press_ball(8, (0.3, 0.1), stiff, soft, modulus), 0.6).displacement == found.displacement
 
@@ -265,8 +266,50 @@ def test_what_is_refused():
     with pytest.raises(rc.InputError, match="pressure reaches its limit"):
         slide(press_rough(material=rc.ElasticPerfectlyPlastic(200e9, 0.3, 1e9)), 0.5)
     assert slide(press_rough(material=rc.ElasticPerfectlyPlastic(200e9, 0.3, 1e14)), 0.5).displacement.value > 0.0
-    with pytest.raises(rc.InputError, match=r"Dundurs' beta is -?0\.1"):
+    with pytest.raises(rc.InputError, match=r"Dundurs' beta is -?0\.1.*problem\.path.*uncoupled=True"):
         slide(press_rough(material=rc.Elastic(70e9, 0.33)), 0.5)
+
+
+def test_coupling_may_be_neglected_with_a_warning():
+    solution = press_rough(material=rc.Elastic(70e9, 0.33))
+    arguments = {"tangential_force": 0.5 * FRICTION * solution.force, "friction": FRICTION}
+    found = solution.partial_slip(**arguments, uncoupled=True)
+    (warning,) = found.warnings
+    assert warning.rule == "coupling"
+    assert warning.value == pytest.approx(0.11, abs=0.01)
+    assert "2 % error of the pressure" in warning
+    problem = problem_of(solution)
+    path = problem.path(
+        force=solution.force, tangential_force=[(arguments["tangential_force"], 0.0)], friction=FRICTION
+    )
+    pressed, moved = path.loop.displacement[:, 0]
+    assert abs(found.displacement.value - (moved - pressed)) < 2 * found.displacement.uncertainty
+    # It goes with the displacement of each point of the loop too.
+    assert found.loop(2).uncertainty[-1] == found.displacement.uncertainty
+    like = press_rough()
+    arguments["tangential_force"] = 0.5 * FRICTION * like.force
+    assert like.partial_slip(**arguments, uncoupled=True).displacement == like.partial_slip(**arguments).displacement
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("poisson", [0.0, 0.5])
+def test_it_meets_friction_in_every_cell(boundary, poisson):
+    """A solve for stick and slip in both directions: the same without Poisson's ratio, else within the uncertainty."""
+    material = rc.Elastic(200e9, poisson)
+    body, flat = rc.Body(ROUGH, material), rc.Body(rc.FlatSurface(), material)
+    problem = rc.ContactProblem(body, flat, grid=rc.Grid((64, 64), 64e-6), boundary=boundary, threads=1)
+    solution = problem.solve(pressure=0.05 * 0.05 * MODULUS)
+    for axis, fraction in ((0, 0.3), (1, 0.8)):
+        found = slide(solution, fraction, axis=axis)
+        force = [0.0, 0.0]
+        force[axis] = found.tangential_force
+        path = problem.path(force=solution.force, tangential_force=[tuple(force)], friction=FRICTION)
+        moved, energy = path.loop.displacement[-1, axis], 4.0 * path.dissipated.value
+        if poisson == 0.0:
+            assert found.displacement.value == pytest.approx(moved, rel=1e-4)
+            assert found.energy.value == pytest.approx(energy, rel=2e-3)
+        assert abs(found.displacement.value - moved) < 2 * found.displacement.uncertainty
+        assert abs(found.energy.value - energy) < 2 * found.energy.uncertainty
 
 
 def test_a_material_of_ones_own_tells_its_poisson_ratio():
@@ -279,5 +322,5 @@ def test_a_material_of_ones_own_tells_its_poisson_ratio():
     Own.poisson = 0.3
     solution = press_rough(material=Own())
     ratios = [slide(solution, 0.5, axis=axis).compliance_ratio for axis in (0, 1)]
-    assert sum(ratios) / 2 == pytest.approx(RATIO)
+    assert sum(ratios) / 2 == pytest.approx(RATIO, rel=0.01)
     assert abs(ratios[0] - ratios[1]) > 0.01

@@ -7,7 +7,6 @@ import math
 import attrs
 import numpy as np
 import pytest
-from scipy import integrate
 
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, with_fields
@@ -16,7 +15,6 @@ from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.flow import percolation
 from roughcontact._answers.flow.network import find_paths
 from roughcontact._answers.linear.conductance import Conductance
-from roughcontact._answers.linear.tangential import _find_deviation, _find_displacements, _WavesAlong
 from roughcontact._answers.slip import (
     _approach_std,
     _compare_areas,
@@ -25,7 +23,6 @@ from roughcontact._answers.slip import (
     _displace,
     _dissipate,
 )
-from roughcontact._parts.kernels import Love
 from roughcontact.responses import find_percolation
 
 GRID = rc.Grid((60, 50), (60e-6, 75e-6))
@@ -84,45 +81,6 @@ def test_the_border_cuts_half_of_the_sides_that_lie_on_it():
     grid = rc.Grid(contact.shape, 1.0)
     assert _cut_fraction(with_fields(grid, contact, ~contact)) == pytest.approx(0.5 * 6 / 80)
     assert _cut_fraction(with_fields(grid, contact, ~contact, boundary="periodic")) == 0.0
-
-
-@pytest.mark.parametrize("axis", [0, 1])
-@pytest.mark.parametrize("spacing", [(1.0, 1.0), (1.0, 2.0)])
-def test_waves_along_an_axis_are_integrals_of_the_point_force(axis, spacing):
-    """y^2 / (pi r^3) for the axis x: over cells that do not touch the point; both together are Love's."""
-    found = _WavesAlong(axis).coefficients((4, 5), spacing, 1.0)
-    for i, j in ((2, 3), (3, 1), (1, 2)):
-        x, y = i * spacing[0], j * spacing[1]
-
-        def kernel(b, a):
-            return (a if axis else b) ** 2 / (np.pi * math.hypot(a, b) ** 3)
-
-        exact, _ = integrate.dblquad(
-            kernel, x - 0.5 * spacing[0], x + 0.5 * spacing[0], y - 0.5 * spacing[1], y + 0.5 * spacing[1]
-        )
-        assert found[i, j] == pytest.approx(exact, rel=1e-9)
-    other = _WavesAlong(1 - axis).coefficients((4, 5), spacing, 1.0)
-    np.testing.assert_allclose(found + other, Love().coefficients((4, 5), spacing, 1.0), rtol=1e-9)
-
-
-@pytest.mark.parametrize("turns", [(3, 0), (0, 2), (2, 1)])
-def test_waves_are_divided_by_their_angle(turns):
-    """cos^2 and sin^2 of the angle of the wave vector to x, together the wave over its length."""
-    grid = rc.Grid((24, 18), (12.0, 18.0))
-    i, j = np.indices(grid.shape)
-    wave = np.cos(2.0 * np.pi * (turns[0] * i / 24 + turns[1] * j / 18))
-    q = np.array(turns) / np.array(grid.size)
-    along = _find_displacements(with_fields(grid, 1.0, 0.0, boundary="periodic"), 3.0 + wave)
-    for axis in (0, 1):
-        np.testing.assert_allclose(along[axis], q[axis] ** 2 / np.hypot(*q) ** 3 * wave, atol=1e-12)
-
-
-def test_the_deviation_of_a_displacement_from_its_mean():
-    displacement, traction = np.array([1.0, 3.0, 9.0]), np.array([1.0, 1.0, 0.0])
-    assert _find_deviation(displacement, traction) == pytest.approx(0.5)
-    assert _find_deviation(displacement, 0.0 * traction) == 0.0
-    assert _find_deviation(-displacement, traction) == 0.0
-    assert _find_deviation(np.full(3, 2.0), traction) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_conductance_reads_well():

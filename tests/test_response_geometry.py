@@ -54,7 +54,7 @@ def test_any_number_of_cells(shape, boundary):
     assert stiffness == pytest.approx(2 * A, rel=0.01 if boundary == "free" else 0.5)
     assert solution.conductance((1.0, 3.0)).value == pytest.approx(1.5 * stiffness, rel=2e-3)
     tangential = [solution.response(ask("tangential-stiffness", axis=axis)).value for axis in (0, 1)]
-    assert sum(1 / one for one in tangential) * stiffness == pytest.approx(1.7 / 0.7, rel=1e-5)
+    assert 0.997 < sum(1 / one for one in tangential) * stiffness / (1.7 / 0.7) < 1.0 + 1e-5
     slips = [solution.partial_slip(tangential_force=1e-2 * solution.force, friction=1.0, axis=k) for k in (0, 1)]
     for one, slip in zip(tangential, slips, strict=True):
         assert slip.tangential_force / slip.displacement.value == pytest.approx(one, rel=0.05)
@@ -134,17 +134,15 @@ def press_rough(poisson, boundary, kernel="love"):
 
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_the_tangential_stiffness_is_a_lower_bound_and_says_by_how_much(boundary, poisson):
+def test_the_tangential_stiffness_is_that_of_an_own_solver(boundary, poisson):
     solution = press_rough(poisson, boundary)
     normal = solution.stiffness()
     for axis in (0, 1):
         found = solution.response(ask("tangential-stiffness", axis=axis))
         ratio = tangential_ratio(solution.contact, solution.grid.spacing, poisson, axis, boundary == "periodic")
-        lacking = 1.0 - found.value / normal.value / ratio
-        own = math.sqrt(max((found.uncertainty / found.value) ** 2 - (normal.uncertainty / normal.value) ** 2, 0.0))
-        assert -1e-3 < lacking < 2 * own + 1e-3
-        # The uncertainty is 1.75 times what the stiffness is expected to lack.
-        assert any("too small by about" in text for text in found.warnings) == (own > 1.75 * 0.005)
+        # Periodic cells of the package are constant in pressure, and those of the reference are waves.
+        assert found.value / normal.value == pytest.approx(ratio, rel=1e-5 if boundary == "free" else 2e-3)
+        assert found.uncertainty / found.value >= normal.uncertainty / normal.value
 
 
 def test_partial_slip_beside_friction_in_every_cell():

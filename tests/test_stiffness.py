@@ -13,6 +13,7 @@ from scipy.special import ellipe, ellipk
 import roughcontact as rc
 from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._parts.surfaces.statistics import rms_slope
+from roughcontact._solve.problem import problem_of
 from roughcontact.responses import Stiffness, TangentialStiffness
 
 
@@ -129,8 +130,9 @@ def test_tangential_stiffness_does_not_depend_on_the_domain(shape, radii):
     solution = rc.ContactProblem(body, rc.Body(rc.FlatSurface(), steel), grid=grid).solve(force=0.4)
     tangential = [solution.response(TangentialStiffness(axis)).value for axis in (0, 1)]
     ratios = np.divide(solution.stiffness().value, tangential)
-    # Both compliances sum up to that of two round contacts, whatever the shape: (2 - nu) / (1 - nu).
-    assert ratios.sum() == pytest.approx(1.7 / 0.7, rel=1e-6)
+    # Tractions in proportion to the normal answer give both compliances the sum of those of round contacts,
+    # (2 - nu) / (1 - nu), whatever the shape; the true ones store a little less energy.
+    assert 0.997 < ratios.sum() / (1.7 / 0.7) < 1.0 + 1e-5
     assert ratios[0] == pytest.approx((1 - 0.3 * mean_along_x(radii)) / 0.7, rel=3e-3)
 
 
@@ -306,6 +308,47 @@ def test_ends_and_refusals():
             TangentialStiffness(axis)
     other = rc.Body(rc.FlatSurface(), rc.Elastic(3e9, 0.2))
     coupled = rc.ContactProblem(body, other, grid=grid, boundary="periodic").solve(pressure=1e5)
-    with pytest.raises(rc.InputError, match="different materials"):
-        coupled.response("tangential-stiffness")
+    assert any("unlike" in text for text in coupled.response("tangential-stiffness").warnings)
     assert Stiffness() == Stiffness()
+
+
+@pytest.mark.parametrize("beta_of", [(70e9, 0.33), (1e9, 0.1)], ids=["aluminium", "plastic"])
+def test_unlike_bodies_have_a_tangential_stiffness(beta_of):
+    """Steel on another material: waves differ by gamma, the mean of both directions of a disc by half of it."""
+    body = rc.Body(rc.ParaboloidSurface(1e-2, center=(0.3e-6, 0.1e-6)), rc.Elastic(210e9, 0.3))
+    other = rc.Elastic(*beta_of)
+    problem = rc.ContactProblem(body, rc.Body(rc.FlatSurface(), other), grid=rc.Grid((48, 48), 48e-6), threads=1)
+    solution = problem.solve(approach=18e-6**2 / 1e-2)
+    pair = problem.shear_convolution.setup.kernel.pair
+    found = solution.response("tangential-stiffness")
+    assert found.value == pytest.approx(solution.stiffness().value / (1.0 + 0.5 * pair.gamma), rel=2e-3)
+    (warning,) = (text for text in found.warnings if text.rule == "coupling")
+    assert warning.value == pytest.approx(abs(pair.beta))
+
+
+def test_a_tangential_force_that_also_changes_the_pressure_meets_more_stiffness():
+    """All nine components on the cells of a disc, dense: the stiffness without coupling lacks as much as it states."""
+    soft = rc.Elastic(1.0, 0.1)
+    body, flat = rc.Body(rc.ParaboloidSurface(1000.0), soft), rc.Body(rc.FlatSurface(), rc.Rigid())
+    solution = rc.ContactProblem(body, flat, grid=rc.Grid((17, 16), (17.0, 16.0)), threads=1).solve(approach=0.03)
+    convolution = problem_of(solution).shear_convolution
+    cells = np.flatnonzero(solution.contact)
+    columns = []
+    for letter in "xyz":
+        for cell in cells:
+            unit = np.zeros((1, *solution.grid.shape))
+            unit[0].flat[cell] = 1.0
+            columns.append(convolution.apply(unit, letter, "xyz").reshape(3, -1)[:, cells].ravel())
+    together = np.kron(np.eye(3), np.ones((cells.size, 1)))
+    stiffness = together.T @ np.linalg.solve(np.array(columns).T, together)
+    coupled = np.linalg.inv(stiffness)[0, 0]
+    pressed = stiffness_of_normal(np.array(columns).T, cells.size)
+    found = solution.response("tangential-stiffness")
+    exact = solution.stiffness().value / (coupled * pressed)
+    assert found.value < exact
+    assert exact - found.value < 2.0 * found.uncertainty
+
+
+def stiffness_of_normal(matrix, count):
+    """Return the stiffness of cells against pressure alone; the last ones of the matrix."""
+    return np.linalg.solve(matrix[-count:, -count:], np.ones(count)).sum()

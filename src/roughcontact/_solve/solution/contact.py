@@ -289,7 +289,9 @@ class ContactSolution(ContactFields):
         """
         return self.response(responses.create("gradient", of, with_respect_to=with_respect_to))
 
-    def partial_slip(self, *, tangential_force: float, friction: float, axis: int = 0) -> PartialSlip:
+    def partial_slip(
+        self, *, tangential_force: float, friction: float, axis: int = 0, uncoupled: bool = False
+    ) -> PartialSlip:
         """Return the contact under a tangential force below that of sliding.
 
         `roughcontact.responses.CiavarellaJaeger` states the equations.
@@ -302,13 +304,18 @@ class ContactSolution(ContactFields):
             Coefficient of friction.
         axis
             Direction of the force: 0 along x, 1 along y.
+        uncoupled
+            Whether to neglect, with a warning, that normal and tangential displacement of unlike bodies are coupled.
 
         Raises
         ------
         InputError
-            If the force reaches that of sliding, or the contact has saturated cells.
+            If the force reaches that of sliding, the contact has saturated cells, or the bodies are unlike:
+            `ContactProblem.path` serves them.
         """
-        asked = responses.create("partial-slip", tangential_force=tangential_force, friction=friction, axis=axis)
+        asked = responses.create(
+            "partial-slip", tangential_force=tangential_force, friction=friction, axis=axis, uncoupled=uncoupled
+        )
         found: PartialSlip = self.response(asked)
         return found
 
