@@ -324,3 +324,19 @@ def test_a_material_of_ones_own_tells_its_poisson_ratio():
     ratios = [slide(solution, 0.5, axis=axis).compliance_ratio for axis in (0, 1)]
     assert sum(ratios) / 2 == pytest.approx(RATIO, rel=0.01)
     assert abs(ratios[0] - ratios[1]) > 0.01
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.3])
+def test_a_neglected_coupling_errs_as_the_uncertainty_says(friction):
+    """The more of the rim slips in pressing, the more of the tangential force does it no longer carry."""
+    body, other = rc.Body(rc.ParaboloidSurface(RADIUS), ALIKE), rc.Body(rc.FlatSurface(), rc.Rigid())
+    problem = rc.ContactProblem(body, other, grid=rc.Grid((32, 32), 32 * CELL), threads=1)
+    solution = problem.solve(approach=(12 * CELL) ** 2 / RADIUS)
+    force = 0.5 * friction * solution.force
+    found = solution.partial_slip(tangential_force=force, friction=friction)
+    path = problem.path(
+        force=solution.force, tangential_force=[(0.0, 0.0), (force, 0.0)], friction=friction, substeps=4
+    )
+    error = found.displacement.value / (path[-1].displacement[0] - path[-2].displacement[0]) - 1.0
+    stated = found.displacement.uncertainty / found.displacement.value
+    assert -2.0 * stated < error < -0.25 * stated

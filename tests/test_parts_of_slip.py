@@ -53,6 +53,8 @@ def test_the_energy_of_a_cycle_is_the_bend_of_the_approach_over_the_force():
     assert stick.value == pytest.approx(np.pi * 14e-6**2, rel=1e-3)
     assert slip.value == pytest.approx(np.pi * (20e-6**2 - 14e-6**2), rel=2e-3)
     assert slip.uncertainty == pytest.approx(math.hypot(whole.area().uncertainty, stuck.area().uncertainty))
+    unsure, _ = _compare_areas(whole, stuck, 0.5)
+    assert unsure.uncertainty == pytest.approx(math.hypot(stick.uncertainty, 0.5 * stick.value))
     alone, none = _compare_areas(whole, whole)
     assert (alone.value, none.value, none.uncertainty) == (whole.area().value, 0.0, 0.0)
     assert _displace(whole, whole, 0.7).value == _dissipate(whole, whole, 3.0).value == 0.0
