@@ -277,7 +277,7 @@ def test_coupling_may_be_neglected_with_a_warning():
     (warning,) = found.warnings
     assert warning.rule == "coupling"
     assert warning.value == pytest.approx(0.11, abs=0.01)
-    assert "2 % error of the pressure" in warning
+    assert "displacement too small by 4.3 %" in warning
     problem = problem_of(solution)
     path = problem.path(
         force=solution.force, tangential_force=[(arguments["tangential_force"], 0.0)], friction=FRICTION

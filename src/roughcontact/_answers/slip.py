@@ -318,8 +318,8 @@ def _judge_coupling(materials: tuple[Material, Material], friction: float, *, un
     saturation = _saturate(beta, friction)
     text = (
         f"the coupling of normal and tangential displacement, Dundurs' beta = {abs(beta):.2g}, is neglected: expect a "
-        f"displacement too small by {100.0 * _COUPLED_DISPLACEMENT_STD * saturation:.2g} % and a stick area too large by "
-        f"{100.0 * _COUPLED_STICK_STD * saturation:.2g} %; problem.path(...) contains it"
+        f"displacement too small by {100.0 * _COUPLED_DISPLACEMENT_STD * saturation:.2g} % and a stick area too "
+        f"large by {100.0 * _COUPLED_STICK_STD * saturation:.2g} %; problem.path(...) contains it"
     )
     return (ContactWarning(text, "coupling", abs(beta)),)
 
