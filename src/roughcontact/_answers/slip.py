@@ -13,7 +13,7 @@ from roughcontact._answers.linear.tangential import (
     MAX_UNCOUPLED_BETA,
     find_anisotropy,
     find_compliance_ratio,
-    find_relief,
+    find_energy_ratio,
     tangential_axis,
 )
 from roughcontact._base.arrays import Array, Mask, Pair, read_only
@@ -330,18 +330,18 @@ def _find_ratio(contact: ContactSolution, stuck: ContactSolution, axis: int) -> 
     It is that of the traction, a difference of pressures, less what the cells that stick gain by a traction of their
     own over one in proportion to their normal answer; under a small force it is that of these cells alone.
     """
-    relief = 1.0
+    energy_ratio = 1.0
     traction = contact.pressure - stuck.pressure
     for solution in (stuck, contact):
         tangent = tangent_of(solution)
         if tangent.is_rigid or not tangent.cells.any():
             continue
         answer = tangent.solve(np.ones(solution.grid.shape), _ANSWER_TOLERANCE).values
-        relief = find_relief(solution, answer, axis)
+        energy_ratio = find_energy_ratio(solution, answer, axis)
         if contact.force - stuck.force < _SMALL_FORCE * contact.force:
             traction = answer
         break
-    return relief * (find_compliance_ratio(contact, traction, axis) if traction.any() else 1.0)
+    return energy_ratio * (find_compliance_ratio(contact, traction, axis) if traction.any() else 1.0)
 
 
 def _require_elastic(solution: ContactSolution) -> None:

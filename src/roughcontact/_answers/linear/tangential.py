@@ -69,7 +69,7 @@ def find_compliance_ratio(solution: ContactSolution, traction: Array, axis: int)
     return tangential / normal if normal > 0.0 else 1.0 + 0.5 * gamma
 
 
-def find_relief(solution: ContactSolution, answer: Array, axis: int) -> float:
+def find_energy_ratio(solution: ContactSolution, answer: Array, axis: int) -> float:
     """Return the compliance of cells in contact that all stick, over that under a traction as their normal answer.
 
     The force is along an axis, and the cells may move across it. The compliance is an energy near its minimum, so that
@@ -161,7 +161,7 @@ class TangentialStiffness(Response[Estimate]):
         if not 0.0 < normal.value < math.inf:
             return Estimate(normal.value, 0.0, "N/m", warnings)
         ratio = find_compliance_ratio(solution, normal.field, self.axis)
-        value = normal.value / (ratio * find_relief(solution, normal.field, self.axis))
+        value = normal.value / (ratio * find_energy_ratio(solution, normal.field, self.axis))
         by_shape = _SHAPE_STD * find_anisotropy(solution) * _find_scatter(solution, normal.field)
         std = math.hypot(normal.uncertainty / normal.value, by_shape, _COUPLING_STD * beta**2) * value
         return Estimate(value, std, "N/m", warnings)

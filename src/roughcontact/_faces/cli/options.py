@@ -156,11 +156,10 @@ def _add_friction(parser: argparse.ArgumentParser) -> None:
 
 def _tangential(text: str) -> tuple[str, tuple[float, float]]:
     """Return the kind of a load along the surface, which follows from its unit, and its components, for argparse."""
-    parts = text.split(",") if text.count(",") == 1 else [text, ""]
+    along, comma, across = text.partition(",")
     for kind, unit in (("tangential_force", "N"), ("displacement", "m")):
         with contextlib.suppress(ValueError):
-            x, y = (parse_quantity(part, unit) if part else 0.0 for part in parts)
-            return kind, (x, y)
+            return kind, (parse_quantity(along, unit), parse_quantity(across, unit) if comma else 0.0)
     shown = f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a tangential force or displacement"
     raise argparse.ArgumentTypeError(f"{shown}; write it like 0.5N, 0.5N,-0.1N or 50nm")
 

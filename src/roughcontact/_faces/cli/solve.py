@@ -45,8 +45,9 @@ examples:
   roughcontact solve map.npz --force 1N --young 210GPa --report contact.html
   roughcontact solve map.npz --cycle -0.1um 0.5um --young 2MPa \\
       --poisson 0.5 --adhesion short-range work=50mJ/m2 -o cycle.png
-  roughcontact solve map.npz --force 1N --young 210GPa --counterbody-young 210GPa \\
-      --friction 0.3 --tangential 0.2N -0.2N 0.2N -o loop.npz -o loop.png
+  roughcontact solve map.npz --force 1N --young 210GPa \\
+      --counterbody-young 210GPa --friction 0.3 \\
+      --tangential 0.2N -0.2N 0.2N -o loop.npz -o loop.png
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
@@ -115,7 +116,7 @@ examples:
         if law is not None:
             path = solve_path(options, problem, law, loads)
             write_path_outputs(options, path, files)
-            return _tell_doubts(bool(path.warnings), quiet=options.quiet)
+            return _report_warnings(bool(path.warnings), quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
             subject, solutions = _solve(options, problem, loads, change)
         if not options.quiet:
@@ -191,10 +192,10 @@ def _status(solutions: tuple[rc.ContactSolution, ...], *, quiet: bool) -> int:
             raise rc.NotConverged(f"The contact is {solution.status}; what is shown is the last iterate.", solution)
         if solution.accuracy is not None and not solution.accuracy.met:
             raise rc.NotConverged(solution.accuracy.explain(), solution)
-    return _tell_doubts(any(solution.warnings for solution in solutions), quiet=quiet)
+    return _report_warnings(any(solution.warnings for solution in solutions), quiet=quiet)
 
 
-def _tell_doubts(doubtful: bool, *, quiet: bool) -> int:
+def _report_warnings(doubtful: bool, *, quiet: bool) -> int:
     """Return the exit status of a converged answer, after saying if it has warnings."""
     if doubtful and not quiet:
         print("roughcontact: The solution is converged, but doubtful: see its warnings.", file=sys.stderr)
