@@ -183,7 +183,7 @@ def cycle_values(settings: Settings) -> list[float]:
 
 
 def fretting_values(settings: Settings) -> tuple[float, float, float]:
-    """Return the normal force and the greatest tangential force of a fretting cycle, N, and the friction."""
+    """Return the normal force and the largest tangential force of a fretting cycle, N, and the friction."""
     if settings["adhesion"] != "none":
         raise InputError("Friction between surfaces that attract each other is not known: choose no adhesion.")
     if settings["boundary"] == "wrapped":
