@@ -123,6 +123,14 @@ def integer(value: object, what: str, *, at_least: int) -> int:
     return int(value)
 
 
+def axis(value: object, what: str) -> int:
+    """Return `value` as 0 or 1, an axis of the plane, or raise `InputError`."""
+    found = integer(value, what, at_least=0)
+    if found > 1:
+        raise InputError.about(what, value, "0 (along x) or 1 (along y)")
+    return found
+
+
 def item_of(items: tuple[T, ...], index: object, what: str) -> T | tuple[T, ...]:
     """Return the item at a position, or the items of a slice, or raise `InputError`."""
     if isinstance(index, slice):

@@ -12,23 +12,13 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.reference.closed_forms import Westergaard
+from roughcontact.reference.closed_forms import Westergaard, read_length, read_pressure
 
 # Angles arccos(a/c) of Maugis' equations between which states are found: their contact radii span ten decades.
 _SMALLEST_ANGLE = 1e-5
 _LARGEST_ANGLE = 0.5 * math.pi - 1e-7
 # States among which the first bracket of a minimum is found.
 _SAMPLES = 2001
-
-
-def read_length(value: float) -> float:
-    """Return a length of a closed form, m, above zero."""
-    return number(value, "A length of a closed form", "m", above=0.0)
-
-
-def read_pressure(value: float) -> float:
-    """Return a pressure of a closed form, Pa, above zero."""
-    return number(value, "A pressure of a closed form", "Pa", above=0.0)
 
 
 def read_work(value: float) -> float:

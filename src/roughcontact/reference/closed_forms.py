@@ -17,20 +17,19 @@ from roughcontact.errors.door import guarded
 _MAX_RADIUS_RATIO = 1e24
 
 
-def _positive(value: float, unit: str) -> float:
-    return number(value, "An argument of a closed form", unit, above=0.0)
+def read_length(value: float) -> float:
+    """Return a length of a closed form, m, above zero."""
+    return number(value, "A length of a closed form", "m", above=0.0)
 
 
-def _length(value: float) -> float:
-    return _positive(value, "m")
+def read_pressure(value: float) -> float:
+    """Return a pressure or a modulus of a closed form, Pa, above zero."""
+    return number(value, "A pressure of a closed form", "Pa", above=0.0)
 
 
-def _pascal(value: float) -> float:
-    return _positive(value, "Pa")
-
-
-def _newton(value: float) -> float:
-    return _positive(value, "N")
+def read_force(value: float) -> float:
+    """Return a normal force of a closed form, N, above zero."""
+    return number(value, "The normal force", "N", above=0.0)
 
 
 @guarded
@@ -89,9 +88,9 @@ def hertz_sphere(force: float, radius: float, modulus: float) -> Hertz:
     >>> print(f"{1e6 * ball.semi_axes[0]:.1f} um, {1e-9 * ball.p_max:.2f} GPa, {1e6 * ball.approach:.2f} um")
     68.8 um, 1.01 GPa, 0.95 um
     """
-    force = _positive(force, "N")
-    radius = _positive(radius, "m")
-    modulus = _positive(modulus, "Pa")
+    force = read_force(force)
+    radius = read_length(radius)
+    modulus = read_pressure(modulus)
     a = (0.75 * force * radius / modulus) ** (1 / 3)
     return Hertz((a, a), 1.5 * force / (math.pi * a**2), a**2 / radius)
 
@@ -121,8 +120,8 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     # Imported here, because most uses of this package need no optimizer.
     from scipy import optimize
 
-    force = _positive(force, "N")
-    modulus = _positive(modulus, "Pa")
+    force = read_force(force)
+    modulus = read_pressure(modulus)
     radii = pair(radii, "The radii", "m", above=0.0)
     blunt = max(radii)
     sharp = min(radii)
@@ -165,9 +164,9 @@ class WavyContact:
     https://doi.org/10.1016/0020-7403(85)90029-3
     """
 
-    amplitude: float = attrs.field(converter=_length)
-    wavelength: float = attrs.field(converter=_length)
-    modulus: float = attrs.field(converter=_pascal)
+    amplitude: float = attrs.field(converter=read_length)
+    wavelength: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
 
     @property
     def full_contact_pressure(self) -> float:
@@ -204,9 +203,9 @@ class Westergaard:
     Johnson, Contact Mechanics (1985), sec. 13.2, https://doi.org/10.1017/CBO9781139171731
     """
 
-    amplitude: float = attrs.field(converter=_length)
-    wavelength: float = attrs.field(converter=_length)
-    modulus: float = attrs.field(converter=_pascal)
+    amplitude: float = attrs.field(converter=read_length)
+    wavelength: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
 
     @property
     def full_contact_pressure(self) -> float:
@@ -245,9 +244,9 @@ class FlatPunch:
     Johnson, Contact Mechanics (1985), sec. 3.4, https://doi.org/10.1017/CBO9781139171731
     """
 
-    force: float = attrs.field(converter=_newton)
-    radius: float = attrs.field(converter=_length)
-    modulus: float = attrs.field(converter=_pascal)
+    force: float = attrs.field(converter=read_force)
+    radius: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
 
     @property
     def approach(self) -> float:

@@ -16,23 +16,12 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
+from roughcontact.reference.closed_forms import read_force, read_length, read_pressure
 
 # Series of atanh(x)/x below this x: the quotient loses its digits there.
 _SMALL_BETA = 1e-4
 # Maximum of log(c/(1 - c)), of which the square of c is a number of float64.
 _LARGEST_LOGIT = 300.0
-
-
-def _length(value: float) -> float:
-    return number(value, "A length of a closed form", "m", above=0.0)
-
-
-def _pascal(value: float) -> float:
-    return number(value, "A pressure of a closed form", "Pa", above=0.0)
-
-
-def _newton(value: float) -> float:
-    return number(value, "The normal force", "N", above=0.0)
 
 
 def _friction(value: float) -> float:
@@ -83,9 +72,9 @@ class CattaneoMindlin:
     0.7937, 19.743 nm
     """
 
-    force: float = attrs.field(converter=_newton)
-    radius: float = attrs.field(converter=_length)
-    modulus: float = attrs.field(converter=_pascal)
+    force: float = attrs.field(converter=read_force)
+    radius: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
     friction: float = attrs.field(converter=_friction)
     compliance_ratio: float = attrs.field(converter=_ratio)
 
@@ -235,9 +224,9 @@ class UnlikeCylinder:
     35.97 um, centre at -4.52 um
     """
 
-    force: float = attrs.field(converter=_newton)
-    radius: float = attrs.field(converter=_length)
-    modulus: float = attrs.field(converter=_pascal)
+    force: float = attrs.field(converter=read_force)
+    radius: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
     friction: float = attrs.field(converter=_friction)
     beta: float = attrs.field(converter=_beta)
 
@@ -295,9 +284,9 @@ class SlidingWave:
     222.14 MPa, phase 0.7854
     """
 
-    amplitude: float = attrs.field(converter=_length)
-    wavelength: float = attrs.field(converter=_length)
-    modulus: float = attrs.field(converter=_pascal)
+    amplitude: float = attrs.field(converter=read_length)
+    wavelength: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
     friction: float = attrs.field(converter=_friction)
     beta: float = attrs.field(converter=_beta)
 

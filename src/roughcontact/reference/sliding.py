@@ -9,14 +9,7 @@ from roughcontact._base.arrays import Array, Waves
 from roughcontact._base.checks import number, numbers
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-
-
-def _length(value: float) -> float:
-    return number(value, "A length of a closed form", "m", above=0.0)
-
-
-def _pascal(value: float) -> float:
-    return number(value, "The maximum pressure", "Pa", above=0.0)
+from roughcontact.reference.closed_forms import read_length, read_pressure
 
 
 def _poisson(value: float) -> float:
@@ -86,8 +79,8 @@ class SlidingSphere:
     0.555
     """
 
-    contact_radius: float = attrs.field(converter=_length)
-    p_max: float = attrs.field(converter=_pascal)
+    contact_radius: float = attrs.field(converter=read_length)
+    p_max: float = attrs.field(converter=read_pressure)
     friction: float = attrs.field(converter=_friction)
     poisson: float = attrs.field(converter=_poisson)
 
@@ -222,8 +215,8 @@ class SlidingCylinder:
     0.5
     """
 
-    half_width: float = attrs.field(converter=_length)
-    p_max: float = attrs.field(converter=_pascal)
+    half_width: float = attrs.field(converter=read_length)
+    p_max: float = attrs.field(converter=read_pressure)
     friction: float = attrs.field(converter=_friction)
     poisson: float = attrs.field(converter=_poisson)
 

@@ -11,7 +11,8 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
 from roughcontact._parts.grid import Grid
 from roughcontact.errors.door import guarded
-from roughcontact.reference.adhesion import read_length, read_pressure, read_work
+from roughcontact.reference.adhesion import read_work
+from roughcontact.reference.closed_forms import read_length, read_pressure
 from roughcontact.reference.roughness import Waves, list_waves
 
 # Contact area of a rough surface without adhesion times E* h' over the force, as in the paper.

@@ -15,8 +15,9 @@ from roughcontact._answers.flow.network import (
     make_network,
     solve_network,
 )
+from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Mask, Pair, RealArray, read_only
-from roughcontact._base.checks import integer, number
+from roughcontact._base.checks import number
 from roughcontact._base.units import ContactWarning, Estimate, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution import ContactSolution, Response, responses
@@ -228,12 +229,9 @@ class Leakage(Estimate):
         )
 
 
-def require_axis(value: int) -> int:
-    """Return an axis, or raise `InputError` if it is neither 0 nor 1."""
-    axis = integer(value, "The axis of the flow", at_least=0)
-    if axis > 1:
-        raise InputError.about("The axis of the flow", value, "0 (along x) or 1 (along y)")
-    return axis
+def flow_axis(value: int) -> int:
+    """Return the axis of the flow, or raise `InputError`."""
+    return checks.axis(value, "The axis of the flow")
 
 
 def _viscosity(value: float) -> float:
@@ -267,7 +265,7 @@ class GapFlow(Response[Leakage]):
     depends_on_place = True
     with_adhesion = "total pressure"
 
-    axis: int = attrs.field(default=0, converter=require_axis)
+    axis: int = attrs.field(default=0, converter=flow_axis)
     viscosity: float = attrs.field(converter=_viscosity)
     pressure_drop: float = attrs.field(converter=_pressure_drop)
 

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.flow.leakage import find_open_cells, require_axis
+from roughcontact._answers.flow.leakage import find_open_cells, flow_axis
 from roughcontact._answers.flow.network import find_paths
 from roughcontact._base.checks import number
 from roughcontact._base.units import si
@@ -96,7 +96,7 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
     """
     if not isinstance(problem, ContactProblem):
         raise InputError.about("What is solved", problem, "a ContactProblem")
-    axis = require_axis(axis)
+    axis = flow_axis(axis)
     within = number(within, "within=", above=0.0, at_most=1.0)
     first, last = _enclose(problem, axis)
     low, high = _bisect(problem, axis, first, last, within, _SIDES)

@@ -8,8 +8,8 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.linear.stiffness import find_normal_answer
+from roughcontact._base import checks
 from roughcontact._base.arrays import Array
-from roughcontact._base.checks import integer
 from roughcontact._base.units import ContactWarning
 from roughcontact._parts.materials import pair_constants
 from roughcontact._solve.problem import problem_of
@@ -32,10 +32,7 @@ _SHAPE_STD = 0.1
 
 def tangential_axis(value: int) -> int:
     """Return the axis of a tangential force, or raise `InputError`."""
-    axis = integer(value, "The axis of the tangential force", at_least=0)
-    if axis > 1:
-        raise InputError.about("The axis of the tangential force", value, "0 (x) or 1 (y)")
-    return axis
+    return checks.axis(value, "The axis of the tangential force")
 
 
 def find_anisotropy(solution: ContactSolution) -> float:

@@ -34,6 +34,7 @@ from roughcontact._answers.subsurface.maximum import (
     warn_of_depth,
 )
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
+from roughcontact._base import checks
 from roughcontact._base.arrays import Array, RealArray, frozen_array, read_only
 from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
@@ -195,8 +196,7 @@ class Stress:
 
     def _find_fatigue(self, find: Callable[[RealArray, float], float], alpha: float, axis: int) -> Array:
         alpha = number(alpha, "The sensitivity to the mean stress", at_least=0.0)
-        if isinstance(axis, bool) or axis not in (0, 1):
-            raise InputError.about("The axis of rolling", axis, "0 (x) or 1 (y)")
+        axis = checks.axis(axis, "The axis of rolling")
         starts_unloaded = self.solution.boundary is not Boundary.PERIODIC
         paths = (list_paths(field.values, axis, starts_unloaded) for field in self)
         return np.array([find(path, alpha) for path in paths]) * self._scale

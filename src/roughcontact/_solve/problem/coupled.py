@@ -31,7 +31,7 @@ from roughcontact._solve.solution import (
     Status,
     TangentialLoad,
 )
-from roughcontact._solve.solvers import ProjectedShearCG, ShearOutcome, ShearSolver, ShearTask
+from roughcontact._solve.solvers import ProjectedShearCG, ShearOutcome, ShearTask, project_to_discs
 from roughcontact.errors import InputError, NotConverged
 
 # Alternations of normal and tangential solves after which a coupled solve is given up.
@@ -60,11 +60,6 @@ class CoupledSolve(FrictionalContact):
     """The solves of a path."""
 
     _known: dict[Load, ContactSolution] = attrs.field(factory=dict, init=False)
-
-    @property
-    def solver(self) -> ShearSolver:
-        """The tangential solver."""
-        return ProjectedShearCG()
 
     def press(self, load: Load) -> ContactSolution:
         """Return the frictionless contact: that of `ContactProblem.solve`; the last one is kept."""
@@ -268,7 +263,7 @@ class CoupledSolve(FrictionalContact):
             tolerance=tolerance,
             max_iterations=_MAX_ITERATIONS,
         )
-        return self.solver.solve(self.shear, task)
+        return ProjectedShearCG().solve(self.shear, task)
 
     def _certify(
         self,
@@ -284,8 +279,7 @@ class CoupledSolve(FrictionalContact):
         shear = found.shear * self.unit
         limit = shear_limit(self.law, contact.pressure)
         # The unit may round a traction beyond the cone.
-        size = np.hypot(*shear)
-        shear = shear * np.where(size > limit, limit / np.where(size > 0.0, size, 1.0), 1.0)
+        shear = project_to_discs(shear, limit)
         if self.shear.coupled:
             contact = self.certify_contact(contact, load, shear)
         moved = (float(found.displacement[0]) * self.length, float(found.displacement[1]) * self.length)

@@ -86,6 +86,7 @@ class PathStep:
 
 
 def is_single(normal: Mapping[str, object]) -> bool:
+    """Return whether one normal load holds for all steps."""
     values = [value for value in normal.values() if value is not None]
     return len(values) == 1 and (isinstance(values[0], str) or not isinstance(values[0], Iterable))
 

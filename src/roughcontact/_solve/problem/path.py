@@ -30,11 +30,7 @@ from roughcontact._solve.problem.increments import (
     refine_steps,
 )
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import (
-    FrictionalSolution,
-    read_path,
-    write_path,
-)
+from roughcontact._solve.solution import FrictionalSolution, read_estimate, read_path, write_path
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -237,9 +233,9 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         )
         numbers = tuple(
             StepNumbers(
-                displacement=(_estimate(one["displacement"][0]), _estimate(one["displacement"][1])),
-                dissipated=_estimate(one["dissipated"]),
-                stick_area=_estimate(one["stick_area"]),
+                displacement=(read_estimate(one["displacement"][0]), read_estimate(one["displacement"][1])),
+                dissipated=read_estimate(one["dissipated"]),
+                stick_area=read_estimate(one["stick_area"]),
             )
             for one in notes["numbers"]
         )
@@ -262,12 +258,6 @@ class FrictionalPath(Sequence[FrictionalSolution]):
 def _without_rounding(values: Array) -> Array:
     """Return values with zeros in place of those that are rounding beside the largest one."""
     return np.where(np.abs(values) < _TABLE_ROUNDING * np.abs(values).max(), 0.0, values)
-
-
-def _estimate(stored: Any) -> Estimate:
-    return Estimate(
-        float(stored["value"]), float(stored["uncertainty"]), str(stored["unit"]), tuple(map(str, stored["warnings"]))
-    )
 
 
 def resolve_friction(friction: object) -> FrictionLaw:

@@ -13,7 +13,7 @@ from roughcontact._solve.solution.conditions import ContactConditions, Violation
 from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.fields import ContactFields, ContactPatches
 from roughcontact._solve.solution.frictional import FrictionalSolution
-from roughcontact._solve.solution.frictional_files import read_path, write_path
+from roughcontact._solve.solution.frictional_files import read_estimate, read_path, write_path
 from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
 from roughcontact._solve.solution.healing import fill_gap, heal
 from roughcontact._solve.solution.origin import Accuracy, Origin, Trial, key_of_origin, solution_key, versions
@@ -95,6 +95,7 @@ __all__ = [
     "note_loads",
     "page_or_file",
     "read",
+    "read_estimate",
     "read_figures",
     "read_path",
     "require_netcdf",

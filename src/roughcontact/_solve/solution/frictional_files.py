@@ -59,9 +59,19 @@ def read_path(
     return tuple(states[1 if header["pressed"] else 0 :]), pressed, notes
 
 
-def _write(path: Path, header: Mapping[str, Any], states: Sequence[FrictionalSolution]) -> None:
+def _require_suffix(path: Path) -> None:
     if path.suffix != ".npz":
         raise InputError.about("The name of the file of a contact with friction", path.name, "one ending in .npz")
+
+
+def read_estimate(stored: Mapping[str, Any]) -> Estimate:
+    """Return an estimate from its fields in a file."""
+    warnings = tuple(str(text) for text in stored["warnings"])
+    return Estimate(float(stored["value"]), float(stored["uncertainty"]), str(stored["unit"]), warnings)
+
+
+def _write(path: Path, header: Mapping[str, Any], states: Sequence[FrictionalSolution]) -> None:
+    _require_suffix(path)
     arrays: dict[str, RealArray] = {}
 
     def keep(values: Any) -> str:
@@ -106,8 +116,7 @@ def _plain(value: Any) -> Any:
 def _read(
     path: Path, expected: str, kind: type[FrictionalSolution], *, verify: bool
 ) -> tuple[list[FrictionalSolution], dict[str, Any]]:
-    if path.suffix != ".npz":
-        raise InputError.about("The name of the file of a contact with friction", path.name, "one ending in .npz")
+    _require_suffix(path)
     arrays, header = read_archive(path)
     if header.get("kind") != expected:
         raise InputError(f"The file {path.name} does not hold a {expected}.")
@@ -156,7 +165,6 @@ def _assemble(
     residuals = rebuild(described["residuals"], {})
     dx, dy = (float(value) for value in numbers("displacement"))
     given = numbers("given")
-    lost = numbers("dissipated")
     solution = kind(
         contact=contact,
         shear=_field(own["shear"], (2, *shape)),
@@ -166,7 +174,7 @@ def _assemble(
         given=TangentialLoad(str(given["kind"]), (float(given["values"][0]), float(given["values"][1]))),
         pair=PairConstants(**numbers("pair")),
         before=state,
-        dissipated=Estimate(**{**lost, "warnings": tuple(lost["warnings"])}),
+        dissipated=read_estimate(numbers("dissipated")),
         elastic_energy=float(numbers("elastic_energy")),
         residuals=FrictionalResiduals(**{**residuals, "normal": Residuals(**residuals["normal"])}),
         status=Status[described["status"]],

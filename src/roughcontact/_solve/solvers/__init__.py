@@ -24,6 +24,7 @@ from roughcontact._solve.solvers.shear import (
     ShearTask,
     SpectralShearGradient,
     natural_residual,
+    project_to_discs,
     shear_solvers,
 )
 from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
@@ -53,6 +54,7 @@ __all__ = [
     "natural_residual",
     "nearest_pressure",
     "positive_tolerance",
+    "project_to_discs",
     "project_to_load",
     "rescale_to_load",
     "shear_solvers",
