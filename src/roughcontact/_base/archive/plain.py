@@ -24,7 +24,7 @@ import numpy as np
 from roughcontact._base.archive import digest_of, short_digest
 from roughcontact._base.arrays import RealArray
 from roughcontact._base.registry import Registry, path_of, registries
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, shorten
 
 # Members of a class that do not belong to its behaviour; the hash by attrs differs between processes.
 _IGNORED_MEMBERS = {"__module__", "__dict__", "__hash__", "__weakref__", "__firstlineno__", "__static_attributes__"}
@@ -201,8 +201,9 @@ def rebuild(described: Described, arrays: Mapping[str, RealArray], bases: tuple[
         return cls(**fields)
     # A registered class may refuse its fields with an error of any type.
     except Exception as error:
+        reason = shorten(" ".join(str(error).split()), _MAX_TEXT_CHARACTERS).rstrip(".")
         raise InputError(
-            f"The {described['kind']} {described['name']!r} does not take its fields: {error!s:.{_MAX_TEXT_CHARACTERS}}"
+            f"The {described['kind']} {described['name']!r} does not take its fields: {reason}."
         ) from error
 
 
