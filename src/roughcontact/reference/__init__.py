@@ -13,6 +13,7 @@ from roughcontact.reference.persson import PerssonContact, persson
 from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
 from roughcontact.reference.sliding import SlidingCylinder, SlidingSphere
 from roughcontact.reference.stickiness import FullContactEnergies, PastewkaRobbins, full_contact_energies
+from roughcontact.reference.texture import Texture, texture
 
 __all__ = [
     "DMT",
@@ -30,6 +31,7 @@ __all__ = [
     "SlidingCylinder",
     "SlidingSphere",
     "SlidingWave",
+    "Texture",
     "UnlikeCylinder",
     "WavyContact",
     "Westergaard",
@@ -41,4 +43,5 @@ __all__ = [
     "hertz_sphere",
     "persson",
     "roughness",
+    "texture",
 ]

@@ -163,14 +163,15 @@ def bearing_area(heights: Array, levels: Array | None = None) -> BearingCurve:
     at = np.linspace(rough.min(), rough.max(), 101) if levels is None else numbers(levels, what, allowed)
     if at.ndim != 1 or not np.isfinite(at).all():
         raise InputError.about(what, levels, allowed)
-    blocks = [
-        part
-        for row in np.array_split(rough, _PARTS_PER_SIDE, axis=0)
-        for part in np.array_split(row, _PARTS_PER_SIDE, axis=1)
-    ]
-    parts = np.array([_find_fractions(part, at) for part in blocks if part.size])
+    parts = np.array([_find_fractions(part, at) for part in split_map(rough)])
     spread = np.std(parts, axis=0, ddof=1) / np.sqrt(len(parts)) if len(parts) > 1 else np.zeros(at.size)
     return BearingCurve(at, _find_fractions(rough, at), spread)
+
+
+def split_map(heights: Array) -> list[Array]:
+    """Return the 16 parts of a map, fewer if it has fewer cells along an axis."""
+    rows = np.array_split(heights, _PARTS_PER_SIDE, axis=0)
+    return [part for row in rows for part in np.array_split(row, _PARTS_PER_SIDE, axis=1) if part.size]
 
 
 def _find_fractions(heights: Array, levels: Array) -> Array:

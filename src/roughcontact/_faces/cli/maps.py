@@ -27,7 +27,7 @@ from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.surfaces import list_facts
 from roughcontact._solve.solution import find_scene
-from roughcontact.reference import roughness
+from roughcontact.reference import roughness, texture
 
 # Fraction of the variance of the heights that is form, from which on the spectrum shows the form.
 _MIN_FORM_FRACTION = 0.5
@@ -48,6 +48,7 @@ def describe_map(surface: rc.HeightMap) -> str:
     if not surface.periodic:
         lines.append("spectrum      of the heights times a Hann window:")
     lines.append(str(roughness(surface.values, surface.grid, periodic=surface.periodic)))
+    lines += ["ISO 25178-2:", str(texture(surface.values, surface.grid, periodic=surface.periodic))]
     return "\n".join([fit("\n".join(lines)), *list_warnings(surface)])
 
 
