@@ -23,8 +23,10 @@ _DIRECTIONS = 180
 _MIN_QUARTER_CELLS = 8
 # Material ratios of the standard: of the secant, of the core's bounds, of peak extremes.
 _SECANT = 0.4
-_PEAKS, _VALLEYS = 0.1, 0.8
-_EXTREME, _MIDDLE = 0.025, 0.5
+_PEAKS = 0.1
+_VALLEYS = 0.8
+_EXTREME = 0.025
+_MIDDLE = 0.5
 
 
 # Unit and meaning of each parameter by its symbol.
@@ -191,19 +193,19 @@ def _find_sampling_errors(heights: Array, slopes: tuple[Array, Array], unit: flo
     count = len(fields[0])
     if count < 2:
         return {}
-    left_out = []
+    remaining = []
     for k in range(count):
         kept, *others = (np.concatenate(parts[:k] + parts[k + 1 :]) for parts in fields)
-        left_out.append(_measure(kept, (others[0], others[1]), unit))
+        remaining.append(_measure(kept, (others[0], others[1]), unit))
     errors = {
-        name: math.sqrt((count - 1) * float(np.var([one[name] for one in left_out])))
-        for name in left_out[0]
+        name: math.sqrt((count - 1) * float(np.var([one[name] for one in remaining])))
+        for name in remaining[0]
         if name not in ("Sp", "Sv", "Sz", "Std")
     }
     parts = [_measure(one, (x, y), unit) for one, x, y in zip(*fields, strict=True)]
     errors |= {name: float(np.std([one[name] for one in parts], ddof=1)) for name in ("Sp", "Sv", "Sz")}
     # Directions are doubled: those of 0 and 180 degrees are the same.
-    length = float(np.abs(np.mean(np.exp(2j * np.radians([one["Std"] for one in left_out])))))
+    length = float(np.abs(np.mean(np.exp(2j * np.radians([one["Std"] for one in remaining])))))
     scatter = math.degrees(0.5 * math.sqrt(max(-2.0 * math.log(min(length, 1.0)), 0.0))) if length > 0.0 else 90.0
     return errors | {"Std": min(math.sqrt(count - 1) * scatter, 90.0)}
 
