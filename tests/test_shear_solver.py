@@ -163,8 +163,9 @@ def test_rough_contact_in_few_iterations():
         for fraction in (0.2, 0.5, 0.9):
             found = slide(solution, (fraction * FRICTION * solution.force, 0.0), gamma)
             assert found.status is rc.Status.CONVERGED
-            assert found.iterations <= 22
-            assert found.products <= 2 * found.iterations + 5
+            assert found.iterations <= 16
+            # One with the kernel and one with its inverse, verifications, and the weights of new faces.
+            assert found.products <= 2 * found.iterations + 12
 
 
 @settings(deadline=None, max_examples=80)

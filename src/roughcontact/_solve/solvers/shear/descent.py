@@ -11,6 +11,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._solve.solvers.shear.base import ShearSystem, Verified
 from roughcontact._solve.solvers.shear.discs import directions, dot, magnitude, natural_residual
 from roughcontact._solve.solvers.shear.face import Face
+from roughcontact._solve.solvers.shear.preconditioner import PunchWeights
 
 # Step lengths in units of the direction: the first, the maximum, and the minimum at a restart, also the factor on a
 # rejected step.
@@ -56,6 +57,7 @@ class ShearDescent:
 
     def __init__(self, system: ShearSystem) -> None:
         self._system = system
+        self._punch = PunchWeights(system)
         self._length = _FIRST_LENGTH
         self.iterations = 0
 
@@ -97,7 +99,7 @@ class ShearDescent:
     def _iterate(self) -> bool:
         """Make one step; return whether there is one that lowers the energy."""
         slip = self._local_slip()
-        face = Face.find(self._system, self._shear, slip)
+        face = Face.find(self._system, self._punch, self._shear, slip)
         residual = face.find_residual(slip)
         preconditioned = face.precondition(residual)
         direction = self._conjugate(face, residual, preconditioned)

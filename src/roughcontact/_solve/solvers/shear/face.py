@@ -7,9 +7,10 @@ from functools import cached_property
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.arrays import Array, Mask, sum_of_products
 from roughcontact._solve.solvers.shear.base import ShearSystem
 from roughcontact._solve.solvers.shear.discs import dot
+from roughcontact._solve.solvers.shear.preconditioner import CoarseCorrection, PunchWeights, Weights
 
 
 @attrs.frozen(eq=False)
@@ -20,6 +21,8 @@ class Face:
     ----------
     system
         The task.
+    punch
+        The weights of the last face.
     slips
         Cells that slip along their circle, shape (n,).
     normal
@@ -29,16 +32,19 @@ class Face:
     """
 
     system: ShearSystem
+    punch: PunchWeights
     slips: Mask
     normal: Array
     curvature: Array
 
     @classmethod
-    def find(cls, system: ShearSystem, shear: Array, slip: Array) -> Face:
+    def find(cls, system: ShearSystem, punch: PunchWeights, shear: Array, slip: Array) -> Face:
         """Return the face of a shear: a cell slips if it lies on its circle and its slip points outwards."""
         outward = dot(shear, slip) / system.limit**2
         slips = system.find_on_circle(shear) & (outward > 0.0)
-        return cls(system=system, slips=slips, normal=shear * (slips / system.limit), curvature=slips * outward)
+        return cls(
+            system=system, punch=punch, slips=slips, normal=shear * (slips / system.limit), curvature=slips * outward
+        )
 
     def move_to(self, shear: Array) -> Face:
         """Return the face with the directions of another shear."""
@@ -55,25 +61,23 @@ class Face:
         return np.asarray(own / (self.curvature + own))
 
     @cached_property
-    def _stiffness_of_mean(self) -> Array:
-        """The change of the force by a displacement of all cells, each as easily as it follows, shape (2, 2)."""
-        bent = -np.einsum("n,an,bn->ab", self.ease, self.normal, self.normal)
-        return np.asarray(bent + self.ease.sum() * np.eye(2))
+    def weights(self) -> Weights:
+        """The shear if all cells are displaced alike."""
+        return self.punch.find(self.slips, self.normal, self.ease)
 
     def _solve_for_mean(self, total: Array) -> Array:
-        """Return the displacement of all cells, each as easily as it follows, that changes the force by a total."""
-        mean = self.system.control.solve_on_axes(self._stiffness_of_mean, total)[:, np.newaxis]
-        return mean - self.normal * dot(self.normal, mean)
+        """Return the displacement of all cells that changes the force by a total, shape (2, 1)."""
+        return self.system.control.solve_on_axes(self.weights.total, total)[:, np.newaxis]
 
     def find_residual(self, slip: Array) -> Array:
         """Return the slip in the face without its mean along axes with a given force."""
-        inside = self.restrict(slip)
-        return inside - self._solve_for_mean((self.ease * inside).sum(axis=1))
+        mean = self._solve_for_mean(self.weights.multiply(slip).sum(axis=1))
+        return self.restrict(slip - mean)
 
     def balance(self, vectors: Array) -> Array:
         """Return vectors in the face that do not change the given force."""
         inside = self.restrict(vectors)
-        return inside - self.ease * self._solve_for_mean(inside.sum(axis=1))
+        return inside - self.weights.multiply(self._solve_for_mean(inside.sum(axis=1)))
 
     def precondition(self, residual: Array) -> Array:
         r"""Return the preconditioned residual, in the face.
@@ -85,4 +89,7 @@ class Face:
         root = np.sqrt(self.ease)
         preconditioned = root * self.system.multiply_inverse((root * residual).astype(np.float32))
         preconditioned += self.ease * (1.0 - self.ease) / self.system.own * residual
-        return self.balance(preconditioned)
+        corrected = preconditioned - CoarseCorrection(self.system, self.weights).apply(residual)
+        # Where weights ring, the correction may turn the direction uphill.
+        is_downhill = sum_of_products(residual, corrected) > 0.0
+        return self.balance(corrected if is_downhill else preconditioned)
