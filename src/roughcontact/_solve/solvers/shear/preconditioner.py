@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import attrs
 import numpy as np
@@ -19,7 +20,7 @@ _MAX_CHANGED_FRACTION = 0.01
 # Minimum weight, over the mean: smaller ones are ringing of the inverse.
 _MIN_WEIGHT = 1e-3
 # Minimum mean weight of a cell, far below that of one.
-_LEAST_MEAN = 1e-15
+_MIN_MEAN = 1e-15
 # Maximum exponent in the cut of the short waves.
 _MAX_EXPONENT = 30.0
 
@@ -31,19 +32,24 @@ class Weights:
     Attributes
     ----------
     xx, xy, yy
-        Its entries, shape (n,).
+        Its entries, float32, shape (n,).
     """
 
-    xx: Array
-    xy: Array
-    yy: Array
+    xx: RealArray
+    xy: RealArray
+    yy: RealArray
 
-    def multiply(self, vectors: RealArray) -> Array:
-        """Return the products with vectors, shape (2, n) or (2, 1)."""
+    def multiply(self, vectors: RealArray) -> RealArray:
+        """Return the products with vectors in float32, shape (2, n) or (2, 1)."""
         x, y = vectors
-        return np.stack([self.xx * x + self.xy * y, self.xy * x + self.yy * y])
+        products = np.empty((2, self.xx.size), dtype=np.float32)
+        np.multiply(self.xx, x, out=products[0])
+        np.multiply(self.yy, y, out=products[1])
+        products[0] += self.xy * y
+        products[1] += self.xy * x
+        return products
 
-    @property
+    @cached_property
     def total(self) -> Array:
         """The sum over all cells, shape (2, 2)."""
         xx, xy, yy = (float(np.add.reduce(one)) for one in (self.xx, self.xy, self.yy))
@@ -61,29 +67,30 @@ class PunchWeights:
         self._system = system
         self._slips: Mask | None = None
 
-    def find(self, slips: Mask, normal: Array, ease: Array) -> Weights:
+    def find(self, slips: Mask, normal: RealArray, ease: RealArray) -> Weights:
         """Return the weights of the cells that slip, their normals and how easily each cell follows; see `Face`."""
         if self._slips is None or np.count_nonzero(slips != self._slips) > _MAX_CHANGED_FRACTION * slips.size:
             self._slips = slips
             self._renew(normal, ease)
         x, y = normal
         xx, xy, yy = self._stiffness
-        along = ease * (y * y * xx - 2.0 * x * y * xy + x * x * yy + (1.0 - ease) / self._system.own)
+        own = np.float32(self._system.own)
+        along = ease * (y * y * xx - 2 * x * y * xy + x * x * yy + (1 - ease) / own)
         sticks = ~slips
         return Weights(sticks * xx + along * (y * y), sticks * xy - along * (x * y), sticks * yy + along * (x * x))
 
-    def _renew(self, normal: Array, ease: Array) -> None:
+    def _renew(self, normal: RealArray, ease: RealArray) -> None:
         """Compute the shear if all cells are displaced, as a matrix that does not know yet where cells slip."""
         xx, xy, yy = (float(np.einsum("n,n->", one, other)) for one, other in (normal[[0, 0]], normal, normal[[1, 1]]))
         angle = 0.5 * math.atan2(2.0 * xy, xx - yy)
-        along = np.array([math.cos(angle), math.sin(angle)])
-        across = np.array([-along[1], along[0]])
-        free = np.stack([1.0 - dot(normal, one) ** 2 for one in (along, across)])
-        shear = self._system.multiply_mean_inverse((np.sqrt(ease) * free).astype(np.float32))
+        along = np.array([math.cos(angle), math.sin(angle)], dtype=np.float32)
+        across = np.array([-along[1], along[0]], dtype=np.float32)
+        free = np.stack([1 - dot(normal, one[:, np.newaxis]) ** 2 for one in (along, across)])
+        shear = self._system.multiply_mean_inverse(np.sqrt(ease) * free)
         # In full contact all are displaced without a shear.
-        alone = _MIN_WEIGHT * free.mean(axis=1) / self._system.own
-        least = _MIN_WEIGHT * np.maximum(shear.mean(axis=1), alone)
-        one, other = np.maximum(shear, least[:, np.newaxis])
+        alone = _MIN_WEIGHT * free.mean(axis=1) / np.float32(self._system.own)
+        smallest = _MIN_WEIGHT * np.maximum(shear.mean(axis=1), alone)
+        one, other = np.maximum(shear, smallest[:, np.newaxis])
         self._stiffness = [
             along[i] * along[j] * one + across[i] * across[j] * other for i, j in ((0, 0), (0, 1), (1, 1))
         ]
@@ -104,7 +111,7 @@ class CoarseCorrection:
         inverse = system.inverse
         mx, my = inverse.padded
         stiffness = system.mean_stiffness
-        mean = max(0.5 * float(np.trace(weights.total)) / (mx * my), _LEAST_MEAN)
+        mean = max(0.5 * float(np.trace(weights.total)) / (mx * my), _MIN_MEAN)
         bx, by = (
             count_blocks(axis, count, mean)
             for axis, count in zip((stiffness[:, 0], stiffness[0]), (mx, my), strict=True)
@@ -133,7 +140,7 @@ class CoarseCorrection:
         self._approximate = WaveMatrix(symbols, (bx, by))
         self._rest = [diagonal[0] - means[0], diagonal[1], diagonal[2] - means[1]]
 
-    def apply(self, residual: Array) -> Array:
+    def apply(self, residual: RealArray) -> RealArray:
         """Return the vectors to be subtracted from the preconditioned residual."""
         bx, by = self._shape
         right = np.concatenate([self._blocks.sums(one) for one in self._weights.multiply(residual)])
