@@ -249,9 +249,14 @@ class ShearSystem:
         return self.inverse.symbols[component] * np.float32(self._compliance)
 
     @cached_property
+    def _mean_inverse(self) -> WaveMatrix:
+        mean = 0.5 * (self.inverse.symbols["xx"] + self.inverse.symbols["yy"])
+        return WaveMatrix({"xx": mean, "yy": mean}, self.inverse.padded)
+
+    @property
     def mean_stiffness(self) -> RealArray:
         """The mean of that over the directions of the displacement."""
-        return np.asarray(0.5 * (self.scaled_inverse("xx") + self.scaled_inverse("yy")))
+        return self._mean_inverse.symbols["xx"] * np.float32(self._compliance)
 
     def gather(self, fields: RealArray) -> RealArray:
         """Return the vectors of fields, shape (2, nx, ny)."""
@@ -277,18 +282,19 @@ class ShearSystem:
 
         On a periodic domain the mean, to which the kernel does not respond, gets the shear of a single cell.
         """
-        self.products += 1
-        shear = self.gather(self.inverse.apply(self.scatter(displacement))) * np.float32(self._compliance)
+        shear = self._multiply_waves(self.inverse, displacement)
         if self._convolution.setup.boundary is Boundary.PERIODIC:
             mean = displacement.sum(axis=1, dtype=np.float64, keepdims=True) / math.prod(self.shape)
             shear += (mean / self.own).astype(np.float32)
         return shear
 
     def multiply_mean_inverse(self, displacement: RealArray) -> RealArray:
-        """Return the shear by a displacement in float32, by the mean of the inverse over directions."""
+        """Return that product with the mean of the inverse over directions, and without a shear of the mean."""
+        return self._multiply_waves(self._mean_inverse, displacement)
+
+    def _multiply_waves(self, matrix: WaveMatrix, displacement: RealArray) -> RealArray:
         self.products += 1
-        matrix = WaveMatrix({"xx": self.mean_stiffness, "yy": self.mean_stiffness}, self.inverse.padded)
-        return self.gather(matrix.apply(self.scatter(displacement)))
+        return self.gather(matrix.apply(self.scatter(displacement))) * np.float32(self._compliance)
 
     def find_on_circle(self, shear: Array) -> Mask:
         """Return the cells whose shear has the magnitude of the limit, but for rounding."""

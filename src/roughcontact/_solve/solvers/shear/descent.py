@@ -147,7 +147,7 @@ class ShearDescent:
         along = face.restrict(move)
         curvature = sum_of_products(along, change - np.float32(system.own) * self._lag)
         slope = sum_of_products(residual, along)
-        after = sum_of_products((self._slip - change).astype(np.float32), face.move_to(trial).restrict(move))
+        after = sum_of_products(face.move_to(trial).restrict(self._slip - change).astype(np.float32), move)
         if not (math.isfinite(curvature) and slope > 0.0):
             return False
         # The mean shear of a periodic contact has no stiffness.

@@ -12,8 +12,8 @@ from roughcontact._solve.solvers.shear.base import ShearSystem
 from roughcontact._solve.solvers.shear.discs import dot
 from roughcontact._solve.solvers.shear.preconditioner import CoarseCorrection, PunchWeights, Weights
 
-# Maximum curvature, over which a cell does not move in float32.
-_MAX_CURVATURE = 1e10
+# Maximum curvature: its product with the shear of such a cell, below the limit, stays in the range of float32.
+_MAX_CURVATURE = 1e30
 
 
 @attrs.frozen(eq=False)
@@ -102,7 +102,10 @@ class Face:
         preconditioned = self.system.multiply_inverse(root * residual)
         preconditioned *= root
         preconditioned += (self.ease - self.ease * self.ease) / np.float32(self.system.own) * residual
-        corrected = preconditioned - CoarseCorrection(self.system, self.weights).apply(residual)
+        weights = self.weights
+        if self.punch.is_full:
+            return self.balance(preconditioned)
+        corrected = preconditioned - CoarseCorrection(self.system, weights).apply(residual)
         # Where weights ring, the correction may turn the direction uphill.
         is_downhill = sum_of_products(residual, corrected) > 0.0
         return self.balance(corrected if is_downhill else preconditioned)

@@ -17,8 +17,11 @@ from roughcontact._solve.solvers.shear.discs import dot
 # Fraction of the cells that begin or end to slip before the weights are computed anew: 0.003 and 0.03 change the
 # products of nine rough contacts by less than 5 %.
 _MAX_CHANGED_FRACTION = 0.01
-# Minimum weight, over the mean: smaller ones are ringing of the inverse.
-_MIN_WEIGHT = 1e-3
+# Minimum weight, over that of a cell alone times the part of the cells that is free: smaller ones are ringing of the
+# inverse. 0.01 and 0.03 change the iterations of 27 rough contacts by 2 %, 0.1 doubles them.
+_MIN_WEIGHT = 0.02
+# Mean weight, over the same, below which the contact is nearly full and moves as one: from 95 % of the area on.
+_FULL_CONTACT_WEIGHT = 0.008
 # Minimum mean weight of a cell, far below that of one.
 _MIN_MEAN = 1e-15
 # Maximum exponent in the cut of the short waves.
@@ -61,7 +64,14 @@ class PunchWeights:
 
     A cell that slips follows along its circle alone. So a displacement along the main direction of slip, and one across
     it, find different cells that resist: each gets a product with the mean of the inverse kernel over directions.
+
+    Attributes
+    ----------
+    is_full
+        Whether the contact is nearly full: it then moves as one, and all cells weigh alike.
     """
+
+    is_full = False
 
     def __init__(self, system: ShearSystem) -> None:
         self._system = system
@@ -87,10 +97,10 @@ class PunchWeights:
         across = np.array([-along[1], along[0]], dtype=np.float32)
         free = np.stack([1 - dot(normal, one[:, np.newaxis]) ** 2 for one in (along, across)])
         shear = self._system.multiply_mean_inverse(np.sqrt(ease) * free)
-        # In full contact all are displaced without a shear.
-        alone = _MIN_WEIGHT * free.mean(axis=1) / np.float32(self._system.own)
-        smallest = _MIN_WEIGHT * np.maximum(shear.mean(axis=1), alone)
-        one, other = np.maximum(shear, smallest[:, np.newaxis])
+        own = np.float32(self._system.own)
+        alone = free.mean(axis=1, keepdims=True) / own
+        self.is_full = bool((shear.mean(axis=1, keepdims=True) < _FULL_CONTACT_WEIGHT * alone).any())
+        one, other = np.full_like(shear, 1 / own) if self.is_full else np.maximum(shear, _MIN_WEIGHT * alone)
         self._stiffness = [
             along[i] * along[j] * one + across[i] * across[j] * other for i, j in ((0, 0), (0, 1), (1, 1))
         ]
