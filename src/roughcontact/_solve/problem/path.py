@@ -283,7 +283,7 @@ def run_path(
     require_frictional(problem)
     run = CoupledSolve(problem, law)
     segments = list_steps(run, normal, tangential)
-    require_memory_of_friction(problem.plan, coupled=run.shear.coupled, states=len(segments))
+    require_memory_of_friction(problem.plan, states=len(segments))
     for segment in segments:
         limit_load(problem.plan, problem.initial_gap, segment.end)
     has_pressing = segments[0].after.values == (0.0, 0.0) and is_single(normal)

@@ -19,7 +19,7 @@ from roughcontact._base.units import PlainText, binary, outlined, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Grid
 from roughcontact._parts.interactions import Interaction
 from roughcontact._parts.kernels import InfluenceKernel
-from roughcontact._parts.materials import Material, Rigid, combined_pressure_limit, contact_modulus
+from roughcontact._parts.materials import Material, Rigid, combined_pressure_limit, contact_modulus, pair_constants
 from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct
 from roughcontact._solve.problem.body import Body, InitialGap
@@ -237,11 +237,12 @@ def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = 
     _require_memory(memory_of_solve(grid, boundary, 0.0), "A solve", grid, boundary, limit)
 
 
-def require_memory_of_friction(plan: SolvePlan, *, coupled: bool, states: int = 1) -> None:
-    """Refuse a problem of which a contact with friction does not fit into memory, even at light contact.
+def require_memory_of_friction(plan: SolvePlan, states: int = 1) -> None:
+    """Refuse a problem of which a contact with friction, or a path of so many states, does not fit into memory.
 
-    `coupled` is whether the bodies are of unlike materials, `states` the number that a path keeps.
+    Light contact is assumed; `InputError` if Poisson's ratio of a material is not known.
     """
+    coupled = pair_constants(*plan.materials).beta != 0.0
     arrays = _FRICTION_ARRAYS[plan.boundary is Boundary.FREE][coupled] + (states - 1) * _STATE_ARRAYS[coupled]
     what = "A contact with friction" if states == 1 else f"A path of {states} states"
     _require_memory(int(8 * plan.grid.cells * arrays), what, plan.grid, plan.boundary, plan.memory_limit)

@@ -144,13 +144,11 @@ class ContactProblem:
     def shear_convolution(self) -> ShearConvolution:
         """The map from tractions to displacements, in the variables of `convolution`; normal contact needs none.
 
-        `InputError` if the boundary or the kernel has none, Poisson's ratio of a material is not known, or a contact
-        with friction does not fit into memory.
+        `InputError` if the boundary or the kernel has none, Poisson's ratio is not known, or it exceeds the memory.
         """
         plan = self.plan
-        pair = pair_constants(*plan.materials)
-        require_memory_of_friction(plan, coupled=pair.beta != 0.0)
-        bound = attrs.evolve(self.convolution.setup.kernel, pair=pair)
+        require_memory_of_friction(plan)
+        bound = attrs.evolve(self.convolution.setup.kernel, pair=pair_constants(*plan.materials))
         return plan.convolver.prepare(bound, plan.grid, plan.boundary).shear()
 
     @property
