@@ -20,7 +20,7 @@ from roughcontact.__main__ import main
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.machine import available_memory, limit_of_memory, require_memory
 from roughcontact._base.units import binary
-from roughcontact._solve.problem.plan import require_memory_of_solve
+from roughcontact._solve.problem.plan import _FRICTION_ARRAYS, _STATE_ARRAYS, require_memory_of_solve
 
 NAN = float("nan")
 linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits and figures are those of Linux")
@@ -423,6 +423,61 @@ def test_no_solve_takes_more_than_its_plan_says_with_any_part(parts, load, hardn
     for cells in (32, 256):
         peak, stated = measure(cells, load, hardness, **parts)
     assert peak < stated
+
+
+def push(cells, counterbody, boundary="periodic", **options):
+    """Return a rough problem at light contact, and its load."""
+    problem = rough_problem(cells, boundary=boundary, counterbody=rc.Body(rc.FlatSurface(), counterbody), **options)
+    return problem, 1e-3 * problem.plan.modulus * problem.plan.grid.area
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("counterbody", [STEEL, rc.Rigid()], ids=["like", "unlike"])
+def test_friction_takes_hardly_more_than_is_asked_for(boundary, counterbody):
+    """What is refused would not have fitted: the memory at light contact, for which is asked, is taken."""
+    for cells in (32, 256):
+        problem, force = push(cells, counterbody, boundary)
+        cells_bytes = 8 * problem.plan.grid.cells
+        _ = problem.initial_gap
+        tracemalloc.start()
+        problem.slide(force=force, friction=0.1)
+        peak = tracemalloc.get_traced_memory()[1] / cells_bytes
+        tracemalloc.stop()
+    unlike = counterbody is not STEEL
+    asked = _FRICTION_ARRAYS[boundary == "free"][unlike]
+    assert 0.9 * peak < asked < peak
+    states = []
+    for count in (1, 3):
+        problem, _ = push(256, counterbody, boundary)
+        pushed = [(0.01 * k * force, 0.0) for k in range(1, count + 1)]
+        tracemalloc.start()
+        path = problem.path(force=[force] * count, tangential_force=pushed, friction=0.1, substeps=1)
+        states.append(tracemalloc.get_traced_memory()[0] / cells_bytes)
+        tracemalloc.stop()
+        assert len(path) == count
+    assert 0.8 * (states[1] - states[0]) < 2 * _STATE_ARRAYS[unlike] <= states[1] - states[0] + 0.5
+
+
+def test_friction_is_refused_before_it_takes_memory():
+    problem, force = push(512, STEEL, memory_limit="40 MiB")
+    assert problem.solve(force=force).status.success
+    loads = {"force": force, "friction": 0.1}
+    tracemalloc.start()
+    calls = (lambda: problem.path(tangential_force=[(0.05 * force, 0.0)], **loads), lambda: problem.slide(**loads))
+    for call in calls:
+        with pytest.raises(rc.InputError) as caught:
+            call()
+        assert str(caught.value) == (
+            "A contact with friction on 512 x 512 cells, boundary periodic, needs 64 MiB of memory, but memory_limit= "
+            "allows only 40 MiB: choose at most 384 x 384 cells."
+        )
+    assert tracemalloc.get_traced_memory()[1] < 8 * problem.plan.grid.cells
+    tracemalloc.stop()
+    fits, force = push(384, STEEL, memory_limit="40 MiB")
+    assert fits.slide(force=force, friction=0.1).status.success
+    # A path keeps all its states.
+    with pytest.raises(rc.InputError, match=r"A path of 41 states on 384 x 384 cells, .* allows only 40 MiB"):
+        fits.path(force=force, tangential_force=[(0.05 * force * (-1) ** k, 0.0) for k in range(40)], friction=0.1)
 
 
 def solve_in(boundary, fraction):

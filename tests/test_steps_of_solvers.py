@@ -28,10 +28,10 @@ from roughcontact._solve.solvers.conjugate.preconditioner import (
     CoarseCorrection,
     RigidCorrection,
     _BlockAverage,
-    _count_blocks,
-    _divide,
     _gather_blocks,
     _spread_blocks,
+    count_blocks,
+    divide,
     half_space_inverse,
     multiply_active,
 )
@@ -93,7 +93,7 @@ def test_sums_over_blocks_and_their_spread(shape, padded, blocks, share):
     rng = np.random.default_rng(3)
     marked = rng.random(shape[0] * shape[1]) < share
     active = active_cells(marked.astype(np.float32), lambda tile: marked[tile])
-    partition = _divide(shape, padded, blocks)
+    partition = divide(shape, padded, blocks)
     i, j = np.indices(shape)
     number = (i * blocks[0] // padded[0]) * blocks[1] + j * blocks[1] // padded[1]
     values = rng.normal(size=shape[0] * shape[1])
@@ -205,16 +205,16 @@ def test_the_coarse_correction_solves_its_system_on_the_blocks():
     active = active_cells(marked.astype(np.float32), lambda tile: marked[tile])
     weights = active.gather(inverse.apply(marked.astype(np.float32).reshape(64, 96)).ravel())
     correction = CoarseCorrection(inverse, (64, 96), active, weights)
-    diagonal = active.blocks(_divide((64, 96), inverse.padded, correction._diagonal.shape)).sums(weights)
+    diagonal = active.blocks(divide((64, 96), inverse.padded, correction._diagonal.shape)).sums(weights)
     np.testing.assert_allclose(correction._diagonal, diagonal, rtol=1e-5)
     far = 1.0 / correction._approximate - correction._mean
     assert far[0, 0] == pytest.approx(0.0, abs=1e-5 * float(correction._mean))
     residual = active.gather(np.random.default_rng(7).normal(size=marked.size).astype(np.float32))
-    right = active.blocks(_divide((64, 96), inverse.padded, diagonal.shape)).sums(weights * residual)
+    right = active.blocks(divide((64, 96), inverse.padded, diagonal.shape)).sums(weights * residual)
     solution = correction._solve(right.astype(np.float32))
     image = np.fft.irfft2(np.fft.rfft2(solution) * far, right.shape) + diagonal * solution
     assert np.linalg.norm(image - right) < 0.1 * np.linalg.norm(right)
-    spread = active.blocks(_divide((64, 96), inverse.padded, diagonal.shape)).spread(solution)
+    spread = active.blocks(divide((64, 96), inverse.padded, diagonal.shape)).spread(solution)
     np.testing.assert_allclose(correction.apply(weights, residual), weights * spread, rtol=1e-4, atol=1e-5)
 
 
@@ -222,13 +222,13 @@ def test_blocks_resolve_the_long_waves():
     """The stiffness is the wave's number: blocks of so many cells hold the waves up to 1.5 times 3 means."""
     stiffness = np.arange(257.0)
     for mean in (0.5, 2.0, 8.0):
-        blocks = _count_blocks(stiffness, 512, mean)
+        blocks = count_blocks(stiffness, 512, mean)
         assert blocks >= min(4.5 * mean, 8)
         assert 512 / blocks <= 64
         if blocks > 8:
             assert stiffness[blocks // 4] < 4.5 * mean
-    assert _count_blocks(np.arange(6.0), 10, 1e-9) == 10
-    assert _count_blocks(np.arange(100.0), 40, 1e-9) == 10
+    assert count_blocks(np.arange(6.0), 10, 1e-9) == 10
+    assert count_blocks(np.arange(100.0), 40, 1e-9) == 10
 
 
 class Diagonal:

@@ -57,6 +57,24 @@ def test_near_full_and_full_contact(device, pressure, fraction):
 
 
 @pytest.mark.parametrize("device", DEVICES)
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("counterbody", [STEEL, rc.Rigid()], ids=["like", "unlike"])
+def test_a_path_with_friction(device, boundary, counterbody):
+    parts = {"boundary": boundary, "counterbody": rc.Body(rc.FlatSurface(), counterbody)}
+    force = 5e6 * 64.0**2
+    loads = {"force": force, "friction": 0.3, "tangential_force": [(0.1 * force, 0.0), (-0.1 * force, 0.0)]}
+    expected, found = (
+        problem(**parts, **convolver).path(**loads, substeps=1) for convolver in ({}, {"convolver": TorchFFT(device)})
+    )
+    found.verify()
+    for one, other in zip(expected, found, strict=True):
+        assert type(other.shear) is np.ndarray
+        assert other.displacement == pytest.approx(one.displacement, rel=1e-4, abs=1e-6 * abs(one.displacement[0]))
+    with pytest.raises(rc.InputError, match="A wrapped boundary has no response to shear"):
+        problem(boundary="wrapped", convolver=TorchFFT(device)).slide(force=force, friction=0.3)
+
+
+@pytest.mark.parametrize("device", DEVICES)
 def test_a_sphere_in_a_window_of_a_free_domain(device):
     sphere = rc.ParaboloidSurface(radius=2000.0)
     found = assert_same_contact({"surface": sphere, "n": 160, "boundary": "free"}, {"force": 2e8}, device)

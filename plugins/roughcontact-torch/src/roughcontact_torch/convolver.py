@@ -20,6 +20,7 @@ from roughcontact.typing import (
     InverseConvolution,
     PreparedConvolution,
     RealArray,
+    ShearConvolution,
 )
 
 from roughcontact_torch.arrays import TensorArray
@@ -178,6 +179,12 @@ class TensorConvolution(PreparedConvolution):
         """Return the approximate inverse on tensors."""
         found = super().inverse(dtype)
         return TensorInverse(self.from_numpy(found.stiffness), found.padded, found.exact)
+
+    def shear(self) -> ShearConvolution:
+        """Return the convolution of shear on the host: the solver of shear works on numpy's arrays."""
+        setup = self.setup
+        host = rc.DCFFT() if setup.boundary is rc.Boundary.FREE else rc.CircularFFT()
+        return host.prepare(setup.kernel, setup.grid, setup.boundary).shear()
 
     @contextmanager
     def use_threads(self, count: int) -> Iterator[None]:

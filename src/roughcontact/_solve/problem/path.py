@@ -29,6 +29,7 @@ from roughcontact._solve.problem.increments import (
     numbers_of,
     refine_steps,
 )
+from roughcontact._solve.problem.plan import require_memory_of_friction
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import FrictionalSolution, read_estimate, read_path, write_path
 from roughcontact.errors import InputError
@@ -282,6 +283,7 @@ def run_path(
     require_frictional(problem)
     run = CoupledSolve(problem, law)
     segments = list_steps(run, normal, tangential)
+    require_memory_of_friction(problem.plan, states=len(segments))
     for segment in segments:
         limit_load(problem.plan, problem.initial_gap, segment.end)
     has_pressing = segments[0].after.values == (0.0, 0.0) and is_single(normal)

@@ -19,7 +19,7 @@ from roughcontact._base.units import PlainText, binary, outlined, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Grid
 from roughcontact._parts.interactions import Interaction
 from roughcontact._parts.kernels import InfluenceKernel
-from roughcontact._parts.materials import Material, Rigid, combined_pressure_limit, contact_modulus
+from roughcontact._parts.materials import Material, Rigid, combined_pressure_limit, contact_modulus, pair_constants
 from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct
 from roughcontact._solve.problem.body import Body, InitialGap
@@ -43,6 +43,10 @@ _CONTACT_FRACTIONS = {False: (0.0, 0.1, 0.28, 0.36, 1.0), True: (0.0, 0.1, 0.4, 
 _ARRAYS_AT_FRACTIONS = {False: (8.0, 9.2, 10.3, 15.5, 16.6), True: (11.5, 12.7, 17.6, 17.8)}
 # Minimum arrays if vectors hold all cells, as for other solvers and the direct sum; measured by tests/test_memory.py.
 _UNRESTRICTED_ARRAYS = 14.0
+# Memory of steady sliding at light contact, in the same arrays, without and with a free boundary, for like and unlike
+# bodies, and of each further state of a path; measured by tests/test_memory.py. Most of it are symbols of shear.
+_FRICTION_ARRAYS = {False: (32.0, 40.5), True: (36.0, 50.5)}
+_STATE_ARRAYS = (5.0, 8.5)
 # Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), which leaves room for
 # coarser and finer grids.
 _MAX_CELL_ASPECT = 1e8
@@ -230,15 +234,29 @@ def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = 
 
     `limit` is the memory that it may take, bytes; None: the memory of the machine.
     """
+    _require_memory(memory_of_solve(grid, boundary, 0.0), "A solve", grid, boundary, limit)
+
+
+def require_memory_of_friction(plan: SolvePlan, states: int = 1) -> None:
+    """Refuse a problem of which a contact with friction, or a path of so many states, does not fit into memory.
+
+    Light contact is assumed; `InputError` if Poisson's ratio of a material is not known.
+    """
+    coupled = pair_constants(*plan.materials).beta != 0.0
+    arrays = _FRICTION_ARRAYS[plan.boundary is Boundary.FREE][coupled] + (states - 1) * _STATE_ARRAYS[coupled]
+    what = "A contact with friction" if states == 1 else f"A path of {states} states"
+    _require_memory(int(8 * plan.grid.cells * arrays), what, plan.grid, plan.boundary, plan.memory_limit)
+
+
+def _require_memory(needed: int, what: str, grid: Grid, boundary: Boundary, limit: int | None) -> None:
     shape = " x ".join(map(str, grid.shape))
-    needed = memory_of_solve(grid, boundary, 0.0)
 
     def advise(available: int) -> str:
         sides = (_round_down(math.sqrt(available / needed) * n) for n in grid.shape)
         padded = ", or a periodic boundary, which needs less" if boundary is Boundary.FREE else ""
         return f"choose at most {' x '.join(map(str, sides))} cells{padded}"
 
-    require_memory(needed, f"A solve on {shape} cells, boundary {boundary},", advise, limit)
+    require_memory(needed, f"{what} on {shape} cells, boundary {boundary},", advise, limit)
 
 
 def _round_down(side: float) -> int:

@@ -24,7 +24,7 @@ from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_
 from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_frictional
 from roughcontact._solve.problem.path import FrictionalPath, run_path, run_slide
-from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
+from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_friction, require_memory_of_solve
 from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
 from roughcontact._solve.problem.sweep import Sweep, find_load_of_area, run_sweep
 from roughcontact._solve.problem.task import limit_load, maximum_pressure
@@ -144,9 +144,10 @@ class ContactProblem:
     def shear_convolution(self) -> ShearConvolution:
         """The map from tractions to displacements, in the variables of `convolution`; normal contact needs none.
 
-        `InputError` if the boundary or the kernel has none, or Poisson's ratio of a material is not known.
+        `InputError` if the boundary or the kernel has none, Poisson's ratio is not known, or it exceeds the memory.
         """
         plan = self.plan
+        require_memory_of_friction(plan)
         bound = attrs.evolve(self.convolution.setup.kernel, pair=pair_constants(*plan.materials))
         return plan.convolver.prepare(bound, plan.grid, plan.boundary).shear()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from functools import lru_cache
 
 import attrs
@@ -36,7 +37,7 @@ _DECAY_BLOCKS = 0.7
 # Weight of zero in the average: the extension ends where the active cells together weigh less.
 _EXTENSION_END_WEIGHT = 0.01
 # Cut between long and short waves, over the wave whose stiffness is the mean weight, and resolution of blocks, over it.
-_LONG_WAVE_CUT = 3.0
+LONG_WAVE_CUT = 3.0
 _BLOCK_RESOLUTION = 1.5
 # Maximum cells along a block, and minimum blocks along an axis.
 _MAX_BLOCK_CELLS = 64
@@ -361,14 +362,14 @@ class CoarseCorrection:
         self._inverse = inverse
         mx, my = inverse.padded
         mean = total(weights) / (mx * my)
-        bx, by = (_count_blocks(axis, count, mean) for axis, count in zip(inverse.axes, (mx, my), strict=True))
-        partition = _divide(shape, (mx, my), (bx, by))
+        bx, by = (count_blocks(axis, count, mean) for axis, count in zip(inverse.axes, (mx, my), strict=True))
+        partition = divide(shape, (mx, my), (bx, by))
         self._blocks = active.blocks(partition)
         self._diagonal = self._blocks.sums(weights).astype(np.float32)
         half = np.fft.fftfreq(bx, 1 / bx).astype(int)
         stiffness = inverse.stiffness[half][:, : by // 2 + 1]
         size = mx * my / (bx * by)
-        growth = np.minimum((stiffness / (_LONG_WAVE_CUT * mean)) ** 2, _MAX_EXPONENT)
+        growth = np.minimum((stiffness / (LONG_WAVE_CUT * mean)) ** 2, _MAX_EXPONENT)
         far = stiffness * np.exp(growth) * np.float32(size)
         self._mean = np.float32(size * mean)
         self._approximate = 1.0 / (far + self._mean)
@@ -379,32 +380,51 @@ class CoarseCorrection:
         return weights * self._blocks.spread(solution)
 
     def _solve(self, right: RealArray) -> RealArray:
-        """Solve the system on the blocks to a few per cent."""
-        size = float(np.abs(right).max())
-        solution = np.zeros_like(right)
-        if size == 0.0:
-            return solution
-        # Squares of small residuals would leave the range of float32.
-        residual = right / np.float32(size)
-        first = math.sqrt(sum_of_products(residual, residual))
-        direction = response = np.zeros_like(right)
-        previous = math.inf
-        for _ in range(_MAX_BLOCK_STEPS):
-            image = self._inverse.multiply(residual, self._approximate, right.shape)
-            product = sum_of_products(residual, image)
-            factor = np.float32(product / previous)
-            direction = image + factor * direction
-            # The system is the inverse of the approximation plus the diagonal less its mean.
-            response = residual + (self._diagonal - self._mean) * image + factor * response
-            curvature = sum_of_products(direction, response)
-            if not (curvature > 0.0 and product > 0.0):
-                break
-            solution += np.float32(product / curvature) * direction
-            residual = residual - np.float32(product / curvature) * response
-            if math.sqrt(sum_of_products(residual, residual)) < _BLOCK_RESIDUAL * first:
-                break
-            previous = product
-        return solution * np.float32(size)
+        return solve_on_blocks(
+            right,
+            lambda values: self._inverse.multiply(values, self._approximate, values.shape),
+            lambda values: (self._diagonal - self._mean) * values,
+        )
+
+
+def solve_on_blocks(
+    right: RealArray, approximate: Callable[[RealArray], RealArray], rest: Callable[[RealArray], RealArray]
+) -> RealArray:
+    """Solve the system of a coarse correction to a few per cent, by conjugate gradients.
+
+    Parameters
+    ----------
+    right
+        The right side, float32, with two axes.
+    approximate
+        The inverse of an approximation of the system.
+    rest
+        The system less the inverse of `approximate`.
+    """
+    size = float(np.abs(right).max())
+    solution = np.zeros_like(right)
+    if size == 0.0:
+        return solution
+    # Squares of small residuals would leave the range of float32.
+    residual = right / np.float32(size)
+    first = math.sqrt(sum_of_products(residual, residual))
+    direction = response = np.zeros_like(right)
+    previous = math.inf
+    for _ in range(_MAX_BLOCK_STEPS):
+        image = approximate(residual)
+        product = sum_of_products(residual, image)
+        factor = np.float32(product / previous)
+        direction = image + factor * direction
+        response = residual + rest(image) + factor * response
+        curvature = sum_of_products(direction, response)
+        if not (curvature > 0.0 and product > 0.0):
+            break
+        solution += np.float32(product / curvature) * direction
+        residual = residual - np.float32(product / curvature) * response
+        if math.sqrt(sum_of_products(residual, residual)) < _BLOCK_RESIDUAL * first:
+            break
+        previous = product
+    return solution * np.float32(size)
 
 
 class RigidCorrection:
@@ -431,18 +451,18 @@ class RigidCorrection:
         return image + np.float32(parts[0] - fraction) * weights + np.float32(parts[1]) * active.ones
 
 
-def _count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
+def count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
     """Return the number of blocks along an axis: few, but enough for all long waves."""
     size = 1
     while 2 * size <= _MAX_BLOCK_CELLS and count // (2 * size) >= _MIN_BLOCKS:
-        if stiffness[max(count // (4 * size), 1)] < _BLOCK_RESOLUTION * _LONG_WAVE_CUT * mean:
+        if stiffness[max(count // (4 * size), 1)] < _BLOCK_RESOLUTION * LONG_WAVE_CUT * mean:
             break
         size *= 2
     return max(count // size, 1)
 
 
 @lru_cache(maxsize=4)
-def _divide(shape: tuple[int, int], padded: tuple[int, int], blocks: tuple[int, int]) -> Partition:
+def divide(shape: tuple[int, int], padded: tuple[int, int], blocks: tuple[int, int]) -> Partition:
     """Return the partition of the cells; a solve repeats a few of them."""
     rows, columns = (((np.arange(n) * b) // m).astype(np.int32) for n, m, b in zip(shape, padded, blocks, strict=True))
     return Partition(shape, blocks, rows, columns)

@@ -7,10 +7,11 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
 from roughcontact._solve.solvers.shear.base import ShearSystem, Verified
-from roughcontact._solve.solvers.shear.discs import directions, dot, magnitude, natural_residual
+from roughcontact._solve.solvers.shear.discs import MIN_SIZE, dot, magnitude
 from roughcontact._solve.solvers.shear.face import Face
+from roughcontact._solve.solvers.shear.preconditioner import PunchWeights
 
 # Step lengths in units of the direction: the first, the maximum, and the minimum at a restart, also the factor on a
 # rejected step.
@@ -32,6 +33,9 @@ _FORCE_ERROR = 0.01
 # Fraction of the cells that hit their circle above which the next direction is not conjugate: 0.003 and 0.03 change
 # the iterations on nine rough contacts by 2 %.
 _RESTART_FRACTION = 0.01
+# Length of what lags behind, over that of the step, above which its displacement is computed at once: 0.1 and 0.5
+# change the products of 54 rough contacts by at most 3 %; without it they are 14 % more, up to five times as many.
+_MAX_LAG = 0.3
 # Maximum iterations of a pass that do not halve the residual.
 _MAX_IDLE_ITERATIONS = 12
 
@@ -40,8 +44,8 @@ _MAX_IDLE_ITERATIONS = 12
 class _Taken:
     """The last step, its product with the kernel, and the product of both."""
 
-    step: Array
-    change: Array
+    step: RealArray
+    change: RealArray
     curvature: float
 
 
@@ -51,11 +55,12 @@ class ShearDescent:
     The step length is guessed, the step projected on the discs with the force restored, its displacement computed, and
     its length then corrected. The correction follows the circles, the displacement the straight step: the difference is
     part of the next step, and until then only its effect on its own cell counts. So an iteration needs one product with
-    the kernel and one with its inverse.
+    the kernel and one with its inverse, and a further one only while many cells move around their circles.
     """
 
     def __init__(self, system: ShearSystem) -> None:
         self._system = system
+        self._punch = PunchWeights(system)
         self._length = _FIRST_LENGTH
         self.iterations = 0
 
@@ -63,8 +68,8 @@ class ShearDescent:
         """Return a shear whose residual is estimated to reach a goal, or is as low as float32 allows."""
         self._shear = start.shear
         # The slip is that of the shear less what lags behind.
-        self._slip = start.slip
-        self._lag = np.zeros_like(self._shear)
+        self._slip = start.slip.copy()
+        self._lag: RealArray = np.zeros(self._shear.shape, dtype=np.float32)
         self._last: _Taken | None = None
         self._error = _FORCE_ERROR * goal
         self._length = max(self._length, _CAREFUL_LENGTH)
@@ -85,19 +90,23 @@ class ShearDescent:
     def _estimate(self) -> float:
         """Return the residual; the displacement of the bodies is chosen anew."""
         system = self._system
-        trial = self._shear + self._local_slip() / system.own
-        shift = system.control.project(trial, system.limit, gain=1.0 / system.own, error=self._error)[1]
-        self._slip = self._slip + shift[:, np.newaxis]
-        return natural_residual(self._shear, self._local_slip(), system.limit, system.own)
+        trial = self._local_slip()
+        trial /= system.own
+        trial += self._shear
+        nearest, shift = system.control.project(trial, system.limit, gain=1.0 / system.own, error=self._error)
+        self._slip += shift[:, np.newaxis]
+        # That is the natural residual, but for its unit.
+        nearest -= self._shear
+        return math.sqrt(float(dot(nearest, nearest).max())) / float(system.limit.max())
 
     def _local_slip(self) -> Array:
         """Return the slip with the effect of what lags on its own cells."""
-        return self._slip - self._system.own * self._lag
+        return self._slip - np.float32(self._system.own) * self._lag
 
     def _iterate(self) -> bool:
         """Make one step; return whether there is one that lowers the energy."""
         slip = self._local_slip()
-        face = Face.find(self._system, self._shear, slip)
+        face = Face.find(self._system, self._punch, self._shear, slip)
         residual = face.find_residual(slip)
         preconditioned = face.precondition(residual)
         direction = self._conjugate(face, residual, preconditioned)
@@ -109,35 +118,36 @@ class ShearDescent:
             direction = preconditioned
         return False
 
-    def _conjugate(self, face: Face, residual: Array, preconditioned: Array) -> Array:
+    def _conjugate(self, face: Face, residual: RealArray, preconditioned: RealArray) -> RealArray:
         """Return the direction that is conjugate to the last step, or the preconditioned residual."""
         if self._last is None:
             self._length = max(self._length, _CAREFUL_LENGTH)
             return preconditioned
         last = face.balance(self._last.step)
         bent = face.curvature * last
-        product = _sum(preconditioned, self._last.change) + _sum(preconditioned, bent)
-        curvature = self._last.curvature + _sum(last, bent)
+        product = sum_of_products(preconditioned, self._last.change) + sum_of_products(preconditioned, bent)
+        curvature = self._last.curvature + sum_of_products(last, bent)
         if not (curvature > 0.0 > product):
             return preconditioned
-        direction = preconditioned - product / curvature * last
-        steep = _sum(residual, direction) > _MIN_CONJUGATE_SLOPE * _sum(residual, preconditioned)
+        last *= np.float32(-product / curvature)
+        direction = np.add(preconditioned, last, out=last)
+        steep = sum_of_products(residual, direction) > _MIN_CONJUGATE_SLOPE * sum_of_products(residual, preconditioned)
         return direction if steep else preconditioned
 
-    def _move(self, face: Face, residual: Array, direction: Array) -> bool:
+    def _move(self, face: Face, residual: RealArray, direction: RealArray) -> bool:
         """Take a step of the present length along a direction, with its length corrected, if it lowers the energy."""
         system = self._system
-        ahead = self._shear + self._length * direction
+        ahead = self._shear + np.float32(self._length) * direction
         hits = (magnitude(ahead) > system.limit) & ~face.slips
         trial = system.control.project(ahead, system.limit, circle=face.slips, gain=face.ease, error=self._error)[0]
-        move = trial - self._shear
+        move = (trial - self._shear).astype(np.float32)
         step = move + self._lag
-        change = system.multiply(step.astype(np.float32)).astype(np.float64)
+        change = system.multiply(step)
         # The derivatives of the energy along the circles at both ends of the move.
         along = face.restrict(move)
-        curvature = _sum(along, change - system.own * self._lag)
-        slope = _sum(residual, along)
-        after = _sum(self._slip - change, face.move_to(trial).restrict(move))
+        curvature = sum_of_products(along, change - np.float32(system.own) * self._lag)
+        slope = sum_of_products(residual, along)
+        after = sum_of_products(face.move_to(trial).restrict(self._slip - change).astype(np.float32), move)
         if not (math.isfinite(curvature) and slope > 0.0):
             return False
         # The mean shear of a periodic contact has no stiffness.
@@ -145,16 +155,22 @@ class ShearDescent:
         if wanted <= _SHORTENED_STEP_PART:
             return False
         part = self._choose_part(face, move, wanted, meets=bool(hits.any()))
-        self._last = _Taken(part * along, part * change, part * part * curvature)
-        self._slip = self._slip - self._last.change
-        behind = self._shear - self._lag + part * step
-        self._shear = self._find_end(face, hits, part * move)
-        self._lag = self._shear - behind
+        along *= np.float32(part)
+        change *= np.float32(part)
+        step *= np.float32(part)
+        self._last = _Taken(along, change, part * part * curvature)
+        self._slip -= change
+        end = self._find_end(face, hits, np.float32(part) * move)
+        self._lag += end - self._shear - step
+        self._shear = end
+        if sum_of_products(self._lag, self._lag) > _MAX_LAG**2 * sum_of_products(step, step):
+            self._slip -= system.multiply(self._lag)
+            self._lag[...] = 0.0
         if np.count_nonzero(hits) > _RESTART_FRACTION * hits.size:
             self._last = None
         return True
 
-    def _find_end(self, face: Face, hits: Mask, move: Array) -> Array:
+    def _find_end(self, face: Face, hits: Mask, move: RealArray) -> Array:
         """Return the shear after a move, on its circle where a cell slips or has hit it.
 
         A cell that has hit its circle, or whose slip has turned inwards, goes to the place on the circle that the
@@ -164,14 +180,19 @@ class ShearDescent:
         end = self._shear + move
         size = magnitude(end)
         on_circle = face.slips | (size > system.limit)
-        normal = directions(end, size)
-        ahead = np.where(on_circle, system.limit * normal, end) + self._slip / system.own
+        reach = np.maximum(size, system.limit)
+        np.copyto(reach, np.maximum(size, MIN_SIZE), where=face.slips)
+        inwards = on_circle & (dot(end, self._slip) < 0.0)
+        end *= system.limit / reach
+        turned = np.flatnonzero(hits | inwards)
+        ahead = end.take(turned, axis=1) + self._slip.take(turned, axis=1) / system.own
+        limit = system.limit[turned]
         distance = magnitude(ahead)
-        turned = (hits | (on_circle & (dot(normal, self._slip) < 0.0))) & (distance > system.limit)
-        direction = np.where(turned, directions(ahead, distance), normal)
-        return np.where(turned | on_circle, system.limit * direction, end)
+        beyond = distance > limit
+        end[:, turned[beyond]] = ahead[:, beyond] * (limit[beyond] / distance[beyond])
+        return end
 
-    def _choose_part(self, face: Face, step: Array, wanted: float, *, meets: bool) -> float:
+    def _choose_part(self, face: Face, step: RealArray, wanted: float, *, meets: bool) -> float:
         """Return the part of the step to be taken, and set the next length.
 
         `wanted` is the position of the minimum of the energy along the step, `meets` whether it ends on new circles.
@@ -186,15 +207,15 @@ class ShearDescent:
         self._length *= max(wanted, 0.5)
         return wanted
 
-    def _find_room(self, face: Face, step: Array) -> float:
+    def _find_room(self, face: Face, step: RealArray) -> float:
         """Return the part of a step up to which all cells that stick remain within their circles."""
-        square = np.where(face.slips, 0.0, dot(step, step))
-        product = dot(self._shear, step)
-        rest = np.maximum(self._system.limit**2 - dot(self._shear, self._shear), 0.0)
+        sticks = np.flatnonzero(~face.slips)
+        move = step.take(sticks, axis=1)
+        shear = self._shear.take(sticks, axis=1)
+        square = dot(move, move)
+        product = dot(shear, move)
+        rest = np.maximum(self._system.limit[sticks] ** 2 - dot(shear, shear), 0.0)
         root = np.sqrt(product * product + square * rest) - product
-        return float(np.divide(root, square, out=np.full_like(root, math.inf), where=square > 0.0).min())
-
-
-def _sum(one: Array, other: Array) -> float:
-    """Return the sum of the products of vectors."""
-    return float(np.einsum("an,an->", one, other))
+        return float(
+            np.divide(root, square, out=np.full_like(root, math.inf), where=square > 0.0).min(initial=math.inf)
+        )

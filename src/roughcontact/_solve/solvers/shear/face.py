@@ -7,9 +7,13 @@ from functools import cached_property
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
 from roughcontact._solve.solvers.shear.base import ShearSystem
 from roughcontact._solve.solvers.shear.discs import dot
+from roughcontact._solve.solvers.shear.preconditioner import CoarseCorrection, PunchWeights, Weights
+
+# Maximum curvature: its product with the shear of such a cell, below the limit, stays in the range of float32.
+_MAX_CURVATURE = 1e30
 
 
 @attrs.frozen(eq=False)
@@ -20,62 +24,74 @@ class Face:
     ----------
     system
         The task.
+    punch
+        The weights of the last face.
     slips
         Cells that slip along their circle, shape (n,).
     normal
         Outward direction where a cell slips, zero where it sticks, shape (2, n).
     curvature
-        Outward slip over the limit, which the circle adds to the kernel, shape (n,); zero where a cell sticks.
+        Outward slip over the limit, which the circle adds to the kernel, float32, shape (n,); zero where a cell sticks.
     """
 
     system: ShearSystem
+    punch: PunchWeights
     slips: Mask
     normal: Array
-    curvature: Array
+    curvature: RealArray
 
     @classmethod
-    def find(cls, system: ShearSystem, shear: Array, slip: Array) -> Face:
+    def find(cls, system: ShearSystem, punch: PunchWeights, shear: Array, slip: Array) -> Face:
         """Return the face of a shear: a cell slips if it lies on its circle and its slip points outwards."""
         outward = dot(shear, slip) / system.limit**2
         slips = system.find_on_circle(shear) & (outward > 0.0)
-        return cls(system=system, slips=slips, normal=shear * (slips / system.limit), curvature=slips * outward)
+        curvature = np.minimum(slips * outward, _MAX_CURVATURE).astype(np.float32)
+        return cls(system=system, punch=punch, slips=slips, normal=shear * (slips / system.limit), curvature=curvature)
 
     def move_to(self, shear: Array) -> Face:
         """Return the face with the directions of another shear."""
         return attrs.evolve(self, normal=shear * (self.slips / self.system.limit))
 
-    def restrict(self, vectors: Array) -> Array:
+    @cached_property
+    def normal_float32(self) -> RealArray:
+        """The outward direction in float32."""
+        return self.normal.astype(np.float32)
+
+    def restrict(self, vectors: RealArray) -> RealArray:
         """Return the part of vectors along the circle where a cell slips, and the vectors elsewhere."""
-        return vectors - self.normal * dot(self.normal, vectors)
+        normal = self.normal_float32 if vectors.dtype == np.float32 else self.normal
+        outward = normal * dot(normal, vectors)
+        return np.subtract(vectors, outward, out=outward)
 
     @cached_property
-    def ease(self) -> Array:
-        """How easily a cell follows a displacement, 1 where it sticks: own over own plus curvature."""
-        own = self.system.own
+    def ease(self) -> RealArray:
+        """How easily a cell follows a displacement, 1 where it sticks: own over own plus curvature; float32."""
+        own = np.float32(self.system.own)
         return np.asarray(own / (self.curvature + own))
 
     @cached_property
-    def _stiffness_of_mean(self) -> Array:
-        """The change of the force by a displacement of all cells, each as easily as it follows, shape (2, 2)."""
-        bent = -np.einsum("n,an,bn->ab", self.ease, self.normal, self.normal)
-        return np.asarray(bent + self.ease.sum() * np.eye(2))
+    def weights(self) -> Weights:
+        """The shear if all cells are displaced alike."""
+        return self.punch.find(self.slips, self.normal_float32, self.ease)
 
-    def _solve_for_mean(self, total: Array) -> Array:
-        """Return the displacement of all cells, each as easily as it follows, that changes the force by a total."""
-        mean = self.system.control.solve_on_axes(self._stiffness_of_mean, total)[:, np.newaxis]
-        return mean - self.normal * dot(self.normal, mean)
+    def _solve_for_mean(self, total: Array) -> RealArray:
+        """Return the displacement of all cells that changes the force by a total, float32, shape (2, 1)."""
+        mean = self.system.control.solve_on_axes(self.weights.total, total)
+        return mean.astype(np.float32)[:, np.newaxis]
 
-    def find_residual(self, slip: Array) -> Array:
-        """Return the slip in the face without its mean along axes with a given force."""
-        inside = self.restrict(slip)
-        return inside - self._solve_for_mean((self.ease * inside).sum(axis=1))
+    def find_residual(self, slip: Array) -> RealArray:
+        """Return the slip in the face without its mean along axes with a given force, float32."""
+        # Along the circle it is a small part of the slip.
+        inside = self.restrict(slip).astype(np.float32)
+        return inside - self.restrict(self._solve_for_mean(self.weights.multiply(inside).sum(axis=1)))
 
-    def balance(self, vectors: Array) -> Array:
-        """Return vectors in the face that do not change the given force."""
+    def balance(self, vectors: RealArray) -> RealArray:
+        """Return vectors in the face that do not change the given force, float32."""
         inside = self.restrict(vectors)
-        return inside - self.ease * self._solve_for_mean(inside.sum(axis=1))
+        inside -= self.weights.multiply(self._solve_for_mean(inside.sum(axis=1)))
+        return inside
 
-    def precondition(self, residual: Array) -> Array:
+    def precondition(self, residual: RealArray) -> RealArray:
         r"""Return the preconditioned residual, in the face.
 
         With the inverse kernel M, the curvature :math:`\lambda` and a cell's own coefficient k it is
@@ -83,6 +99,13 @@ class Face:
         the contact, where the limit falls to zero, the curvature is far above the kernel.
         """
         root = np.sqrt(self.ease)
-        preconditioned = root * self.system.multiply_inverse((root * residual).astype(np.float32))
-        preconditioned += self.ease * (1.0 - self.ease) / self.system.own * residual
-        return self.balance(preconditioned)
+        preconditioned = self.system.multiply_inverse(root * residual)
+        preconditioned *= root
+        preconditioned += (self.ease - self.ease * self.ease) / np.float32(self.system.own) * residual
+        weights = self.weights
+        if self.punch.is_full:
+            return self.balance(preconditioned)
+        corrected = preconditioned - CoarseCorrection(self.system, weights).apply(residual)
+        # Where weights ring, the correction may turn the direction uphill.
+        is_downhill = sum_of_products(residual, corrected) > 0.0
+        return self.balance(corrected if is_downhill else preconditioned)
