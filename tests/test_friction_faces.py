@@ -204,8 +204,8 @@ def test_the_command_line_counts_the_increments_of_a_path(ball, capsys, monkeypa
 
     monkeypatch.setattr(friction, "show_progress", show)
     solve(capsys, ball, "--friction", "0.3", "--tangential", "0.1N", "-0.1N", "--substeps", "2", "--csv")
-    one = "step {} of 2, increment 1 of 1"
-    assert shown == ["pressing", *(one.format(step) for step in (0, 1, 2))]
+    steps = ("pressing", "step 1 of 2", "step 2 of 2")
+    assert shown == ["pressing", *(f"{step}, increment 1 of 1" for step in steps)]
 
 
 def test_replaces_no_map_that_is_read(ball, capsys):

@@ -38,6 +38,7 @@ from roughcontact_app.scene import make_loads, make_problem, make_scene
 from roughcontact_app.settings import DEFAULTS, load_values, quantity, read_settings
 from roughcontact_app.uploads import shown_name
 from roughcontact_app.words import in_words_of_page
+from roughcontact_app.work import run
 
 PATIENCE = 120.0
 SMALL = {"surface": "wavy", "cells": "48", "side": "50", "wavelength": "25", "boundary": "periodic"}
@@ -1035,6 +1036,21 @@ def test_a_fretting_cycle_is_planned_solved_drawn_and_tabulated(client, tmp_path
 )
 def test_a_fretting_cycle_that_cannot_be_followed_is_refused_before_it_is_solved(client, given, sentence):
     assert sentence in client.refusal("api/plan", {**FRETTING, **given})
+
+
+@pytest.mark.parametrize("counterbody", ["deformable", "rigid"])
+def test_the_progress_of_a_fretting_cycle_only_grows(tmp_path, counterbody):
+    sent = []
+    task = {"kind": "solve", "upload": None, "settings": {**FRETTING, "counterbody": counterbody}}
+    run({**task, "folder": str(tmp_path)}, sent.append)
+    solving = [event for event in sent if event.get("phase") == "solving"]
+    fractions = [event["fraction"] for event in solving]
+    assert fractions == sorted(fractions)
+    assert 0.0 == fractions[0] < fractions[-1] <= 1.0
+    assert solving[1]["text"].startswith("pressing, increment 1 of 1")
+    assert solving[-1]["text"].startswith("step 3 of 3, increment ")
+    # Of like materials the number of increments is known.
+    assert counterbody == "rigid" or fractions[1:] == [0.25, 0.5, 0.75, 1.0]
 
 
 def test_unlike_materials_that_yield_are_refused_in_words_of_the_page(client):

@@ -115,7 +115,7 @@ def _solve_path(
     with show_progress("pressing", quiet=options.quiet) as change:
 
         def tell(done: Increment) -> None:
-            change(f"step {done.step} of {done.steps}, increment {done.increment} of {done.increments}")
+            change(str(done))
 
         try:
             return problem.path(**{loads[0].kind: values}, **along, friction=law, substeps=substeps, on_increment=tell)

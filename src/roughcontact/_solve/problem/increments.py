@@ -73,6 +73,10 @@ class Increment:
     increments: int
     state: FrictionalSolution
 
+    def __str__(self) -> str:
+        step = f"step {self.step} of {self.steps}" if self.step else "pressing"
+        return f"{step}, increment {self.increment} of {self.increments}"
+
 
 @attrs.frozen
 class PathStep:
