@@ -1,4 +1,4 @@
-"""Height maps in .mat files: against scipy's writer, and as MATLAB writes version 7.3."""
+"""Height maps in .mat files, against scipy's writer and as MATLAB writes version 7.3, and in other files of HDF5."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_the_only_map_is_taken_and_others_are_chosen(tmp_path):
     np.testing.assert_array_equal(rc.read_surface(path, size=(5e-6, 7e-6), variable="y").values, 2 * HEIGHTS)
     with pytest.raises(rc.InputError, match="are: y, z"):
         rc.read_surface(path, size=1e-6, variable="w")
-    with pytest.raises(rc.InputError, match=r"The variable in a \.mat file must be the name"):
+    with pytest.raises(rc.InputError, match="The variable in a file must be the name"):
         rc.read_surface(path, size=1e-6, variable=3)
     scipy.io.savemat(path, {"text": "abc"})
     with pytest.raises(rc.InputError, match="two dimensions are: none"):
@@ -116,8 +116,31 @@ def test_non_measured_points_are_nan(tmp_path):
 def test_version_7_3_needs_h5py(tmp_path, monkeypatch):
     write_hdf5(tmp_path / "new.mat", heights=HEIGHTS, dx=[[1e-6]])
     monkeypatch.setitem(sys.modules, "h5py", None)
-    with pytest.raises(rc.MissingPackage, match=r"pip install 'roughcontact\[store\]', or save it with .*'-v7'"):
+    with pytest.raises(rc.MissingPackage, match=r"pip install 'roughcontact\[store\]', or .*'-v7'"):
         rc.read_surface(tmp_path / "new.mat")
+
+
+def test_other_files_of_hdf5_have_x_first_and_groups(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "surface.1024.h5"
+    with h5py.File(path, "w") as file:
+        file.create_dataset("surface", data=HEIGHTS, chunks=True, compression=3, fletcher32=True)
+    np.testing.assert_array_equal(rc.read_surface(path, size=(5e-6, 7e-6)).values, HEIGHTS)
+    np.testing.assert_array_equal(rc.read_surface(path, size=(7e-6, 5e-6), rows="y").values, HEIGHTS.T)
+    with h5py.File(path, "a") as file:
+        file["size"] = (5e-6, 7e-6)
+        file["filtered/z"] = 2 * HEIGHTS
+        file["filtered/again"] = file["filtered"]  # A circle.
+    with pytest.raises(rc.InputError, match="are: filtered/z, surface"):
+        rc.read_surface(path)
+    surface = rc.read_surface(path, variable="filtered/z")
+    np.testing.assert_array_equal(surface.values, 2 * HEIGHTS)
+    assert surface.size == (5e-6, 7e-6)
+    with h5py.File(path, "w") as file:
+        for number in range(1001):
+            file[f"n{number}"] = 1.0
+    with pytest.raises(rc.InputError, match="more than 1000 members"):
+        rc.read_surface(path)
 
 
 def make_element(kind, data):

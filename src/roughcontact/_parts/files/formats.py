@@ -208,13 +208,13 @@ class InstrumentReader(SurfaceReader):
         except ImportError:
             raise MissingPackage(
                 f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
-                f"Files {_ENDINGS} are read without it, and .tif by tifffile: pip install 'roughcontact[files]'."
+                f"Files {_ENDINGS} are read without it, .tif by 'roughcontact[files]' and .h5 by 'roughcontact[store]'."
             ) from None
         try:
             topography = read_file(str(path))
         except CannotDetectFileFormat:
             raise InputError(
-                f"its content fits none of the formats that are read, which are those of {_ENDINGS}, .tif and of "
+                f"its content fits none of the formats that are read, which are those of {_ENDINGS}, .h5, .tif and of "
                 "instruments (.al3d, .opd, .plu, .sur, .x3p, ...): it is of another kind, or damaged"
             ) from None
         heights, size, periodic = read_topography(topography)
