@@ -28,7 +28,7 @@ from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
 from roughcontact._solve.solution.summary import list_all_warnings
 from roughcontact.typing import Step, gather_warnings, write_column
 
-from roughcontact_app import AppServer, Session, preview
+from roughcontact_app import AppServer, Session, preview, work
 from roughcontact_app.answers import describe_solutions, list_warnings, make_table
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
@@ -38,7 +38,6 @@ from roughcontact_app.scene import make_loads, make_problem, make_scene
 from roughcontact_app.settings import DEFAULTS, load_values, quantity, read_settings
 from roughcontact_app.uploads import shown_name
 from roughcontact_app.words import in_words_of_page
-from roughcontact_app.work import run
 
 PATIENCE = 120.0
 SMALL = {"surface": "wavy", "cells": "48", "side": "50", "wavelength": "25", "boundary": "periodic"}
@@ -1042,7 +1041,7 @@ def test_a_fretting_cycle_that_cannot_be_followed_is_refused_before_it_is_solved
 def test_the_progress_of_a_fretting_cycle_only_grows(tmp_path, counterbody):
     sent = []
     task = {"kind": "solve", "upload": None, "settings": {**FRETTING, "counterbody": counterbody}}
-    run({**task, "folder": str(tmp_path)}, sent.append)
+    work.run({**task, "folder": str(tmp_path)}, sent.append)
     solving = [event for event in sent if event.get("phase") == "solving"]
     fractions = [event["fraction"] for event in solving]
     assert fractions == sorted(fractions)

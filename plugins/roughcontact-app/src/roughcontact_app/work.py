@@ -33,7 +33,7 @@ _CORRECTED = (
 
 # Time that a solve takes at least, s; and that of a fretting cycle, of unlike and of like materials: at least, s, and
 # over what more a solve takes. Measured on balls and rough surfaces of 64 to 512 cells along a side.
-_LEAST_OF_SOLVE = 0.1
+_MINIMUM_OF_SOLVE = 0.1
 _COST_UNLIKE = (2.0, 450.0)
 _COST_LIKE = (0.1, 30.0)
 # Increments of a step that a path takes at most.
@@ -142,8 +142,8 @@ def _count_solves(settings: Settings, loads: tuple[Load, ...]) -> int:
 def _estimate_seconds(settings: Settings, problem: ContactProblem, loads: tuple[Load, ...]) -> float:
     if settings["load"] != "fretting":
         return _count_solves(settings, loads) * problem.plan.seconds
-    least, ratio = _COST_UNLIKE if _are_unlike(problem) else _COST_LIKE
-    return least + ratio * max(problem.plan.seconds - _LEAST_OF_SOLVE, 0.0)
+    minimum, ratio = _COST_UNLIKE if _are_unlike(problem) else _COST_LIKE
+    return minimum + ratio * max(problem.plan.seconds - _MINIMUM_OF_SOLVE, 0.0)
 
 
 def _are_unlike(problem: ContactProblem) -> bool:
