@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import json
@@ -11,8 +12,11 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
+from roughcontact._base.units import fit
+from roughcontact._faces.cli import friction
 
 BODY = ["--young", "210GPa", "--counterbody-young", "210GPa"]
+SLIDE = ["--friction", "0.3", "--slide"]
 LOOP = ["--friction", "0.3", "--tangential", "0.2N", "-0.2N", "0.2N"]
 
 
@@ -93,6 +97,8 @@ def test_writes_files_that_other_commands_read(ball, capsys, path, tmp_path):
     state = tmp_path / "state.npz"
     path[0].save(state)
     assert "area that sticks" in run(capsys, "info", state)[1].out
+    described = json.loads(run(capsys, "info", state, "--json")[1].out)
+    assert described["dissipated"]["value"] == path[0].dissipated.value
     assert run(capsys, "plot", state, "-o", tmp_path / "state.png")[0] == 0
     with pytest.raises(rc.InputError, match=r"does not hold a solution: FrictionalPath\.load reads it"):
         rc.ContactSolution.load(saved)
@@ -114,7 +120,7 @@ def test_takes_laws_directions_displacements_and_normal_loads(ball, capsys, prob
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("--friction", "0.3"), "--friction is for loads along the surface"),
+        (("--friction", "0.3"), "give --tangential or --slide too"),
         (("--substeps", "2"), "--substeps is for loads along the surface"),
         (("--tangential", "0.1N"), "--tangential needs a law by which the surfaces slip"),
         (("--friction", "0.3", "--tangential", "0.1N", "5nm"), "needs loads of one kind"),
@@ -123,8 +129,15 @@ def test_takes_laws_directions_displacements_and_normal_loads(ball, capsys, prob
         (("--friction", "-0.3", "--tangential", "0.1N"), "The coefficient of friction must be"),
         (("--friction", "0.3N", "--tangential", "0.1N"), "--friction: "),
         (("--friction", "limited-coulomb", "--tangential", "0.1N"), "needs FIELD=VALUE for each of its fields"),
-        (("--friction", "0.3", "--tangential", "0.3N"), "Give displacements to --tangential instead."),
+        (("--friction", "0.3", "--tangential", "0.3N"), "Give displacements to --tangential instead, or --slide."),
         (("--friction", "0.3", "--tangential", "0.1N", "--substeps", "0"), "--substeps must be a whole number"),
+        (("--slide",), "--slide needs a law by which the surfaces slip"),
+        ((*SLIDE, "45"), "write it like 30deg"),
+        ((*SLIDE, "--tangential", "0.1N"), "not allowed with argument"),
+        ((*SLIDE, "--substeps", "2"), "--substeps is for loads along the surface"),
+        ((*SLIDE, "--report", "x.html"), "--report is for loads without friction: omit it with --slide."),
+        ((*SLIDE, "-o", "state.vti"), "must be a file that ends in .npz"),
+        ((*SLIDE, "--friction", "5", "--counterbody-young", "21GPa"), "Friction times Dundurs' beta is"),
         ((*LOOP, "--refine"), "--refine is for loads without friction"),
         ((*LOOP, "--boundary", "wrapped"), "A wrapped boundary has no response to shear"),
         ((*LOOP, "--adhesion", "short-range", "work=50mJ/m2"), "Friction with adhesion is not known"),
@@ -137,6 +150,62 @@ def test_refuses_in_a_sentence(ball, capsys, arguments, sentence):
     assert status == 2
     assert sentence in " ".join(printed.err.split())
     assert printed.out == ""
+
+
+@pytest.fixture(scope="module")
+def sliding(problem):
+    return problem.slide(force=1.0, friction=0.3, direction=120.0)
+
+
+def test_sliding_is_that_of_a_script(ball, capsys, sliding):
+    status, printed = solve(capsys, ball, *SLIDE, "120deg")
+    assert status == 0
+    assert printed.out.strip() == fit(str(sliding))
+    found = json.loads(solve(capsys, ball, *SLIDE, "120deg", "--json")[1].out)
+    assert found["tangential_force"] == {"value": list(sliding.tangential_force), "unit": "N"}
+    assert np.hypot(*found["tangential_force"]["value"]) == pytest.approx(0.3)
+    assert found["dissipated"]["value"] == sliding.dissipated.value == pytest.approx(0.3)
+    assert found["area"]["value"] == sliding.contact.area().value
+    (row,) = csv.DictReader(io.StringIO(solve(capsys, ball, *SLIDE, "120deg", "--csv")[1].out))
+    assert float(row["tangential_y [N]"]) == sliding.tangential_force[1]
+    assert float(row["area_uncertainty [m2]"]) == sliding.contact.area().uncertainty
+
+
+def test_sliding_is_along_x_where_no_angle_is_given_and_may_be_negative(ball, capsys):
+    along = json.loads(solve(capsys, ball, *SLIDE, "--json")[1].out)["tangential_force"]["value"]
+    assert along == pytest.approx([0.3, 0.0], abs=1e-15)
+    x, y = json.loads(solve(capsys, ball, *SLIDE, "-30deg", "--json")[1].out)["tangential_force"]["value"]
+    assert y / x == pytest.approx(-np.sqrt(1 / 3))
+
+
+def test_sliding_writes_files_that_other_commands_read(ball, capsys, sliding, tmp_path):
+    saved = tmp_path / "sliding.npz"
+    picture = tmp_path / "sliding.png"
+    status, printed = solve(capsys, ball, *SLIDE, "120deg", "-o", saved, "-o", picture, "-q")
+    assert (status, printed.out) == (0, "")
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    np.testing.assert_array_equal(rc.FrictionalSolution.load(saved).shear, sliding.shear)
+    assert run(capsys, "info", saved)[1].out.strip() == fit(str(sliding))
+
+
+def test_sliding_is_for_one_load(ball, capsys):
+    status, printed = solve(capsys, ball, *SLIDE, load=("--loads", "1N", "2N"))
+    assert status == 2
+    assert "--slide is for one load" in printed.err
+
+
+def test_the_command_line_counts_the_increments_of_a_path(ball, capsys, monkeypatch):
+    shown = []
+
+    @contextlib.contextmanager
+    def show(text, quiet=False):
+        shown.append(text)
+        yield shown.append
+
+    monkeypatch.setattr(friction, "show_progress", show)
+    solve(capsys, ball, "--friction", "0.3", "--tangential", "0.1N", "-0.1N", "--substeps", "2", "--csv")
+    steps = ("pressing", "step 1 of 2", "step 2 of 2")
+    assert shown == ["pressing", *(f"{step}, increment 1 of 1" for step in steps)]
 
 
 def test_replaces_no_map_that_is_read(ball, capsys):

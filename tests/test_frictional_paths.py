@@ -541,6 +541,42 @@ class TestAnswers:
             )
 
 
+class TestProgress:
+    """What `on_increment` is given."""
+
+    def test_each_increment_of_each_step_in_its_order(self):
+        problem = make_rough()
+        told = []
+        path = problem.path(
+            force=5e-6,
+            tangential_force=[(5e-7, 0.0), (-5e-7, 0.0)],
+            friction=FRICTION,
+            substeps=2,
+            on_increment=told.append,
+        )
+        assert {one.steps for one in told} == {2}
+        assert [(one.step, one.increment) for one in told] == [(step, part) for step in (0, 1, 2) for part in (1, 2)]
+        assert {one.increments for one in told} == {2}
+        np.testing.assert_array_equal(told[-1].state.shear, path[-1].shear)
+
+    def test_increments_begin_anew_when_they_are_doubled(self):
+        told = []
+        path = make_rough().path(
+            force=[5e-6], tangential_force=[(5e-7, 0.0)], friction=FRICTION, on_increment=told.append
+        )
+        counts = [one.increments for one in told]
+        assert counts == [count for count in dict.fromkeys(counts) for _ in range(count)]
+        assert counts[-1] == path.increments[-1] > 1
+        assert {one.step for one in told} == {1}
+
+    def test_what_a_callback_raises_passes(self):
+        def stop(increment):
+            raise StopIteration(increment.step)
+
+        with pytest.raises(StopIteration):
+            make_rough().path(force=5e-6, displacement=[(1e-9, 0.0)], friction=FRICTION, on_increment=stop)
+
+
 class TestRefusals:
     """One sentence for what cannot be solved."""
 

@@ -21,7 +21,8 @@ results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`
              `ContactWarning`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 responses    `Leakage`, `Throat`, `Percolation`
-friction     `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `TangentialLoop`, `StepNumbers`
+friction     `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `TangentialLoop`, `StepNumbers`,
+             `Increment`
 ===========  ==========================================================================================================
 """
 
@@ -48,6 +49,7 @@ from roughcontact._solve.convolvers import (
 )
 from roughcontact._solve.problem import (
     AdhesionCycle,
+    Increment,
     SolvePlan,
     StepNumbers,
     Sweep,
@@ -128,6 +130,7 @@ __all__ = [
     "FrictionalResiduals",
     "FrictionalState",
     "GridLevel",
+    "Increment",
     "IntArray",
     "InterfaceLaw",
     "InverseConvolution",

@@ -28,7 +28,7 @@ from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
 from roughcontact._solve.solution.summary import list_all_warnings
 from roughcontact.typing import Step, gather_warnings, write_column
 
-from roughcontact_app import AppServer, Session, preview
+from roughcontact_app import AppServer, Session, preview, work
 from roughcontact_app.answers import describe_solutions, list_warnings, make_table
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
@@ -1035,6 +1035,21 @@ def test_a_fretting_cycle_is_planned_solved_drawn_and_tabulated(client, tmp_path
 )
 def test_a_fretting_cycle_that_cannot_be_followed_is_refused_before_it_is_solved(client, given, sentence):
     assert sentence in client.refusal("api/plan", {**FRETTING, **given})
+
+
+@pytest.mark.parametrize("counterbody", ["deformable", "rigid"])
+def test_the_progress_of_a_fretting_cycle_only_grows(tmp_path, counterbody):
+    sent = []
+    task = {"kind": "solve", "upload": None, "settings": {**FRETTING, "counterbody": counterbody}}
+    work.run({**task, "folder": str(tmp_path)}, sent.append)
+    solving = [event for event in sent if event.get("phase") == "solving"]
+    fractions = [event["fraction"] for event in solving]
+    assert fractions == sorted(fractions)
+    assert 0.0 == fractions[0] < fractions[-1] <= 1.0
+    assert solving[1]["text"].startswith("pressing, increment 1 of 1")
+    assert solving[-1]["text"].startswith("step 3 of 3, increment ")
+    # Of like materials the number of increments is known.
+    assert counterbody == "rigid" or fractions[1:] == [0.25, 0.5, 0.75, 1.0]
 
 
 def test_unlike_materials_that_yield_are_refused_in_words_of_the_page(client):

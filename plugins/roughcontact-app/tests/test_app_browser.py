@@ -537,3 +537,51 @@ def test_a_cycle_of_surfaces_that_attract_each_other(page):
     address = page.driver.current_url
     page.open(address)
     assert (page.setting("load"), page.setting("cycle_to"), page.setting("states")) == ("cycle", "0.1", "9")
+
+
+def test_a_fretting_cycle(page):
+    page.open()
+    assert not page.find("tangential_force").is_displayed()
+    for name, text in {"surface": "sphere", "radius": "1", "side": "100", "cells": "32", "load": "fretting"}.items():
+        page.set(name, text)
+    assert not page.find("loads").is_displayed()
+    for name, text in {"counterbody": "deformable", "tangential_force": "400", "tangential_force_unit": "mN"}.items():
+        page.set(name, text)
+    page.until(lambda: "must be below the coefficient of friction times" in page.text("refusal") + page.text("plan"))
+    page.set("tangential_force", "200")
+    # The time is said before anything is solved.
+    page.until(lambda: "3 states, about" in page.text("plan"))
+    page.find("solve").click()
+    page.until(lambda: page.text("headline").startswith("Energy lost in a cycle"))
+    assert "normal force 1 N, tangential force ±200 mN, friction 0.3" in page.text("run-subject")
+    steel = rc.Elastic(210e9, 0.3)
+    bodies = rc.Body(rc.SphereSurface(1e-3), steel), rc.Body(rc.FlatSurface(), steel)
+    path = rc.ContactProblem(*bodies, grid=rc.Grid((32, 32), 100e-6)).path(
+        force=1.0, tangential_force=[(0.2, 0.0), (-0.2, 0.0), (0.2, 0.0)], friction=0.3
+    )
+    lost = path.numbers[1].dissipated.value + path.numbers[2].dissipated.value
+    assert page.value("energy lost in a cycle") == pytest.approx(lost, rel=1e-6)
+    page.until(lambda: page.find("picture").is_displayed())
+    table = page.download("sphere-loop.csv")
+    assert len(table.read_text(encoding="utf-8").splitlines()) == 4
+    saved = page.download("sphere-path.npz")
+    assert rc.FrictionalPath.load(saved).dissipated.value == pytest.approx(path.dissipated.value, rel=1e-6)
+    # The link of the settings, opened anew, asks for the same cycle.
+    page.open(page.driver.current_url)
+    assert (page.setting("load"), page.setting("tangential_force"), page.setting("friction")) == (
+        "fretting",
+        "200",
+        "0.3",
+    )
+
+
+def test_the_progress_of_a_fretting_cycle_of_unlike_materials(page):
+    page.open()
+    for name, text in {"surface": "sphere", "radius": "1", "side": "100", "cells": "64", "load": "fretting"}.items():
+        page.set(name, text)
+    page.until(lambda: "3 states, about" in page.text("plan"))
+    page.find("solve").click()
+    page.until(lambda: "doubled, up to 16, until the numbers hardly change" in page.text("phase"))
+    assert page.find("bar").get_attribute("value") is not None
+    page.find("cancel").click()
+    page.until(lambda: "The run was cancelled." in page.text("run-problem"))

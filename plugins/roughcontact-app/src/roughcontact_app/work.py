@@ -11,7 +11,7 @@ from typing import Any
 
 from roughcontact import ContactProblem, ContactSolution, FrictionalPath, ProjectedConjugateGradient
 from roughcontact.errors import InputError, RoughContactError
-from roughcontact.typing import AdhesionCycle, Array, Load, Sweep, binary, pair_constants, run_sweep, si
+from roughcontact.typing import AdhesionCycle, Array, Increment, Load, Sweep, binary, pair_constants, run_sweep, si
 
 from roughcontact_app.answers import describe_cycle, describe_fretting, describe_solutions, list_warnings
 from roughcontact_app.outputs import CycleOutputs, FrettingOutputs, Outputs, draw
@@ -31,9 +31,13 @@ _CORRECTED = (
     "corrected by the runs before."
 )
 
-# Time of a fretting cycle over that of a solve, of unlike and of like materials, measured on balls and ground surfaces.
-_COST_UNLIKE = 100.0
-_COST_LIKE = 3.0
+# Time that a solve takes at least, s; and that of a fretting cycle, of unlike and of like materials: at least, s, and
+# over what more a solve takes. Measured on balls and rough surfaces of 64 to 512 cells along a side.
+_MINIMUM_OF_SOLVE = 0.1
+_COST_UNLIKE = (2.0, 450.0)
+_COST_LIKE = (0.1, 30.0)
+# Increments of a step that a path takes at most.
+_MOST_INCREMENTS = 16
 
 Send = Callable[[dict[str, Any]], None]
 
@@ -138,8 +142,12 @@ def _count_solves(settings: Settings, loads: tuple[Load, ...]) -> int:
 def _estimate_seconds(settings: Settings, problem: ContactProblem, loads: tuple[Load, ...]) -> float:
     if settings["load"] != "fretting":
         return _count_solves(settings, loads) * problem.plan.seconds
-    unlike = pair_constants(problem.body.material, problem.counterbody.material).beta != 0.0
-    return (_COST_UNLIKE if unlike else _COST_LIKE) * problem.plan.seconds
+    minimum, ratio = _COST_UNLIKE if _are_unlike(problem) else _COST_LIKE
+    return minimum + ratio * max(problem.plan.seconds - _MINIMUM_OF_SOLVE, 0.0)
+
+
+def _are_unlike(problem: ContactProblem) -> bool:
+    return pair_constants(problem.body.material, problem.counterbody.material).beta != 0.0
 
 
 def _write_all(outputs: Outputs | CycleOutputs | FrettingOutputs, send: Send) -> list[str]:
@@ -185,6 +193,15 @@ def _run_cycle(problem: ContactProblem, loads: tuple[Load, ...], send: Send) -> 
 
 def _run_fretting(problem: ContactProblem, settings: Settings, send: Send) -> FrictionalPath:
     normal, most, friction = fretting_values(settings)
-    text = "There, back and there again, each step in as many increments as its numbers need."
-    send({"phase": "solving", "text": text})
-    return problem.path(force=normal, tangential_force=[(most, 0.0), (-most, 0.0), (most, 0.0)], friction=friction)
+    forces = [(most, 0.0), (-most, 0.0), (most, 0.0)]
+    send({"phase": "solving", "fraction": 0.0, "text": "The bodies are pressed together."})
+    total = _MOST_INCREMENTS if _are_unlike(problem) else 1
+
+    def tell(done: Increment) -> None:
+        # The path has been followed with half as many increments before, a quarter and so on, and pressing is a step.
+        part = (done.step + done.increment / done.increments) / (done.steps + 1)
+        fraction = (done.increments - 1 + part * done.increments) / (2 * total - 1)
+        doubled = f"; doubled, up to {total}, until the numbers hardly change" if total > 1 else ""
+        send({"phase": "solving", "fraction": fraction, "text": f"{done}{doubled}"})
+
+    return problem.path(force=normal, tangential_force=forces, friction=friction, on_increment=tell)

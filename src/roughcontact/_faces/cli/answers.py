@@ -27,12 +27,17 @@ def to_json(solutions: Sequence[rc.ContactSolution], estimator: str | None = Non
 
     `estimator` is the name of an area estimator whose area is given besides the default.
     """
-    described = [_describe(solution, estimator) for solution in solutions]
-    content = described[0] if len(described) == 1 else {"solutions": described}
+    described = [describe_solution(solution, estimator) for solution in solutions]
+    return write_json(described[0] if len(described) == 1 else {"solutions": described})
+
+
+def write_json(content: dict[str, Any]) -> str:
+    """Return data as one JSON object, with the versions of the packages; null for numbers that JSON does not have."""
     return json.dumps(_finite({**content, "versions": versions()}), indent=2, allow_nan=False, ensure_ascii=False)
 
 
-def _describe(solution: rc.ContactSolution, estimator: str | None) -> dict[str, Any]:
+def describe_solution(solution: rc.ContactSolution, estimator: str | None = None) -> dict[str, Any]:
+    """Return a solution as data that JSON can hold, with the area of one more estimator if it is named."""
     accuracy = solution.accuracy
     peak = solution.peak_pressure()
     return {
@@ -100,8 +105,13 @@ def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None
         columns["other_area"] = [float(area.value) for area in others]
         columns["other_area_uncertainty"] = [float(area.uncertainty) for area in others]
         units |= {"other_area": "m2", "other_area_uncertainty": "m2"}
+    return write_csv(Table(columns, units))
+
+
+def write_csv(table: Table) -> str:
+    """Return a table as a header and rows, in SI units, with all digits."""
     text = io.StringIO()
-    Table(columns, units).write(text)
+    table.write(text)
     return text.getvalue().replace("\r\n", "\n").rstrip("\n")
 
 

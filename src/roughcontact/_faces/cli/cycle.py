@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import io
-import json
 from collections.abc import Callable
 from typing import Any
 
-import attrs
 import numpy as np
 
 import roughcontact as rc
 from roughcontact._base.units import si
-from roughcontact._faces.cli.answers import describe_estimate, plan_picture
+from roughcontact._faces.cli.answers import describe_estimate, plan_picture, write_csv, write_json
+from roughcontact._faces.cli.problem import set_tolerance
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._solve.problem import AdhesionCycle, make_cycle_table
-from roughcontact._solve.solution import versions
 
 # States on each branch.
 _STATES = 41
@@ -28,8 +25,7 @@ _OF_SOLVES = ("refine", "area", "area_within", "peak_within", "report", "pull_of
 def solve_cycle(options: argparse.Namespace, problem: rc.ContactProblem) -> AdhesionCycle:
     """Return the cycle that the options describe, after writing its pictures."""
     pictures = [plan_picture(name) for name in options.output]
-    if options.tolerance is not None:
-        problem = attrs.evolve(problem, solver=problem.plan.solver.with_tolerance(options.tolerance))
+    problem = set_tolerance(options, problem)
     low, high = options.cycle
     states = _STATES if options.states is None else options.states
     total = 2 * states - 1
@@ -77,9 +73,7 @@ def _count(total: int, change: Callable[[str], None]) -> Callable[[rc.ContactSol
 
 def cycle_to_csv(cycle: AdhesionCycle) -> str:
     """Return a header and a row for each state, in SI units: the columns of `AdhesionCycle.to_csv`."""
-    text = io.StringIO()
-    make_cycle_table(cycle).write(text)
-    return text.getvalue().replace("\r\n", "\n").rstrip("\n")
+    return write_csv(make_cycle_table(cycle))
 
 
 def cycle_to_json(cycle: AdhesionCycle) -> str:
@@ -90,5 +84,4 @@ def cycle_to_json(cycle: AdhesionCycle) -> str:
     content["dissipated"] = describe_estimate(cycle.dissipated)
     content["jumps"] = [list(jump) for jump in cycle.jumps]
     content["states"] = [dict(zip(table.columns, row, strict=True)) for row in zip(*columns, strict=True)]
-    content |= {"units": dict(table.units), "versions": versions()}
-    return json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False)
+    return write_json({**content, "units": dict(table.units)})

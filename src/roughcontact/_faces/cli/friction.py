@@ -1,11 +1,10 @@
-"""``roughcontact solve --friction``: a contact with friction along a path of loads along the surface."""
+"""``roughcontact solve --friction``: a contact with friction along a path of tangential loads, or in steady sliding."""
 
 from __future__ import annotations
 
 import argparse
-import io
-import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,34 +12,51 @@ import attrs
 
 import roughcontact as rc
 from roughcontact._base import checks
+from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, parse_quantity
-from roughcontact._faces.cli.answers import describe_estimate, plan_picture, require_place
+from roughcontact._faces.cli.answers import (
+    describe_estimate,
+    describe_solution,
+    plan_picture,
+    require_place,
+    write_csv,
+    write_json,
+)
 from roughcontact._faces.cli.options import name_options
-from roughcontact._faces.cli.problem import make_law
+from roughcontact._faces.cli.problem import make_law, set_tolerance
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.grid import Load
-from roughcontact._solve.solution import versions
+from roughcontact._solve.problem import Increment
 
-# Options of a solve that say nothing of a path.
+# Options of a solve that say nothing of a contact with friction.
 _OF_SOLVES = ("cycle", "refine", "area", "area_within", "peak_within", "report", "pull_off")
 # What a script does where the bodies slide, and what the command line does.
-_SLIDING = ("Give displacement= instead, or call problem.slide(...).", "Give displacements to --tangential instead.")
+_SLIDING = (
+    "Give displacement= instead, or call problem.slide(...).",
+    "Give displacements to --tangential instead, or --slide.",
+)
 
 
-def refuse_for_path(options: argparse.Namespace) -> None:
+def refuse_for_friction(options: argparse.Namespace) -> None:
     """Refuse what does not fit a contact with friction, before anything is read."""
-    if options.tangential is None:
-        for name in ("friction", "substeps"):
-            if getattr(options, name) is not None:
-                raise rc.InputError(f"--{name} is for loads along the surface: give --tangential too, or omit it.")
+    if options.substeps is not None and options.tangential is None:
+        raise rc.InputError("--substeps is for loads along the surface: give --tangential too, or omit it.")
+    if options.tangential is None and options.slide is None:
+        if options.friction is not None:
+            raise rc.InputError("--friction is for loads along the surface: give --tangential or --slide too.")
         return
+    given = "--tangential" if options.slide is None else "--slide"
     if options.friction is None:
-        raise rc.InputError("--tangential needs a law by which the surfaces slip: give --friction 0.3, for example.")
+        raise rc.InputError(f"{given} needs a law by which the surfaces slip: give --friction 0.3, for example.")
     for name in _OF_SOLVES:
         if getattr(options, name) not in (None, False):
             shown = f"--{name.replace('_', '-')}"
-            raise rc.InputError(f"{shown} is for loads without friction: omit it with --tangential.")
+            raise rc.InputError(f"{shown} is for loads without friction: omit it with {given}.")
+    if options.slide is not None:
+        if options.loads is not None:
+            raise rc.InputError("--slide is for one load: give that instead of --loads.")
+        return
     kinds = {kind for kind, _ in options.tangential}
     if len(kinds) > 1:
         raise rc.InputError("--tangential needs loads of one kind, but got forces and displacements.")
@@ -59,8 +75,8 @@ def friction_of(options: argparse.Namespace) -> rc.FrictionLaw:
         raise rc.InputError(f"--friction: {error}.") from error
 
 
-def plan_path_outputs(options: argparse.Namespace, maps: list[Path]) -> list[Path]:
-    """Return the files of a path: itself, .npz, or its picture."""
+def plan_friction_outputs(options: argparse.Namespace, maps: list[Path]) -> list[Path]:
+    """Return the files of a path or a state: itself, .npz, or its picture."""
     files = []
     for text in options.output:
         path = checks.path(text, "The output")
@@ -70,36 +86,96 @@ def plan_path_outputs(options: argparse.Namespace, maps: list[Path]) -> list[Pat
     return files
 
 
-def solve_path(
+def solve_friction(
+    options: argparse.Namespace,
+    problem: rc.ContactProblem,
+    law: rc.FrictionLaw,
+    loads: tuple[Load, ...],
+    files: list[Path],
+) -> bool:
+    """Solve a contact with friction, print it and write its files; return whether it has warnings."""
+    problem = set_tolerance(options, problem)
+    if options.slide is None:
+        path = _solve_path(options, problem, law, loads)
+        _write_outputs(options, path, path.plot, files, (path_to_text, path_to_json, path_to_csv))
+        return bool(path.warnings)
+    with show_progress("solving", quiet=options.quiet):
+        state = problem.slide(**loads[0].arguments, friction=law, direction=math.degrees(options.slide))
+    _write_outputs(options, state, state.contact.plot, files, (state_to_text, state_to_json, state_to_csv))
+    return bool(state.contact.warnings)
+
+
+def _solve_path(
     options: argparse.Namespace, problem: rc.ContactProblem, law: rc.FrictionLaw, loads: tuple[Load, ...]
 ) -> rc.FrictionalPath:
-    """Return the path that the options describe."""
-    if options.tolerance is not None:
-        problem = attrs.evolve(problem, solver=problem.plan.solver.with_tolerance(options.tolerance))
     values: Any = loads[0].value if options.loads is None else [load.value for load in loads]
     kind = options.tangential[0][0]
     along: dict[str, Any] = {kind: [pair for _, pair in options.tangential]}
     substeps = "auto" if options.substeps is None else options.substeps
-    with show_progress(f"following {len(options.tangential)} steps", quiet=options.quiet):
+    with show_progress("pressing", quiet=options.quiet) as change:
+
+        def tell(done: Increment) -> None:
+            change(str(done))
+
         try:
-            return problem.path(**{loads[0].kind: values}, **along, friction=law, substeps=substeps)
+            return problem.path(**{loads[0].kind: values}, **along, friction=law, substeps=substeps, on_increment=tell)
         except rc.InputError as error:
             raise rc.InputError(str(error).replace(*_SLIDING)) from error
 
 
-def write_path_outputs(options: argparse.Namespace, path: rc.FrictionalPath, files: list[Path]) -> None:
-    """Print a path, and write its files."""
+def _write_outputs(
+    options: argparse.Namespace,
+    subject: Any,
+    plot: Callable[[], Any],
+    files: list[Path],
+    writers: tuple[Callable[[Any], str], ...],
+) -> None:
+    """Print a path or a state by the writer of text, JSON or CSV, and write its files."""
     for file in files:
         if file.suffix == ".npz":
-            path.save(file)
+            subject.save(file)
         else:
-            save_figure(path.plot(), file)
+            save_figure(plot(), file)
     if options.quiet:
         return
-    write = path_to_json if options.json else path_to_csv if options.csv else path_to_text
-    print(write(path))
-    if files and write is path_to_text:
+    to_text, to_json, to_csv = writers
+    write = to_json if options.json else to_csv if options.csv else to_text
+    print(write(subject))
+    if files and write is to_text:
         print(fit(f"\nWritten: {', '.join(map(str, files))}"))
+
+
+def state_to_text(state: rc.FrictionalSolution) -> str:
+    """Return a state of a path, or of steady sliding, for people, with its warnings, in lines of at most 80 columns."""
+    warnings = (f"{'warning':18} {text}" for text in state.contact.warnings)
+    return fit("\n".join([str(state), *warnings]))
+
+
+def state_to_json(state: rc.FrictionalSolution) -> str:
+    """Return one JSON object: the normal contact, the tangential force and the energy lost."""
+    content = describe_solution(state.contact) | {
+        "tangential_force": {"value": list(state.tangential_force), "unit": "N"},
+        "dissipated": describe_estimate(state.dissipated),
+        "residual": state.residuals.error,
+        "pair": attrs.asdict(state.pair),
+    }
+    return write_json(content)
+
+
+def state_to_csv(state: rc.FrictionalSolution) -> str:
+    """Return a header and a row, in SI units."""
+    contact = state.contact
+    along = zip("xy", state.tangential_force, strict=True)
+    row = {
+        "force": state.force,
+        **{f"tangential_{axis}": force for axis, force in along},
+        "dissipated": state.dissipated,
+        "area": contact.area(),
+        "peak_pressure": contact.peak_pressure(),
+        "approach": state.approach,
+    }
+    units = {"force": "N", "tangential_x": "N", "tangential_y": "N", "approach": "m"}
+    return write_csv(Table({name: [value] for name, value in row.items()}, units))
 
 
 def lost_in_loop(path: rc.FrictionalPath) -> rc.Estimate | None:
@@ -138,9 +214,7 @@ def _without_warnings(found: rc.Estimate) -> rc.Estimate:
 
 def path_to_csv(path: rc.FrictionalPath) -> str:
     """Return a header and a row for each state, in SI units: the columns of `FrictionalPath.table`."""
-    text = io.StringIO()
-    path.table().write(text)
-    return text.getvalue().replace("\r\n", "\n").rstrip("\n")
+    return write_csv(path.table())
 
 
 def path_to_json(path: rc.FrictionalPath) -> str:
@@ -158,9 +232,8 @@ def path_to_json(path: rc.FrictionalPath) -> str:
         "pair": attrs.asdict(path[0].pair),
         "warnings": list(path.warnings),
         "units": dict(table.units),
-        "versions": versions(),
     }
-    return json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False)
+    return write_json(content)
 
 
 def _plain(value: Any) -> Any:

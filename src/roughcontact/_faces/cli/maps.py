@@ -21,7 +21,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.answers import plan_picture, to_json, to_text
-from roughcontact._faces.cli.friction import path_to_json, path_to_text
+from roughcontact._faces.cli.friction import path_to_json, path_to_text, state_to_json, state_to_text
 from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, name_options, quantity, whole_number
 from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
@@ -98,10 +98,10 @@ examples:
             print((to_json if options.json else to_text)([subject]))
         elif isinstance(subject, rc.FrictionalPath):
             print((path_to_json if options.json else path_to_text)(subject))
-        elif options.json:
-            raise rc.InputError("--json is for solutions and paths: omit it for a height map or a state of a path.")
         elif isinstance(subject, rc.FrictionalSolution):
-            print(fit(str(subject)))
+            print((state_to_json if options.json else state_to_text)(subject))
+        elif options.json:
+            raise rc.InputError("--json is for solutions and paths: omit it for a height map.")
         else:
             print(describe_map(subject))
         return 0

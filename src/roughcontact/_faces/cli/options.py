@@ -134,7 +134,7 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
 
 
 def _add_friction(parser: argparse.ArgumentParser) -> None:
-    """Declare loads along the surface."""
+    """Declare loads along the surface, and steady sliding."""
     friction = parser.add_argument_group("friction")
     friction.add_argument(
         "--friction",
@@ -142,12 +142,21 @@ def _add_friction(parser: argparse.ArgumentParser) -> None:
         metavar=("MU", "FIELD=VALUE"),
         help="coefficient of friction, or a law: 0.3, limited-coulomb coefficient=0.3 strength=200MPa",
     )
-    friction.add_argument(
+    along = friction.add_mutually_exclusive_group()
+    along.add_argument(
         "--tangential",
         type=_tangential,
         nargs="+",
         metavar="Q",
         help="tangential forces or displacements one after the other, along x or as X,Y: 0.5N -0.5N 0.5N",
+    )
+    along.add_argument(
+        "--slide",
+        type=_ANGLE,
+        nargs="?",
+        const=0.0,
+        metavar="A",
+        help="steady sliding: angle of the friction force on the body from x towards y, such as 30deg (0)",
     )
     friction.add_argument(
         "--substeps", type=_number_or_auto, metavar="N", help="increments of each step, with --tangential (auto)"

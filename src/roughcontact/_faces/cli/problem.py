@@ -48,6 +48,13 @@ def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
     )
 
 
+def set_tolerance(options: argparse.Namespace, problem: rc.ContactProblem) -> rc.ContactProblem:
+    """Return a problem whose solver has the tolerance that the options state, if they do."""
+    if options.tolerance is None:
+        return problem
+    return attrs.evolve(problem, solver=problem.plan.solver.with_tolerance(options.tolerance))
+
+
 def _adhesion(options: argparse.Namespace) -> rc.Interaction | None:
     if options.adhesion is None:
         return None

@@ -7,8 +7,6 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-import attrs
-
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
@@ -16,15 +14,9 @@ from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import plan_outputs, to_csv, to_json, to_text, write_outputs
 from roughcontact._faces.cli.cycle import refuse_for_cycle, solve_cycle
-from roughcontact._faces.cli.friction import (
-    friction_of,
-    plan_path_outputs,
-    refuse_for_path,
-    solve_path,
-    write_path_outputs,
-)
+from roughcontact._faces.cli.friction import friction_of, plan_friction_outputs, refuse_for_friction, solve_friction
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
-from roughcontact._faces.cli.problem import loads_of, problem_of
+from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
 from roughcontact._faces.cli.progress import describe_steps, show_progress
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
@@ -48,6 +40,8 @@ examples:
   roughcontact solve map.npz --force 1N --young 210GPa \\
       --counterbody-young 210GPa --friction 0.3 \\
       --tangential 0.2N -0.2N 0.2N -o loop.npz -o loop.png
+  roughcontact solve map.npz --force 1N --young 210GPa \\
+      --friction 0.3 --slide 30deg
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
@@ -90,13 +84,13 @@ examples:
         if options.dry_run and piped:
             raise rc.InputError("--dry-run prints the plan, which is text: omit --json or --csv.")
         _refuse_for_several(options)
-        refuse_for_path(options)
+        refuse_for_friction(options)
         refuse_for_cycle(options)
         law = None if options.friction is None else friction_of(options)
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
         paths = [checks.path(name, "The map") for name in maps]
         if law is not None:
-            files = plan_path_outputs(options, paths)
+            files = plan_friction_outputs(options, paths)
         else:
             outputs = options.output if options.cycle is None else []
             files = plan_outputs(outputs, options.report, paths, len(loads_of(options)))
@@ -114,9 +108,8 @@ examples:
             cycle = solve_cycle(options, problem)
             return _status((*cycle.loading, *cycle.unloading), quiet=options.quiet)
         if law is not None:
-            path = solve_path(options, problem, law, loads)
-            write_path_outputs(options, path, files)
-            return _report_warnings(bool(path.warnings), quiet=options.quiet)
+            doubtful = solve_friction(options, problem, law, loads, files)
+            return _report_warnings(doubtful, quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
             subject, solutions = _solve(options, problem, loads, change)
         if not options.quiet:
@@ -155,8 +148,7 @@ def _solve(
         asked = {name: getattr(options, name) for name in ("area_within", "peak_within", "tolerance")}
         solution = problem.solve(**loads[0].arguments, **asked, throw=False, on_step=describe_steps(change))
         return solution, (solution,)
-    if options.tolerance is not None:
-        problem = attrs.evolve(problem, solver=problem.plan.solver.with_tolerance(options.tolerance))
+    problem = set_tolerance(options, problem)
     if options.refine is not None:
         _refuse_measured(problem)
         ladder = rc.extrapolate(problem, **loads[0].arguments, levels=options.refine)

@@ -3,7 +3,7 @@
 from roughcontact._solve.problem.accuracy import resample_problem
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, linearise, make_cycle_table
-from roughcontact._solve.problem.increments import StepNumbers
+from roughcontact._solve.problem.increments import Increment, StepNumbers
 from roughcontact._solve.problem.path import FrictionalPath, TangentialLoop
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
@@ -18,6 +18,7 @@ __all__ = [
     "Body",
     "ContactProblem",
     "FrictionalPath",
+    "Increment",
     "SolvePlan",
     "StepNumbers",
     "Sweep",

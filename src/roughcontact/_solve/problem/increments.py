@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import attrs
 import numpy as np
@@ -53,12 +53,39 @@ class StepNumbers:
     stick_area: Estimate
 
 
+@attrs.frozen(eq=False)
+class Increment:
+    """The progress of a path after one of its increments.
+
+    Attributes
+    ----------
+    step, steps
+        The step of the path, from one, zero while the bodies are pressed together; and how many there are.
+    increment, increments
+        The increment of that step, from one; and how many there are. They begin anew when ``"auto"`` doubles them.
+    state
+        The state at its end.
+    """
+
+    step: int
+    steps: int
+    increment: int
+    increments: int
+    state: FrictionalSolution
+
+    def __str__(self) -> str:
+        step = f"step {self.step} of {self.steps}" if self.step else "pressing"
+        return f"{step}, increment {self.increment} of {self.increments}"
+
+
 @attrs.frozen
 class PathStep:
     """One step: the loads at its ends.
 
     Attributes
     ----------
+    number
+        From one; zero where the bodies are only pressed together.
     start, end
         Normal loads.
     before, after
@@ -67,6 +94,7 @@ class PathStep:
         Why one increment is enough; empty if it is not.
     """
 
+    number: int
     start: Load
     end: Load
     before: Pair
@@ -112,7 +140,7 @@ def list_steps(run: CoupledSolve, normal: Mapping[str, object], tangential: Mapp
     segments = []
     direction: Array | None = None
     is_straight = True
-    for load, target in zip(loads, targets, strict=True):
+    for number, (load, target) in enumerate(zip(loads, targets, strict=True), 0 if single else 1):
         change = np.subtract(target.values, before)
         size = float(np.hypot(*change))
         if size > 0.0:
@@ -127,7 +155,7 @@ def list_steps(run: CoupledSolve, normal: Mapping[str, object], tangential: Mapp
                 exact = "no tangential load, and pressure moves nothing along the surface"
             elif load == start and is_straight:
                 exact = "the normal load is constant, slip is monotone"
-        segments.append(PathStep(start, load, before, target, exact))
+        segments.append(PathStep(number, start, load, before, target, exact))
         start, before = load, target.values
     return segments
 
@@ -157,7 +185,9 @@ def _list_targets(tangential: Mapping[str, object]) -> list[TangentialLoad]:
     return targets
 
 
-def follow_steps(run: CoupledSolve, segments: Sequence[PathStep], count: int) -> list[FrictionalSolution]:
+def follow_steps(
+    run: CoupledSolve, segments: Sequence[PathStep], count: int, tell: Callable[[Increment], object]
+) -> list[FrictionalSolution]:
     """Return the state at the end of each step, with so many increments where one is not exact."""
     state = FrictionalState.unloaded(run.problem.plan.grid.shape)
     fields = run.fields_of(state)
@@ -176,6 +206,7 @@ def follow_steps(run: CoupledSolve, segments: Sequence[PathStep], count: int) ->
             part, fields = run.step(load, target, state, fields)
             state = part.state
             parts.append(part)
+            tell(Increment(segment.number, segments[-1].number, number, increments, part))
         steps.append(_join(run, parts, begin, fields, is_exact=bool(segment.exact)))
     return steps
 
@@ -204,16 +235,16 @@ def _join(
 
 
 def refine_steps(
-    run: CoupledSolve, segments: Sequence[PathStep]
+    run: CoupledSolve, segments: Sequence[PathStep], tell: Callable[[Increment], object]
 ) -> tuple[list[FrictionalSolution], list[StepNumbers], list[str]]:
     """Double the increments until the numbers hardly change, and extrapolate these."""
     count = 1
-    steps = follow_steps(run, segments, count)
+    steps = follow_steps(run, segments, count, tell)
     change = math.inf
     while count < _MAX_INCREMENTS and change > 1.0:
         count *= 2
         coarser = steps
-        steps = follow_steps(run, segments, count)
+        steps = follow_steps(run, segments, count, tell)
         change = _compare(coarser, steps)
     warning: tuple[str, ...] = ()
     if change > 1.0:

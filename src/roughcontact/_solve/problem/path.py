@@ -24,7 +24,6 @@ from roughcontact._solve.problem.increments import (
     StepNumbers,
     find_amplitude,
     follow_steps,
-    is_single,
     list_steps,
     numbers_of,
     refine_steps,
@@ -276,25 +275,27 @@ def run_path(
     tangential: Mapping[str, object],
     friction: object,
     substeps: object,
+    on_increment: object,
 ) -> FrictionalPath:
     """Return the states along a path; see `ContactProblem.path`."""
     law = resolve_friction(friction)
     count = None if substeps == "auto" else checks.integer(substeps, "substeps=", at_least=1)
+    tell = checks.callback(on_increment, "on_increment=", "increment") or (lambda done: None)
     require_frictional(problem)
     run = CoupledSolve(problem, law)
     segments = list_steps(run, normal, tangential)
     require_memory_of_friction(problem.plan, states=len(segments))
     for segment in segments:
         limit_load(problem.plan, problem.initial_gap, segment.end)
-    has_pressing = segments[0].after.values == (0.0, 0.0) and is_single(normal)
+    has_pressing = segments[0].number == 0
     if count is not None or all(segment.exact for segment in segments):
-        steps = follow_steps(run, segments, count or 1)
+        steps = follow_steps(run, segments, count or 1, tell)
         warning = () if all(segment.exact for segment in segments) else (GIVEN_INCREMENTS,)
         moved = find_amplitude(steps)
         numbers = [numbers_of(step, moved, warning) for step in steps]
         reasons = [segment.exact or "as given" for segment in segments]
     else:
-        steps, numbers, reasons = refine_steps(run, segments)
+        steps, numbers, reasons = refine_steps(run, segments, tell)
     kept = slice(1 if has_pressing else 0, None)
     return FrictionalPath(
         states=tuple(steps[kept]),

@@ -23,6 +23,7 @@ from roughcontact._solve.problem.accuracy import Target, solve_within, with_tole
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
 from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_frictional
+from roughcontact._solve.problem.increments import Increment
 from roughcontact._solve.problem.path import FrictionalPath, run_path, run_slide
 from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_friction, require_memory_of_solve
 from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
@@ -351,6 +352,7 @@ class ContactProblem:
         displacement: Iterable[Sequence[float]] | Sequence[float] | None = None,
         friction: float | FrictionLaw,
         substeps: int | str = "auto",
+        on_increment: Callable[[Increment], None] | None = None,
     ) -> FrictionalPath:
         """Follow a contact with friction along a path of normal and tangential loads.
 
@@ -368,6 +370,8 @@ class ContactProblem:
             Increments of each step, in which both loads change in proportion. ``"auto"``: one where that is exact, as
             for like materials under a constant normal load; else doubled, up to 16, until displacement, energy and
             stick area hardly change. Their limits are then extrapolated, and the last change is their uncertainty.
+        on_increment
+            Called with an `Increment` after each increment.
 
         Returns
         -------
@@ -384,7 +388,7 @@ class ContactProblem:
         """
         normal = {"force": force, "pressure": pressure, "approach": approach}
         tangential = {"tangential_force": tangential_force, "displacement": displacement}
-        return run_path(self, normal, tangential, friction, substeps)
+        return run_path(self, normal, tangential, friction, substeps, on_increment)
 
     def slide(
         self,
@@ -397,8 +401,6 @@ class ContactProblem:
     ) -> FrictionalSolution:
         """Return the contact while the counterbody slides steadily over the body.
 
-        Each cell carries its shear strength in one direction.
-
         Parameters
         ----------
         force, pressure, approach
@@ -406,7 +408,7 @@ class ContactProblem:
         friction
             A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`.
         direction
-            Angle of the traction on the body from x towards y, degrees.
+            Angle of the traction on the body, of each cell its shear strength, from x towards y, degrees.
 
         Raises
         ------

@@ -268,6 +268,7 @@ class FrictionalSolution:
             "normal force": si(self.force, "N", 6),
             "tangential force": f"{pushed} (x, y)",
             "displacement": "steady sliding" if self.is_steady else f"{moved} (x, y)",
+            "contact area": str(self.contact.area()),
             **dict(zip(("area that sticks", "area that slips"), areas, strict=True)),
             "energy lost": str(self.dissipated),
             "status": str(self.status),
