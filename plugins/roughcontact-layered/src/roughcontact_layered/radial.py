@@ -29,7 +29,7 @@ _LONG = 1e-3
 
 @attrs.frozen(eq=False)
 class Radial:
-    """Functions of the distance r, tabulated by octaves.
+    """The displacement around a point force, a function of the distance r, tabulated by octaves.
 
     Attributes
     ----------
@@ -45,13 +45,15 @@ class Radial:
     point: Array
     disc: Array
 
-    def displacement(self, r: Array) -> Array:
-        """Return the displacement by a unit force at the distances `r`, m/N."""
+    def displacement(self, x: Array, y: Array) -> Array:
+        """Return the displacement by a unit force; see `PointForce`."""
+        r = np.hypot(x, y)
         return self._evaluate(self.point, r) / r
 
-    def within(self, r: Array) -> Array:
-        """Return the integral of r' times the displacement from 0 to `r`, m^3/N."""
-        return self._evaluate(self.disc, r) * r
+    def along_ray(self, x: Array, y: Array) -> Array:
+        """Return the integral of the displacement along a ray; see `PointForce`."""
+        r = np.hypot(x, y)
+        return self._evaluate(self.disc, r) / r
 
     def _evaluate(self, table: Array, r: Array) -> Array:
         mantissa, exponent = np.frexp(r)
