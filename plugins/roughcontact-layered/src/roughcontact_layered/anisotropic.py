@@ -75,32 +75,14 @@ class AnisotropicKernel(rc.InfluenceKernel):
 
     crystals: tuple[Anisotropic, ...] = attrs.field(converter=_crystals)
 
-    def directional_compliance(self, angle: Array, compliance: float) -> Array:
-        """Return 1/E* of waves along an angle from the x axis.
-
-        Parameters
-        ----------
-        angle
-            Angles, any shape, rad.
-        compliance
-            The mean of 1/E* over the directions, of both half-spaces together, 1/Pa.
-
-        Returns
-        -------
-        Array
-            Compliances c, of the shape of `angle`, 1/Pa; an edge of contact at right angles to the wave meets it.
-
-        Raises
-        ------
-        roughcontact.InputError
-            If the crystals are softer than both bodies together.
-        """
-        self._require(compliance)
-        return compliance + self._deviation(np.cos(angle), np.sin(angle))
-
     def effective_modulus(self, wavenumber: Array, compliance: float) -> Array:
-        """Return the modulus of the mean over the directions, the same for all wave numbers, shape (n,), Pa."""
+        """Return the inverse of the mean of 1/E* over the directions, the same for all waves, shape (n,), Pa."""
         return np.full(wavenumber.shape, 1.0 / compliance)
+
+    def directional_modulus(self, angle: Array, compliance: float) -> Array:
+        """Return the modulus of waves along an angle from the x axis, shape of `angle` (rad), Pa."""
+        self._require(compliance)
+        return np.asarray(1.0 / (compliance + self._deviation(np.cos(angle), np.sin(angle))))
 
     def coefficients(self, shape: tuple[int, int], spacing: tuple[float, float], compliance: float) -> Array:
         """Return the influence coefficients, shape (nx, ny), m/Pa."""

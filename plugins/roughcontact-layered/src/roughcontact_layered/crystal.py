@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Self, TypeAlias
+from typing import ClassVar, Self, TypeAlias
 
 import attrs
 import numpy as np
@@ -116,6 +116,8 @@ class Anisotropic(rc.Material):
     175.3 GPa
     """
 
+    is_isotropic: ClassVar[bool] = False
+
     stiffness: Matrix = attrs.field(converter=_stiffness)
     normal: Vector = attrs.field(default=(0.0, 0.0, 1.0), converter=_normal)
     x_axis: Vector = attrs.field(default=(1.0, 0.0, 0.0), converter=_x_axis)
@@ -142,7 +144,7 @@ class Anisotropic(rc.Material):
         shear = [_modulus(c44)] * 3
         axial = np.full((3, 3), _coupling(c12))
         np.fill_diagonal(axial, _modulus(c11))
-        return cls(_blocks(axial, shear), normal, x_axis)  # type: ignore[arg-type]
+        return cls(_blocks(axial, shear), normal, x_axis)
 
     @property
     def compliance(self) -> float:

@@ -85,7 +85,7 @@ def expand_directions(stiffness: bytes) -> DirectionSeries:
     count = _FIRST_POINTS
     while count <= _MAX_POINTS:
         # Waves q and -q have the same response: half a turn is a period.
-        values = respond_to_directions(tensor / scale, np.pi / count * np.arange(count))
+        values = respond_to_directions(tensor / scale, np.linspace(0.0, np.pi, count, endpoint=False))
         terms = np.fft.rfft(values) / count
         mean = float(terms[0].real)
         kept = terms[1 : count // 4] / scale
@@ -139,13 +139,14 @@ def respond_to_directions(stiffness: Array, angle: Array) -> Array:
         np.broadcast_to(stiffness[:, 2, :, 2], (angle.size, 3, 3)),
     )
     scale = float(np.abs(stiffness).max())
-    turns = np.pi / _FIRST_POINTS * np.arange(_FIRST_POINTS)
-    mean = _average(parts, turns)
+    count = _FIRST_POINTS
+    mean = _average(parts, np.linspace(0.0, np.pi, count, endpoint=False))
     values = _find_compliance(mean)
-    while turns.size < _MAX_POINTS:
+    while count < _MAX_POINTS:
         # The points of the finer rule lie between those of the coarser one.
-        mean = 0.5 * (mean + _average(parts, turns + 0.5 * np.pi / turns.size))
-        turns = 0.5 * np.pi / turns.size * np.arange(2 * turns.size)
+        between = np.linspace(0.0, np.pi, count, endpoint=False) + 0.5 * np.pi / count
+        mean = np.asarray(0.5 * (mean + _average(parts, between)))
+        count *= 2
         finer = _find_compliance(mean)
         largest = float(np.abs(finer).max())
         if np.abs(finer - values).max() <= _TOLERANCE * largest * max(largest * scale, 1.0):
@@ -172,7 +173,7 @@ def _average(parts: tuple[Array, Array, Array], turns: Array) -> Array:
         nn = sine**2 * first - crossed + cosine**2 * last
         mn = cosine**2 * mixed - sine**2 * mixed.swapaxes(1, 2) + cosine * sine * (last - first)
         total += mm - mn @ np.linalg.solve(nn, mn.swapaxes(1, 2))
-    return total / turns.size
+    return np.asarray(total / turns.size)
 
 
 def _find_compliance(tensor: Array) -> Array:

@@ -82,6 +82,12 @@ PLAUSIBILITY_RULES = {
         "rms step across the border over that between neighbours; waves of eight cells have one",
         "Beyond the border the domain repeats: subtract the tilt, use a surface that repeats, or a free boundary.",
     ),
+    "isotropy": Rule(
+        0,
+        0,
+        "bodies whose modulus depends on the direction along the surface, under a kernel that takes the mean",
+        "Contacts come out round where they are elliptic: choose the kernel of the anisotropic material.",
+    ),
     "edge contact": Rule(
         0,
         0.25,
@@ -186,7 +192,9 @@ def find_contact(solution: ContactSolution) -> list[Finding]:
 
 def list_warnings(solution: ContactSolution, materials: Iterable[Material]) -> tuple[str, ...]:
     """Return the warnings of a solution, likely causes first; after a failed solve only those before a solve."""
+    materials = tuple(materials)
     findings = find_scene(solution.initial_gap, solution.grid, solution.boundary, materials)
+    findings.append(_find_isotropy(solution, materials))
     explained: set[str] = set()
     if findings[0].warning:
         explained |= {"slope", "peak pressure", "approach"}
@@ -206,6 +214,13 @@ def exceeds_metals(solution: ContactSolution, materials: Iterable[Material]) -> 
         and softest >= _STIFF_MODULUS
         and float(solution.pressure.max()) > _MAX_METAL_PRESSURE * softest
     )
+
+
+def _find_isotropy(solution: ContactSolution, materials: Iterable[Material]) -> Finding:
+    names = [type(material).__name__ for material in materials if not material.is_isotropic]
+    if not names or solution.directional_moduli is not None:
+        return Finding("isotropy", 0, "materials and kernel agree on the directions")
+    return Finding("isotropy", len(names), f"the material {' and '.join(names)} is anisotropic, but the kernel is not")
 
 
 def _list_moduli(materials: Iterable[Material]) -> list[str]:
