@@ -210,3 +210,103 @@ def test_a_printed_map_says_what_it_is_and_where_it_comes_from():
     assert lines[5] == "non-measured  2 of 1920 points (0.1 %)"
     assert all(len(line) <= 80 for line in lines)
     assert "periodic" in str(rc.HeightMap(heights, size=(48e-6, 40e-6), periodic=True))
+
+
+@given(seeds, st.integers(4, 24), st.integers(4, 24), st.booleans(), st.booleans())
+def test_rearranged_maps_are_the_same_surface(seed, nx, ny, periodic, holed):
+    rng = np.random.default_rng(seed)
+    mask = rng.random((nx, ny)) < 0.2 if holed else None
+    surface = rc.HeightMap(rng.random((nx, ny)), (3e-6, 5e-6), periodic=periodic, non_measured=mask)
+    for again in (surface.mirrored().mirrored(), surface.transposed().transposed()):
+        np.testing.assert_array_equal(again.values, surface.values)
+        assert (again.size, again.periodic) == (surface.size, periodic)
+    turned = surface.transposed()
+    assert turned.size == (5e-6, 3e-6)
+    np.testing.assert_array_equal(turned.values, surface.values.T)
+    np.testing.assert_array_equal(surface.mirrored().values[0], surface.values[-1])
+    if surface.non_measured is not None:
+        np.testing.assert_array_equal(turned.non_measured, surface.non_measured.T)
+        np.testing.assert_array_equal(surface.mirrored().non_measured, surface.non_measured[::-1])
+
+
+def test_a_part_of_a_map_stands_where_it_was():
+    grid = rc.Grid((40, 30), (40e-6, 60e-6))
+    values = grid.x + 1000 * grid.y
+    mask = np.zeros(grid.shape, bool)
+    mask[22, 17] = True
+    part = rc.HeightMap(values, grid.size, periodic=True, non_measured=mask).crop((8e-6, 12e-6), centre=(4e-6, 6e-6))
+    assert part.grid.matches(rc.Grid((8, 6), (8e-6, 12e-6)))
+    np.testing.assert_allclose(part.values, part.grid.x + 4e-6 + 1000 * (part.grid.y + 6e-6), atol=1e-15)
+    assert not part.periodic
+    assert part.non_measured.sum() == 1
+    assert "cut to 8 x 6 of its cells, 20 to 27 x 15 to 20" in part.history[-1]
+    with pytest.raises(
+        rc.InputError, match=r"A part of 8 µm x 12 µm around \(18 µm, 0 m\) is not inside the map, 40 µm"
+    ):
+        rc.HeightMap(values, grid.size).crop((8e-6, 12e-6), centre=(18e-6, 0))
+
+
+def test_filled_points_count_as_measured():
+    values = np.random.default_rng(1).random((9, 8))
+    holed = np.where(values > 0.8, np.nan, values)
+    filled = rc.HeightMap(holed, (9e-6, 8e-6)).fill()
+    assert filled.non_measured is None
+    assert filled.values.max() <= 0.8
+    np.testing.assert_array_equal(filled.values[values <= 0.8], values[values <= 0.8])
+    assert filled.fill() is filled
+    # Heights given at non-measured points are not trusted.
+    given_heights = rc.HeightMap(values, (9e-6, 8e-6), non_measured=values > 0.8)
+    np.testing.assert_array_equal(given_heights.fill().values, filled.values)
+
+
+class TestGaussianFilter:
+    @given(st.integers(1, 6), st.integers(0, 6), st.floats(0.06, 0.9))
+    def test_waves_lose_what_the_standard_says(self, kx, ky, cutoff):
+        """Transmission 2^-(cut-off / wavelength)^2 of a wave in any direction."""
+        grid = rc.Grid((36, 48), (1e-6, 2e-6))
+        phase = 2 * np.pi * (kx * grid.x / 1e-6 + ky * grid.y / 2e-6)
+        surface = rc.HeightMap(np.cos(phase + 0.3), grid.size, periodic=True)
+        wavelength = 1.0 / np.hypot(kx / 1e-6, ky / 2e-6)
+        kept = 2.0 ** -((cutoff * 1e-6 / wavelength) ** 2)
+        if cutoff * 1e-6 < 2 * max(grid.spacing):
+            with pytest.raises(rc.InputError, match="at least two cells"):
+                surface.filtered(cutoff * 1e-6)
+            return
+        np.testing.assert_allclose(surface.filtered(cutoff * 1e-6).values, kept * surface.values, atol=1e-13)
+        np.testing.assert_allclose(
+            surface.filtered(longest=cutoff * 1e-6).values, (1 - kept) * surface.values, atol=1e-13
+        )
+
+    @given(seeds, st.booleans())
+    def test_constant_maps_stay_and_the_border_and_holes_have_no_weight(self, seed, transposed):
+        rng = np.random.default_rng(seed)
+        mask = rng.random((20, 60)) < 0.3
+        mask[8:12, 20:30] = True
+        flat = rc.HeightMap(np.where(mask, 7.0, 3.0), (20e-6, 60e-6), non_measured=mask)
+        flat = flat.transposed() if transposed else flat
+        smooth = flat.filtered(5e-6)
+        np.testing.assert_allclose(smooth.values[~flat.non_measured], 3.0, rtol=1e-12)
+        np.testing.assert_array_equal(smooth.non_measured, flat.non_measured)
+
+    def test_weights_are_those_of_the_standard_inside_a_map_that_does_not_repeat(self):
+        values = np.random.default_rng(3).random((60, 40))
+        found = rc.HeightMap(values, (60e-6, 80e-6)).filtered(20e-6).values
+        # The mean under the weights of ISO 16610-61 at one point, summed directly.
+        x, y = np.arange(60) * 1e-6, np.arange(40) * 2e-6
+        alpha = np.sqrt(np.log(2) / np.pi)
+        square = np.add.outer((x - x[25]) ** 2, (y - y[4]) ** 2)
+        weights = np.exp(-np.pi * square / (alpha * 20e-6) ** 2)
+        assert found[25, 4] == pytest.approx(np.sum(weights * values) / weights.sum(), rel=2e-6)
+
+    def test_both_ends_and_what_is_refused(self):
+        surface = rc.HeightMap(np.random.default_rng(1).random((32, 32)), 32e-6, periodic=True)
+        both = surface.filtered(4e-6, longest=16e-6)
+        np.testing.assert_allclose(both.values, surface.filtered(4e-6).filtered(longest=16e-6).values)
+        assert both.history[-2:] == (
+            "waves below 4 µm removed by a Gaussian filter",
+            "waves above 16 µm removed by a Gaussian filter",
+        )
+        with pytest.raises(rc.InputError, match="Give the cut-off of the short waves"):
+            surface.filtered()
+        with pytest.raises(rc.InputError, match="must be above the shortest"):
+            surface.filtered(8e-6, 4e-6)

@@ -3,7 +3,7 @@
 from roughcontact._parts.surfaces.base import SampledSurface, Surface, SurfaceSum, surfaces
 from roughcontact._parts.surfaces.continuation import Continuation, cells_for, find_maps
 from roughcontact._parts.surfaces.filling import MAX_BANDWIDTH, TREATMENTS, complete, fill, solve_in_bands
-from roughcontact._parts.surfaces.heightmap import HeightMap, Separated, list_facts, read_topography
+from roughcontact._parts.surfaces.heightmap import HeightMap, Separated, list_facts
 from roughcontact._parts.surfaces.matching import MatchedPair, PlacedMap, match
 from roughcontact._parts.surfaces.resampling import bilinear
 from roughcontact._parts.surfaces.statistics import (
@@ -21,6 +21,7 @@ from roughcontact._parts.surfaces.synthetic import (
     SphereSurface,
     WavySurface,
 )
+from roughcontact._parts.surfaces.topography import read_topography
 
 __all__ = [
     "HANN_DEPENDENCE",

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -13,22 +12,23 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, restore_state
-from roughcontact._base.checks import choice, instance_of, integer, measured_heights, pair
+from roughcontact._base.checks import choice, instance_of, integer, measured_heights, number, pair
 from roughcontact._base.units import counted, fit, printable, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import statistics as forms
 from roughcontact._parts.surfaces.base import Surface
 from roughcontact._parts.surfaces.filling import TREATMENTS, complete, fill, was_filled
+from roughcontact._parts.surfaces.filtering import smooth
 from roughcontact._parts.surfaces.quality import find_period, list_map_warnings
 from roughcontact._parts.surfaces.resampling import check_interpolation, resample, shift_by_half_cell
 from roughcontact._parts.surfaces.statistics import repeats
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact._parts.surfaces.topography import make_topography, read_topography
+from roughcontact.errors import InputError
 
 # Maximum degree of a form: higher ones follow the roughness, and their normal equations lose their digits.
 _MAX_DEGREE = 30
 # Degree of the polynomial of each form that has a name of its own.
 _DEGREE_OF_FORM = {"mean": 0, "plane": 1}
-_TOPOGRAPHY_ATTRIBUTES = ("dim", "unit", "to_unit", "heights", "physical_sizes", "is_periodic")
 
 
 def _size(value: float | Sequence[float], height_map: Any) -> Pair:
@@ -80,7 +80,8 @@ class HeightMap(Surface):
         Whether the map repeats beyond its border.
     non_measured
         Mask of points that were not measured, shape (nx, ny), in addition to points without a height: they never touch,
-        and their heights, given or filled from their neighbours, only serve to interpolate nearby points.
+        and their heights, given or filled from their neighbours, only serve to interpolate nearby points. `fill` takes
+        the filled heights as measured.
     history
         Processing of the heights so far, in words; ``explain()`` of a problem prints it.
 
@@ -186,18 +187,7 @@ class HeightMap(Surface):
 
     def to_topography(self) -> Any:
         """Return the map as a `SurfaceTopography.Topography` in m, masked at non-measured points."""
-        try:
-            # Its imports warn of optional parallel packages.
-            with warnings.catch_warnings(action="ignore"):
-                from SurfaceTopography import Topography
-        except ImportError:
-            raise MissingPackage(
-                "A topography needs the package SurfaceTopography: pip install SurfaceTopography."
-            ) from None
-        heights = self.values.copy()
-        if self.non_measured is not None:
-            heights = np.ma.masked_array(heights, self.non_measured)
-        return Topography(heights, self.size, periodic=self.periodic, unit="m")
+        return make_topography(self.values, self.size, periodic=self.periodic, non_measured=self.non_measured)
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights on the map's own grid, shape `grid.shape`, m: a map is resampled only on request."""
@@ -315,6 +305,136 @@ class HeightMap(Surface):
         """Return the map less its form; see `separate`."""
         return self.separate(form).roughness
 
+    def fill(self) -> HeightMap:
+        """Return the map with its non-measured points taken as measured, at heights filled from their neighbours."""
+        if self.non_measured is None:
+            return self
+        heights = fill(np.where(self.non_measured, np.nan, self._heights))
+        count = int(self.non_measured.sum())
+        text = f"{count} of {heights.size} points non-measured and filled from their neighbours"
+        return attrs.evolve(self, heights=heights, non_measured=None, history=(*self.history, text))
+
+    def mirrored(self) -> HeightMap:
+        """Return the map with x reversed: what faces a body whose map was measured from outside, too."""
+        return self._rearrange(lambda values: values[::-1], "mirrored, x to -x")
+
+    def transposed(self) -> HeightMap:
+        """Return the map with x and y exchanged."""
+        return self._rearrange(np.transpose, "x and y exchanged", self.size[::-1])
+
+    def _rearrange(self, move: Callable[[Any], Any], text: str, size: Pair | None = None) -> HeightMap:
+        return attrs.evolve(
+            self,
+            heights=move(self._heights),
+            size=size or self.size,
+            non_measured=None if self.non_measured is None else move(self.non_measured),
+            history=(*self.history, text),
+        )
+
+    def crop(self, size: float | Sequence[float], centre: Sequence[float] = (0.0, 0.0)) -> HeightMap:
+        """Return the part of the map in a rectangle, of whole cells; it does not repeat.
+
+        Parameters
+        ----------
+        size
+            Sides of the rectangle (x, y), m; one number for a square.
+        centre
+            Its centre (x, y), m, from the centre of the map.
+
+        Raises
+        ------
+        InputError
+            If the rectangle is not inside the map, or has no measured point.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import roughcontact as rc
+        >>> print(rc.HeightMap(np.eye(64), 64e-6).crop(32e-6, centre=(8e-6, 0.0)).grid)
+        32 x 32 cells on 32 µm x 32 µm
+        """
+        sides = pair(size, "The size of the part", "m", above=0.0)
+        middle = pair(centre, "The centre of the part", "m")
+        ranges = []
+        for side, place, step, count in zip(sides, middle, self.grid.spacing, self._heights.shape, strict=True):
+            cells = max(round(side / step), 1)
+            first = round(place / step + 0.5 * (count - cells))
+            if first < 0 or first + cells > count:
+                part, whole, around = (
+                    mark.join(si(length, "m") for length in lengths)
+                    for mark, lengths in ((" x ", sides), (" x ", self.size), (", ", middle))
+                )
+                raise InputError(
+                    f"A part of {part} around ({around}) is not inside the map, {whole} around its centre."
+                )
+            ranges.append(slice(first, first + cells))
+        inside = tuple(ranges)
+        heights = self._heights[inside]
+        kept = " x ".join(f"{n}" for n in heights.shape)
+        indices = " x ".join(f"{one.start} to {one.stop - 1}" for one in ranges)
+        return attrs.evolve(
+            self,
+            heights=heights,
+            size=tuple(n * step for n, step in zip(heights.shape, self.grid.spacing, strict=True)),
+            periodic=False,
+            non_measured=None if self.non_measured is None else self.non_measured[inside],
+            history=(*self.history, f"cut to {kept} of its cells, {indices}"),
+        )
+
+    def filtered(self, shortest: float | None = None, longest: float | None = None) -> HeightMap:
+        """Return the map without its short waves, its long waves, or both, by Gaussian filters (ISO 16610-61).
+
+        A wave of the cut-off wavelength loses half of its amplitude. At the border of a map that does not repeat, and
+        at non-measured points, the weights of the measured points are raised to a sum of one. A map that was filtered
+        is smooth on the scale of its cells, where a contact needs heights: state the cut-off with the area.
+
+        Parameters
+        ----------
+        shortest
+            Cut-off below which waves are removed (S filter), m, at least two cells.
+        longest
+            Cut-off above which waves are removed (L filter), m.
+
+        Raises
+        ------
+        InputError
+            If neither is given, a cut-off is shorter than two cells, or the longest is below the shortest.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import roughcontact as rc
+        >>> grid = rc.Grid((64, 64), 64e-6)
+        >>> wave = rc.HeightMap(rc.WavySurface(1e-6, 16e-6).heights(grid), 64e-6, periodic=True)
+        >>> print(f"{np.ptp(wave.filtered(16e-6).values) / np.ptp(wave.values):.3f}")
+        0.500
+        """
+        if shortest is None and longest is None:
+            raise InputError("Give the cut-off of the short waves, of the long ones (longest=), or both, m.")
+        limits = [_check_cutoff(value, self.grid) for value in (shortest, longest)]
+        low, high = limits
+        if low is not None and high is not None and high <= low:
+            raise InputError.about("The longest wavelength that stays", high, f"above the shortest ({low:g} m)")
+        heights = self._heights
+        texts = []
+        for cutoff, word in ((low, "below"), (high, "above")):
+            if cutoff is None:
+                continue
+            means = smooth(heights, self.grid, cutoff, periodic=self.periodic, non_measured=self.non_measured)
+            heights = means if word == "below" else heights - means
+            texts.append(f"waves {word} {si(cutoff, 'm')} removed by a Gaussian filter")
+        return attrs.evolve(self, heights=heights, history=(*self.history, *texts))
+
+
+def _check_cutoff(value: float | None, grid: Grid) -> float | None:
+    if value is None:
+        return None
+    cutoff = number(value, "The cut-off wavelength", "m", above=0.0)
+    shortest = 2.0 * max(grid.spacing)
+    if cutoff < shortest * (1.0 - 1e-9):
+        raise InputError.about("The cut-off wavelength", cutoff, f"at least two cells, {shortest:g} m")
+    return cutoff
+
 
 @attrs.frozen(eq=False, kw_only=True)
 class Separated:
@@ -354,22 +474,3 @@ def list_facts(height_map: HeightMap) -> list[str]:
         count = int(missing.sum())
         lines.append(f"non-measured  {count} of {counted(missing.size, 'point')} ({100 * count / missing.size:.2g} %)")
     return lines
-
-
-def read_topography(topography: Any) -> tuple[Array, Pair, bool]:
-    """Return heights, shape (nx, ny), m, NaN at non-measured points; the sides, m; and whether it is periodic.
-
-    `InputError` if it is not a two-dimensional topography of SurfaceTopography, or does not state its unit.
-    """
-    if not all(hasattr(topography, name) for name in _TOPOGRAPHY_ATTRIBUTES):
-        raise InputError.about("it", topography, "a Topography of the package SurfaceTopography")
-    if topography.dim != 2:
-        raise InputError("it holds a line profile, not a height map")
-    if topography.unit is None:
-        raise InputError("it does not state its unit of length")
-    if getattr(topography, "is_domain_decomposed", False):
-        raise InputError("it is spread over several processes: gather it in one")
-    metric = topography.to_unit("m")
-    heights = np.ma.filled(np.ma.asarray(metric.heights(), dtype=np.float64), np.nan)
-    lx, ly = (float(side) for side in metric.physical_sizes)
-    return heights, (lx, ly), bool(metric.is_periodic)
