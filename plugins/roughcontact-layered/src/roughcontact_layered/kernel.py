@@ -94,7 +94,7 @@ class LayeredKernel(rc.InfluenceKernel):
         Love's, for half-spaces of the topmost layer and of the other body, plus a smooth rest.
         """
         largest = float(np.hypot(shape[0] * spacing[0], shape[1] * spacing[1]))
-        table = tabulate(self.layers, self.substrate, 0.4 * min(spacing), largest)
+        table = tabulate(self, 0.4 * min(spacing), largest)
         singular = rc.Love().coefficients(shape, spacing, self._top(compliance))
         return np.asarray(singular + cell_integrals(table, shape, spacing))
 
@@ -107,6 +107,11 @@ class LayeredKernel(rc.InfluenceKernel):
         is_aliased = abs((self.rest(nearest) * nearest).item()) > np.finfo(np.float64).eps * self._top(compliance)
         love = rc.Love().spectrum(qx, qy, spacing, self._top(compliance))
         return np.asarray(love + cell_waves(self, qx, qy, spacing, is_aliased))
+
+    @property
+    def depth(self) -> float:
+        """The thickness of all layers, m."""
+        return sum(layer.thickness for layer in self.layers)
 
     def wave_rest(self, qx: Array, qy: Array) -> Array:
         """Return `rest` of wave vectors, m/Pa."""
