@@ -158,3 +158,27 @@ def test_a_response_that_is_not_even_is_refused_with_the_angle_that_helps():
 def test_bad_input_is_refused_in_words(make, words):
     with pytest.raises(rc.InputError, match=words):
         make()
+
+
+@pytest.mark.parametrize(
+    ("along", "across", "shear", "poisson", "parallel", "perpendicular"),
+    [
+        (55, 10, 3, 0.25, 23.5, 10.12),
+        (30, 10, 3, 0.25, 17.12, 10.01),
+        (80, 10, 3, 0.25, 28.63, 10.12),
+        (55, 5, 3, 0.25, 22.5, 5.97),
+        (55, 15, 3, 0.25, 24.03, 13.83),
+        (55, 10, 1, 0.25, 14.52, 7.99),
+        (55, 10, 5, 0.25, 28.7, 11.26),
+        (55, 10, 3, 0.5, 23.84, 10.6),
+    ],
+)
+def test_wood_has_the_published_indentation_moduli(along, across, shear, poisson, parallel, perpendicular):
+    """Jäger et al. (2011), Fig. 4, read from its curves: https://doi.org/10.1016/j.compositesa.2011.02.007 (GPa)."""
+    compliance = np.diag([1 / across, 1 / across, 1 / along, 1 / shear, 1 / shear, 2 * (1 + poisson) / across])
+    compliance[0, 1] = compliance[1, 0] = -poisson / across
+    compliance[:2, 2] = compliance[2, :2] = -0.25 / along
+    c = np.linalg.inv(compliance)
+    wall = TransverselyIsotropic(c[0, 0], c[0, 1], c[0, 2], c[2, 2], c[3, 3])
+    assert 1.0 / wall.compliance == pytest.approx(parallel, rel=0.01)
+    assert 1.0 / along_fibres(wall).compliance == pytest.approx(perpendicular, rel=0.015)
