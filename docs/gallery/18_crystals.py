@@ -2,8 +2,8 @@
 A ball on fibres
 ================
 
-A rigid ball on a composite of carbon fibres along x, by the plug-in ``roughcontact-layered``: the contact is shorter along the
-fibres, where the body is stiffer. The dashed circle is that of a kernel with the mean modulus.
+A rigid ball on a composite of carbon fibres along x, by the plug-in ``roughcontact-layered``: the contact is shorter
+along the fibres, where the body is stiffer. The dashed circle is that of a kernel with the mean modulus.
 """
 
 import matplotlib.pyplot as plt
