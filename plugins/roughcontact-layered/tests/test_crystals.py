@@ -156,6 +156,21 @@ def test_answers_that_need_isotropic_bodies_are_refused():
             ask()
 
 
+@pytest.mark.parametrize("crystal", [COPPER, FIBRES, GRAPHITE], ids=["copper", "fibres", "graphite"])
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_areas_on_rough_surfaces_hold_on_a_finer_grid(crystal, boundary):
+    """As on isotropic bodies, where errors over their standard deviations have an rms of 1.1."""
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=6e-6, longest=5e-5, seed=21)
+    coarse, fine = (
+        indented(crystal, (cells, cells), (1e-4, 1e-4), surface, boundary).solve(pressure=0.01 / crystal.compliance)
+        for cells in (96, 288)
+    )
+    one, other = coarse.area(), fine.area()
+    assert abs(one.value - other.value) < 3.0 * np.hypot(one.uncertainty, other.uncertainty)
+    assert one.uncertainty < 0.02 * other.value
+    assert fine.iterations <= 15
+
+
 def test_it_is_kept_in_files(tmp_path):
     solution = indented(COPPER, (32, 32), (1e-5, 1e-5)).solve(force=1e-3)
     solution.save(tmp_path / "copper.npz")

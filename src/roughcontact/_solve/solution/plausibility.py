@@ -171,15 +171,16 @@ def find_scene(initial_gap: Array, grid: Grid, boundary: Boundary, materials: It
     return [Finding("units", len(implausible), units), _find_jump(initial_gap, boundary)]
 
 
-def find_contact(solution: ContactSolution) -> list[Finding]:
+def find_contact(solution: ContactSolution, materials: Iterable[Material]) -> list[Finding]:
     """Return the findings on half-space, domain and grid of a solved contact."""
-    names = ("edge contact", "tilt", "cells per contact", "slope", "peak pressure", "approach", "theory")
+    names = ("isotropy", "edge contact", "tilt", "cells per contact", "slope", "peak pressure", "approach", "theory")
     if not solution.contact.any():
         return [Finding(name, math.nan, "there is no contact") for name in names]
     peak = float(solution.pressure.max()) / solution.modulus
     approach = solution.approach / min(solution.grid.size)
     edge = _find_edge_contact(solution)
     return [
+        _find_isotropy(solution, materials),
         edge,
         _find_tilt(solution, edge),
         _find_single_cells(solution),
@@ -194,12 +195,11 @@ def list_warnings(solution: ContactSolution, materials: Iterable[Material]) -> t
     """Return the warnings of a solution, likely causes first; after a failed solve only those before a solve."""
     materials = tuple(materials)
     findings = find_scene(solution.initial_gap, solution.grid, solution.boundary, materials)
-    findings.append(_find_isotropy(solution, materials))
     explained: set[str] = set()
     if findings[0].warning:
         explained |= {"slope", "peak pressure", "approach"}
     if solution.status.success:
-        findings += find_contact(solution)
+        findings += find_contact(solution, materials)
         if any(finding.rule == "tilt" and finding.warning for finding in findings):
             explained.add("edge contact")
     return tuple(finding.warning for finding in findings if finding.rule not in explained and finding.warning)
