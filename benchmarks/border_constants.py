@@ -36,7 +36,7 @@ def measure(cells: int, longest: float, seed: int, load: float) -> tuple[float, 
     """Return the fraction at the border, whether the maximum pressure lies there, and the changes, of one surface."""
     free, periodic = solve(cells, longest, seed, load)
     place = np.unravel_index(free.pressure.argmax(), free.pressure.shape)
-    fraction = next(finding.value for finding in find_contact(free) if finding.rule == "edge contact")
+    fraction = next(finding.value for finding in find_contact(free, ()) if finding.rule == "edge contact")
     peak = float(free.pressure.max() / periodic.pressure.max()) - 1.0
     area = free.area().value / periodic.area().value - 1.0
     return fraction, bool({0, cells - 1} & set(place)), peak, area

@@ -119,6 +119,7 @@ GOOD_FOR = {
     "Study": {"pressure": [1e7]}, "sweep": {"pressure": [1e7, 2e7]},
     "SurfaceSum.with_parts": {"parts": (WAVE, WAVE)},
     "effective_modulus": {"wavenumber": np.array([1e3, 1e4])},
+    "directional_modulus": {"angle": np.array([0.0, 1.0])},
     "natural_residual": {"shear": np.zeros((2, 8)), "slip": np.zeros((2, 8)), "limit": np.ones(8), "own": 1.0},
     "nearest_pressure": {"values": TASK.initial_gap}, "rescale_to_load": {"pressure": np.ones((8, 8))},
 }  # fmt: skip

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact._answers.areas.ellipses import find_ellipses
+from roughcontact._answers.areas.summits import find_area_factor, find_axes_ratio
 
 
 @attrs.frozen
@@ -124,3 +126,71 @@ def test_a_file_keeps_the_moduli(tmp_path):
 def test_moduli_must_be_above_zero():
     with pytest.raises(rc.InputError, match="moduli above zero"):
         sphere(StifferHalfSpace(factor=-1.0), 1e9)
+
+
+@attrs.frozen
+class Orthotropic(rc.InfluenceKernel):
+    """A modulus that depends on the direction, 1/E* = c (1 + part cos 2 angle), of waves without aliases."""
+
+    part: float
+
+    def spectrum(self, qx, qy, spacing, compliance):
+        angle = np.arctan2(qy, qx)
+        return 2.0 * compliance / np.hypot(qx, qy) * (1.0 + self.part * np.cos(2.0 * angle))
+
+    def effective_modulus(self, wavenumber, compliance):
+        return np.full(wavenumber.shape, 1.0 / compliance)
+
+    def directional_modulus(self, angle, compliance):
+        return 1.0 / (compliance * (1.0 + self.part * np.cos(2.0 * angle)))
+
+
+def test_isotropic_ellipses_are_those_of_hertz():
+    ratio = np.array([1.0, 0.7, 0.2, 0.05])
+    mean = 0.5 * (1.0 + ratio)
+    turn = np.array([0.0, 0.3, 1.0, 2.0])
+    deviator = 0.5 * (1.0 - ratio) * np.stack((np.cos(2.0 * turn), np.sin(2.0 * turn)))
+    found = find_ellipses((1.0,) * 128, np.ones(4), mean, deviator)
+    assert found.known.all()
+    np.testing.assert_allclose(found.axes_ratio, find_axes_ratio(ratio), rtol=2e-5)
+    np.testing.assert_allclose(found.area, np.pi * (0.75 / mean) ** (2 / 3) * find_area_factor(ratio), rtol=1e-5)
+    # The longer axis lies where the curvature is smaller.
+    np.testing.assert_allclose(np.cos(2.0 * (found.angle - turn))[1:], -1.0, atol=1e-9)
+
+
+def test_an_ellipse_turns_with_the_body_and_its_surface():
+    angles = np.linspace(0.0, np.pi, 128, endpoint=False)
+    mean = np.ones(1)
+
+    def ellipse(turn):
+        moduli = 1.0 / (1.0 + 0.4 * np.cos(2.0 * (angles - turn)))
+        deviator = 0.3 * np.array([[np.cos(2.0 * (turn + 0.5))], [np.sin(2.0 * (turn + 0.5))]])
+        return find_ellipses(tuple(moduli), mean, mean, deviator)
+
+    one = ellipse(0.0)
+    for turn in (0.3, 1.2, 2.9):
+        other = ellipse(turn)
+        np.testing.assert_allclose((other.area, other.axes_ratio), (one.area, one.axes_ratio), rtol=1e-9)
+        np.testing.assert_allclose(np.cos(2.0 * (other.angle - one.angle - turn)), 1.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("part", [0.1, 0.5])
+def test_areas_follow_the_directions(part):
+    coarse, fine = (on_waves(Orthotropic(part), cells) for cells in (32, 128))
+    assert len(fine.directional_moduli) == 128
+    assert abs(coarse.area().value - fine.area().value) < 3.0 * coarse.area().uncertainty
+
+
+def test_directional_moduli_are_checked():
+    class Zero(Orthotropic):
+        def directional_modulus(self, angle, compliance):
+            return 0.0 * angle
+
+    with pytest.raises(rc.InputError, match="moduli above zero"):
+        on_waves(Zero(0.1), 16)
+
+
+def on_waves(kernel, cells):
+    body = rc.Body(rc.WavySurface(1e-8, 1e-6), rc.Elastic(1e9, 0.3))
+    grid = rc.Grid((cells, cells), 1e-6)
+    return rc.ContactProblem(body, grid=grid, boundary="periodic", kernel=kernel).solve(pressure=2e6)

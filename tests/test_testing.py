@@ -92,6 +92,9 @@ class Crooked(rc.Love):
     def effective_modulus(self, wavenumber, compliance):
         return 1.1 / compliance + 0.0 * wavenumber if self.fault == "modulus" else None
 
+    def directional_modulus(self, angle, compliance):
+        return (1.0 + 0.1 * np.cos(2.0 * angle)) / compliance if self.fault == "directions" else None
+
     def spectrum(self, qx, qy, spacing, compliance):
         if self.fault == "writes":
             qx += 0.0 * qx + 1e-3
@@ -511,6 +514,7 @@ BROKEN = [
     (Crooked("near"), "far field of the half-space"),
     (Crooked("near"), "coefficients agree with spectrum"),
     (Crooked("modulus"), "effective modulus agrees with spectrum"),
+    (Crooked("directions"), "directional modulus agrees with spectrum"),
     (CrookedShear("shape"), "shear: shapes and types"),
     (CrookedShear("moody"), "shear: repeatable"),
     (CrookedShear("rounded"), "shear: powers of two change no bit"),
@@ -662,9 +666,9 @@ def test_the_reason_says_what_to_do(part, claim, reason):
 
 def test_a_report_reads_well():
     text = str(kit.check(rc.Love()))
-    assert text.startswith("kernel Love(): 24 of 24 claims hold\n")
+    assert text.startswith("kernel Love(): 25 of 25 claims hold\n")
     assert re.search(r"^holds +even in x and y +to", text, re.M)
-    assert "22 of 22 claims hold, 2 do not apply\n" in str(kit.check(rc.FourierHalfSpace()))
+    assert "23 of 23 claims hold, 2 do not apply\n" in str(kit.check(rc.FourierHalfSpace()))
     text = str(kit.check(Nothing()))
     assert re.search(r"^BROKEN +coefficients or spectrum", text, re.M)
     assert "does not apply: the kernel has no spectrum" in text
@@ -685,7 +689,7 @@ def test_what_is_no_part_is_refused_in_words():
 class TestCommand:
     def test_a_name_that_conforms(self, capsys):
         assert main(["check", "love"]) == 0
-        assert "24 of 24 claims hold" in capsys.readouterr().out
+        assert "25 of 25 claims hold" in capsys.readouterr().out
 
     def test_a_name_that_does_not(self, capsys, monkeypatch):
         monkeypatch.setitem(rc.areas._classes, "careless", Careless)

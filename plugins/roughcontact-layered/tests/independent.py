@@ -2,7 +2,7 @@
 
 import mpmath as mp
 import numpy as np
-from scipy import special
+from scipy import optimize, special
 
 
 def boundary_values(layers, substrate, q, digits=60):
@@ -99,3 +99,50 @@ def sphere_by_rings(response, modulus, radius, contact):
 def half_space(k, r):
     """Integral over s of J0(s r) times the transform of (1 - r^2)^(k - 1/2): Weber and Schafheitlin."""
     return 0.5 * special.gamma(k + 0.5) * np.sqrt(np.pi) / special.gamma(k + 1) * special.hyp2f1(0.5, -k, 1, r * r)
+
+
+def stroh_compliance(stiffness, normal, x_axis, angle):
+    """Return half of q u / p by Stroh's eigenvalue problem, for a wave at an angle from the x axis.
+
+    Amplitudes y = (u, t) of waves exp(i q m.x) that decay downwards: the eigenvectors of N with Im p > 0, -z along n.
+    """
+    n, x = (np.array(side, dtype=float) / np.linalg.norm(side) for side in (normal, x_axis))
+    m = np.cos(angle) * x + np.sin(angle) * np.cross(n, x)
+    index = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+    scale = np.max(stiffness)
+    tensor = np.array(stiffness)[index[:, :, None, None], index] / scale
+    # Into the body.
+    n = -n
+    q, r, t = (np.einsum("ijkl,j,l->ik", tensor, a, b) for a, b in ((m, m), (m, n), (n, n)))
+    inverse = np.linalg.inv(t)
+    matrix = np.block([[-inverse @ r.T, inverse], [r @ inverse @ r.T - q, -r @ inverse]])
+    values, vectors = np.linalg.eig(matrix)
+    below = vectors[:, values.imag > 0.0]
+    # u = A f, traction on the surface with normal n: i q B f.
+    admittance = below[:3] @ np.linalg.inv(below[3:])
+    return 0.5 * float((n @ (1j * admittance) @ n).real) / scale
+
+
+def hertz_ellipse(modulus, radii, force):
+    """Return semi-axes, approach and maximum pressure of a rigid paraboloid on a body with E* by direction.
+
+    Hertz's pressure over an ellipse displaces the surface by a paraboloid: the Fourier integral over the radius of a
+    wave vector is known, that over its angle is a trapezoidal sum, and the ratio of the axes a bisection.
+    """
+    angles = np.pi / 20000 * np.arange(20000)
+    compliance = 1.0 / modulus(angles)
+    cos, sin = np.cos(angles) ** 2, np.sin(angles) ** 2
+
+    def sums(ratio):
+        width = np.sqrt(cos + ratio**2 * sin)
+        return (np.mean(compliance * part / width**power) for part, power in ((1.0, 1), (cos, 3), (sin, 3)))
+
+    def excess(logarithm):
+        _, x, y = sums(np.exp(logarithm))
+        return np.log(y * radii[1] / (x * radii[0]))
+
+    ratio = np.exp(optimize.brentq(excess, -3.0, 3.0, xtol=1e-14))
+    depth, bend, _ = sums(ratio)
+    along = (1.5 * force * radii[0] * bend) ** (1 / 3)
+    peak = 1.5 * force / (np.pi * ratio * along**2)
+    return (along, ratio * along), 0.75 * force * depth / along, peak

@@ -6,6 +6,7 @@ import abc
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -20,6 +21,12 @@ from roughcontact.errors.door import guarded
 class Material(abc.ABC):
     """The material of a body; a class of your own gives its compliance and its pressure limit.
 
+    Attributes
+    ----------
+    is_isotropic
+        Whether its response is the same in all directions along the surface. If not, the compliance is their mean, and
+        a solution by a kernel that does not know the directions warns.
+
     Examples
     --------
     >>> import roughcontact as rc
@@ -29,6 +36,8 @@ class Material(abc.ABC):
     >>> rc.Body(rc.FlatSurface(), Cork()).material.pressure_limit
     1000000.0
     """
+
+    is_isotropic: ClassVar[bool] = True
 
     @property
     @abc.abstractmethod

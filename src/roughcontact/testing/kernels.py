@@ -24,6 +24,8 @@ _GRIDS: tuple[tuple[tuple[int, int], Pair], ...] = (
 )
 # Relative error of scaling up to which a kernel has no length or modulus of its own: thick layers are near half-spaces.
 _MAX_SCALING_ERROR = 1e-9
+# Directions of waves of which moduli are compared.
+_DIRECTIONS = 16
 
 
 def _cases(_: InfluenceKernel) -> Iterator[tuple[str, tuple[int, int], Pair]]:
@@ -232,8 +234,26 @@ def _modulus(kernel: InfluenceKernel) -> str:
     wavenumbers = np.geomspace(1e4, 1e7, 7)
     moduli = kernel.effective_modulus(wavenumbers, _COMPLIANCE)
     stated = np.full(7, 1.0 / _COMPLIANCE) if moduli is None else moduli
-    none = np.zeros((1, 1))
-    # Cells much smaller than the waves.
-    amplitudes = [spectrum.spectrum(none + q, none, (1e-3 / q, 1e-3 / q), _COMPLIANCE).item() for q in wavenumbers]
-    found = stated * wavenumbers * np.array(amplitudes)
+    # The mean over the directions of a quarter turn.
+    angles = 0.5 * np.pi * (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
+    found = stated * wavenumbers * np.array([_respond(spectrum, q, angles).mean() for q in wavenumbers])
     return f"to {require_close(found, np.full(7, 2.0), 1e-4, 'E*(q) q u(q) differs from 2'):.0e}"
+
+
+@claim("kernel", "directional modulus agrees with spectrum")
+def _directions(kernel: InfluenceKernel) -> str:
+    spectrum = _spectrum(kernel)
+    angles = np.linspace(0.0, 0.5 * np.pi, _DIRECTIONS)
+    wavenumber = 1e6
+    waves = _respond(spectrum, wavenumber, angles)
+    moduli = kernel.directional_modulus(angles, _COMPLIANCE)
+    # Without it all directions are alike.
+    stated = np.full(_DIRECTIONS, waves.mean()) if moduli is None else 2.0 / (wavenumber * moduli)
+    return f"to {require_close(waves, stated, 1e-4, 'waves of other directions differ'):.0e}"
+
+
+def _respond(spectrum: SupportsSpectrum, wavenumber: float, angles: Array) -> Array:
+    """Return the amplitudes of waves of these directions, on cells much smaller than they are, shape (n,)."""
+    qx, qy = wavenumber * np.cos(angles), wavenumber * np.sin(angles)
+    side = 1e-3 / wavenumber
+    return np.diagonal(spectrum.spectrum(qx[:, np.newaxis], qy[np.newaxis, :], (side, side), _COMPLIANCE))

@@ -1,6 +1,9 @@
-"""Bonded elastic layers on a half-space: an influence kernel for roughcontact."""
+"""Layered, anisotropic and graded half-spaces: materials and influence kernels for roughcontact."""
 
+from roughcontact_layered.anisotropic import AnisotropicKernel
+from roughcontact_layered.crystal import Anisotropic, TransverselyIsotropic
+from roughcontact_layered.graded import GradedKernel
 from roughcontact_layered.kernel import LayeredKernel
 from roughcontact_layered.stack import Layer
 
-__all__ = ["Layer", "LayeredKernel"]
+__all__ = ["Anisotropic", "AnisotropicKernel", "GradedKernel", "Layer", "LayeredKernel", "TransverselyIsotropic"]

@@ -1,20 +1,21 @@
-"""Uniform pressure on a cell: displacement by a radial function of the distance, and the aliases of its waves."""
+"""Uniform pressure on a cell: displacement by that around a point force, and the aliases of its waves."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import TypeAlias
+from collections.abc import Callable, Hashable
+from functools import lru_cache
+from typing import Protocol, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial import chebyshev, legendre
 
-from roughcontact_layered.radial import Radial
 from roughcontact_layered.stack import Array
 
 Orders: TypeAlias = npt.NDArray[np.int_]
 Aliases: TypeAlias = tuple[Array, Array, Array]
+WaveFunction: TypeAlias = Callable[[Array, Array], Array]
 
 # Cells up to this offset, in shorter sides, are integrated from four corners; beyond it, and beyond the second
 # offset, by Gauss points: the errors stay below 1e-11 (tests/test_cells.py).
@@ -31,7 +32,17 @@ _PLAIN = 8
 _AVERAGED = 22
 
 
-def cell_integrals(table: Radial, shape: tuple[int, int], spacing: tuple[float, float]) -> Array:
+class PointForce(Protocol):
+    """The displacement around a point force, even in x and in y."""
+
+    def displacement(self, x: Array, y: Array) -> Array:
+        """Return the displacement by a unit force at the offsets `x`, `y`, m/N."""
+
+    def along_ray(self, x: Array, y: Array) -> Array:
+        """Return the integral over 0 < t < 1 of t times the displacement at the offsets t `x`, t `y`, m/N."""
+
+
+def cell_integrals(table: PointForce, shape: tuple[int, int], spacing: tuple[float, float]) -> Array:
     """Return the displacement at the centre of the cell (0, 0) by unit pressure on the cell (i, j), m/Pa.
 
     Parameters
@@ -58,7 +69,7 @@ def cell_integrals(table: Radial, shape: tuple[int, int], spacing: tuple[float, 
 
 
 def _integrate_gauss(
-    result: Array, table: Radial, spacing: tuple[float, float], block: tuple[slice, slice], points: int
+    result: Array, table: PointForce, spacing: tuple[float, float], block: tuple[slice, slice], points: int
 ) -> None:
     axes = [np.arange(n)[part] * side for n, part, side in zip(result.shape, block, spacing, strict=True)]
     if not (axes[0].size and axes[1].size):
@@ -67,8 +78,7 @@ def _integrate_gauss(
     (ax, wx), (ay, wy) = (_gauss_points(side / min(spacing), points) for side in spacing)
     for a, p in zip(ax * spacing[0], wx * spacing[0], strict=True):
         for b, w in zip(ay * spacing[1], wy * spacing[1], strict=True):
-            r = np.hypot((axes[0] + a)[:, np.newaxis], (axes[1] + b)[np.newaxis, :])
-            total += p * w * table.displacement(r)
+            total += p * w * table.displacement((axes[0] + a)[:, np.newaxis], (axes[1] + b)[np.newaxis, :])
     result[block] = total
 
 
@@ -80,35 +90,75 @@ def _gauss_points(sides: float, points: int) -> tuple[Array, Array]:
     return places.ravel(), np.tile(0.5 * weight / parts, parts)
 
 
-def _integrate_corners(table: Radial, shape: tuple[int, int], spacing: tuple[float, float]) -> Array:
+def _integrate_corners(table: PointForce, shape: tuple[int, int], spacing: tuple[float, float]) -> Array:
     """Take differences of integrals over rectangles with a corner at the origin, odd in either side."""
     x, y = ((np.arange(n + 1) - 0.5) * side for n, side in zip(shape, spacing, strict=True))
     sign = np.sign(x)[:, np.newaxis] * np.sign(y)[np.newaxis, :]
     x, y = (np.abs(side)[index] for side, index in ((x, (slice(None), None)), (y, (None, slice(None)))))
-    corners = sign * (_triangle(table, x, y) + _triangle(table, y, x))
+    corners = sign * (_triangle(table.along_ray, x, y) + _triangle(lambda a, b: table.along_ray(b, a), y, x))
     return np.asarray(np.diff(np.diff(corners, axis=0), axis=1))
 
 
-def _triangle(table: Radial, base: Array, height: Array) -> Array:
-    """Integrate over the triangle (0, 0), (base, 0), (base, height), by angle: base cosh(s) is its far side."""
+def _triangle(along_ray: WaveFunction, base: Array, height: Array) -> Array:
+    """Integrate over the triangle (0, 0), (base, 0), (base, height), by angle: (base, base sinh(s)) is its far side."""
     at, weight = legendre.leggauss(_CORNER)
     base, height = np.broadcast_arrays(base, height)
     maximum = np.arcsinh(height / base)[..., np.newaxis]
-    cosh = np.cosh(0.5 * maximum * (at + 1.0))
-    inside = table.within(base[..., np.newaxis] * cosh) / cosh
-    return np.asarray(0.5 * maximum[..., 0] * (inside @ weight))
+    s = 0.5 * maximum * (at + 1.0)
+    far = base[..., np.newaxis]
+    inside = along_ray(far, far * np.sinh(s)) * np.cosh(s)
+    return np.asarray(0.5 * maximum[..., 0] * base**2 * (inside @ weight))
 
 
-def sum_aliases(rest: Callable[[Array], Array], theta: tuple[Array, Array], spacing: tuple[float, float]) -> Aliases:
+class WaveResponse(Hashable, Protocol):
+    """A kernel, of which a part is known in Fourier space."""
+
+    def wave_rest(self, qx: Array, qy: Array) -> Array:
+        """Return the part for wave vectors of shapes that broadcast, rad/m, even in both, m/Pa."""
+
+
+def cell_waves(
+    kernel: WaveResponse, qx: Array, qy: Array, spacing: tuple[float, float], is_aliased: bool = True
+) -> Array:
+    """Return the part of a kernel at the cell centres by waves of cell pressures, shape (m, n), m/Pa.
+
+    Parameters
+    ----------
+    kernel
+        The kernel.
+    qx, qy
+        Wave numbers, shapes (m, 1) and (1, n), rad/m, at most half the sampling wave number.
+    spacing
+        Sides of a cell (dx, dy), m.
+    is_aliased
+        Whether the aliases of the waves count, too.
+    """
+    x, rows = np.unique(np.abs(qx).ravel() * spacing[0], return_inverse=True)
+    y, columns = np.unique(np.abs(qy).ravel() * spacing[1], return_inverse=True)
+    half = [np.sinc(theta / (2.0 * np.pi)) for theta in (x, y)]
+    values = kernel.wave_rest((x / spacing[0])[:, np.newaxis], (y / spacing[1])[np.newaxis, :])
+    values = values * half[0][:, np.newaxis] * half[1][np.newaxis, :]
+    if is_aliased:
+        values = values + interpolate_aliases(_sum_aliases(kernel, spacing, x.tobytes(), y.tobytes()), (x, y))
+    return np.asarray(values[np.ix_(rows, columns)])
+
+
+@lru_cache(maxsize=64)
+def _sum_aliases(kernel: WaveResponse, spacing: tuple[float, float], across: bytes, along: bytes) -> Aliases:
+    """Return the alias sums at nodes, which are small: the coarse grids of each solve need them again."""
+    return sum_aliases(kernel.wave_rest, (np.frombuffer(across), np.frombuffer(along)), spacing)
+
+
+def sum_aliases(rest: WaveFunction, theta: tuple[Array, Array], spacing: tuple[float, float]) -> Aliases:
     r"""Return the sum over all aliases of a wave but itself, at nodes of the phase, for `interpolate_aliases`.
 
-    .. math:: \sum_{(m,n) \ne 0} f(|q + Q_{mn}|)\,\operatorname{sinc}(\theta_x / 2 + \pi m)\,
+    .. math:: \sum_{(m,n) \ne 0} f(q + Q_{mn})\,\operatorname{sinc}(\theta_x / 2 + \pi m)\,
               \operatorname{sinc}(\theta_y / 2 + \pi n)
 
     Parameters
     ----------
     rest
-        The function f of the wave number, of any shape, rad/m.
+        The function f of the wave numbers along x and along y, rad/m, of shapes that broadcast, even in both.
     theta
         Phases q dx, q dy per cell, 0 .. pi, shapes (m,) and (n,).
     spacing
@@ -149,7 +199,7 @@ def _interpolation(nodes: Array, theta: Array) -> Array:
 
 
 def _sum_orders(
-    rest: Callable[[Array], Array],
+    rest: WaveFunction,
     theta: tuple[Array, Array],
     orders: tuple[Orders, Orders],
     spacing: tuple[float, float],
@@ -160,7 +210,7 @@ def _sum_orders(
     for m in range(orders[0].size):
         qx = x[:, m] / spacing[0]
         qy = y / spacing[1]
-        values = rest(np.hypot(qx[:, np.newaxis, np.newaxis], qy))
+        values = rest(qx[:, np.newaxis, np.newaxis], qy)
         total += factors[0][:, m, np.newaxis] * np.einsum("ijn,jn->ij", values, factors[1])
     return total
 

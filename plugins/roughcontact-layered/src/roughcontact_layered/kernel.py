@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import attrs
 import numpy as np
 import roughcontact as rc
 
-from roughcontact_layered.cells import Aliases, cell_integrals, interpolate_aliases, sum_aliases
+from roughcontact_layered.bodies import compliance_of_other
+from roughcontact_layered.cells import cell_integrals, cell_waves
 from roughcontact_layered.radial import tabulate
 from roughcontact_layered.stack import Array, Layer, respond
-
-# Fraction of 1/E* by which rounding may make the substrate softer than both bodies together.
-_ROUNDING = 1e-9
 
 
 def _layers(value: object) -> tuple[Layer, ...]:
@@ -98,7 +94,7 @@ class LayeredKernel(rc.InfluenceKernel):
         Love's, for half-spaces of the topmost layer and of the other body, plus a smooth rest.
         """
         largest = float(np.hypot(shape[0] * spacing[0], shape[1] * spacing[1]))
-        table = tabulate(self.layers, self.substrate, 0.4 * min(spacing), largest)
+        table = tabulate(self, 0.4 * min(spacing), largest)
         singular = rc.Love().coefficients(shape, spacing, self._top(compliance))
         return np.asarray(singular + cell_integrals(table, shape, spacing))
 
@@ -107,22 +103,19 @@ class LayeredKernel(rc.InfluenceKernel):
 
         Love's, for half-spaces of the topmost layer and of the other body, plus the rest with its aliases.
         """
-        steps, places = zip(
-            *(
-                np.unique(np.abs(q).ravel() * side, return_inverse=True)
-                for q, side in zip((qx, qy), spacing, strict=True)
-            ),
-            strict=True,
-        )
-        half = [np.sinc(theta / (2.0 * np.pi)) for theta in steps]
-        q = np.hypot((steps[0] / spacing[0])[:, np.newaxis], (steps[1] / spacing[1])[np.newaxis, :])
-        values = self.rest(q) * half[0][:, np.newaxis] * half[1][np.newaxis, :]
-        nearest = np.pi / max(spacing)
-        if abs(self.rest(np.array([nearest])).item()) * nearest > np.finfo(np.float64).eps * self._top(compliance):
-            aliases = _sum_aliases(self, spacing, steps[0].tobytes(), steps[1].tobytes())
-            values = values + interpolate_aliases(aliases, (steps[0], steps[1]))
+        nearest = np.array([np.pi / max(spacing)])
+        is_aliased = abs((self.rest(nearest) * nearest).item()) > np.finfo(np.float64).eps * self._top(compliance)
         love = rc.Love().spectrum(qx, qy, spacing, self._top(compliance))
-        return np.asarray(love + values[np.ix_(places[0], places[1])])
+        return np.asarray(love + cell_waves(self, qx, qy, spacing, is_aliased))
+
+    @property
+    def depth(self) -> float:
+        """The thickness of all layers, m."""
+        return sum(layer.thickness for layer in self.layers)
+
+    def wave_rest(self, qx: Array, qy: Array) -> Array:
+        """Return `rest` of wave vectors, m/Pa."""
+        return self.rest(np.hypot(qx, qy))
 
     def rest(self, q: Array) -> Array:
         """Return the response less that of a half-space of the topmost layer, shape of `q` (rad/m, above 0), m/Pa."""
@@ -134,16 +127,4 @@ class LayeredKernel(rc.InfluenceKernel):
 
     def _other(self, compliance: float) -> float:
         """Return (1 - nu^2) / E of the body without layers, 1/Pa."""
-        other = compliance - self.substrate.compliance
-        if other < -_ROUNDING * compliance:
-            raise rc.InputError(
-                f"The substrate {self.substrate!r} alone is softer (1/E* = {self.substrate.compliance:g} 1/Pa) than "
-                f"both bodies together ({compliance:g} 1/Pa): give the kernel the material of the coated body."
-            )
-        return max(other, 0.0)
-
-
-@lru_cache(maxsize=64)
-def _sum_aliases(kernel: LayeredKernel, spacing: tuple[float, float], across: bytes, along: bytes) -> Aliases:
-    """Return the alias sums at nodes, which are small: the coarse grids of each solve need them again."""
-    return sum_aliases(kernel.rest, (np.frombuffer(across), np.frombuffer(along)), spacing)
+        return compliance_of_other(f"The substrate {self.substrate!r}", self.substrate.compliance, compliance)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
 from functools import lru_cache
+from typing import Protocol
 
 import attrs
 import numpy as np
-import roughcontact as rc
 from numpy.polynomial import chebyshev, legendre
 from scipy import special
 
-from roughcontact_layered.stack import Array, Layer, respond
+from roughcontact_layered.stack import Array
 
 # Chebyshev nodes per octave of the distance: the images of the layers lie at imaginary distances, beyond an
 # ellipse on which the coefficients fall by nine each, 9^-20 = 8e-20.
@@ -23,13 +24,24 @@ _PLAIN = 20
 _AVERAGED = 26
 # End of the first half wave, near the zero 2.405 of J0; panels below it halve.
 _FIRST = 2.4
-# Wave number times thickness below which layers change nothing.
+# Wave number times depth below which the body changes nothing.
 _LONG = 1e-3
+
+
+class DepthDependent(Hashable, Protocol):
+    """A kernel of a body whose modulus depends on the depth alone."""
+
+    @property
+    def depth(self) -> float:
+        """Depth below which the body changes little, m."""
+
+    def rest(self, q: Array) -> Array:
+        """Return the response to waves less that of a half-space of what lies at the surface, shape of `q`, m/Pa."""
 
 
 @attrs.frozen(eq=False)
 class Radial:
-    """Functions of the distance r, tabulated by octaves.
+    """The displacement around a point force, a function of the distance r, tabulated by octaves.
 
     Attributes
     ----------
@@ -45,13 +57,15 @@ class Radial:
     point: Array
     disc: Array
 
-    def displacement(self, r: Array) -> Array:
-        """Return the displacement by a unit force at the distances `r`, m/N."""
+    def displacement(self, x: Array, y: Array) -> Array:
+        """Return the displacement by a unit force; see `PointForce`."""
+        r = np.hypot(x, y)
         return self._evaluate(self.point, r) / r
 
-    def within(self, r: Array) -> Array:
-        """Return the integral of r' times the displacement from 0 to `r`, m^3/N."""
-        return self._evaluate(self.disc, r) * r
+    def along_ray(self, x: Array, y: Array) -> Array:
+        """Return the integral of the displacement along a ray; see `PointForce`."""
+        r = np.hypot(x, y)
+        return self._evaluate(self.disc, r) / r
 
     def _evaluate(self, table: Array, r: Array) -> Array:
         mantissa, exponent = np.frexp(r)
@@ -64,29 +78,29 @@ class Radial:
         return result
 
 
-def tabulate(layers: tuple[Layer, ...], substrate: rc.Elastic, smallest: float, largest: float) -> Radial:
-    """Return what a stack adds to a half-space of its topmost layer, between two distances, m."""
+def tabulate(kernel: DepthDependent, smallest: float, largest: float) -> Radial:
+    """Return what a body adds to a half-space of what lies at its surface, between two distances, m."""
     first, last = (math.floor(math.log2(r)) for r in (smallest, largest))
-    tables = [_octave(layers, substrate, k) for k in range(first, last + 1)]
+    tables = [_octave(kernel, k) for k in range(first, last + 1)]
     point, disc = (np.stack(part, axis=1) for part in zip(*tables, strict=True))
     return Radial(first, point, disc)
 
 
 @lru_cache(maxsize=1024)
-def _octave(layers: tuple[Layer, ...], substrate: rc.Elastic, octave: int) -> tuple[Array, Array]:
+def _octave(kernel: DepthDependent, octave: int) -> tuple[Array, Array]:
     r"""Return the Chebyshev coefficients on 2^octave .. 2^(octave + 1), over the logarithm of the distance.
 
     .. math:: r\,G(r) = \frac{1}{2\pi} \int_0^\infty F(x / r)\,J_0(x)\,\mathrm{d}x, \quad
               \frac{1}{r} \int_0^r G\,r'\,\mathrm{d}r' = \frac{1}{2\pi} \int_0^\infty F(x / r)\,\frac{J_1(x)}{x}\,
               \mathrm{d}x
 
-    with F the second of `respond`, which is finite at zero, so that the integrals converge.
+    with F = q u the rest of the kernel times q, which is finite at zero, so that the integrals converge.
     """
     nodes = chebyshev.chebpts1(_NODES)
     r = 2.0 ** (octave + 0.5 * (nodes + 1.0))
-    x, weights = _rule(_halvings(sum(layer.thickness for layer in layers) / 2.0**octave))
-    _, values = respond(layers, substrate, (x[np.newaxis, :] / r[:, np.newaxis]).ravel())
-    values = values.reshape(r.size, x.size) / (2.0 * np.pi)
+    x, weights = _rule(_halvings(kernel.depth / 2.0**octave))
+    q = x[np.newaxis, :] / r[:, np.newaxis]
+    values = kernel.rest(q) * q / (2.0 * np.pi)
     point = values @ (weights * special.j0(x))
     disc = values @ (weights * special.j1(x) / x)
     vandermonde = chebyshev.chebvander(nodes, _NODES - 1)
@@ -94,9 +108,9 @@ def _octave(layers: tuple[Layer, ...], substrate: rc.Elastic, octave: int) -> tu
     return solved[:, 0], solved[:, 1]
 
 
-def _halvings(thickness: float) -> int:
-    """Return how often the first panel is halved until layers, `thickness` over r in all, change nothing."""
-    return max(4, math.ceil(math.log2(_FIRST * max(thickness, 1.0) / _LONG)))
+def _halvings(depth: float) -> int:
+    """Return how often the first panel is halved until what lies down to a depth, over r, changes nothing."""
+    return max(4, math.ceil(math.log2(_FIRST * max(depth, 1.0) / _LONG)))
 
 
 @lru_cache(maxsize=64)

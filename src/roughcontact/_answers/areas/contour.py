@@ -347,6 +347,11 @@ def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: 
     outside.ravel()[open_] = np.cbrt(np.square(0.75 * np.maximum(solution.gap.ravel().take(k.ravel()[open_]), 0.0)))
     ax, ay = _differentiate(inside, size)
     bx, by = _differentiate(outside, size)
+    if solution.directional_moduli is not None:
+        softer = (modulus / _find_edge_moduli(solution.directional_moduli, (ax, ay), (bx, by))) ** 2
+        inside = inside * softer
+        ax = ax * softer
+        ay = ay * softer
     # |grad phi|^2 is a cubic in w = y^2.
     cubic = ax * ax + ay * ay
     square = -2.0 * (ax * bx + ay * by)
@@ -364,6 +369,14 @@ def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: 
         w[rootless] = _find_root(top[0] ** 2, 2 * top[0] * top[1], top[1] ** 2, highest[rootless], saddle)
     y = np.sqrt(w)
     return np.asarray(inside * (w * y) - outside * y)
+
+
+def _find_edge_moduli(moduli: tuple[float, ...], inward: tuple[Array, Array], outward: tuple[Array, Array]) -> Array:
+    """Return the moduli of waves at right angles to the edge, by the gradients inside and outside, shape (n,), Pa."""
+    normals = [parts / np.maximum(np.hypot(*parts), np.finfo(float).tiny) for parts in map(np.stack, (inward, outward))]
+    x, y = normals[0] - normals[1]
+    turns = np.arctan2(y, x) / np.pi
+    return np.asarray(np.interp(turns % 1.0, np.arange(len(moduli) + 1) / len(moduli), (*moduli, moduli[0])))
 
 
 def _differentiate(values: Corners, size: tuple[float, float]) -> tuple[Array, Array]:

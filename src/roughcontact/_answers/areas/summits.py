@@ -11,6 +11,7 @@ from scipy import special
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import find_patches_of, split
+from roughcontact._answers.areas.ellipses import find_ellipses
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, grow
@@ -310,6 +311,17 @@ def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) ->
     middle = np.where(known, middle, 1.0)
     difference = np.where(known, difference, 0.0)
     ratio = (middle - difference) / (middle + difference)
+    if solution.directional_moduli is not None:
+        deviator = np.where(known, np.stack((0.5 * (xx - yy), xy)), 0.0)
+        ellipses = find_ellipses(solution.directional_moduli, solution.patches.forces, middle, deviator)
+        return attrs.evolve(
+            found,
+            known=known & ellipses.known,
+            area=ellipses.area,
+            axes_ratio=ellipses.axes_ratio,
+            angle=ellipses.angle,
+            curvature=middle,
+        )
     area, change = solve_for_area(solution, solution.patches.forces, middle, ratio)
     return attrs.evolve(
         found,

@@ -132,8 +132,8 @@ class ContactConductance(Response[Conductance]):
         require_mean_gap(solution, "conductance")
         if solution.moduli is not None:
             raise InputError(
-                "The conductance follows from the stiffness of two half-spaces, but this kernel is of a layer, "
-                "which conducts otherwise than it deforms: choose kernel='love'."
+                "The conductance follows from the stiffness of two isotropic half-spaces, but this kernel is of a "
+                "layer or a crystal, which conducts otherwise than it deforms: choose kernel='love'."
             )
         area = solution.area()
         warnings = list_warnings(solution, area.warnings)

@@ -137,8 +137,8 @@ class TangentialStiffness(Response[Estimate]):
         """Return the stiffness; see `Response.respond`."""
         if solution.moduli is not None:
             raise InputError(
-                "The tangential stiffness follows from the normal one of two half-spaces, but this kernel is of a "
-                "layer: choose kernel='love'."
+                "The tangential stiffness follows from the normal one of two isotropic half-spaces, but this kernel is "
+                "of a layer or a crystal: choose kernel='love'."
             )
         if solution.saturated.any():
             raise InputError(

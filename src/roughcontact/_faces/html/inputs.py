@@ -229,7 +229,8 @@ def list_certificate(solution: ContactSolution) -> dict[str, str]:
         rows[name.capitalize()] = f"{value:.1e}: {escape(meaning)}{'' if name == 'load' else escape(scale)}"
     rows["Modulus E*"] = escape(si(solution.modulus, "Pa", 6))
     if solution.moduli is not None:
-        rows["Modulus E*"] += ", that of the materials: the kernel has another for each wavelength"
+        other = "wavelength" if solution.directional_moduli is None else "direction"
+        rows["Modulus E*"] += f", that of the materials: the kernel has another for each {other}"
     rows["Work"] = describe_work(solution)
     if solution.accuracy is not None:
         rows["Accuracy"] = quantity(str(solution.accuracy).replace("\n", "; "))

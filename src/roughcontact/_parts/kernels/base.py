@@ -83,6 +83,27 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         even = bool(np.all(np.abs(moduli * compliance - 1.0) < _HOMOGENEITY_TOLERANCE))
         return None if even else np.asarray(moduli)
 
+    def directional_modulus(self, angle: Array, compliance: float) -> Array | None:
+        """Return the contact modulus of waves by their direction, which an anisotropic body changes.
+
+        The area estimators need it at an edge of a contact, which meets the modulus of the waves at right angles to it,
+        and for the ellipse of a summit. A kernel that defines it defines `effective_modulus` as the inverse of the mean
+        of 1/E* over the directions.
+
+        Parameters
+        ----------
+        angle
+            Angles of the wave vectors from the x axis, shape (n,), rad.
+        compliance
+            1/E* of the two half-spaces together, 1/Pa.
+
+        Returns
+        -------
+        Array or None
+            Moduli, shape (n,), Pa; None, the default, if it is the same in all directions.
+        """
+        return None
+
 
 kernels = Registry(InfluenceKernel, "kernel", "roughcontact.kernels")
 

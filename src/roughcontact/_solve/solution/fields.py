@@ -194,6 +194,9 @@ class ContactFields:
     moduli
         Inverse wave numbers, m, ascending, and the effective contact modulus at each, Pa; None if it is `modulus` at
         all wave numbers.
+    directional_moduli
+        Contact modulus, Pa, of waves at equal angles from the x axis over half a turn; None if it is the same in all
+        directions.
     origin
         The problem and its load; None if they are not known.
     accuracy
@@ -221,6 +224,7 @@ class ContactFields:
     levels: tuple[GridLevel, ...] = ()
     edge_shift: float = 0.0
     moduli: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    directional_moduli: tuple[float, ...] | None = None
     origin: Origin | None = None
     accuracy: Accuracy | None = None
     non_measured: Mask | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))

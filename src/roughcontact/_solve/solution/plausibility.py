@@ -82,6 +82,12 @@ PLAUSIBILITY_RULES = {
         "rms step across the border over that between neighbours; waves of eight cells have one",
         "Beyond the border the domain repeats: subtract the tilt, use a surface that repeats, or a free boundary.",
     ),
+    "isotropy": Rule(
+        0,
+        0,
+        "bodies whose modulus depends on the direction along the surface, under a kernel that takes the mean",
+        "Contacts come out round where they are elliptic: choose the kernel of the anisotropic material.",
+    ),
     "edge contact": Rule(
         0,
         0.25,
@@ -165,15 +171,16 @@ def find_scene(initial_gap: Array, grid: Grid, boundary: Boundary, materials: It
     return [Finding("units", len(implausible), units), _find_jump(initial_gap, boundary)]
 
 
-def find_contact(solution: ContactSolution) -> list[Finding]:
+def find_contact(solution: ContactSolution, materials: Iterable[Material]) -> list[Finding]:
     """Return the findings on half-space, domain and grid of a solved contact."""
-    names = ("edge contact", "tilt", "cells per contact", "slope", "peak pressure", "approach", "theory")
+    names = ("isotropy", "edge contact", "tilt", "cells per contact", "slope", "peak pressure", "approach", "theory")
     if not solution.contact.any():
         return [Finding(name, math.nan, "there is no contact") for name in names]
     peak = float(solution.pressure.max()) / solution.modulus
     approach = solution.approach / min(solution.grid.size)
     edge = _find_edge_contact(solution)
     return [
+        _find_isotropy(solution, materials),
         edge,
         _find_tilt(solution, edge),
         _find_single_cells(solution),
@@ -186,12 +193,13 @@ def find_contact(solution: ContactSolution) -> list[Finding]:
 
 def list_warnings(solution: ContactSolution, materials: Iterable[Material]) -> tuple[str, ...]:
     """Return the warnings of a solution, likely causes first; after a failed solve only those before a solve."""
+    materials = tuple(materials)
     findings = find_scene(solution.initial_gap, solution.grid, solution.boundary, materials)
     explained: set[str] = set()
     if findings[0].warning:
         explained |= {"slope", "peak pressure", "approach"}
     if solution.status.success:
-        findings += find_contact(solution)
+        findings += find_contact(solution, materials)
         if any(finding.rule == "tilt" and finding.warning for finding in findings):
             explained.add("edge contact")
     return tuple(finding.warning for finding in findings if finding.rule not in explained and finding.warning)
@@ -206,6 +214,13 @@ def exceeds_metals(solution: ContactSolution, materials: Iterable[Material]) -> 
         and softest >= _STIFF_MODULUS
         and float(solution.pressure.max()) > _MAX_METAL_PRESSURE * softest
     )
+
+
+def _find_isotropy(solution: ContactSolution, materials: Iterable[Material]) -> Finding:
+    names = [type(material).__name__ for material in materials if not material.is_isotropic]
+    if not names or solution.directional_moduli is not None:
+        return Finding("isotropy", 0, "materials and kernel agree on the directions")
+    return Finding("isotropy", len(names), f"the material {' and '.join(names)} is anisotropic, but the kernel is not")
 
 
 def _list_moduli(materials: Iterable[Material]) -> list[str]:

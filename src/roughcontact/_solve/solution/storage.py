@@ -255,7 +255,7 @@ def disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], di
     parts: dict[str, RealArray] = {}
     origin = solution.origin
     limit = solution.pressure_limit
-    described = ("moduli", "boundary", *_REAL_FIELDS, *_COUNT_FIELDS)
+    described = ("moduli", "directional_moduli", "boundary", *_REAL_FIELDS, *_COUNT_FIELDS)
     tables = {name: attrs.asdict(getattr(solution, name)) for name in ("grid", "residuals")}
     header = {
         "kind": _ARCHIVE_KIND,
@@ -315,6 +315,8 @@ def assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dict
     _require_few(header["problem"], parts)
     grid = build(Grid, header["grid"])
     limit, moduli = (rebuild(header[name], parts) for name in ("pressure_limit", "moduli"))
+    # Files from before there were anisotropic bodies do not name them.
+    directional = rebuild(header.get("directional_moduli"), parts)
     origin = None
     if header["problem"] is not None:
         load = {name: float(value) for name, value in rebuild(header["load"], parts).items()}
@@ -330,6 +332,7 @@ def assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dict
         "residuals": build(Residuals, header["residuals"]),
         "levels": tuple(build(GridLevel, level) for level in header["levels"]),
         "moduli": None if moduli is None else _table(moduli),
+        "directional_moduli": None if directional is None else tuple(map(float, directional)),
         "non_measured": _mask(rebuild(header["non_measured"], parts), grid),
         "boundary": Boundary(header["boundary"]),
         "status": Status[header["status"]],

@@ -72,7 +72,8 @@ def check_model(solved: SolvedProblem) -> list[Check]:
     """Return whether units, domain, grid and half-space suit the contact."""
     plan = solved.problem.plan
     solution = solved.solution
-    findings = find_scene(solution.initial_gap, plan.grid, plan.boundary, plan.materials) + find_contact(solution)
+    findings = find_scene(solution.initial_gap, plan.grid, plan.boundary, plan.materials)
+    findings += find_contact(solution, plan.materials)
     checks = [
         skip(finding.rule, finding.text)
         if math.isnan(finding.value)

@@ -1,0 +1,32 @@
+"""Which part of 1/E* belongs to which body."""
+
+from __future__ import annotations
+
+import roughcontact as rc
+
+# Fraction of 1/E* by which rounding may make one body softer than both together.
+_ROUNDING = 1e-9
+
+
+def compliance_of_other(name: str, own: float, compliance: float) -> float:
+    """Return 1/E* less the part of the body that a kernel describes, at least zero, 1/Pa.
+
+    Parameters
+    ----------
+    name
+        What the kernel describes, the subject of the sentence.
+    own, compliance
+        1/E* of that body alone, and of both together, 1/Pa.
+
+    Raises
+    ------
+    roughcontact.InputError
+        If that body alone is softer than both together, so that none of them can be made of it.
+    """
+    other = compliance - own
+    if other < -_ROUNDING * compliance:
+        raise rc.InputError(
+            f"{name} alone is softer (1/E* = {own:g} 1/Pa) than both bodies together ({compliance:g} 1/Pa): give the "
+            "kernel the material of its body."
+        )
+    return max(other, 0.0)
