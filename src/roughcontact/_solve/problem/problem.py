@@ -367,9 +367,8 @@ class ContactProblem:
         friction
             A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`.
         substeps
-            Increments of each step, in which both loads change in proportion. ``"auto"``: one where that is exact, as
-            for like materials under a constant normal load; else doubled, up to 16, until displacement, energy and
-            stick area hardly change. Their limits are then extrapolated, and the last change is their uncertainty.
+            Increments of each step, in which both loads change in proportion. ``"auto"``: one where that is exact; else
+            up to 16, until displacement, energy and stick area hardly change; their limits are extrapolated.
         on_increment
             Called with an `Increment` after each increment.
 
