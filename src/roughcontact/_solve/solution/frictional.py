@@ -155,17 +155,17 @@ class FrictionalSolution:
     @property
     def stick_area(self) -> Estimate:
         """Area that sticks, m2: its uncertainty is half a ring of cells along the edge between stick and slip."""
-        return self._count(self.stick)
+        edges = sum(int(np.count_nonzero(np.diff(self.stick, axis=axis) & self._both_touch(axis))) for axis in (0, 1))
+        value = int(np.count_nonzero(self.stick)) * self.grid.cell_area
+        return Estimate(value, 0.5 * edges * self.grid.cell_area, "m2")
 
     @property
     def slip_area(self) -> Estimate:
-        """Area that slips, m2, with its uncertainty."""
-        return self._count(self.slipping)
-
-    def _count(self, cells: Mask) -> Estimate:
-        edges = sum(int(np.count_nonzero(np.diff(self.stick, axis=axis) & self._both_touch(axis))) for axis in (0, 1))
-        value = int(np.count_nonzero(cells)) * self.grid.cell_area
-        return Estimate(value, 0.5 * edges * self.grid.cell_area, "m2")
+        """Area that slips, m2: the real contact area less that which sticks, with the uncertainties of both."""
+        stick = self.stick_area
+        area = self.contact.area()
+        uncertainty = math.hypot(stick.uncertainty, area.uncertainty)
+        return Estimate(max(area.value - stick.value, 0.0), uncertainty, "m2", area.warnings)
 
     def _both_touch(self, axis: int) -> Mask:
         touching = np.moveaxis(self.contact.contact, axis, 0)
