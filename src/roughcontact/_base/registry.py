@@ -119,6 +119,8 @@ class Registry(Generic[T]):
 
     def defined_as(self, path: str) -> type[T] | None:
         """Return the registered class that is defined as ``module:name``; nothing is imported."""
+        if not isinstance(path, str):
+            raise InputError.about("The place of a class", path, "a text module:name")
         return next((cls for cls in self._classes.values() if path_of(cls) == path), None)
 
     def create(self, name: str, *arguments: object, **fields: object) -> T:
