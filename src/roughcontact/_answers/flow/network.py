@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
 from roughcontact.errors import MissingPackage
 
 # Gap over the widest gap below which float64 does not tell it from zero.
@@ -255,21 +255,21 @@ def iterate(network: FlowNetwork) -> tuple[Array, bool]:
     residual = right.copy()
     corrected = precondition @ residual
     direction = corrected
-    product = float(residual @ corrected)
-    allowed = _RESIDUAL_TOLERANCE * float(np.linalg.norm(right))
+    product = sum_of_products(residual, corrected)
+    allowed = _RESIDUAL_TOLERANCE**2 * sum_of_products(right, right)
     flows = [np.inf]
     for _ in range(_MAX_ITERATIONS):
         pushed = matrix @ direction
-        step = product / float(direction @ pushed)
+        step = product / sum_of_products(direction, pushed)
         pressure += step * direction
         residual -= step * pushed
         into, out = network.find_ends(pressure)
         flows.append(into)
         steady = abs(into - flows[max(0, len(flows) - 1 - _STEADY_ITERATIONS)]) <= _FLOW_TOLERANCE * into
-        if steady and abs(into - out) <= _FLOW_TOLERANCE * into and np.linalg.norm(residual) <= allowed:
+        if steady and abs(into - out) <= _FLOW_TOLERANCE * into and sum_of_products(residual, residual) <= allowed:
             return pressure, True
         corrected = precondition @ residual
-        product, before = float(residual @ corrected), product
+        product, before = sum_of_products(residual, corrected), product
         direction = corrected + (product / before) * direction
     return pressure, False
 

@@ -15,7 +15,7 @@ from functools import cached_property
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Mask, RealArray, read_only
+from roughcontact._base.arrays import Array, Mask, RealArray, read_only, sum_of_products
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._solve.problem import computing, problem_of
@@ -130,7 +130,7 @@ class Tangent:
             return LinearSolution(np.zeros_like(right), 0.0, 0.0, 0, 0)
         with computing(self._problem):
             found, left, iterations, products = self._solve(right / size, tolerance)
-        error = float(np.linalg.norm(left) / np.linalg.norm(right / size))
+        error = math.sqrt(sum_of_products(left, left) / sum_of_products(right, right)) * size
         require_found(error, tolerance, iterations, self._solution)
         values = found * (size / self._unit)
         # The error of the product is the square of the residual.

@@ -13,7 +13,7 @@ import scipy.fft
 from numpy.polynomial import chebyshev
 
 from roughcontact._answers.subsurface.field import COMPONENTS, StressPlanes, coarsen, is_odd, list_loads
-from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves
+from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves, matrix_product
 from roughcontact._base.machine import threads_for
 
 # Depth, in sides of a cell, from which aliases have decayed: exp(-4 pi) = 3e-6.
@@ -280,14 +280,14 @@ def _sum_aliases(
     none = np.zeros(1, dtype=np.intp)
     nodes = 0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_CHEBYSHEV_NODES) + 0.5) / _CHEBYSHEV_NODES))
     vandermonde = np.linalg.inv(_vandermonde(nodes))
-    to_x, to_y = (_vandermonde(phase**2) @ vandermonde for phase in phases)
+    to_x, to_y = (matrix_product(_vandermonde(phase**2), vandermonde) for phase in phases)
     exact = [_Axis(np.abs(phase), side, none) for phase, side in zip(phases, sides, strict=True)]
     smooth = [_Axis(np.sqrt(nodes), side, _list_aliases(z / side)) for side in sides]
     along_x = _sum_terms(smooth[0], exact[1], z, poisson, find_terms)
     along_y = _sum_terms(exact[0], smooth[1], z, poisson, find_terms)
     both = _sum_terms(smooth[0], smooth[1], z, poisson, find_terms)
     return [
-        (to_x @ (x + xy @ to_y.T) + y @ to_y.T).astype(np.float32)
+        (matrix_product(to_x, x + matrix_product(xy, to_y.T)) + matrix_product(y, to_y.T)).astype(np.float32)
         for x, y, xy in zip(along_x, along_y, both, strict=True)
     ]
 

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.arrays import Array, Pair, matrix_product
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import PairConstants
@@ -237,7 +237,7 @@ def _sum_waves(spectrum: Callable[[Array, Array, Pair], Array], grid: Grid, odd:
     # An even response has no sines, an odd one has them alone: in both axes times i, or with an imaginary amplitude.
     phases = [np.outer(np.arange(wave.size), wave) for wave in waves]
     x, y = (np.sin(phase) if is_odd else np.cos(phase) for phase, is_odd in zip(phases, odd, strict=True))
-    total = np.asarray(x @ amplitudes @ y.T) / grid.cells
+    total = matrix_product(matrix_product(x, amplitudes), y.T) / grid.cells
     return -total if any(odd) else total
 
 

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from roughcontact._base.arrays import Array
+from roughcontact._base.arrays import Array, matrix_product
 
 # Cells with an offset up to _NEAR_RANGE or _MIDDLE_RANGE, in shorter sides, are integrated by edges or by
 # _MIDDLE_GAUSS_POINTS Gauss points across, all others by _FAR_GAUSS_POINTS. The integrand is analytic up to the field
@@ -164,8 +164,8 @@ def _interpolate(values: Array, theta: Array, odd: bool = False) -> Array:
         # An odd function over theta is even.
         return _interpolate(values / np.sqrt(_nodes())[:, np.newaxis], theta) * theta[:, np.newaxis]
     vandermonde = chebyshev.chebvander(2.0 * _nodes() / np.pi**2 - 1.0, _CHEBYSHEV_NODES - 1)
-    coefficients = np.linalg.solve(vandermonde, values)
-    return np.asarray(chebyshev.chebvander(2.0 * (theta / np.pi) ** 2 - 1.0, _CHEBYSHEV_NODES - 1) @ coefficients)
+    coefficients = matrix_product(np.linalg.inv(vandermonde), values)
+    return matrix_product(chebyshev.chebvander(2.0 * (theta / np.pi) ** 2 - 1.0, _CHEBYSHEV_NODES - 1), coefficients)
 
 
 def _aliases_along_x(theta_x: Array, theta_y: Array, aspect: float, term: str) -> Array:

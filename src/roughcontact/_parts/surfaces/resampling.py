@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact._base.arrays import Array
+from roughcontact._base.arrays import Array, matrix_product
 from roughcontact._base.checks import choice
 from roughcontact._base.machine import require_memory, split
 from roughcontact._parts.grid import Grid
@@ -89,7 +89,7 @@ def _trigonometric(values: Array, i: Array, j: Array) -> Array:
         if count % 2 == 0:
             # The Nyquist wave is a standing wave.
             phases[:, count // 2] = np.cos(np.pi * position)
-        spectrum = phases @ spectrum if axis == 0 else spectrum @ phases.T
+        spectrum = matrix_product(phases, spectrum) if axis == 0 else matrix_product(spectrum, phases.T)
     return np.ascontiguousarray(spectrum.real)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact._base.arrays import Array, Mask, RealArray, matrix_product
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
@@ -78,11 +78,11 @@ def polynomial(values: Array, degree: int, non_measured: Mask | None, shape: tup
     qx, qy = ((p[:, :, np.newaxis] * p[:, np.newaxis, :]).reshape(len(p), n * n) for p in (px, py))
     if non_measured is None:
         sums = np.outer(qx.sum(axis=0), qy.sum(axis=0))
-        moments = px.T @ values @ py
+        moments = matrix_product(matrix_product(px.T, values), py)
     else:
         counts = (~non_measured).astype(np.float64)
-        sums = qx.T @ counts @ qy
-        moments = px.T @ (values * counts) @ py
+        sums = matrix_product(matrix_product(qx.T, counts), qy)
+        moments = matrix_product(matrix_product(px.T, values * counts), py)
     sums = sums.reshape(n, n, n, n)
     gram = np.array([[sums[i, k, j, m] for k, m in terms] for i, j in terms])
     solved, _, rank, _ = np.linalg.lstsq(gram, np.array([moments[term] for term in terms]))
@@ -96,7 +96,7 @@ def polynomial(values: Array, degree: int, non_measured: Mask | None, shape: tup
             ((np.arange(m) + 0.5) * n / m - 0.5) * 2 / (n - 1) - 1 for m, n in zip(shape, values.shape, strict=True)
         )
         px, py = (np.polynomial.legendre.legvander(t, degree) for t in (x, y))
-    return np.asarray(px @ weights @ py.T, dtype=np.float64)
+    return matrix_product(matrix_product(px, weights), py.T)
 
 
 def sphere(values: Array, x: Array, y: Array, non_measured: Mask | None) -> tuple[Array, float]:
@@ -125,7 +125,7 @@ def sphere(values: Array, x: Array, y: Array, non_measured: Mask | None) -> tupl
     # Constant, slopes and curvature enter the paraboloid linearly.
     basis = np.stack([np.broadcast_to(t, values.shape)[use].ravel() for t in (np.ones((1, 1)), x, y, -0.5 * square)])
     goal = heights[use].ravel()
-    gram = basis @ basis.T
+    gram = matrix_product(basis, basis.T)
     if goal.size <= len(gram) or np.linalg.matrix_rank(gram) < len(gram):
         raise InputError(f"{_TOO_FEW_POINTS} a sphere.")
     scale = float(np.ptp(goal)) or 1.0

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves, frozen_array, sum_of_products
+from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves, frozen_array, matrix_product, sum_of_products
 from roughcontact._base.machine import map_tiles, split, threads_for
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
@@ -159,7 +159,7 @@ class InverseConvolution:
         y = np.cos(np.outer(np.arange(columns) / my, offsets)).astype(self.stiffness.dtype) / my
         # Half of the waves along y are stored; each counts twice, except the first and, if even, the last.
         y[1 : (my + 1) // 2] *= 2.0
-        return x @ self.stiffness @ y
+        return matrix_product(matrix_product(x, self.stiffness), y)
 
 
 def multiply_waves(values: RealArray, symbol: RealArray, padded: tuple[int, int]) -> RealArray:

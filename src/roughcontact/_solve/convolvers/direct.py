@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, IntArray, RealArray
+from roughcontact._base.arrays import Array, IntArray, RealArray, matrix_product
 from roughcontact._base.machine import split
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
@@ -76,13 +76,13 @@ class _DirectSum(PreparedConvolution):
             offsets = np.minimum(offsets, ny - offsets)
             for shift in range(nx):
                 row = self.coefficients[min(shift, nx - shift)]
-                total += np.roll(pressure, shift, axis=0) @ row[offsets]
+                total += matrix_product(np.roll(pressure, shift, axis=0), row[offsets])
             return
         for distance, row in enumerate(self.coefficients):
             matrix = row[offsets] if signs is None else row[offsets] * signs
-            total[distance:] += pressure[: nx - distance] @ matrix
+            total[distance:] += matrix_product(pressure[: nx - distance], matrix)
             if distance:
-                back = pressure[distance:] @ matrix
+                back = matrix_product(pressure[distance:], matrix)
                 total[:-distance] += -back if self.odd[0] else back
 
 

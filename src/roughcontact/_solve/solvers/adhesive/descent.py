@@ -10,7 +10,7 @@ from typing import Any, TypeAlias, TypeVar
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.solvers.adhesive.gap_problem import GapProblem
@@ -206,12 +206,12 @@ class AdhesiveDescent:
         stiff = self._inverse.multiply(cells, self._symbol, self._inverse.padded)
         self.products += 1
         count = max(int(np.count_nonzero(self._mask)), 1)
-        punch = math.fsum(self._map(lambda tile: _dot(stiff[tile.rows], cells[tile.rows]))) / count
+        punch = math.fsum(self._map(lambda tile: sum_of_products(stiff[tile.rows], cells[tile.rows]))) / count
         self._preconditioner = self.problem.stiffness.precondition(self._symbol, punch)
         if self.problem.holds_mean:
             weights = self._inverse.multiply(cells, self._preconditioner, self._inverse.padded)
             self.products += 1
-            floor = _SMALLEST_WEIGHT * float(np.vdot(weights, cells)) / count
+            floor = _SMALLEST_WEIGHT * sum_of_products(weights, cells) / count
             self._weights = np.maximum(weights, self.dtype(floor))
             self._balance(self._weights)
             self._map(self._find_residual)
@@ -225,7 +225,7 @@ class AdhesiveDescent:
         if self.problem.capped:
             np.copyto(gradient, self.pressure - self.problem.limit.astype(self.dtype), where=self.gap < 0.0)
         chosen = weights * free
-        self.multiplier = float(np.vdot(chosen, gradient)) / float(chosen.sum(dtype=np.float64))
+        self.multiplier = sum_of_products(chosen, gradient) / float(chosen.sum(dtype=np.float64))
 
     def _precondition(self) -> RealArray:
         """Return the preconditioned residual, zero where a cell stays on its bound."""
@@ -244,7 +244,7 @@ class AdhesiveDescent:
         if step is None or change is None or not self._curvature > 0.0:
             return
         image = self._image
-        factor = -math.fsum(self._map(lambda tile: _dot(image[tile.rows], change[tile.rows]))) / self._curvature
+        factor = -math.fsum(self._map(lambda tile: sum_of_products(image[tile.rows], change[tile.rows]))) / self._curvature
         if not factor > 0.0:
             return
 
@@ -269,7 +269,7 @@ class AdhesiveDescent:
         def clip(tile: _Tile) -> tuple[float, bool]:
             inside = self._inside(image, tile)
             clipped = bool(inside.size) and self._bound(inside, tile)
-            return _dot(image[tile.rows], self._residual[tile.rows]), clipped
+            return sum_of_products(image[tile.rows], self._residual[tile.rows]), clipped
 
         found = self._map(clip)
         return -math.fsum(slope for slope, _ in found), shifted or any(clipped for _, clipped in found)
@@ -316,7 +316,7 @@ class AdhesiveDescent:
         step = self._image
         change = self._inverse.multiply(step, self._symbol, self._inverse.padded)
         self.products += 1
-        curvature = math.fsum(self._map(lambda tile: _dot(step[tile.rows], change[tile.rows])))
+        curvature = math.fsum(self._map(lambda tile: sum_of_products(step[tile.rows], change[tile.rows])))
         if not math.isfinite(curvature):
             return False
         # A longer step would leave the bounds where it is clipped.
@@ -404,15 +404,11 @@ class AdhesiveDescent:
         trial = self._trial[tile.inner]
         trial[:] = tile.interaction.tension(gap)
         np.subtract(trial, self.tension[tile.inner], out=gap)
-        return _dot(gap, inside)
+        return sum_of_products(gap, inside)
 
 
 def _rows_of(rows: slice, values: Array) -> Array:
     return values[rows]
-
-
-def _dot(one: RealArray, other: RealArray) -> float:
-    return float(np.einsum("ij,ij->", one, other))
 
 
 def _magnitude(values: RealArray) -> float:

@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.solvers.adhesive.stiffness import SurfaceStiffness
 
@@ -94,7 +94,7 @@ class LinearisedGap:
         self._slope = stiffness.embed(np.where(opened, interaction.slope(np.maximum(gap, 0.0)), 0.0))
         self._symbol = stiffness.symbol(stiffness.mean_stiffness if holds_approach else 0.0, np.float64)
         self._products = 0
-        punch = float(np.vdot(self._multiply(cells, self._symbol), cells)) / max(count, 1.0)
+        punch = sum_of_products(self._multiply(cells, self._symbol), cells) / max(count, 1.0)
         self._inverse = stiffness.precondition(self._symbol, punch)
         # On a periodic boundary the mean displacement by pressure is zero.
         self._holds_mean = holds_approach and stiffness.mean_compliance == 0.0 and count > 0.0
@@ -118,7 +118,7 @@ class LinearisedGap:
         for _ in range(steps):
             image, shift = self._precondition(residual)
             residual -= shift * self._cells
-            norm = math.sqrt(max(float(np.vdot(residual, image)), 0.0))
+            norm = math.sqrt(max(sum_of_products(residual, image), 0.0))
             if not norm > _COMPLETE * max(map(abs, diagonal), default=0.0):
                 break
             beside.append(norm)
@@ -126,7 +126,7 @@ class LinearisedGap:
             dual = residual / norm
             vector = image / norm
             residual = self._cells * (self._multiply(vector, self._symbol) + self._slope * vector) - before
-            diagonal.append(float(np.vdot(vector, residual)))
+            diagonal.append(sum_of_products(vector, residual))
             residual -= diagonal[-1] * dual
         return _lowest_eigenvalue(np.array(diagonal), np.array(beside[1:]))
 
@@ -156,14 +156,14 @@ class LinearisedGap:
             image, shift = self._precondition(residual)
             residual -= shift * self._cells
             uniform += shift
-            squares.append(max(float(np.vdot(residual, image)), 0.0))
-            elastic = float(np.vdot(moved, pressure))
+            squares.append(max(sum_of_products(residual, image), 0.0))
+            elastic = sum_of_products(moved, pressure)
             if squares[-1] <= tolerance**2 * elastic or _is_idle(squares):
                 break
             direction = image + squares[-1] / squares[-2] * direction if curvatures else image
             change = self._multiply(direction, self._symbol)
             image = self._cells * (change + self._slope * direction)
-            curvatures.append(float(np.vdot(direction, image)))
+            curvatures.append(sum_of_products(direction, image))
             if not curvatures[-1] > 0.0:
                 break
             step = squares[-1] / curvatures[-1]
@@ -174,7 +174,7 @@ class LinearisedGap:
         found = self._stiffness.inner(pressure) + uniform
         return GapResponse(
             pressure=np.where(self._saturated, 0.0, found),
-            product=elastic + float(np.vdot(opening, self._slope * opening)),
+            product=elastic + sum_of_products(opening, self._slope * opening),
             error=math.sqrt(squares[-1] / elastic) if elastic > 0.0 else 0.0,
             margin=_find_ritz_value(squares, curvatures),
             iterations=len(curvatures),
