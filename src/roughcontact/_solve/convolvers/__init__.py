@@ -6,6 +6,7 @@ from roughcontact._solve.convolvers.base import (
     InverseConvolution,
     PreparedConvolution,
     convolvers,
+    mixed_spectrum,
     periodic_spectrum,
     wrapped_spectrum,
 )
@@ -24,6 +25,7 @@ __all__ = [
     "ShearConvolution",
     "WaveMatrix",
     "convolvers",
+    "mixed_spectrum",
     "periodic_spectrum",
     "wrapped_spectrum",
 ]
