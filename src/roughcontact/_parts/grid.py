@@ -171,6 +171,16 @@ def extend(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArr
     return field
 
 
+def list_borders(field: npt.NDArray[Any], boundary: Boundary) -> list[npt.NDArray[Any]]:
+    """Return the values along the free borders: at the lower and the upper end of x, then of y."""
+    lines = []
+    for axis, free in enumerate(boundary.free_axes):
+        if free:
+            along = np.moveaxis(field, axis, 0)
+            lines += [along[0], along[-1]]
+    return lines
+
+
 def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:
     """Return a mask grown by `width` cells along rows, columns and diagonals."""
     nx, ny = mask.shape

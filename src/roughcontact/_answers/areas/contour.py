@@ -12,7 +12,6 @@ import numpy.typing as npt
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import split
 from roughcontact._base.arrays import Array, IntArray, Mask
-from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution
 
 Corners: TypeAlias = npt.NDArray[np.float64]
@@ -119,7 +118,7 @@ class DualCells:
     stride
         Distance of the corners, in cells.
     before
-        Number of dual cells before the first cell along each axis.
+        Number of dual cells before the first cell along x and along y: none along a periodic axis.
     weights
         Fraction of each dual cell that lies in the domain, along x and along y.
     rows, columns
@@ -127,7 +126,7 @@ class DualCells:
     """
 
     stride: int
-    before: int
+    before: tuple[int, int]
     weights: tuple[Array, Array]
     rows: IntArray
     columns: IntArray
@@ -135,7 +134,11 @@ class DualCells:
     def count_inside(self, contact: Mask) -> npt.NDArray[np.uint8]:
         """Return the number of corners in contact of each dual cell."""
         s = self.stride
-        extended = np.pad(contact.view(np.uint8), (self.before, s), mode="edge" if self.before else "wrap")
+        extended = contact.view(np.uint8)
+        for axis, before in enumerate(self.before):
+            widths = [(0, 0), (0, 0)]
+            widths[axis] = (before, s)
+            extended = np.pad(extended, widths, mode="edge" if before else "wrap")
         rows = extended[:-s] + extended[s:]
         return np.asarray(rows[:, :-s] + rows[:, s:])
 
@@ -147,10 +150,11 @@ class DualCells:
         """Return the flat indices of the cells at the corners of dual cells, in order around them, shape (4, n)."""
         m, n = (self.rows.shape[1], self.columns.shape[1])
         s = self.stride
-        ny = n - self.before
+        before_x, before_y = self.before
+        ny = n - before_y
         steps = np.array((0, s * ny, s * ny + s, s))[:, np.newaxis]
-        found = (i - self.before) * ny + (j - self.before) + steps
-        border = np.flatnonzero((i < self.before) | (j < self.before) | (i >= m - s) | (j >= n - s))
+        found = (i - before_x) * ny + (j - before_y) + steps
+        border = np.flatnonzero((i < before_x) | (j < before_y) | (i >= m - s) | (j >= n - s))
         low, high = self.rows[:, i[border]] * ny
         left, right = self.columns[:, j[border]]
         found[:, border] = low + left, high + left, high + right, low + right
@@ -159,9 +163,9 @@ class DualCells:
     def cover(self, solution: ContactSolution) -> Array:
         """Return the number of dual cells in each patch, a quarter for each corner, shape (count + 1,)."""
         patches = solution.patches
-        if self.before == 0:
+        if self.before == (0, 0):
             return np.concatenate(([0.0], patches.cells))
-        i, j = np.divmod(patches.members, self.columns.shape[1] - self.before)
+        i, j = np.divmod(patches.members, self.columns.shape[1] - self.before[1])
         along, across = (
             0.5 * np.bincount(corners.ravel(), weights=np.tile(weights, 2))
             for corners, weights in zip((self.rows, self.columns), self.weights, strict=True)
@@ -215,13 +219,13 @@ class CellOwners:
 
 def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
     """Return the dual cells whose corners are `stride` cells apart."""
-    before = stride if solution.boundary is Boundary.FREE else 0
+    before = tuple(stride if free else 0 for free in solution.boundary.free_axes)
     weights = []
     corners = []
-    for n in solution.grid.shape:
-        first = np.arange(-before, n)
+    for n, more in zip(solution.grid.shape, before, strict=True):
+        first = np.arange(-more, n)
         both = np.stack((first, first + stride))
-        if before == 0:
+        if more == 0:
             weights.append(np.ones(n))
             corners.append(both % n)
             continue
@@ -229,7 +233,7 @@ def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
         inside = np.minimum(both[1], n - 0.5) - np.maximum(both[0], -0.5)
         weights.append(np.clip(inside, 0.0, stride) / stride)
         corners.append(np.clip(both, 0, n - 1))
-    return DualCells(stride, before, (weights[0], weights[1]), corners[0], corners[1])
+    return DualCells(stride, (before[0], before[1]), (weights[0], weights[1]), corners[0], corners[1])
 
 
 @attrs.frozen(eq=False)

@@ -13,7 +13,7 @@ from roughcontact._answers.areas.contour import Contour, find_modulus_change, tr
 from roughcontact._answers.areas.curvature import curvature_resolution, find_filled, lay_ratio, rim_ratio
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import ContactWarning
-from roughcontact._parts.grid import Boundary, extend, grow
+from roughcontact._parts.grid import extend, grow, list_borders
 from roughcontact._solve.solution import Area, ContactSolution, Estimate
 
 # Area that polygons lack inside a smooth convex edge, in cells around each piece: at corners, and beside the chords. A
@@ -256,10 +256,10 @@ def _correct(solution: ContactSolution, edge: Contour, stride: int) -> Array:
 def _border_std(solution: ContactSolution) -> float:
     """Return the standard deviation where a free border cuts the contact, in cells: saturated pressure is bounded."""
     contact = solution.contact
-    if solution.boundary is not Boundary.FREE or contact.all():
+    if not solution.boundary.has_free_axis or contact.all():
         return 0.0
     contact, saturated, cut = (
-        np.concatenate((field[0], field[-1], field[:, 0], field[:, -1]))
+        np.concatenate(list_borders(field, solution.boundary))
         for field in (contact, solution.saturated, find_cut_cells(solution))
     )
     ended = np.count_nonzero(contact & ~saturated & ~cut)

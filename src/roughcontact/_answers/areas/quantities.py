@@ -190,7 +190,7 @@ class MeanGap(Quantity):
         # Where cells are saturated the bodies flow instead of overlapping.
         gap = np.where(solution.saturated, 0.0, gap)
         beyond = _correct_mean(gap, solution.boundary)
-        outside = 1.0 if solution.boundary is not Boundary.FREE else 1.0 - area.fraction
+        outside = 1.0 if not solution.boundary.has_free_axis else 1.0 - area.fraction
         cut, cut_std = find_cut_shift(solution)
         part = (1.0 - area.fraction) ** calibration.CUT_GAP_EXPONENT
         value = float(np.mean(gap)) + beyond - shift * outside + cut * part
@@ -204,12 +204,10 @@ class MeanGap(Quantity):
 
 
 def _correct_mean(gap: Array, boundary: Boundary) -> float:
-    """Return the deficit of the mean over cell centres on a free domain, m: after Euler and Maclaurin."""
-    if boundary is not Boundary.FREE:
-        return 0.0
+    """Return the deficit of the mean over cell centres along free axes, m: after Euler and Maclaurin."""
     lacking = 0.0
     for axis, cells in enumerate(gap.shape):
-        if cells < len(_BORDER_SLOPE_WEIGHTS):
+        if not boundary.free_axes[axis] or cells < len(_BORDER_SLOPE_WEIGHTS):
             continue
         along = np.moveaxis(gap, axis, 0)
         slopes = _BORDER_SLOPE_WEIGHTS @ (

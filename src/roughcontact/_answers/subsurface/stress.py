@@ -39,7 +39,7 @@ from roughcontact._base.arrays import Array, RealArray, frozen_array, read_only
 from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
 from roughcontact._base.units import ContactWarning, outlined, si
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Boundary, Grid, list_borders
 from roughcontact._solve.problem import problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
@@ -239,10 +239,10 @@ class Stress:
 
     @property
     def _reaches_border(self) -> bool:
-        contact = self.solution.contact
-        sides = (0, -1)
-        reaches = any(contact[side].any() or contact[:, side].any() for side in sides)
-        return reaches and self.solution.boundary is not Boundary.PERIODIC
+        boundary = self.solution.boundary
+        # Beyond a wrapped border nothing lies for the stress either.
+        borders = Boundary.FREE if boundary is Boundary.WRAPPED else boundary
+        return any(border.any() for border in list_borders(self.solution.contact, borders))
 
     @cached_property
     def _has_sharp_edge(self) -> bool:

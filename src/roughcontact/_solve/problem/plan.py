@@ -28,8 +28,8 @@ from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Time of a solve in transforms there and back on the grid, by the number of free axes; measured on self-affine, wavy and
-# spherical surfaces of 128 x 128 to 512 x 512 cells, most of which need less.
+# Time of a solve in transforms there and back on the grid, by the number of free axes; measured on self-affine, wavy
+# and spherical surfaces of 128 x 128 to 512 x 512 cells, most of which need less.
 _TRANSFORMS_PER_SOLVE = (40.0, 52.0, 64.0)
 # Seconds of a solve on the smallest grid, measured on the same surfaces.
 _MIN_SOLVE_SECONDS = 0.1
