@@ -31,8 +31,8 @@ class Boundary(StrEnum):
     >>> import roughcontact as rc
     >>> rc.Boundary("periodic") is rc.Boundary.PERIODIC
     True
-    >>> rc.Boundary.of(("free", "periodic"))
-    <Boundary.FREE_PERIODIC: 'free-periodic'>
+    >>> rc.Boundary.FREE_PERIODIC.free_axes
+    (True, False)
     """
 
     FREE = "free"
@@ -41,24 +41,16 @@ class Boundary(StrEnum):
     FREE_PERIODIC = "free-periodic"
     PERIODIC_FREE = "periodic-free"
 
-    @classmethod
-    def of(cls, value: object) -> Boundary:
-        """Return the boundary that a word, or a pair of words for x and y, names.
-
-        Raises
-        ------
-        InputError
-            If there is no such boundary.
-        """
-        words = value
-        if isinstance(value, (tuple, list)) and len(value) == 2 and all(isinstance(word, str) for word in value):
-            words = value[0] if value[0] == value[1] else "-".join(value)
-        return cls(choice(words, "The boundary", [str(name) for name in cls]))
-
     @property
     def free_axes(self) -> tuple[bool, bool]:
         """Whether the domain ends at its border along x, and along y."""
         return self in (Boundary.FREE, Boundary.FREE_PERIODIC), self in (Boundary.FREE, Boundary.PERIODIC_FREE)
+
+    @property
+    def repeats(self) -> tuple[bool, bool]:
+        """Whether all images of the domain count along x, and along y: a wrapped domain has the nearest ones alone."""
+        free_x, free_y = self.free_axes
+        return (False, False) if self is Boundary.WRAPPED else (not free_x, not free_y)
 
     @property
     def has_free_axis(self) -> bool:
@@ -69,6 +61,14 @@ class Boundary(StrEnum):
     def mixed(self) -> bool:
         """Whether the domain is free along one axis and periodic along the other."""
         return self in (Boundary.FREE_PERIODIC, Boundary.PERIODIC_FREE)
+
+
+def as_boundary(value: str | Sequence[str]) -> Boundary:
+    """Return the boundary that a word, or a pair of words for x and y, names; `InputError` if there is none."""
+    word: object = value
+    if isinstance(value, (tuple, list)) and len(value) == 2 and all(isinstance(one, str) for one in value):
+        word = value[0] if value[0] == value[1] else "-".join(value)
+    return Boundary(choice(word, "The boundary", [str(name) for name in Boundary]))
 
 
 def _shape(value: Sequence[int]) -> tuple[int, int]:

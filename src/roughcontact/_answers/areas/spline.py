@@ -85,7 +85,7 @@ class Spline:
             coefficients = (continue_beyond(coefficients) if free else coefficients).T
         reach = tuple((more - n) // 2 for more, n in zip(coefficients.shape, values.shape, strict=True))
         for axis, free in enumerate(boundary.free_axes):
-            mode = "mirror" if free else "grid-wrap"
+            mode: Literal["mirror", "grid-wrap"] = "mirror" if free else "grid-wrap"
             coefficients = ndimage.spline_filter1d(coefficients, _DEGREE, axis, np.float64, mode)
         for axis, free in enumerate(boundary.free_axes):
             widths = [(0, 0), (0, 0)]

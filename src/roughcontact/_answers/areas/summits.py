@@ -149,8 +149,7 @@ def _pair_contacts(
 
     size = np.array(solution.grid.size)
     points = np.stack((x, y), axis=1)
-    # On a wrapped boundary images do not count.
-    repeats = ~np.array(solution.boundary.free_axes) & (solution.boundary is not Boundary.WRAPPED)
+    repeats = np.array(solution.boundary.repeats)
     # Rounding may leave the size itself.
     inside = points % size
     points = np.where(repeats, np.where(inside < size, inside, 0.0), points)

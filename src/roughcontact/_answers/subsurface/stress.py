@@ -197,7 +197,7 @@ class Stress:
     def _find_fatigue(self, find: Callable[[RealArray, float], float], alpha: float, axis: int) -> Array:
         alpha = number(alpha, "The sensitivity to the mean stress", at_least=0.0)
         axis = checks.axis(axis, "The axis of rolling")
-        starts_unloaded = self.solution.boundary is not Boundary.PERIODIC
+        starts_unloaded = not self.solution.boundary.repeats[axis]
         paths = (list_paths(field.values, axis, starts_unloaded) for field in self)
         return np.array([find(path, alpha) for path in paths]) * self._scale
 

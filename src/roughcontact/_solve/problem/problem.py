@@ -13,7 +13,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
 from roughcontact._base.units import Estimate
-from roughcontact._parts.grid import Boundary, Grid, Load
+from roughcontact._parts.grid import Boundary, Grid, Load, as_boundary
 from roughcontact._parts.interactions import FrictionLaw, Interaction
 from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, kernels
 from roughcontact._parts.materials import pair_constants
@@ -59,7 +59,8 @@ class ContactProblem:
         The grid; None if a surface has one of its own.
     boundary
         ``"free"``: nothing lies beyond the domain; ``"periodic"``: it repeats without end; ``"wrapped"``:
-        the nearest image only.
+        the nearest image only. A pair, such as ``("free", "periodic")``, is one for x and one for y: for rollers and
+        seals. The approach is then relative to the surface at a distance of the length of the free axis.
     kernel, convolver, solver
         Registered names or instances; ``"auto"`` chooses the convolver and the solver.
     adhesion
@@ -91,7 +92,7 @@ class ContactProblem:
     body: Body = attrs.field(validator=_is_body)
     counterbody: Body = attrs.field(default=RIGID_FLAT, validator=_is_body)
     grid: Grid | None = attrs.field(default=None, kw_only=True, validator=_is_grid)
-    boundary: Boundary = attrs.field(default=Boundary.FREE, converter=Boundary.of, kw_only=True)
+    boundary: Boundary = attrs.field(default=Boundary.FREE, converter=as_boundary, kw_only=True)
     kernel: str | InfluenceKernel = attrs.field(default="love", kw_only=True)
     convolver: str | Convolver = attrs.field(default="auto", kw_only=True)
     solver: str | Solver = attrs.field(default="auto", kw_only=True)
