@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import split
+from roughcontact._answers.areas.cells import count_saturated, split
 from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.solution import ContactSolution
 
 Corners: TypeAlias = npt.NDArray[np.float64]
@@ -36,6 +37,9 @@ _SADDLE_DISTANCE_CELLS = 0.7
 _KEY_STEP = 1e-3
 _KEY_COUNT = 10_000
 _KEY_OFFSET = 0.382
+# Difference of the distances of two corners from a straight edge along the grid, over the side of a dual cell: rounding
+# and the tolerance of the solution.
+_MAX_UNEVEN_DISTANCE = 1e-3
 # Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
 _NEWTON_STEPS = 4
 _BRACKETED_STEPS = 16
@@ -252,6 +256,9 @@ class Contour:
         Mean number of dual cells with the same edge as one of them.
     meeting
         Number of dual cells in which the edge of the contact meets non-measured points.
+    straight
+        Where all edges are straight and run along the grid, with a known error that is corrected: side of a cell across
+        them, m; else zero.
     """
 
     area: Array
@@ -260,6 +267,7 @@ class Contour:
     sharp: Array
     alike: Array
     meeting: Array
+    straight: Array
 
 
 def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
@@ -286,6 +294,9 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     parts, chords, euler = measure_polygons(distance, touching, kind, size)
     parts = np.where(counted, inside / 4.0 * (size[0] * size[1]), parts)
     alike = _count_alike(parts / (size[0] * size[1]), chords / size[0], distance)
+    straight = np.zeros(patches.count + 1)
+    if stride == 1 and _has_known_edge(solution):
+        straight, parts = _place_straight_edges(solution, label, distance, parts, counted)
     # Each of stride^2 choices of cells covers all of the contact.
     weight = dual.weights[0][i] * dual.weights[1][j] / stride**2
     smooth = weight * ~counted
@@ -300,7 +311,44 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
         sharp=_divide_or(owners.sum(jagged * weight), total, 0.0),
         alike=_divide_or(owners.sum(alike * weight), total, 1.0),
         meeting=owners.sum(meeting * weight),
+        straight=straight,
     )
+
+
+def _has_known_edge(solution: ContactSolution) -> bool:
+    """Return whether the pressure near a straight edge is that of `calibration.STRAIGHT_EDGE_PLACES`."""
+    return solution.edge_shift == InfluenceKernel.edge_shift and solution.tension is None
+
+
+def _place_straight_edges(
+    solution: ContactSolution, label: IntArray, distance: Corners, parts: Array, counted: Mask
+) -> tuple[Array, Array]:
+    """Return the side of a cell across the edges of patches that have only straight ones along the grid, and all areas.
+
+    There all parts of an edge have the same place in a cell, and the same error, which is known.
+    """
+    grid = solution.grid
+    inside = label > 0
+    ordered = np.sort(distance, axis=0)
+    uneven = np.maximum(ordered[1] - ordered[0], ordered[3] - ordered[2])
+    even = (inside.sum(axis=0) == 2) & (inside[0] != inside[2]) & ~counted
+    even &= uneven <= _MAX_UNEVEN_DISTANCE * (ordered[3] - ordered[0])
+    patch = label.max(axis=0)
+    straight = np.bincount(patch, minlength=solution.patches.count + 1) > 0
+    straight[patch[~even]] = False
+    straight[count_saturated(solution) > 0] = False
+    straight[0] = False
+    chosen = np.flatnonzero(straight[patch])
+    places = np.arange(len(calibration.STRAIGHT_EDGE_PLACES)) * calibration.STRAIGHT_EDGE_STEP
+    found = np.interp(parts[chosen] / grid.cell_area, calibration.STRAIGHT_EDGE_PLACES, places)
+    found += calibration.STRAIGHT_EDGE_START
+    # The polygons are to be enlarged by the mean shift of edges in all directions.
+    across = np.where(inside[0] == inside[3], *grid.spacing)[chosen]
+    parts = parts.copy()
+    parts[chosen] = (found - solution.edge_shift * math.sqrt(grid.cell_area) / across) * grid.cell_area
+    sides = np.zeros(straight.size)
+    sides[patch[chosen]] = across
+    return sides, parts
 
 
 def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -> tuple[Mask, Mask]:

@@ -187,14 +187,16 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     meeting = cell * one.meeting
     met = step * one.meeting
     few = calibration.SMALL_PATCH_STD * ratio * fine / counted**1.5
+    straight = one.straight > 0.0
+    straight_std = _find_straight_std(solution, fine, one) / (step * oblong)
     places = calibration.NON_MEASURED_PLACE_STD * cell * np.sqrt(one.meeting)
     return TracedEdges(
         area=np.maximum(fine - calibration.NON_MEASURED_EXCESS * meeting, 0.0),
-        refined=(4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED_EXCESS * meeting,
+        refined=np.where(straight, fine, (4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED_EXCESS * meeting),
         length=one.length + calibration.NON_MEASURED_LENGTH * met,
         untraced_std=calibration.NON_MEASURED_LENGTH_STD * met,
         sharp=one.sharp,
-        std=np.hypot(np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), few), places),
+        std=np.where(straight, 0.0, np.hypot(np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), few), places)),
         alike=_count_equal_errors(one.alike)
         * (calibration.OBLIQUE_PARTS_FACTOR if lay < MAX_RIDGE_LAY and is_diagonal(solution, lay) else 1.0),
         strip=strip,
@@ -208,11 +210,28 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         roundness=_measure_roundness(width, counted),
         border=math.hypot(oblong * _border_std(solution), _find_filled_std(solution)) * cell,
         topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _MIN_TOPOLOGY_CELLS))) * cell,
-        shift=position + _measure_rims(solution),
-        slender=_slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH),
+        shift=np.where(straight, straight_std, position) + _measure_rims(solution),
+        slender=np.where(
+            straight,
+            0.0,
+            _slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH),
+        ),
         oblong=oblong,
         pieces=max(1.0, lay**calibration.LAY_PIECES_EXPONENT * float(np.sum(one.length / one.alike)) * waves / step),
     )
+
+
+def _find_straight_std(solution: ContactSolution, area: Array, edge: Contour) -> Array:
+    """Return the standard deviation of the position of straight edges along the grid, m, shape (count + 1,)."""
+    constant, closed, open_ = calibration.STRAIGHT_POSITION_STD
+    half = 0.5 * edge.length * edge.straight
+    # The mean widths of the patch and of the gaps beside it, in cells.
+    width = np.maximum(np.divide(area, half, out=np.ones_like(area), where=half > 0.0), 1.0)
+    beyond = 0.0
+    if not solution.boundary.has_free_axis and half.any():
+        beyond = open_ / max((solution.grid.area - float(np.sum(area))) / float(np.sum(half)), 1.0)
+    layered = calibration.LAYERED_POSITION_STD * find_modulus_change(solution)
+    return np.asarray(edge.straight * (np.hypot(constant, np.hypot(closed / width, beyond)) + layered))
 
 
 def _slender_std(lay: float) -> float:
