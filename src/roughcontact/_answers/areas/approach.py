@@ -81,7 +81,7 @@ def find_rise(
     linear
         Whether the gap is linear between points, with its summits at points.
     """
-    if min(gap.shape) < 2 * TIP_REACH + 1:
+    if any(n < 2 * TIP_REACH + 1 for n, free in zip(gap.shape, boundary.free_axes, strict=True) if free):
         return 0.0, float(np.ptp(gap))
     measured = gap if non_measured is None else np.where(non_measured, np.inf, gap)
     near, summits = _gather_highest(gap, measured, boundary)

@@ -11,7 +11,7 @@ from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import count_saturated, find_cut_cells, find_sharp_edges, find_straight_rows
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
 from roughcontact._answers.areas.curvature import curvature_resolution, find_filled, lay_ratio, rim_ratio
-from roughcontact._base.arrays import Array
+from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import extend, grow, list_borders
 from roughcontact._solve.solution import Area, ContactSolution, Estimate
@@ -101,6 +101,8 @@ class TracedEdges:
         Standard deviation of the position of the edges of slender patches, together, in cells.
     oblong
         Longer side of the cells over their mean side: the error of an edge is a part of the former.
+    straight
+        Which patches have straight edges along the grid alone.
     pieces
         Number of pieces of all edges with independent errors where the grid hardly resolves the heights, at least one:
         each is as long as a wave, and longer in a lay.
@@ -128,6 +130,7 @@ class TracedEdges:
     slender: Array
     oblong: float
     pieces: float
+    straight: Mask
 
     @property
     def alone_std(self) -> Array:
@@ -218,6 +221,7 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         ),
         oblong=oblong,
         pieces=max(1.0, lay**calibration.LAY_PIECES_EXPONENT * float(np.sum(one.length / one.alike)) * waves / step),
+        straight=straight,
     )
 
 
