@@ -33,6 +33,7 @@ from roughcontact._answers.subsurface.maximum import (
     find_von_mises,
     warn_of_depth,
 )
+from roughcontact._answers.subsurface.mixed import ExchangedPlanes, MixedPlanes
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, RealArray, frozen_array, read_only
@@ -279,6 +280,12 @@ class Stress:
         if self.solution.boundary is Boundary.PERIODIC:
             return PeriodicPlanes(pressure, self._sides, traction)
         steps = [find_steps(self._grid.shape, self._sides, float(z)) for z in self.depths / self._grid.spacing[0]]
+        if self.solution.boundary is Boundary.FREE_PERIODIC:
+            return MixedPlanes(pressure, self._sides, common_step(steps)[0], traction)
+        if self.solution.boundary is Boundary.PERIODIC_FREE:
+            exchanged = None if traction is None else np.ascontiguousarray(traction[::-1].transpose(0, 2, 1))
+            planes = MixedPlanes(pressure.T, self._sides[::-1], common_step(steps)[1], exchanged)
+            return ExchangedPlanes(planes)
         return FreePlanes(pressure, self._sides, common_step(steps), traction)
 
     def _field(self, depth: float, steps: tuple[int, int]) -> StressField:

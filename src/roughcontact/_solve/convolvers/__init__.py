@@ -8,6 +8,7 @@ from roughcontact._solve.convolvers.base import (
     convolvers,
     mixed_spectrum,
     periodic_spectrum,
+    transform_extended,
     wrapped_spectrum,
 )
 from roughcontact._solve.convolvers.direct import Direct
@@ -27,5 +28,6 @@ __all__ = [
     "convolvers",
     "mixed_spectrum",
     "periodic_spectrum",
+    "transform_extended",
     "wrapped_spectrum",
 ]
