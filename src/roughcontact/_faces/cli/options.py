@@ -217,7 +217,14 @@ def _add_maps(parser: argparse.ArgumentParser, study: bool) -> None:
             metavar=name.upper(),
             help=f"--{name} of the counterbody, if different",
         )
-    maps.add_argument("--ball", type=METRE, metavar="R", help="add a sphere of this radius to the body")
+    shape = maps.add_mutually_exclusive_group()
+    shape.add_argument("--ball", type=METRE, metavar="R", help="add a sphere of this radius to the body")
+    shape.add_argument(
+        "--roller",
+        type=METRE,
+        metavar="R",
+        help="add a cylinder of this radius, along y, or along x with --boundary periodic-free",
+    )
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:
