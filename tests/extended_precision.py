@@ -97,7 +97,8 @@ def strips(shape, aspect):
     nodes, weights = (part.astype(Long) / 2 for part in np.polynomial.legendre.leggauss(9))
     length, sums, sizes = ny * Long(aspect), [], []
     first = 8 + int(2 * nx / length)
-    for last in range(first, first + 28, 4):
+    step = max(4, first // 3)
+    for last in range(first, first + 7 * step, step):
         total = sum(love(x, y + m * ny, aspect) for m in range(-last, last + 1))
         reach = (2 * last + 1) * length
         near = sum(w * love(x, (y - s) * Long(aspect) / reach, reach) for s, w in zip(nodes, weights, strict=True))
