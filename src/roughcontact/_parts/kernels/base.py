@@ -59,8 +59,8 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         """Return the contact modulus E*(q) = 2 / (q u(q)), u(q) the displacement by a unit pressure wave.
 
         The area estimators need it at the edge of a contact and at the size of a contact patch. By default it follows
-        from the spectrum, on cells much smaller than each wave, as the inverse of the mean of 1/E* over the directions; a
-        kernel without a spectrum defines it if it depends on the wave.
+        from the spectrum, on cells much smaller than each wave, as the inverse of the mean of 1/E* over the directions;
+        a kernel without a spectrum defines it if it depends on the wave.
 
         Parameters
         ----------
