@@ -350,8 +350,8 @@ def _require_elastic(solution: ContactSolution) -> None:
         raise InputError("Partial slip needs boundary='free' or 'periodic': on 'wrapped' the approach has no meaning.")
     if solution.moduli is not None:
         raise InputError(
-            "Partial slip needs homogeneous, isotropic bodies: the tangential compliance of layers and crystals is not "
-            "known from the normal one."
+            "Partial slip needs homogeneous, isotropic bodies: it is the difference of two normal contacts only where "
+            "the ratio of tangential to normal compliance is the same for all waves, which layers and crystals change."
         )
     if solution.saturated.any():
         raise InputError(

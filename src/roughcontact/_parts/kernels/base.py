@@ -21,6 +21,8 @@ from roughcontact.errors import InputError
 # the modulus below which a body is homogeneous.
 _FINE_CELL_PHASE = 1e-3
 _HOMOGENEITY_TOLERANCE = 1e-3
+# Directions of waves in a quarter turn over which 1/E* is averaged.
+_DIRECTIONS = 16
 # Phase per cell, rad, of half the sampling wave number, less rounding.
 _NYQUIST_PHASE = np.pi * (1.0 - 1e-12)
 
@@ -58,8 +60,8 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         """Return the contact modulus E*(q) = 2 / (q u(q)), u(q) the displacement by a unit pressure wave.
 
         The area estimators need it at the edge of a contact and at the size of a contact patch. By default it follows
-        from the spectrum, on cells much smaller than each wave; a kernel without a spectrum defines it if it depends on
-        the wave.
+        from the spectrum, on cells much smaller than each wave, as the inverse of the mean of 1/E* over the directions;
+        a kernel without a spectrum defines it if it depends on the wave.
 
         Parameters
         ----------
@@ -75,10 +77,13 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         """
         if not isinstance(self, SupportsSpectrum):
             return None
-        none = np.zeros((1, 1))
+        angles = 0.5 * np.pi * (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
+        along = np.cos(angles)[:, np.newaxis]
+        across = np.sin(angles)[np.newaxis, :]
         cells = _FINE_CELL_PHASE / wavenumber
         waves = zip(wavenumber, cells, strict=True)
-        amplitudes = [self.spectrum(none + q, none, (cell, cell), compliance).item() for q, cell in waves]
+        spectra = [self.spectrum(q * along, q * across, (cell, cell), compliance) for q, cell in waves]
+        amplitudes = [np.diagonal(spectrum).mean() for spectrum in spectra]
         with np.errstate(divide="ignore"):
             moduli = 2.0 / (wavenumber * np.array(amplitudes))
         even = bool(np.all(np.abs(moduli * compliance - 1.0) < _HOMOGENEITY_TOLERANCE))
