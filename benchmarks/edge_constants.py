@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import sys
 
+import attrs
 import numpy as np
 
 import roughcontact as rc
@@ -63,6 +64,30 @@ def measure_border(rng: np.random.Generator, count: int) -> dict[str, float]:
     return {"CUT_BORDER_STD (rms)": rms / cut}
 
 
+def measure_straight_edges(half_width: int = 1600) -> np.ndarray:
+    """Return places of straight edges and those traced, shape (n, 2), of half widths that differ by parts of a cell."""
+    rows = []
+    for part in np.arange(0.0, 1.0, calibration.STRAIGHT_EDGE_STEP):
+        half = half_width + part
+        grid = rc.Grid((2 * int(1.1 * half) + 1, 1), (2.0 * int(1.1 * half) + 1.0, 1.0))
+        body = rc.Body(rc.ParaboloidSurface((RADIUS, np.inf)), rc.Elastic(1.0, 0.0))
+        problem = rc.ContactProblem(
+            body, grid=grid, boundary=("free", "periodic"), solver=rc.ProjectedConjugateGradient(tolerance=1e-12)
+        )
+        solution = problem.solve(force=np.pi * half**2 / (4.0 * RADIUS), throw=False)
+        # Only the edge of the kernel `love` is corrected.
+        solution = attrs.evolve(solution, edge_shift=0.0)
+        last = (np.count_nonzero(solution.contact) - 1) // 2
+        rows.append((half - last, trace(solution).area.sum() / 2.0 - last))
+    return np.array(sorted(rows))
+
+
+def list_straight_places() -> tuple[np.ndarray, tuple[float, ...]]:
+    """Return the places in use, and where they are traced."""
+    traced = calibration.STRAIGHT_EDGE_PLACES
+    return calibration.STRAIGHT_EDGE_START + calibration.STRAIGHT_EDGE_STEP * np.arange(len(traced)), traced
+
+
 def measure(count: int = 200) -> dict[str, float]:
     """Return what is measured on so many contacts of each kind."""
     rng = np.random.default_rng(1)
@@ -76,3 +101,6 @@ if __name__ == "__main__":
     for name, value in measure(*map(int, sys.argv[1:])).items():
         in_use = getattr(calibration, name.split()[0], None)
         print(f"{name:24} {value:8.4f}" + (f"   in use: {in_use:g}" if in_use else ""))
+    places, traced = measure_straight_edges().T
+    error = np.interp(places, *list_straight_places()) - traced
+    print(f"STRAIGHT_EDGE_PLACES      differ by up to {np.abs(error).max():.4f} cells")

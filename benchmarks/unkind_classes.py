@@ -1,7 +1,7 @@
 """Classes of contacts of unkind geometry with closed forms: long domains and cells, slender ellipses, tips, holes.
 
 As in `benchmarks/contact_classes.py`, each has a tuned, a held-out and a fresh split of other seeds. All boundaries are
-free but those of strips; numbers of cells are odd, composite and prime; the modulus is 1 Pa.
+free but those of strips and lines; numbers of cells are odd, composite and prime; the modulus is 1 Pa.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 from contact_classes import ELASTIC, Case, generator, group_of_radius, log_uniform, strip_values
@@ -22,6 +23,11 @@ from roughcontact.reference import Westergaard, hertz_elliptic, hertz_sphere
 
 COUNT = 30  # cases of each class
 SHORT_SIDES = (13, 15, 17, 21, 24, 25)  # cells: odd, composite, prime
+
+
+def _along(axis: int, first: Any, second: Any) -> tuple[Any, Any]:
+    """Return the first along an axis and the second along the other."""
+    return (first, second) if axis == 0 else (second, first)
 
 
 def summit(
@@ -215,7 +221,41 @@ def strips(split: str) -> Iterator[Case]:
         )
 
 
+def roller(shape: tuple[int, int], size: tuple[float, float], axis: int, place: float) -> rc.ContactProblem:
+    """Return a cylinder of radius 1 km, free along the axis and periodic along its own."""
+    body = rc.Body(rc.ParaboloidSurface(_along(axis, 1e3, math.inf), _along(axis, place, 0.0)), ELASTIC)
+    return rc.ContactProblem(body, grid=rc.Grid(shape, size), boundary=_along(axis, "free", "periodic"))
+
+
+def lines(split: str) -> Iterator[Case]:
+    """Cylinders of 1 to 32 cells half width anywhere in a cell, on cells 1 : 3 and 3 : 1, of 1 to 33 cells along."""
+    random = generator("lines", split)
+    for number in range(2 * COUNT):
+        axis = number % 2
+        half = log_uniform(random, 1.0, 32.0)
+        across = int(half * random.uniform(2.4, 6.0)) + 7
+        along = int(random.choice((1, 2, 7, 33)))
+        side = (1.0, 3.0, 1.0 / 3.0)[number // 2 % 3]
+        size = (float(across), along * side)
+        load = math.pi * half**2 / (4.0 * 1e3)
+        place = random.uniform(-0.5, 0.5) * min(0.4 * (across - 2.0 * half), 8.0)
+        true = {
+            "area": 2.0 * half * size[1],
+            "p_max": 2.0 * load / (math.pi * half),
+            "perimeter": 2.0 * size[1],
+            "approach": load / math.pi * (2.0 * math.log(2.0 * size[0] / half) + 1.0),
+        }
+        yield Case(
+            partial(roller, _along(axis, across, along), _along(axis, *size), axis, place),
+            {"force": load * size[1]},
+            f"axis {axis}, half width {half:.3g} of {across} cells, {along} along, side {side:.2g}, {number}",
+            group_of_radius(half),
+            true,
+        )
+
+
 CLASSES = {
+    "lines": lines,
     "long-domain": long_domain,
     "long-cells": long_cells,
     "slender": slender,

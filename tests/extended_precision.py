@@ -85,10 +85,38 @@ def fourier_waves(shape, aspect):
     return np.divide(2, q, out=np.zeros_like(q), where=q > 0)
 
 
+def strips(shape, aspect):
+    """Responses where x is free and y periodic, zero at the distance nx by a uniform pressure: sums over images.
+
+    The images beyond M are replaced by the strip less what lies nearer, and the rest extrapolated in (M + 1/2)^-2.
+    """
+    nx, ny = shape
+    x, y = np.arange(nx)[:, None], np.arange(ny)[None, :]
+    low, high = (x - Long(0.5)), (x + Long(0.5))
+    area = high * np.log(high) - low * np.log(np.abs(low)) - 1 - np.log(Long(nx))
+    nodes, weights = (part.astype(Long) / 2 for part in np.polynomial.legendre.leggauss(9))
+    length, sums, sizes = ny * Long(aspect), [], []
+    first = 8 + int(2 * nx / length)
+    step = max(4, first // 3)
+    for last in range(first, first + 7 * step, step):
+        total = sum(love(x, y + m * ny, aspect) for m in range(-last, last + 1))
+        reach = (2 * last + 1) * length
+        near = sum(w * love(x, (y - s) * Long(aspect) / reach, reach) for s, w in zip(nodes, weights, strict=True))
+        sums.append(total - (2 / PI * area + near) * Long(aspect) / length)
+        sizes.append((last + Long(0.5)) ** -2)
+    sizes = np.array(sizes)
+    others = [np.delete(sizes, k) for k in range(len(sizes))]
+    return sum(total * np.prod(rest / (rest - size)) for total, size, rest in zip(sums, sizes, others, strict=True))
+
+
 def responses(problem):
     """Displacement by unit pressure at each offset, shape (nx, ny), in cells along x and E* = 1."""
     shape, (lx, ly) = problem.plan.grid.shape, problem.plan.grid.size
     aspect = (Long(ly) / shape[1]) / (Long(lx) / shape[0])
+    if str(problem.boundary) == "free-periodic":
+        return strips(shape, aspect)
+    if str(problem.boundary) == "periodic-free":
+        return aspect * strips(shape[::-1], 1 / aspect).T
     if str(problem.boundary) != "periodic":
         return love(np.arange(shape[0])[:, None], np.arange(shape[1])[None, :], aspect)
     waves = (fourier_waves if problem.kernel == "fourier" else love_waves)(shape, aspect)
@@ -125,6 +153,7 @@ class Scene:
         area = Long(grid.size[0]) * Long(grid.size[1])
         sums = {"pressure": Long(value) * cells, "force": Long(value) / area * cells, "approach": None}
         offsets = [np.abs(np.arange(n)[:, None] - np.arange(n)) for n in grid.shape]
+        # The responses of periodic axes are those of all images, at the offset from any of them.
         if str(problem.boundary) == "wrapped":
             offsets = [np.minimum(offset, len(offset) - offset) for offset in offsets]
         return cls(

@@ -91,7 +91,7 @@ def wild_problems(draw, largest=14):
     if np.ptp(heights) == 0.0:
         heights = heights - np.eye(1, heights.size).reshape(shape)
     surface = rc.HeightMap(peak_to_valley * heights, size=size, periodic=True)
-    boundary = draw(st.sampled_from(["free", "periodic", "wrapped"]))
+    boundary = draw(st.sampled_from(["free", "periodic", "free-periodic", "periodic-free", "wrapped"]))
     kernel = draw(st.sampled_from(["love", "love", "fourier"])) if boundary == "periodic" else "love"
     scale = young * float(np.ptp(surface.values)) / max(size)
     limited = draw(st.sampled_from(["none", "number", "array"]))

@@ -6,6 +6,7 @@ import importlib.util
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from roughcontact._answers.areas import calibration
@@ -28,7 +29,7 @@ def test_each_constant_says_how_and_by_which_script_it_was_measured():
     assert all((ROOT / script).is_file() for script in scripts)
     groups = re.findall(r"((?:^#.*\n)+)((?:^[A-Z_]+ = .*\n)+)", "".join(sections), flags=re.MULTILINE)
     rows = [(comment, name) for comment, lines in groups for name in re.findall(r"^[A-Z_]+", lines, flags=re.MULTILINE)]
-    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 46
+    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 50
     unmeasured = {name for comment, name in rows if "Measured" not in comment and "Set on" not in comment}
     assert unmeasured == {"OVERLOADS"}  # the places of a table, not measured values
     for section, script in zip(sections, scripts, strict=True):
@@ -36,9 +37,15 @@ def test_each_constant_says_how_and_by_which_script_it_was_measured():
             continue  # it judges all of them together
         source = (ROOT / script).read_text(encoding="utf-8")
         for name in re.findall(r"^([A-Z_]+) = ", section, flags=re.MULTILINE):
-            assert name in source or name.split("_")[0].title() in source or name == "EDGE_POSITION_STD", (
+            assert name in source or name.split("_")[0].title() in source or name.endswith("POSITION_STD"), (
                 f"{name}: {script}"
             )
+
+
+def test_places_of_straight_edges():
+    script = load("edge_constants")
+    places, traced = script.measure_straight_edges(half_width=60).T
+    assert traced == pytest.approx(np.interp(places, *script.list_straight_places()), abs=0.003)
 
 
 @pytest.mark.slow

@@ -50,7 +50,8 @@ def test_dual_cells_cover_the_domain_as_often_as_there_are_choices(shape, cell, 
         dual = find_dual_cells(contact, stride)
         assert [weights.sum() for weights in dual.weights] == pytest.approx(list(shape))
         np.testing.assert_allclose(dual.cover(contact), [0.0, shape[0] * shape[1]])
-        assert dual.before == (stride if boundary == "free" else 0)
+        before = stride if boundary == "free" else 0
+        assert dual.before == (before, before)
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
@@ -61,9 +62,9 @@ def test_corners_of_dual_cells_are_the_cells_that_a_padded_field_has_there(shape
     contact = rng.random(shape) < 0.4
     solution = with_fields(rc.Grid(shape, 1.0), contact, ~contact, boundary=boundary)
     dual = find_dual_cells(solution, stride)
-    padded = np.pad(contact, (dual.before, stride), mode="edge" if boundary == "free" else "wrap")
+    padded = np.pad(contact, (dual.before[0], stride), mode="edge" if boundary == "free" else "wrap")
     numbers = np.pad(
-        np.arange(contact.size).reshape(shape), (dual.before, stride), mode="edge" if dual.before else "wrap"
+        np.arange(contact.size).reshape(shape), (dual.before[0], stride), mode="edge" if dual.before[0] else "wrap"
     )
     m, n = padded.shape[0] - stride, padded.shape[1] - stride
     corners = np.stack([numbers[a : a + m, b : b + n] for a, b in ((0, 0), (stride, 0), (stride, stride), (0, stride))])

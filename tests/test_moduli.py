@@ -123,6 +123,18 @@ def test_a_file_keeps_the_moduli(tmp_path):
     assert loaded.effective_modulus(1e6) == pytest.approx(2e9 / 0.91)
 
 
+class StifferAlongX(rc.InfluenceKernel):
+    """Waves along x meet twice the modulus of those along y; it says nothing of its modulus."""
+
+    def spectrum(self, qx, qy, spacing, compliance):
+        return compliance * (2.0 - qx**2 / (qx**2 + qy**2)) / np.hypot(qx, qy)
+
+
+def test_a_modulus_that_is_not_stated_is_the_mean_over_the_directions():
+    q = np.geomspace(1e3, 1e6, 4)
+    np.testing.assert_allclose(StifferAlongX().effective_modulus(q, 0.5), 2.0 / (0.5 * 1.5), rtol=1e-12)
+
+
 def test_moduli_must_be_above_zero():
     with pytest.raises(rc.InputError, match="moduli above zero"):
         sphere(StifferHalfSpace(factor=-1.0), 1e9)

@@ -12,7 +12,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import integer, number
 from roughcontact._base.units import si
-from roughcontact._parts.grid import Boundary, Grid, Load
+from roughcontact._parts.grid import Grid, Load
 from roughcontact._parts.surfaces import Continuation, bilinear, cells_for, find_maps, rms_slope
 from roughcontact._solve.problem import Body, ContactProblem, require_memory_of_solve, resample_problem
 from roughcontact._solve.solution import DEFAULT_AREA, Area, AreaEstimator, ContactSolution, areas
@@ -186,8 +186,8 @@ def solve_ladder(
     for problem in problems:
         start = None
         if solutions:
-            periodic = problem.boundary is not Boundary.FREE
-            start = bilinear(solutions[-1].pressure, problem.plan.grid.shape, periodic=periodic)
+            free_x, free_y = problem.boundary.free_axes
+            start = bilinear(solutions[-1].pressure, problem.plan.grid.shape, periodic=(not free_x, not free_y))
         solutions.append(problem.solve(**load.arguments, start=start))
     return Ladder(tuple(solutions), estimator)
 

@@ -19,7 +19,7 @@ from roughcontact._answers.linear.tangential import (
 from roughcontact._base.arrays import Array, Mask, Pair, read_only
 from roughcontact._base.checks import flag, integer, number
 from roughcontact._base.units import ContactWarning, outlined, si
-from roughcontact._parts.grid import Boundary, Load
+from roughcontact._parts.grid import Boundary, Load, list_borders
 from roughcontact._parts.materials import Material, pair_constants
 from roughcontact._solve.problem import predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
@@ -350,8 +350,8 @@ def _require_elastic(solution: ContactSolution) -> None:
         raise InputError("Partial slip needs boundary='free' or 'periodic': on 'wrapped' the approach has no meaning.")
     if solution.moduli is not None:
         raise InputError(
-            "Partial slip needs homogeneous, isotropic bodies: the tangential compliance of layers and crystals is not "
-            "known from the normal one."
+            "Partial slip needs homogeneous, isotropic bodies: it is the difference of two normal contacts only where "
+            "the ratio of tangential to normal compliance is the same for all waves, which layers and crystals change."
         )
     if solution.saturated.any():
         raise InputError(
@@ -402,9 +402,7 @@ def _unite(unsure: Pair, sliding: float) -> float:
 
 def _cut_fraction(contact: ContactSolution) -> float:
     """Return half the number of contact cells along a free border, over the number of all cells."""
-    if contact.boundary is not Boundary.FREE:
-        return 0.0
-    ends = contact.contact[[0, -1]], contact.contact[:, [0, -1]]
+    ends = list_borders(contact.contact, contact.boundary)
     return 0.5 * sum(np.count_nonzero(cells) for cells in ends) / contact.contact.size
 
 

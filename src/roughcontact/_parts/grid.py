@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Mask, Pair
-from roughcontact._base.checks import integer, number, pair
+from roughcontact._base.checks import choice, integer, number, pair
 from roughcontact._base.units import si
 from roughcontact.errors import InputError
 
@@ -24,18 +24,51 @@ _LOAD_ARGUMENTS = "pressure= (Pa), force= (N) and approach= (m)"
 
 
 class Boundary(StrEnum):
-    """What lies beyond the border of the grid.
+    """What lies beyond the border of the grid: one word for both axes, or one for x and one for y.
 
     Examples
     --------
     >>> import roughcontact as rc
     >>> rc.Boundary("periodic") is rc.Boundary.PERIODIC
     True
+    >>> rc.Boundary.FREE_PERIODIC.free_axes
+    (True, False)
     """
 
     FREE = "free"
     PERIODIC = "periodic"
     WRAPPED = "wrapped"
+    FREE_PERIODIC = "free-periodic"
+    PERIODIC_FREE = "periodic-free"
+
+    @property
+    def free_axes(self) -> tuple[bool, bool]:
+        """Whether the domain ends at its border along x, and along y."""
+        return self in (Boundary.FREE, Boundary.FREE_PERIODIC), self in (Boundary.FREE, Boundary.PERIODIC_FREE)
+
+    @property
+    def repeats(self) -> tuple[bool, bool]:
+        """Whether all images of the domain count along x, and along y: a wrapped domain has the nearest ones alone."""
+        free_x, free_y = self.free_axes
+        return (False, False) if self is Boundary.WRAPPED else (not free_x, not free_y)
+
+    @property
+    def has_free_axis(self) -> bool:
+        """Whether the domain ends at its border along an axis."""
+        return any(self.free_axes)
+
+    @property
+    def mixed(self) -> bool:
+        """Whether the domain is free along one axis and periodic along the other."""
+        return self in (Boundary.FREE_PERIODIC, Boundary.PERIODIC_FREE)
+
+
+def as_boundary(value: str | Sequence[str]) -> Boundary:
+    """Return the boundary that a word, or a pair of words for x and y, names; `InputError` if there is none."""
+    word: object = value
+    if isinstance(value, (tuple, list)) and len(value) == 2 and all(isinstance(one, str) for one in value):
+        word = value[0] if value[0] == value[1] else "-".join(value)
+    return Boundary(choice(word, "The boundary", [str(name) for name in Boundary]))
 
 
 def _shape(value: Sequence[int]) -> tuple[int, int]:
@@ -131,7 +164,21 @@ def _centres(count: int, size: float) -> Array:
 
 def extend(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArray[Any]:
     """Return a field with `width` cells more on each side: periodic images, or the outermost cells repeated."""
-    return np.pad(field, width, mode="edge" if boundary is Boundary.FREE else "wrap")
+    for axis, free in enumerate(boundary.free_axes):
+        widths = [(0, 0), (0, 0)]
+        widths[axis] = (width, width)
+        field = np.pad(field, widths, mode="edge" if free else "wrap")
+    return field
+
+
+def list_borders(field: npt.NDArray[Any], boundary: Boundary) -> list[npt.NDArray[Any]]:
+    """Return the values along the free borders: at the lower and the upper end of x, then of y."""
+    lines = []
+    for axis, free in enumerate(boundary.free_axes):
+        if free:
+            along = np.moveaxis(field, axis, 0)
+            lines += [along[0], along[-1]]
+    return lines
 
 
 def grow(mask: Mask, width: int, boundary: Boundary) -> Mask:

@@ -13,7 +13,6 @@ from roughcontact._base.checks import callback, integer, number
 from roughcontact._base.registry import Registry
 from roughcontact._base.tables import Table
 from roughcontact._base.units import si
-from roughcontact._parts.grid import Boundary
 from roughcontact._parts.surfaces import HeightMap, repeats
 from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import Area, ContactSolution
@@ -329,7 +328,7 @@ class _State:
     ) -> ContactProblem:
         if np.ptp(heights[0] + heights[1]) == 0.0:
             raise InputError("The load has flattened everything, and nothing is left to run in: choose a smaller one.")
-        periodic = self._problem.boundary is not Boundary.FREE
+        periodic = not self._problem.boundary.has_free_axis
         body, counterbody = (
             Body(HeightMap(z, self._grid.size, periodic=periodic, non_measured=mask, history=history), side.material)
             for z, mask, history, side in zip(heights, masks, histories, self._sides, strict=True)

@@ -78,7 +78,7 @@ def _empty(estimator: AreaEstimator, solution: ContactSolution) -> None:
 
 @claim("area estimator", "monotone in the load")
 def _monotone(estimator: AreaEstimator) -> str:
-    for boundary in (Boundary.PERIODIC, Boundary.FREE):
+    for boundary in (Boundary.PERIODIC, Boundary.FREE, Boundary.FREE_PERIODIC):
         found = [(load, estimator.estimate(rough_contact(load, boundary)).fraction) for load in _LOADS]
         for (light, less), (heavy, more) in itertools.pairwise(found):
             require(

@@ -84,13 +84,15 @@ def displace(
     pressure
         Pressure, shape (nx, ny).
     boundary
-        Free: absolute offsets; otherwise offsets to the nearest image.
+        Along free axes absolute offsets count, along the others those to the nearest image.
     odd
         Whether the response is odd in x, and in y.
     """
     i, j = (np.arange(n)[:, np.newaxis] - np.arange(n) for n in pressure.shape)
-    if boundary is not Boundary.FREE:
-        i, j = (offsets - len(offsets) * np.round(offsets / len(offsets)).astype(int) for offsets in (i, j))
+    i, j = (
+        offsets if free else offsets - len(offsets) * np.round(offsets / len(offsets)).astype(int)
+        for offsets, free in zip((i, j), boundary.free_axes, strict=True)
+    )
     x, y = (np.sign(offsets) if is_odd else np.ones_like(offsets) for offsets, is_odd in zip((i, j), odd, strict=True))
     rows = responses[:, np.abs(j)] * y
     return np.array(
@@ -276,6 +278,7 @@ def adhesive_contact() -> ContactSolution:
 CONTACTS: Mapping[str, Callable[[], ContactSolution]] = {
     "a rough surface": lambda: rough_contact(0.05),
     "a rough surface on a free boundary": lambda: rough_contact(0.05, Boundary.FREE),
+    "a rough surface, free along x": lambda: rough_contact(0.05, Boundary.FREE_PERIODIC),
     "a sphere": lambda: sphere_contact(5.0, (0.3, 0.1)),
     "full contact": full_contact,
     "a plastic rough surface": lambda: rough_contact(0.05, Boundary.PERIODIC, True),
@@ -322,9 +325,11 @@ def mirror_images(solution: ContactSolution) -> Iterator[ChangedContact]:
 
 
 def shifted_copies(solution: ContactSolution, *shifts: tuple[int, int]) -> Iterator[ChangedContact]:
-    """Give copies of a periodic solution shifted by numbers of cells along x and y; none of others."""
-    for x, y in shifts if solution.boundary is Boundary.PERIODIC else ():
-        there, back = (partial(np.roll, shift=(sign * x, sign * y), axis=(0, 1)) for sign in (1, -1))
+    """Give copies of a solution shifted by numbers of cells along the axes on which it repeats; none of others."""
+    axes = [axis for axis in (0, 1) if solution.boundary.repeats[axis]]
+    for shift in shifts if axes else ():
+        steps = [shift[axis] for axis in axes]
+        there, back = (partial(np.roll, shift=[sign * step for step in steps], axis=axes) for sign in (1, -1))
         yield ChangedContact(_with_fields(solution, there), _restore_fields(back))
 
 

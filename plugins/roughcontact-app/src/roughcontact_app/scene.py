@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from roughcontact import (
     HeightMap,
     Interaction,
     Material,
+    ParaboloidSurface,
     SelfAffineSurface,
     ShortRange,
     SphereSurface,
@@ -55,9 +57,9 @@ class Scene:
     Attributes
     ----------
     surface
-        The heights of the body, the ball included.
+        The heights of the body, ball or cylinder included.
     rough
-        The heights without the ball, as they are shown.
+        The heights without ball or cylinder, as they are shown.
     grid
         The cells.
     filled
@@ -88,8 +90,11 @@ def make_scene(settings: Settings, upload: Upload | None) -> Scene:
     # The page asks for no ball beside a sphere.
     if kind == "sphere" or not settings["ball"]:
         return Scene(rough, rough, grid, filled)
-    ball = SphereSurface(quantity(settings, "ball", "The radius of the ball", "length"))
-    return Scene(rough + ball, rough, grid, filled)
+    radius = quantity(settings, "ball", "The radius of the ball or cylinder", "length")
+    added: Surface = SphereSurface(radius)
+    if settings["added"] != "ball":
+        added = ParaboloidSurface((radius, math.inf) if settings["added"] == "cylinder-y" else (math.inf, radius))
+    return Scene(rough + added, rough, grid, filled)
 
 
 def make_problem(settings: Settings, scene: Scene) -> ContactProblem:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from decimal import Decimal
 from typing import TypeAlias
 
+from roughcontact import Boundary
 from roughcontact.errors import InputError, short
 
 Settings: TypeAlias = Mapping[str, str]
@@ -58,6 +59,7 @@ DEFAULTS: dict[str, str] = {
     "cells": "256",
     "side": "100",
     "side_unit": "um",
+    "added": "ball",
     "ball": "",
     "ball_unit": "mm",
     "young": "210",
@@ -99,7 +101,8 @@ _CHOICES = {
     "counterbody": ("rigid", "deformable"),
     "adhesion": ("none", "exponential", "van-der-waals", "short-range"),
     "load": ("force", "pressure", "approach", "cycle", "fretting"),
-    "boundary": ("free", "periodic", "wrapped"),
+    "added": ("ball", "cylinder-y", "cylinder-x"),
+    "boundary": tuple(map(str, Boundary)),
     "scheme": ("light", "dark"),
 }
 # Characters of one setting; and the digits of a number and of its exponent, more than float64 can tell apart.

@@ -81,7 +81,7 @@ def find_rise(
     linear
         Whether the gap is linear between points, with its summits at points.
     """
-    if min(gap.shape) < 2 * TIP_REACH + 1:
+    if any(n < 2 * TIP_REACH + 1 for n, free in zip(gap.shape, boundary.free_axes, strict=True) if free):
         return 0.0, float(np.ptp(gap))
     measured = gap if non_measured is None else np.where(non_measured, np.inf, gap)
     near, summits = _gather_highest(gap, measured, boundary)
@@ -105,11 +105,10 @@ def find_rise(
 
 def _gather_highest(gap: Array, measured: Array, boundary: Boundary) -> tuple[Array, Mask]:
     """Return the gap around the highest cells, shape (count, cells, cells), and which are summits."""
-    if boundary is Boundary.FREE:
-        further = CONTINUED_CELLS - _POLYNOMIAL_REACH
-        wide = continue_beyond(continue_beyond(gap).T).T[further:-further, further:-further]
-    else:
-        wide = np.pad(gap, _POLYNOMIAL_REACH, mode="wrap")
+    wide = gap
+    for free in boundary.free_axes:
+        # Each axis in turn is the first one.
+        wide = (_continue(wide) if free else np.pad(wide, ((_POLYNOMIAL_REACH, _POLYNOMIAL_REACH), (0, 0)), "wrap")).T
     count = min(_SEARCHED_CELLS, gap.size)
     highest = np.argpartition(measured, count - 1, axis=None)[:count]
     highest = highest[np.isfinite(measured.ravel()[highest])]
@@ -122,6 +121,11 @@ def _gather_highest(gap: Array, measured: Array, boundary: Boundary) -> tuple[Ar
     # Beside non-measured points possibly no cell is higher than its neighbours.
     summits[np.argmin(here)] = True
     return near, np.asarray(summits)
+
+
+def _continue(gap: Array) -> Array:
+    further = CONTINUED_CELLS - _POLYNOMIAL_REACH
+    return continue_beyond(gap)[further:-further]
 
 
 def _interpolate(near: Array, reach: int) -> Array:
@@ -309,7 +313,7 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
         rim_std * bend.rim * elastic,
     )
     # The shift fades with the open part of a periodic domain.
-    open_part = 1.0 if solution.boundary is Boundary.FREE else 1.0 - float(np.mean(solution.contact))
+    open_part = 1.0 if solution.boundary.has_free_axis else 1.0 - float(np.mean(solution.contact))
     fading = min(1.0, calibration.FADING_FACTOR * open_part)
     std = max(fading, calibration.MIN_FADING) * math.hypot(*unsure)
     return fading * shift * bend.mean, std * bend.mean
@@ -361,8 +365,7 @@ def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
     the deficit of energy is a fraction of p^2 / E* over the cells at the cut.
     """
     non_measured = solution.non_measured
-    free = solution.boundary is Boundary.FREE
-    if solution.force == 0.0 or (non_measured is None and not free):
+    if solution.force == 0.0 or (non_measured is None and not solution.boundary.has_free_axis):
         return 0.0, 0.0
     cut = find_cut_cells(solution)
     beside = None if non_measured is None else np.nonzero(non_measured)
@@ -372,6 +375,7 @@ def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
         weight = step * solution.grid.cell_area
         pressure = np.moveaxis(solution.pressure, axis, 0)
         elastic = np.moveaxis(~solution.saturated, axis, 0)
+        free = solution.boundary.free_axes[axis]
         if free:
             ends = np.moveaxis(cut, axis, 0)[[0, -1]] & elastic[[0, -1]]
             border += weight * float(np.sum(pressure[[0, -1]] ** 2, where=ends))

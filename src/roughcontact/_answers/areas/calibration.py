@@ -17,6 +17,58 @@ EDGE_AREA_STD = 0.05
 # and on rough contacts.
 CUT_BORDER_STD = 0.15
 
+# Standard deviation of the place of a straight edge along the grid, cells: constant, and terms over the width of the
+# contact and of the gap beyond, in cells. Measured on cylinders of 6 to 30 cells half width, and on waves.
+STRAIGHT_POSITION_STD = (0.002, 0.1, 0.3)
+# Places of such edges between the centres of the last cell in contact and the next, in cells: the first and the step of
+# the true ones, and those of the traced polygons. Measured on cylinders of 1600 cells half width, the same on waves;
+# beyond the last the next cell is in contact.
+STRAIGHT_EDGE_START = -0.15
+STRAIGHT_EDGE_STEP = 0.025
+STRAIGHT_EDGE_PLACES = (
+    0,
+    0.0016,
+    0.0038,
+    0.0072,
+    0.0117,
+    0.0176,
+    0.0248,
+    0.0336,
+    0.0439,
+    0.0557,
+    0.0691,
+    0.0841,
+    0.1005,
+    0.1184,
+    0.1376,
+    0.1581,
+    0.1797,
+    0.2024,
+    0.2261,
+    0.2507,
+    0.2762,
+    0.3023,
+    0.3292,
+    0.3568,
+    0.385,
+    0.4139,
+    0.4433,
+    0.4735,
+    0.5043,
+    0.5359,
+    0.5683,
+    0.6017,
+    0.6363,
+    0.6722,
+    0.71,
+    0.7501,
+    0.7935,
+    0.8418,
+    0.8995,
+    0.9944,
+    1,
+)
+
 # --- benchmarks/limit_constants.py: spheres at a pressure limit ------------------------------------------------------
 
 # Overloads of the next table: Hertz's maximum pressure over the pressure limit, no unit.

@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask
-from roughcontact._parts.grid import Boundary, extend
+from roughcontact._parts.grid import Boundary, extend, list_borders
 from roughcontact._solve.solution import ContactSolution
 
 # Cells of the smallest patch that may have a sharp edge: in smaller ones the pressure rises outward by chance.
@@ -52,9 +52,9 @@ class Neighbourhood:
         near = np.flatnonzero((i < reach) | (i >= nx - reach) | (j < reach) | (j >= ny - reach))
         steps = np.arange(-reach, reach + 1)[:, np.newaxis]
         ends = []
-        for at, n in ((i, nx), (j, ny)):
+        for at, n, free in zip((i, j), shape, boundary.free_axes, strict=True):
             around = at[near] + steps
-            ends.append(np.clip(around, 0, n - 1) if boundary is Boundary.FREE else around % n)
+            ends.append(np.clip(around, 0, n - 1) if free else around % n)
         return cls(i * ny + j, ny, near, ends[0] * ny, ends[1], reach)
 
     def at(self, i: int, j: int) -> IntArray:
@@ -76,10 +76,12 @@ def find_cut_cells(solution: ContactSolution) -> Mask:
     The square of the pressure, linear in the distance from an edge, then does not vanish before the border.
     """
     cut = np.zeros(solution.grid.shape, dtype=bool)
-    if solution.boundary is not Boundary.FREE:
+    if not solution.boundary.has_free_axis:
         return cut
     limit = np.broadcast_to(solution.pressure_limit, solution.grid.shape)
     for axis, cells in enumerate(solution.grid.shape):
+        if not solution.boundary.free_axes[axis]:
+            continue
         pressure, highest, marked = (np.moveaxis(field, axis, 0) for field in (solution.pressure, limit, cut))
         for pair in ((0, min(1, cells - 1)), (cells - 1, max(cells - 2, 0))):
             outer, inner = (np.where(pressure[k] < highest[k], pressure[k], 0.0) ** 2 for k in pair)
@@ -112,7 +114,7 @@ def count_crossings(solution: ContactSolution) -> int:
     """Return the number of places where the edge of the contact meets a free border that cuts it."""
     contact = solution.contact
     cut = find_cut_cells(solution)
-    borders = [(field[0], field[-1], field[:, 0], field[:, -1]) for field in (contact, cut)]
+    borders = [list_borders(field, solution.boundary) for field in (contact, cut)]
     crossings = [(line[1:] != line[:-1]) & (marked[1:] | marked[:-1]) for line, marked in zip(*borders, strict=True)]
     return sum(int(np.count_nonzero(crossing)) for crossing in crossings)
 
@@ -134,7 +136,7 @@ def find_straight_rows(contact: Mask, boundary: Boundary) -> IntArray:
     lengths = []
     for axis, sides in enumerate(_mark_sides(contact, boundary, None)):
         lines = sides if axis == 0 else np.ascontiguousarray(sides.T)
-        if boundary is not Boundary.FREE:
+        if not boundary.free_axes[1 - axis]:
             # A row that crosses the border is one row: rotate its line so that it begins at a gap.
             crossing = np.flatnonzero(lines[:, 0] & lines[:, -1] & ~lines.all(axis=1))
             first = np.argmin(lines[crossing], axis=1)[:, np.newaxis]
@@ -152,7 +154,7 @@ def _mark_sides(contact: Mask, boundary: Boundary, of: Mask | None) -> tuple[Mas
         sides = contact != np.roll(contact, -1, axis=axis)
         if of is not None:
             sides &= of | np.roll(of, -1, axis=axis)
-        if boundary is Boundary.FREE:
+        if boundary.free_axes[axis]:
             sides[(-1,) if axis == 0 else (slice(None), -1)] = False
         marked.append(sides)
     return marked[0], marked[1]

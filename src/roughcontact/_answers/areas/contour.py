@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import split
+from roughcontact._answers.areas.cells import count_saturated, split
 from roughcontact._base.arrays import Array, IntArray, Mask
-from roughcontact._parts.grid import Boundary
+from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.solution import ContactSolution
 
 Corners: TypeAlias = npt.NDArray[np.float64]
@@ -37,6 +37,9 @@ _SADDLE_DISTANCE_CELLS = 0.7
 _KEY_STEP = 1e-3
 _KEY_COUNT = 10_000
 _KEY_OFFSET = 0.382
+# Difference of the distances of two corners from a straight edge along the grid, over the side of a dual cell: rounding
+# and the tolerance of the solution.
+_MAX_UNEVEN_DISTANCE = 1e-3
 # Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
 _NEWTON_STEPS = 4
 _BRACKETED_STEPS = 16
@@ -119,7 +122,7 @@ class DualCells:
     stride
         Distance of the corners, in cells.
     before
-        Number of dual cells before the first cell along each axis.
+        Number of dual cells before the first cell along x and along y: none along a periodic axis.
     weights
         Fraction of each dual cell that lies in the domain, along x and along y.
     rows, columns
@@ -127,7 +130,7 @@ class DualCells:
     """
 
     stride: int
-    before: int
+    before: tuple[int, int]
     weights: tuple[Array, Array]
     rows: IntArray
     columns: IntArray
@@ -135,7 +138,11 @@ class DualCells:
     def count_inside(self, contact: Mask) -> npt.NDArray[np.uint8]:
         """Return the number of corners in contact of each dual cell."""
         s = self.stride
-        extended = np.pad(contact.view(np.uint8), (self.before, s), mode="edge" if self.before else "wrap")
+        extended = contact.view(np.uint8)
+        for axis, before in enumerate(self.before):
+            widths = [(0, 0), (0, 0)]
+            widths[axis] = (before, s)
+            extended = np.pad(extended, widths, mode="edge" if before else "wrap")
         rows = extended[:-s] + extended[s:]
         return np.asarray(rows[:, :-s] + rows[:, s:])
 
@@ -147,10 +154,11 @@ class DualCells:
         """Return the flat indices of the cells at the corners of dual cells, in order around them, shape (4, n)."""
         m, n = (self.rows.shape[1], self.columns.shape[1])
         s = self.stride
-        ny = n - self.before
+        before_x, before_y = self.before
+        ny = n - before_y
         steps = np.array((0, s * ny, s * ny + s, s))[:, np.newaxis]
-        found = (i - self.before) * ny + (j - self.before) + steps
-        border = np.flatnonzero((i < self.before) | (j < self.before) | (i >= m - s) | (j >= n - s))
+        found = (i - before_x) * ny + (j - before_y) + steps
+        border = np.flatnonzero((i < before_x) | (j < before_y) | (i >= m - s) | (j >= n - s))
         low, high = self.rows[:, i[border]] * ny
         left, right = self.columns[:, j[border]]
         found[:, border] = low + left, high + left, high + right, low + right
@@ -159,9 +167,9 @@ class DualCells:
     def cover(self, solution: ContactSolution) -> Array:
         """Return the number of dual cells in each patch, a quarter for each corner, shape (count + 1,)."""
         patches = solution.patches
-        if self.before == 0:
+        if self.before == (0, 0):
             return np.concatenate(([0.0], patches.cells))
-        i, j = np.divmod(patches.members, self.columns.shape[1] - self.before)
+        i, j = np.divmod(patches.members, self.columns.shape[1] - self.before[1])
         along, across = (
             0.5 * np.bincount(corners.ravel(), weights=np.tile(weights, 2))
             for corners, weights in zip((self.rows, self.columns), self.weights, strict=True)
@@ -215,13 +223,13 @@ class CellOwners:
 
 def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
     """Return the dual cells whose corners are `stride` cells apart."""
-    before = stride if solution.boundary is Boundary.FREE else 0
+    before = tuple(stride if free else 0 for free in solution.boundary.free_axes)
     weights = []
     corners = []
-    for n in solution.grid.shape:
-        first = np.arange(-before, n)
+    for n, more in zip(solution.grid.shape, before, strict=True):
+        first = np.arange(-more, n)
         both = np.stack((first, first + stride))
-        if before == 0:
+        if more == 0:
             weights.append(np.ones(n))
             corners.append(both % n)
             continue
@@ -229,7 +237,7 @@ def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
         inside = np.minimum(both[1], n - 0.5) - np.maximum(both[0], -0.5)
         weights.append(np.clip(inside, 0.0, stride) / stride)
         corners.append(np.clip(both, 0, n - 1))
-    return DualCells(stride, before, (weights[0], weights[1]), corners[0], corners[1])
+    return DualCells(stride, (before[0], before[1]), (weights[0], weights[1]), corners[0], corners[1])
 
 
 @attrs.frozen(eq=False)
@@ -248,6 +256,9 @@ class Contour:
         Mean number of dual cells with the same edge as one of them.
     meeting
         Number of dual cells in which the edge of the contact meets non-measured points.
+    straight
+        Where all edges are straight and run along the grid, with a known error that is corrected: side of a cell across
+        them, m; else zero.
     """
 
     area: Array
@@ -256,6 +267,7 @@ class Contour:
     sharp: Array
     alike: Array
     meeting: Array
+    straight: Array
 
 
 def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Contour:
@@ -282,6 +294,9 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     parts, chords, euler = measure_polygons(distance, touching, kind, size)
     parts = np.where(counted, inside / 4.0 * (size[0] * size[1]), parts)
     alike = _count_alike(parts / (size[0] * size[1]), chords / size[0], distance)
+    straight = np.zeros(patches.count + 1)
+    if stride == 1 and _has_known_edge(solution):
+        straight, parts = _place_straight_edges(solution, label, distance, parts, counted)
     # Each of stride^2 choices of cells covers all of the contact.
     weight = dual.weights[0][i] * dual.weights[1][j] / stride**2
     smooth = weight * ~counted
@@ -296,7 +311,44 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
         sharp=_divide_or(owners.sum(jagged * weight), total, 0.0),
         alike=_divide_or(owners.sum(alike * weight), total, 1.0),
         meeting=owners.sum(meeting * weight),
+        straight=straight,
     )
+
+
+def _has_known_edge(solution: ContactSolution) -> bool:
+    """Return whether the pressure near a straight edge is that of `calibration.STRAIGHT_EDGE_PLACES`."""
+    return solution.edge_shift == InfluenceKernel.edge_shift and solution.tension is None
+
+
+def _place_straight_edges(
+    solution: ContactSolution, label: IntArray, distance: Corners, parts: Array, counted: Mask
+) -> tuple[Array, Array]:
+    """Return the side of a cell across the edges of patches that have only straight ones along the grid, and all areas.
+
+    There all parts of an edge have the same place in a cell, and the same error, which is known.
+    """
+    grid = solution.grid
+    inside = label > 0
+    ordered = np.sort(distance, axis=0)
+    uneven = np.maximum(ordered[1] - ordered[0], ordered[3] - ordered[2])
+    even = (inside.sum(axis=0) == 2) & (inside[0] != inside[2]) & ~counted
+    even &= uneven <= _MAX_UNEVEN_DISTANCE * (ordered[3] - ordered[0])
+    patch = label.max(axis=0)
+    straight = np.bincount(patch, minlength=solution.patches.count + 1) > 0
+    straight[patch[~even]] = False
+    straight[count_saturated(solution) > 0] = False
+    straight[0] = False
+    chosen = np.flatnonzero(straight[patch])
+    places = np.arange(len(calibration.STRAIGHT_EDGE_PLACES)) * calibration.STRAIGHT_EDGE_STEP
+    found = np.interp(parts[chosen] / grid.cell_area, calibration.STRAIGHT_EDGE_PLACES, places)
+    found += calibration.STRAIGHT_EDGE_START
+    # The polygons are to be enlarged by the mean shift of edges in all directions.
+    across = np.where(inside[0] == inside[3], *grid.spacing)[chosen]
+    parts = parts.copy()
+    parts[chosen] = (found - solution.edge_shift * math.sqrt(grid.cell_area) / across) * grid.cell_area
+    sides = np.zeros(straight.size)
+    sides[patch[chosen]] = across
+    return sides, parts
 
 
 def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -> tuple[Mask, Mask]:

@@ -105,10 +105,9 @@ def _are_distinct(differences: Array) -> bool:
 
 def _find_differences(solution: ContactSolution, chosen: IntArray) -> list[tuple[Array, Array]]:
     """Return the second differences of the initial gap at cells and at the next cells along x and y, m."""
-    nx, ny = solution.grid.shape
-    i, j = split(chosen, ny)
-    if solution.boundary is Boundary.FREE:
-        i, j = (np.clip(k, 2, n - 3) if n > 4 else k for k, n in ((i, nx), (j, ny)))
+    i, j = split(chosen, solution.grid.shape[1])
+    axes = zip((i, j), solution.grid.shape, solution.boundary.free_axes, strict=True)
+    i, j = (np.clip(k, 2, n - 3) if free and n > 4 else k for k, n, free in axes)
     near = Neighbourhood.of(i, j, solution.grid.shape, solution.boundary, 2)
     heights = solution.initial_gap.ravel()
     found = []
@@ -208,7 +207,9 @@ def _find_neighbours(solution: ContactSolution, chosen: IntArray) -> tuple[IntAr
     nx, ny = solution.grid.shape
     steps = np.array((-1, 0, 1))
     i, j = (k[:, np.newaxis] + steps for k in np.divmod(chosen, ny))
-    i, j = (np.clip(i, 0, nx - 1), np.clip(j, 0, ny - 1)) if solution.boundary is Boundary.FREE else (i % nx, j % ny)
+    free_x, free_y = solution.boundary.free_axes
+    i = np.clip(i, 0, nx - 1) if free_x else i % nx
+    j = np.clip(j, 0, ny - 1) if free_y else j % ny
     around = i[:, :, np.newaxis] * ny + j[:, np.newaxis, :]
     return around.ravel(), np.repeat(solution.patches.labels.ravel()[chosen], 9)
 
@@ -232,11 +233,10 @@ def _gather_lines(
 
     `lines` is the number of these lines.
     """
-    nx, ny = solution.grid.shape
-    i, j = split(chosen, ny)
-    if solution.boundary is Boundary.FREE:
-        # At a free border the stencil is moved inside.
-        i, j = (np.clip(k, reach, n - 1 - reach) if n > 2 * reach else k for k, n in ((i, nx), (j, ny)))
+    i, j = split(chosen, solution.grid.shape[1])
+    # At a free border the stencil is moved inside.
+    axes = zip((i, j), solution.grid.shape, solution.boundary.free_axes, strict=True)
+    i, j = (np.clip(k, reach, n - 1 - reach) if free and n > 2 * reach else k for k, n, free in axes)
     near = Neighbourhood.of(i, j, solution.grid.shape, solution.boundary, reach)
     heights = solution.initial_gap.ravel()
     here = heights.take(near.at(0, 0))

@@ -11,9 +11,9 @@ from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import count_saturated, find_cut_cells, find_sharp_edges, find_straight_rows
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
 from roughcontact._answers.areas.curvature import curvature_resolution, find_filled, lay_ratio, rim_ratio
-from roughcontact._base.arrays import Array
+from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import ContactWarning
-from roughcontact._parts.grid import Boundary, extend, grow
+from roughcontact._parts.grid import extend, grow, list_borders
 from roughcontact._solve.solution import Area, ContactSolution, Estimate
 
 # Area that polygons lack inside a smooth convex edge, in cells around each piece: at corners, and beside the chords. A
@@ -101,6 +101,8 @@ class TracedEdges:
         Standard deviation of the position of the edges of slender patches, together, in cells.
     oblong
         Longer side of the cells over their mean side: the error of an edge is a part of the former.
+    straight
+        Which patches have straight edges along the grid alone.
     pieces
         Number of pieces of all edges with independent errors where the grid hardly resolves the heights, at least one:
         each is as long as a wave, and longer in a lay.
@@ -128,6 +130,7 @@ class TracedEdges:
     slender: Array
     oblong: float
     pieces: float
+    straight: Mask
 
     @property
     def alone_std(self) -> Array:
@@ -187,14 +190,16 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     meeting = cell * one.meeting
     met = step * one.meeting
     few = calibration.SMALL_PATCH_STD * ratio * fine / counted**1.5
+    straight = one.straight > 0.0
+    straight_std = _find_straight_std(solution, fine, one) / (step * oblong)
     places = calibration.NON_MEASURED_PLACE_STD * cell * np.sqrt(one.meeting)
     return TracedEdges(
         area=np.maximum(fine - calibration.NON_MEASURED_EXCESS * meeting, 0.0),
-        refined=(4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED_EXCESS * meeting,
+        refined=np.where(straight, fine, (4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED_EXCESS * meeting),
         length=one.length + calibration.NON_MEASURED_LENGTH * met,
         untraced_std=calibration.NON_MEASURED_LENGTH_STD * met,
         sharp=one.sharp,
-        std=np.hypot(np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), few), places),
+        std=np.where(straight, 0.0, np.hypot(np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), few), places)),
         alike=_count_equal_errors(one.alike)
         * (calibration.OBLIQUE_PARTS_FACTOR if lay < MAX_RIDGE_LAY and is_diagonal(solution, lay) else 1.0),
         strip=strip,
@@ -208,11 +213,29 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         roundness=_measure_roundness(width, counted),
         border=math.hypot(oblong * _border_std(solution), _find_filled_std(solution)) * cell,
         topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _MIN_TOPOLOGY_CELLS))) * cell,
-        shift=position + _measure_rims(solution),
-        slender=_slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH),
+        shift=np.where(straight, straight_std, position) + _measure_rims(solution),
+        slender=np.where(
+            straight,
+            0.0,
+            _slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH),
+        ),
         oblong=oblong,
         pieces=max(1.0, lay**calibration.LAY_PIECES_EXPONENT * float(np.sum(one.length / one.alike)) * waves / step),
+        straight=straight,
     )
+
+
+def _find_straight_std(solution: ContactSolution, area: Array, edge: Contour) -> Array:
+    """Return the standard deviation of the position of straight edges along the grid, m, shape (count + 1,)."""
+    constant, closed, open_ = calibration.STRAIGHT_POSITION_STD
+    half = 0.5 * edge.length * edge.straight
+    # The mean widths of the patch and of the gaps beside it, in cells.
+    width = np.maximum(np.divide(area, half, out=np.ones_like(area), where=half > 0.0), 1.0)
+    beyond = 0.0
+    if not solution.boundary.has_free_axis and half.any():
+        beyond = open_ / max((solution.grid.area - float(np.sum(area))) / float(np.sum(half)), 1.0)
+    layered = calibration.LAYERED_POSITION_STD * find_modulus_change(solution)
+    return np.asarray(edge.straight * (np.hypot(constant, np.hypot(closed / width, beyond)) + layered))
 
 
 def _slender_std(lay: float) -> float:
@@ -256,10 +279,10 @@ def _correct(solution: ContactSolution, edge: Contour, stride: int) -> Array:
 def _border_std(solution: ContactSolution) -> float:
     """Return the standard deviation where a free border cuts the contact, in cells: saturated pressure is bounded."""
     contact = solution.contact
-    if solution.boundary is not Boundary.FREE or contact.all():
+    if not solution.boundary.has_free_axis or contact.all():
         return 0.0
     contact, saturated, cut = (
-        np.concatenate((field[0], field[-1], field[:, 0], field[:, -1]))
+        np.concatenate(list_borders(field, solution.boundary))
         for field in (contact, solution.saturated, find_cut_cells(solution))
     )
     ended = np.count_nonzero(contact & ~saturated & ~cut)

@@ -22,7 +22,7 @@ from roughcontact._answers.areas.summits import (
     unwrap,
 )
 from roughcontact._base.arrays import Array, IntArray, Mask
-from roughcontact._parts.grid import Boundary, extend, grow
+from roughcontact._parts.grid import extend, grow
 from roughcontact._parts.kernels import Love
 from roughcontact._solve.solution import ContactSolution
 
@@ -141,8 +141,9 @@ def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) ->
     members = patches.members[which]
     label = label[which]
     i, j = np.divmod(members, ny)
-    x = unwrap(i - summits.row[label], nx, solution.boundary) * solution.grid.spacing[0]
-    y = unwrap(j - summits.column[label], ny, solution.boundary) * solution.grid.spacing[1]
+    free_x, free_y = solution.boundary.free_axes
+    x = unwrap(i - summits.row[label], nx, free=free_x) * solution.grid.spacing[0]
+    y = unwrap(j - summits.column[label], ny, free=free_y) * solution.grid.spacing[1]
     pressure = solution.pressure.ravel()[members]
     total = np.bincount(label, weights=pressure, minlength=patches.count)
     total[~chosen] = 1.0
@@ -152,8 +153,8 @@ def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) ->
 
     one, other = _pair_cells(label)
     # A patch across the border is one piece.
-    di = np.abs(unwrap(i[one] - i[other], nx, solution.boundary)).astype(np.intp)
-    dj = np.abs(unwrap(j[one] - j[other], ny, solution.boundary)).astype(np.intp)
+    di = np.abs(unwrap(i[one] - i[other], nx, free=free_x)).astype(np.intp)
+    dj = np.abs(unwrap(j[one] - j[other], ny, free=free_y)).astype(np.intp)
     reach = int(di.max()) + 1, int(dj.max()) + 1
     love = Love().coefficients(reach, solution.grid.spacing, 1.0 / solution.modulus)
     own = mean(love[di, dj] * pressure[one] * pressure[other], label[one])
@@ -214,9 +215,9 @@ def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
     low = (solution.gap < sharpest * (dx * dx + dy * dy) * _HIDDEN_GAP_FACTOR) & ~solution.contact
     if solution.non_measured is not None:
         low &= ~grow(solution.non_measured, 2, solution.boundary)
-    if solution.boundary is Boundary.FREE:
-        low[:2] = low[-2:] = False
-        low[:, :2] = low[:, -2:] = False
+    for axis, free in enumerate(solution.boundary.free_axes):
+        if free:
+            np.moveaxis(low, axis, 0)[[0, 1, -2, -1]] = False
     chosen = np.flatnonzero(low)
     near = Neighbourhood.of(*split(chosen, ny), (nx, ny), solution.boundary, 1)
     gap = solution.gap.ravel()

@@ -16,7 +16,6 @@ from roughcontact._answers.areas.contour import (
     measure_polygons,
 )
 from roughcontact._base.arrays import Array, IntArray, Mask
-from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution, heal
 
 # Corners of a dual cell in the order around it, in cells from its lower left one.
@@ -72,11 +71,11 @@ def contours(solution: ContactSolution) -> list[Array]:
     following = np.where(start[order][at] == end, order[at], -1)
     lines = []
     size = np.array(solution.grid.size)
+    ends = np.array(solution.boundary.free_axes)
     for chain, closed in _chain(following):
         line = np.concatenate((pieces[chain, 0], pieces[chain[-1:], 1]))
-        if solution.boundary is not Boundary.FREE:
-            steps = np.diff(line, axis=0)
-            line[1:] = line[0] + np.cumsum(steps - size * np.round(steps / size), axis=0)
+        steps = np.diff(line, axis=0)
+        line[1:] = line[0] + np.cumsum(np.where(ends, steps, steps - size * np.round(steps / size)), axis=0)
         if closed:
             # This only removes rounding.
             line[-1] = line[0] + np.round((line[-1] - line[0]) / size) * size
@@ -124,17 +123,16 @@ def _trace(solution: ContactSolution) -> tuple[Array, IntArray, IntArray]:
     cell, leaving, entering = _pair_sides(touching, distance)
     first = (np.stack((i, j), axis=-1) - dual.before)[cell][:, np.newaxis]
     ends = first + np.stack((points[leaving, cell], points[entering, cell]), axis=1)
-    if solution.boundary is Boundary.FREE:
-        # The outermost dual cells reach beyond the border, which lies half a cell behind the outermost centres.
-        ends = np.clip(ends, -0.5, np.array(grid.shape) - 0.5)
+    # The outermost dual cells reach beyond a free border, which lies half a cell behind the outermost centres.
+    ends = np.where(solution.boundary.free_axes, np.clip(ends, -0.5, np.array(grid.shape) - 0.5), ends)
     origin = np.array((grid.x[0, 0], grid.y[0, 0]))
     return origin + ends * grid.spacing, sides[leaving, cell], sides[entering, cell]
 
 
 def _number_sides(dual: DualCells, i: IntArray, j: IntArray) -> IntArray:
     """Return a number for each side of dual cells, shape (4, n), the same for both dual cells beside it."""
-    m = dual.rows.shape[1] + dual.before
-    n = dual.columns.shape[1] + dual.before
+    m = dual.rows.shape[1] + dual.before[0]
+    n = dual.columns.shape[1] + dual.before[1]
     above = (j + 1) % n
     right = (i + 1) % m
     return np.stack((i * n + j, (m + right) * n + j, i * n + above, (m + i) * n + j))

@@ -169,8 +169,8 @@ def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:
     """Return which cells lie at a free border, which cuts the contact there."""
     nx, ny = solution.grid.shape
     i, j = np.divmod(cells, ny)
-    outermost = (i == 0) | (i == nx - 1) | (j == 0) | (j == ny - 1)
-    return np.asarray(outermost & (solution.boundary is Boundary.FREE))
+    free_x, free_y = solution.boundary.free_axes
+    return np.asarray(free_x & ((i == 0) | (i == nx - 1)) | free_y & ((j == 0) | (j == ny - 1)))
 
 
 def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
@@ -227,11 +227,9 @@ def _find_summits(solution: ContactSolution, area: Area, highest: IntArray) -> t
 def _measure_room(solution: ContactSolution, summits: Summits) -> Array:
     """Return how many cells lie between each ellipse and the next free border, shape (count,)."""
     room = np.full(summits.row.shape, np.inf)
-    if solution.boundary is Boundary.FREE:
-        axes = zip(
-            (summits.row, summits.column), summits.extents, solution.grid.shape, solution.grid.spacing, strict=True
-        )
-        for at, extent, n, step in axes:
+    axes = zip((summits.row, summits.column), summits.extents, solution.grid.shape, solution.grid.spacing, strict=True)
+    for free, (at, extent, n, step) in zip(solution.boundary.free_axes, axes, strict=True):
+        if free:
             room = np.minimum(room, np.minimum(at, n - 1 - at) + 0.5 - extent / step)
     return room
 

@@ -89,18 +89,20 @@ class EdgeLength(Quantity):
         even = is_elliptic(mean, difference, spread)
         # For edges at a border and beside non-measured points the area does not give the length.
         cut_off = find_beside_non_measured(solution) | find_cut_patches(solution)
-        single = np.where(even & ~cut_off, 1.0 / (1.0 + (spread / calibration.UNEVEN_SPREAD) ** 4), 0.0)
+        straight = edges.straight[1:]
+        single = np.where(even & ~(cut_off | straight), 1.0 / (1.0 + (spread / calibration.UNEVEN_SPREAD) ** 4), 0.0)
         # Large patches may have holes or span the domain, so that no smooth convex edge bounds their quotient.
         large = solution.patches.cells >= _LARGE_PATCH_CELLS
         inside = np.maximum(edges.area[1:] - np.where(large, 0.0, CUT_OFF_CELLS) * cell, 0.3 * cell)
         traced = np.maximum(edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large | cut_off, 0.0, 1.0))
         around = 2.0 * np.sqrt(np.pi * area.patches)
-        lobed = (1.0 - single) * np.sqrt(traced) * around
+        lobed = np.where(straight, 0.0, (1.0 - single) * np.sqrt(traced) * around)
         # Contacts at summits between the cells have the rest of the area.
         hidden = 2.0 * np.sqrt(np.pi * hertz_areas(solution).correction.hidden)
         lost = calibration.LOST_LENGTH * edges.curvature_resolution**1.5 * float(np.sum(lobed))
         length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
         length += float(np.sum(hidden))
+        exact = float(np.sum(edges.length[1:], where=straight))
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution + calibration.LOBED_LENGTH_ERROR
         uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
         lay = lay_ratio(solution)
@@ -116,10 +118,10 @@ class EdgeLength(Quantity):
             )
         untraced = float(edges.untraced_std.sum())
         crossings = count_crossings(solution) * math.sqrt(cell)
-        length += calibration.UNTRACED_CUT_LENGTH[0] * crossings
+        length += calibration.UNTRACED_CUT_LENGTH[0] * crossings + exact
         untraced += calibration.UNTRACED_CUT_LENGTH[1] * crossings
         unseen = calibration.HIDDEN_LENGTH_ERROR * float(np.sum(hidden))
-        std = math.hypot(relative * length, uneven, narrow, diagonal, untraced, unseen)
+        std = math.hypot(relative * (length - exact), uneven, narrow, diagonal, untraced, unseen)
         return warn_if_uncertain(length, std, "m", area.warnings)
 
 
@@ -190,7 +192,7 @@ class MeanGap(Quantity):
         # Where cells are saturated the bodies flow instead of overlapping.
         gap = np.where(solution.saturated, 0.0, gap)
         beyond = _correct_mean(gap, solution.boundary)
-        outside = 1.0 if solution.boundary is not Boundary.FREE else 1.0 - area.fraction
+        outside = 1.0 if not solution.boundary.has_free_axis else 1.0 - area.fraction
         cut, cut_std = find_cut_shift(solution)
         part = (1.0 - area.fraction) ** calibration.CUT_GAP_EXPONENT
         value = float(np.mean(gap)) + beyond - shift * outside + cut * part
@@ -204,12 +206,10 @@ class MeanGap(Quantity):
 
 
 def _correct_mean(gap: Array, boundary: Boundary) -> float:
-    """Return the deficit of the mean over cell centres on a free domain, m: after Euler and Maclaurin."""
-    if boundary is not Boundary.FREE:
-        return 0.0
+    """Return the deficit of the mean over cell centres along free axes, m: after Euler and Maclaurin."""
     lacking = 0.0
     for axis, cells in enumerate(gap.shape):
-        if cells < len(_BORDER_SLOPE_WEIGHTS):
+        if not boundary.free_axes[axis] or cells < len(_BORDER_SLOPE_WEIGHTS):
             continue
         along = np.moveaxis(gap, axis, 0)
         slopes = _BORDER_SLOPE_WEIGHTS @ (

@@ -55,14 +55,14 @@ class Spline:
     spacing
         Distances of the centres, m.
     periodic
-        Whether it repeats beyond the border.
+        Whether it repeats beyond the border along x, and along y.
     beyond
-        Cells by which the values were continued beyond a free border.
+        Cells by which the values were continued beyond a free border, along x and along y.
     """
 
     coefficients: Array
     spacing: Pair
-    periodic: bool
+    periodic: tuple[bool, bool]
     beyond: tuple[int, int]
 
     @classmethod
@@ -74,14 +74,24 @@ class Spline:
     def through(cls, values: Array, spacing: Pair, boundary: Boundary) -> Spline:
         """Return the spline through values of shape (nx, ny)."""
         ends = (_CENTRES_BEFORE - 1, _CENTRES_BEHIND)
-        if boundary is not Boundary.FREE:
-            return cls(np.pad(_solve_periodic(values), ends, mode="wrap"), spacing, True, (0, 0))
+        if not boundary.has_free_axis:
+            return cls(np.pad(_solve_periodic(values), ends, mode="wrap"), spacing, (True, True), (0, 0))
         from scipy import ndimage
 
-        continued = continue_beyond(continue_beyond(values).T).T
-        reach = (continued.shape[0] - values.shape[0]) // 2, (continued.shape[1] - values.shape[1]) // 2
-        coefficients = ndimage.spline_filter(continued, _DEGREE, np.float64, "mirror")
-        return cls(np.pad(coefficients, ends, mode="reflect"), spacing, False, reach)
+        free_x, free_y = boundary.free_axes
+        coefficients = values
+        for free in boundary.free_axes:
+            # Each axis in turn is the first one.
+            coefficients = (continue_beyond(coefficients) if free else coefficients).T
+        reach = tuple((more - n) // 2 for more, n in zip(coefficients.shape, values.shape, strict=True))
+        for axis, free in enumerate(boundary.free_axes):
+            mode: Literal["mirror", "grid-wrap"] = "mirror" if free else "grid-wrap"
+            coefficients = ndimage.spline_filter1d(coefficients, _DEGREE, axis, np.float64, mode)
+        for axis, free in enumerate(boundary.free_axes):
+            widths = [(0, 0), (0, 0)]
+            widths[axis] = ends
+            coefficients = np.pad(coefficients, widths, mode="reflect" if free else "wrap")
+        return cls(coefficients, spacing, (not free_x, not free_y), (reach[0], reach[1]))
 
     def derivatives(self, i: Array, j: Array, *degrees: int) -> Array:
         """Return derivatives at points given in cells from the first centre.
@@ -104,7 +114,9 @@ class Spline:
         i, j = first.astype(np.intp)
         nx, ny = (n - (_CENTRES_BEFORE - 1) - _CENTRES_BEHIND for n in self.coefficients.shape)
         # A free domain is continued by more cells than an ellipse inside it needs.
-        cell = (i % nx) * width + j % ny if self.periodic else np.clip(i, 0, nx - 1) * width + np.clip(j, 0, ny - 1)
+        repeats_x, repeats_y = self.periodic
+        row = i % nx if repeats_x else np.clip(i, 0, nx - 1)
+        cell = row * width + (j % ny if repeats_y else np.clip(j, 0, ny - 1))
         around = np.arange(_CENTRES_BEFORE + _CENTRES_BEHIND)
         around = (around[:, np.newaxis] * width + around)[..., np.newaxis]
         highest = max(degrees)

@@ -149,30 +149,30 @@ def _pair_contacts(
 
     size = np.array(solution.grid.size)
     points = np.stack((x, y), axis=1)
-    periodic = solution.boundary is Boundary.PERIODIC
-    if periodic:
-        points = points % size
-        # Rounding may leave the size itself.
-        points = np.where(points < size, points, 0.0)
-    if periodic and 2.0 * radius >= size.min():
-        return _pair_images(points, size, radius)
-    pairs = cKDTree(points, boxsize=size if periodic else None).query_pairs(radius, output_type="ndarray")
+    repeats = np.array(solution.boundary.repeats)
+    # Rounding may leave the size itself.
+    inside = points % size
+    points = np.where(repeats, np.where(inside < size, inside, 0.0), points)
+    if repeats.any() and 2.0 * radius >= size[repeats].min():
+        return _pair_images(points, size, radius, repeats)
+    pairs = cKDTree(points, boxsize=np.where(repeats, size, 0.0)).query_pairs(radius, output_type="ndarray")
     one, other = np.ascontiguousarray(pairs.T)
     dx, dy = (at[one] - at[other] for at in np.ascontiguousarray(points.T))
-    if periodic:
-        dx, dy = (step - side * np.round(step / side) for step, side in zip((dx, dy), size, strict=True))
+    axes = zip((dx, dy), size, repeats, strict=True)
+    dx, dy = (step - side * np.round(step / side) if repeated else step for step, side, repeated in axes)
     apart = np.maximum(np.abs(dx), np.abs(dy)) > _IMAGE_DISTANCE * radius
     return (one, other, dx, dy) if apart.all() else (one[apart], other[apart], dx[apart], dy[apart])
 
 
-def _pair_images(points: Array, size: Array, radius: float) -> tuple[IntArray, IntArray, Array, Array]:
+def _pair_images(points: Array, size: Array, radius: float, repeats: Mask) -> tuple[IntArray, IntArray, Array, Array]:
     """Return the pairs of the few contacts of a small domain, which may have several images within the radius."""
     from scipy.spatial import cKDTree
 
-    reach = [range(-math.ceil(radius / side), math.ceil(radius / side) + 1) for side in size]
+    images = [math.ceil(radius / side) if repeated else 0 for side, repeated in zip(size, repeats, strict=True)]
+    reach = [range(-count, count + 1) for count in images]
     shifts = size * np.array([(i, j) for i in reach[0] for j in reach[1]])
     places = (points + shifts[:, np.newaxis]).reshape(-1, 2)
-    near = np.flatnonzero(((places >= -radius) & (places <= size + radius)).all(axis=1))
+    near = np.flatnonzero((((places >= -radius) & (places <= size + radius)) | ~repeats).all(axis=1))
     pairs = cKDTree(points).sparse_distance_matrix(cKDTree(places[near]), radius, output_type="ndarray")
     pairs = pairs[pairs["v"] > _IMAGE_DISTANCE * radius]
     one = pairs["i"]
@@ -289,16 +289,17 @@ def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
     first[label[::-1]] = np.arange(members.size)[::-1]
     total = np.bincount(label, weights=weight, minlength=patches.count)
     centres = []
-    for at, n in zip(split(members, solution.grid.shape[1]), solution.grid.shape, strict=True):
+    axes = zip(split(members, solution.grid.shape[1]), solution.grid.shape, solution.boundary.free_axes, strict=True)
+    for at, n, free in axes:
         origin = at[first]
-        step = unwrap(at - origin[label], n, solution.boundary)
+        step = unwrap(at - origin[label], n, free=free)
         centres.append(origin + np.bincount(label, weights=weight * step, minlength=patches.count) / total)
     return centres[0], centres[1]
 
 
-def unwrap(steps: Array | IntArray, cells: int, boundary: Boundary) -> Array:
-    """Return steps between cells along an axis, by the shorter way around a periodic or wrapped domain."""
-    if boundary is Boundary.FREE:
+def unwrap(steps: Array | IntArray, cells: int, *, free: bool) -> Array:
+    """Return steps between cells along an axis, by the shorter way around unless the domain ends at its border."""
+    if free:
         return np.asarray(steps, dtype=np.float64)
     return np.asarray(steps - cells * np.round(steps / cells))
 
@@ -375,11 +376,10 @@ def solve_for_area(solution: ContactSolution, force: Array, curvature: Array, ra
 def _find_near_border(solution: ContactSolution, found: Summits) -> Mask:
     """Return which ellipses reach beyond the outermost cell centres at a free border."""
     near = np.zeros(found.known.shape, dtype=bool)
-    if solution.boundary is Boundary.FREE:
-        rows = zip((found.row, found.column), found.extents, solution.grid.shape, solution.grid.spacing, strict=True)
-        for at, extent, n, step in rows:
-            reach = extent / step
-            near |= (at < reach) | (at > n - 1 - reach)
+    rows = zip((found.row, found.column), found.extents, solution.grid.shape, solution.grid.spacing, strict=True)
+    for free, (at, extent, n, step) in zip(solution.boundary.free_axes, rows, strict=True):
+        reach = extent / step
+        near |= free & ((at < reach) | (at > n - 1 - reach))
     return near
 
 

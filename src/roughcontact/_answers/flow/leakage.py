@@ -19,7 +19,7 @@ from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Mask, Pair, RealArray, read_only
 from roughcontact._base.checks import number
 from roughcontact._base.units import ContactWarning, Estimate, si
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Grid
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError, NotConverged
 
@@ -284,7 +284,7 @@ class GapFlow(Response[Leakage]):
         gap = solution.gap
         open_cells = find_open_cells(solution)
         along, across = solution.grid.spacing
-        periodic = solution.boundary is not Boundary.FREE
+        periodic = not solution.boundary.free_axes[1 - self.axis]
         if self.axis == 1:
             gap = gap.T
             open_cells = open_cells.T
@@ -301,7 +301,7 @@ class GapFlow(Response[Leakage]):
     def _measure(self, solution: ContactSolution, network: FlowNetwork, open_cells: Mask, aspect: float) -> Leakage:
         """Return the flow through a network, with its uncertainty and its throat."""
         grid = solution.grid
-        periodic = solution.boundary is not Boundary.FREE
+        periodic = not solution.boundary.free_axes[1 - self.axis]
         pressure, converged = solve_network(network)
         if not converged:
             raise NotConverged("The flow through the gap did not converge.", solution)

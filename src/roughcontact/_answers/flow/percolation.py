@@ -12,7 +12,7 @@ from roughcontact._answers.flow.leakage import find_open_cells, flow_axis
 from roughcontact._answers.flow.network import find_paths
 from roughcontact._base.checks import number
 from roughcontact._base.units import si
-from roughcontact._parts.grid import Boundary, Load
+from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure
 from roughcontact._solve.solution import ContactSolution, Estimate
@@ -159,7 +159,7 @@ def _solve(problem: ContactProblem, pressure: float, near: list[ContactSolution]
 def _is_open(solution: ContactSolution, axis: int, width: int) -> bool:
     """Return whether a path of a width joins the two sides."""
     open_cells = find_open_cells(solution)
-    periodic = solution.boundary is not Boundary.FREE
+    periodic = not solution.boundary.free_axes[1 - axis]
     open_cells = open_cells if axis == 0 else open_cells.T
     if width == _BLOCKS:
         # Blocks of two by two cells, each at its first cell.

@@ -163,7 +163,7 @@ def _center(solution: ContactSolution, place: IntArray, members: IntArray, stiff
     size = solution.grid.shape[axis]
     count = solution.patches.count
     distance = place.astype(np.float64)
-    if solution.boundary is not Boundary.FREE:
+    if not solution.boundary.free_axes[axis]:
         # A patch may cross the border: distances are the shorter way to the mean direction on a circle.
         angle = 2.0 * np.pi / size * distance
         sine, cosine = (np.bincount(members, stiffness * part, count) for part in (np.sin(angle), np.cos(angle)))
@@ -183,7 +183,7 @@ def _find_neighbours(
     sides = []
     for step in (-1, 1):
         moved = place + step
-        if solution.boundary is Boundary.FREE:
+        if solution.boundary.free_axes[axis]:
             moved = np.clip(moved, 0, shape[axis] - 1)
         other = cells + (moved % shape[axis] - place) * stride
         if solution.non_measured is not None:

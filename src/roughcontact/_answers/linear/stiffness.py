@@ -12,7 +12,7 @@ from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.linear.adhesive_tangent import describe_jump, tangent_of
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import ContactWarning
-from roughcontact._parts.grid import Boundary
+from roughcontact._parts.grid import Boundary, list_borders
 from roughcontact._solve.problem import find_stability, problem_of
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
@@ -163,12 +163,12 @@ def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tupl
         across = solution.grid.spacing[axis]
         side = solution.grid.spacing[1 - axis]
         for step in (-1, 1):
-            facing = mask & ~_shift(contact, step, solution.boundary)
+            facing = mask & ~_shift(contact, step, free=solution.boundary.free_axes[axis])
             i, j = np.nonzero(facing)
             if i.size == 0:
                 continue
             members = label[i, j]
-            starts, lengths = _find_rows(i, j, None if solution.boundary is Boundary.FREE else mask.shape[1])
+            starts, lengths = _find_rows(i, j, None if solution.boundary.free_axes[1 - axis] else mask.shape[1])
             loss = _find_loss(lengths, mask.shape[1], across / side)
             lost += np.bincount(members[starts], weights=loss, minlength=count + 1)
             sides += side * np.bincount(members, minlength=count + 1)
@@ -178,10 +178,10 @@ def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tupl
     return lost[1:], sides[1:], squares[1:], along[1:]
 
 
-def _shift(mask: Mask, step: int, boundary: Boundary) -> Mask:
+def _shift(mask: Mask, step: int, *, free: bool) -> Mask:
     """Return which cells have a marked neighbour on one side along x; beyond a free border there is none."""
     moved = np.roll(mask, step, axis=0)
-    if boundary is Boundary.FREE:
+    if free:
         moved[0 if step == 1 else -1] = False
     return moved
 
@@ -326,9 +326,7 @@ def describe_full_contact(what: str) -> ContactWarning:
 
 def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple[str, ...]:
     """Return the warnings of the area, and a warning if a free border cuts the contact."""
-    contact = solution.contact
-    edges = (contact[0], contact[-1], contact[:, 0], contact[:, -1])
-    if solution.boundary is not Boundary.FREE or not any(edge.any() for edge in edges):
+    if not any(edge.any() for edge in list_borders(solution.contact, solution.boundary)):
         return warnings
     text = "the contact reaches the border of a free domain, which counts as its edge"
     return (*warnings, ContactWarning(text, "edge contact"))

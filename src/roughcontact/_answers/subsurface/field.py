@@ -16,6 +16,8 @@ from roughcontact._parts.grid import Grid
 
 # The components of the stress, in Voigt's order.
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
+# Their places after an exchange of the axes x and y.
+EXCHANGED_COMPONENTS = [1, 0, 2, 4, 3, 5]
 # Cells of a block in the depth: the waves that blocks of side s do not resolve have decayed to exp(-pi z / s) at the
 # depth z, which is 5e-5 for a quarter of the depth.
 _MIN_STEPS_IN_DEPTH = 4.0

@@ -10,12 +10,17 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact._answers.subsurface.field import COMPONENTS, StressPlanes, coarsen, is_odd, list_loads
+from roughcontact._answers.subsurface.field import (
+    COMPONENTS,
+    EXCHANGED_COMPONENTS,
+    StressPlanes,
+    coarsen,
+    is_odd,
+    list_loads,
+)
 from roughcontact._base.arrays import Pair, RealArray, Waves
 from roughcontact._base.machine import map_tiles, split, threads_for
 
-# Places of the components after an exchange of the axes x and y.
-_EXCHANGED = [1, 0, 2, 4, 3, 5]
 # Values of a table that are computed at a time.
 _TILE_VALUES = 2**16
 # Columns that are multiplied and transformed at a time, and rows: few enough for the cache.
@@ -65,7 +70,7 @@ def cell_stress(
     """
     if load == "y":
         exchanged = cell_stress(z, poisson, shape[::-1], sides[::-1], dtype, "x")
-        return np.ascontiguousarray(exchanged[_EXCHANGED].transpose(0, 2, 1))
+        return np.ascontiguousarray(exchanged[EXCHANGED_COMPONENTS].transpose(0, 2, 1))
     # One corner more than there are cells, from half a cell before the centre of the first cell.
     x = ((np.arange(shape[0] + 1) - 0.5) * sides[0]).astype(dtype)[:, np.newaxis]
     y = ((np.arange(shape[1] + 1) - 0.5) * sides[1]).astype(dtype)[np.newaxis, :]

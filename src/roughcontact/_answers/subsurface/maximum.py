@@ -141,7 +141,7 @@ def _find_peak(
     for axis, place in enumerate((i, j)):
         count = stress.shape[axis]
         beside = np.array((place - 1, place + 1))
-        if boundary is Boundary.PERIODIC:
+        if boundary.repeats[axis]:
             beside %= count
         if count < 3 or beside[0] < 0 or beside[1] >= count:
             offsets.append(0.0)

@@ -33,13 +33,14 @@ from roughcontact._answers.subsurface.maximum import (
     find_von_mises,
     warn_of_depth,
 )
+from roughcontact._answers.subsurface.mixed import ExchangedPlanes, MixedPlanes
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, RealArray, frozen_array, read_only
 from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
 from roughcontact._base.units import ContactWarning, outlined, si
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Boundary, Grid, list_borders
 from roughcontact._solve.problem import problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
@@ -197,7 +198,7 @@ class Stress:
     def _find_fatigue(self, find: Callable[[RealArray, float], float], alpha: float, axis: int) -> Array:
         alpha = number(alpha, "The sensitivity to the mean stress", at_least=0.0)
         axis = checks.axis(axis, "The axis of rolling")
-        starts_unloaded = self.solution.boundary is not Boundary.PERIODIC
+        starts_unloaded = not self.solution.boundary.repeats[axis]
         paths = (list_paths(field.values, axis, starts_unloaded) for field in self)
         return np.array([find(path, alpha) for path in paths]) * self._scale
 
@@ -239,10 +240,10 @@ class Stress:
 
     @property
     def _reaches_border(self) -> bool:
-        contact = self.solution.contact
-        sides = (0, -1)
-        reaches = any(contact[side].any() or contact[:, side].any() for side in sides)
-        return reaches and self.solution.boundary is not Boundary.PERIODIC
+        boundary = self.solution.boundary
+        # Beyond a wrapped border nothing lies for the stress either.
+        borders = Boundary.FREE if boundary is Boundary.WRAPPED else boundary
+        return any(border.any() for border in list_borders(self.solution.contact, borders))
 
     @cached_property
     def _has_sharp_edge(self) -> bool:
@@ -279,6 +280,12 @@ class Stress:
         if self.solution.boundary is Boundary.PERIODIC:
             return PeriodicPlanes(pressure, self._sides, traction)
         steps = [find_steps(self._grid.shape, self._sides, float(z)) for z in self.depths / self._grid.spacing[0]]
+        if self.solution.boundary is Boundary.FREE_PERIODIC:
+            return MixedPlanes(pressure, self._sides, common_step(steps)[0], traction)
+        if self.solution.boundary is Boundary.PERIODIC_FREE:
+            exchanged = None if traction is None else np.ascontiguousarray(traction[::-1].transpose(0, 2, 1))
+            planes = MixedPlanes(pressure.T, self._sides[::-1], common_step(steps)[1], exchanged)
+            return ExchangedPlanes(planes)
         return FreePlanes(pressure, self._sides, common_step(steps), traction)
 
     def _field(self, depth: float, steps: tuple[int, int]) -> StressField:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from roughcontact._base.units import parse_quantity
-from roughcontact._parts.grid import Load
+from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.materials import TYPICAL
 
 # The value of an argument in a sentence: both sides, a text or a number; not in calls, as of numpy.savez.
@@ -124,7 +124,10 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
         _add_friction(parser)
     method = parser.add_argument_group("method")
     method.add_argument(
-        "--boundary", choices=("free", "periodic", "wrapped"), default="free", help="what lies beyond the domain (free)"
+        "--boundary",
+        choices=[str(boundary) for boundary in Boundary],
+        default="free",
+        help="what lies beyond the domain (free); free-periodic is free along x and periodic along y",
     )
     method.add_argument("--kernel", default="love", metavar="NAME", help="influence kernel (love)")
     method.add_argument("--solver", default="auto", metavar="NAME", help="solver (auto)")
@@ -214,7 +217,14 @@ def _add_maps(parser: argparse.ArgumentParser, study: bool) -> None:
             metavar=name.upper(),
             help=f"--{name} of the counterbody, if different",
         )
-    maps.add_argument("--ball", type=METRE, metavar="R", help="add a sphere of this radius to the body")
+    shape = maps.add_mutually_exclusive_group()
+    shape.add_argument("--ball", type=METRE, metavar="R", help="add a sphere of this radius to the body")
+    shape.add_argument(
+        "--roller",
+        type=METRE,
+        metavar="R",
+        help="add a cylinder of this radius, along y, or along x with --boundary periodic-free",
+    )
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import inspect
+import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,7 +18,7 @@ from roughcontact._base.units import parse_quantity
 from roughcontact._faces.cli.options import OF_READERS, add_problem
 from roughcontact._parts.files import read_raw
 from roughcontact._parts.files.reading import options_of
-from roughcontact._parts.grid import Load
+from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.materials import TYPICAL
 from roughcontact._solve.problem import require_memory_of_solve
 
@@ -36,6 +37,10 @@ def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
     surface, counterbody, grid = _surfaces(options)
     if options.ball is not None:
         surface = surface + rc.SphereSurface(options.ball)
+    if options.roller is not None:
+        radii = options.roller, math.inf
+        along_x = options.boundary == str(Boundary.PERIODIC_FREE)
+        surface = surface + rc.ParaboloidSurface(radii[::-1] if along_x else radii)
     return rc.ContactProblem(
         rc.Body(surface, _material(options)),
         rc.Body(counterbody, _counterbody_material(options)),

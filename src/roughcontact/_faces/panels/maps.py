@@ -12,7 +12,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import prefixed
 from roughcontact._faces.panels.curves import add_key
 from roughcontact._faces.panels.theme import plain_logarithms, theme_of
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Grid
 from roughcontact._solve.solution import ContactSolution
 from roughcontact.errors.door import guarded
 
@@ -198,13 +198,11 @@ def draw_edges(axes: Any, solution: ContactSolution, color: str) -> None:
 
     size = np.array(solution.grid.size)
     factor, _ = length_scale(solution.grid)
-    lines = []
+    ends = np.array(solution.boundary.free_axes)
+    lines: list[Array] = []
     for line in LevelSet().contours(solution):
-        if solution.boundary is Boundary.FREE:
-            lines.append(line)
-            continue
-        first = np.ceil(-0.5 - line.max(axis=0) / size).astype(int)
-        last = np.floor(0.5 - line.min(axis=0) / size).astype(int)
+        first = np.where(ends, 0, np.ceil(-0.5 - line.max(axis=0) / size)).astype(int)
+        last = np.where(ends, 0, np.floor(0.5 - line.min(axis=0) / size)).astype(int)
         shifts = [(i, j) for i in range(first[0], last[0] + 1) for j in range(first[1], last[1] + 1)]
         lines.extend(line + np.array(shift) * size for shift in shifts)
     across = 72.0 * axes.get_window_extent().width / axes.get_figure(root=True).dpi

@@ -13,6 +13,7 @@ import numpy as np
 from roughcontact._base.arrays import Array, Pair, matrix_product
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.kernels.mixed import Spectrum, mixed_coefficients
 from roughcontact._parts.materials import PairConstants
 from roughcontact.errors import InputError
 
@@ -20,6 +21,8 @@ from roughcontact.errors import InputError
 # the modulus below which a body is homogeneous.
 _FINE_CELL_PHASE = 1e-3
 _HOMOGENEITY_TOLERANCE = 1e-3
+# Directions of waves in a quarter turn over which 1/E* is averaged.
+_DIRECTIONS = 16
 # Phase per cell, rad, of half the sampling wave number, less rounding.
 _NYQUIST_PHASE = np.pi * (1.0 - 1e-12)
 
@@ -57,8 +60,8 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         """Return the contact modulus E*(q) = 2 / (q u(q)), u(q) the displacement by a unit pressure wave.
 
         The area estimators need it at the edge of a contact and at the size of a contact patch. By default it follows
-        from the spectrum, on cells much smaller than each wave; a kernel without a spectrum defines it if it depends on
-        the wave.
+        from the spectrum, on cells much smaller than each wave, as the inverse of the mean of 1/E* over the directions;
+        a kernel without a spectrum defines it if it depends on the wave.
 
         Parameters
         ----------
@@ -74,10 +77,13 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         """
         if not isinstance(self, SupportsSpectrum):
             return None
-        none = np.zeros((1, 1))
+        angles = 0.5 * np.pi * (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
+        along = np.cos(angles)[:, np.newaxis]
+        across = np.sin(angles)[np.newaxis, :]
         cells = _FINE_CELL_PHASE / wavenumber
         waves = zip(wavenumber, cells, strict=True)
-        amplitudes = [self.spectrum(none + q, none, (cell, cell), compliance).item() for q, cell in waves]
+        spectra = [self.spectrum(q * along, q * across, (cell, cell), compliance) for q, cell in waves]
+        amplitudes = [np.diagonal(spectrum).mean() for spectrum in spectra]
         with np.errstate(divide="ignore"):
             moduli = 2.0 / (wavenumber * np.array(amplitudes))
         even = bool(np.all(np.abs(moduli * compliance - 1.0) < _HOMOGENEITY_TOLERANCE))
@@ -229,6 +235,27 @@ def missing_form(kernel: InfluenceKernel, form: type) -> InputError:
     return InputError(f"The kernel {kernel!r} has no {_MISSING_FORMS[form]} or another kernel.")
 
 
+def _exchange_axes(spectrum: Spectrum) -> Spectrum:
+    return lambda qx, qy, spacing: spectrum(qy.T, qx.T, spacing[::-1]).T
+
+
+def _sum_mixed(coefficients: Array, grid: Grid, boundary: Boundary, odd: tuple[bool, bool]) -> Array:
+    """Return the field of which coefficients along the free axis have the amplitudes along the periodic one."""
+    free = boundary.free_axes.index(True)
+    values = coefficients if free == 0 else coefficients.T
+    n = grid.shape[1 - free]
+    phases = 2.0 * np.pi * np.outer(np.arange(n // 2 + 1) / n, np.arange(n))
+    # Half of the waves are stored; each counts twice, except the first and, if even, the last.
+    weights = np.full((n // 2 + 1, 1), 2.0 / n)
+    weights[0] = 1.0 / n
+    if n % 2 == 0:
+        weights[-1] = 1.0 / n
+    total = values @ (weights * (np.sin(phases) if odd[1 - free] else np.cos(phases)))
+    if odd[1 - free] and not odd[free]:
+        total = -total
+    return total if free == 0 else np.ascontiguousarray(total.T)
+
+
 def _sum_waves(spectrum: Callable[[Array, Array, Pair], Array], grid: Grid, odd: tuple[bool, bool]) -> Array:
     """Return the field of which a spectrum has the amplitudes, shape (nx, ny)."""
     waves = [2.0 * np.pi * np.asarray(np.fft.fftfreq(n), dtype=np.float64) for n in grid.shape]
@@ -255,12 +282,16 @@ class BoundKernel:
         Unit of the returned values, m/Pa.
     pair
         The constants of the two materials that the response to shear needs.
+    datum
+        Distance, m, at which the displacement by a line load is zero, on a domain that is free along one axis and
+        periodic along the other; by default the length of the domain along the free one.
     """
 
     kernel: InfluenceKernel
     compliance: float = 1.0
     unit: float = 1.0
     pair: PairConstants = attrs.field(factory=PairConstants)
+    datum: float | None = None
 
     def coefficients(self, shape: tuple[int, int], spacing: Pair) -> Array:
         """Return the influence coefficients, finite, shape (nx, ny); see `SupportsCoefficients`."""
@@ -307,17 +338,51 @@ class BoundKernel:
     def responses(self, grid: Grid, boundary: Boundary) -> Array:
         """Return the displacement by unit pressure at each offset within a grid, shape (nx, ny).
 
-        On a periodic boundary it is a sum of cosines: no transform is used, so that convolvers can be compared with it.
+        On a periodic axis it is a sum of cosines: no transform is used, so that convolvers can be compared with it.
         """
+        if boundary.mixed:
+            return _sum_mixed(self.mixed_coefficients(grid, boundary), grid, boundary, (False, False))
         if boundary is not Boundary.PERIODIC:
             return self.coefficients(grid.shape, grid.spacing)
         return _sum_waves(self.spectrum, grid, (False, False))
 
     def shear_responses(self, component: str, grid: Grid, boundary: Boundary) -> Array:
         """Return a component of the response to shear at each offset within a grid, shape (nx, ny); see `responses`."""
+        odd = odd_axes(component)
+        if boundary.mixed:
+            return _sum_mixed(self.mixed_coefficients(grid, boundary, component), grid, boundary, odd)
         if boundary is not Boundary.PERIODIC:
             return self.shear_coefficients(component, grid.shape, grid.spacing)
-        return _sum_waves(partial(self.shear_spectrum, component), grid, odd_axes(component))
+        return _sum_waves(partial(self.shear_spectrum, component), grid, odd)
+
+    def mixed_coefficients(
+        self, grid: Grid, boundary: Boundary, component: str = "zz", offsets: int | None = None
+    ) -> Array:
+        """Return the response at each offset along the free axis to the waves along the periodic one.
+
+        Shape (nx, ny // 2 + 1), or (nx // 2 + 1, ny) if y is the free axis, m/Pa.
+
+        Parameters
+        ----------
+        grid, boundary
+            The grid, and its boundary, free along one axis and periodic along the other.
+        component
+            The letters of displacement and traction.
+        offsets
+            Number of offsets along the free axis, by default those within the grid.
+        """
+        free = boundary.free_axes.index(True)
+        spectrum = self.spectrum if component == "zz" else partial(self.shear_spectrum, component)
+        waves = 2.0 * np.pi / grid.spacing[1 - free] * np.asarray(np.fft.rfftfreq(grid.shape[1 - free]))
+        values = mixed_coefficients(
+            spectrum if free == 0 else _exchange_axes(spectrum),
+            offsets or grid.shape[free],
+            waves,
+            grid.spacing if free == 0 else grid.spacing[::-1],
+            self.datum or grid.size[free],
+            odd=odd_axes(component)[free],
+        )
+        return values if free == 0 else np.ascontiguousarray(values.T)
 
     def _check(self, values: Array, shape: tuple[int, int], component: str = "zz") -> Array:
         values = np.asarray(values)

@@ -66,7 +66,8 @@ class Love(InfluenceKernel):
                   \operatorname{sinc}\frac{(q_y + Q_y)\Delta y}{2}
         """
         dx, dy = spacing
-        if dx < dy:
+        # On square cells the work follows the second axis.
+        if dx < dy or (dx == dy and qx.size < qy.size):
             return self.spectrum(qy.T, qx.T, (dy, dx), compliance).T
         # Rows that differ in sign only have the same values.
         rows, row_of = np.unique(np.abs(qx[:, 0] * dx), return_inverse=True)

@@ -38,19 +38,19 @@ def resample(values: Array, shape: tuple[int, int], interpolation: str, *, perio
         mx, my = shape
         return np.asarray(values.reshape(mx, nx // mx, my, ny // my).mean(axis=(1, 3)), dtype=np.float64)
     if interpolation == "bilinear":
-        return bilinear(values, shape, periodic=periodic)
+        return bilinear(values, shape, periodic=(periodic, periodic))
     i, j = ((np.arange(new) + 0.5) * (old / new) - 0.5 for new, old in zip(shape, values.shape, strict=True))
     return interpolate(values, i[:, np.newaxis], j[np.newaxis, :], interpolation, periodic=periodic)
 
 
-def bilinear(values: Array, shape: tuple[int, int], *, periodic: bool) -> Array:
+def bilinear(values: Array, shape: tuple[int, int], *, periodic: tuple[bool, bool]) -> Array:
     """Return heights interpolated linearly between the four nearest cell centres, shape `shape`, m.
 
-    Beyond the outermost centres, periodic heights repeat; others stay at the outermost height.
+    Beyond the outermost centres along an axis, periodic heights repeat; others stay at the outermost height.
     """
-    rows = _linear(values, np.empty((shape[0], values.shape[1])), periodic=periodic)
+    rows = _linear(values, np.empty((shape[0], values.shape[1])), periodic=periodic[0])
     result = np.empty(shape)
-    _linear(rows.T, result.T, periodic=periodic)
+    _linear(rows.T, result.T, periodic=periodic[1])
     return result
 
 

@@ -34,7 +34,15 @@ def _radius(value: float) -> float:
 
 
 def _radii(value: float | Sequence[float]) -> Pair:
-    return pair(value, "The radius of curvature", "m", above=0.0)
+    name = "The radius of curvature"
+    if not isinstance(value, (tuple, list)) or len(value) != 2 or [_is_infinite(one) for one in value].count(True) != 1:
+        return pair(value, name, "m", above=0.0)
+    x, y = (math.inf if _is_infinite(one) else number(one, name, "m", above=0.0) for one in value)
+    return x, y
+
+
+def _is_infinite(value: object) -> bool:
+    return isinstance(value, float) and value == math.inf
 
 
 def _amplitude(value: float | Sequence[float]) -> Pair:
@@ -117,12 +125,12 @@ class SphereSurface(Surface):
 
 @attrs.frozen
 class ParaboloidSurface(Surface):
-    """Paraboloid z = -(x^2 / (2 R1) + y^2 / (2 R2)), the shape of Hertz's theory; elliptic if the radii differ.
+    """Paraboloid z = -(x^2 / (2 R1) + y^2 / (2 R2)), the shape of Hertz's theory: a ball, a barrel or a cylinder.
 
     Parameters
     ----------
     radius
-        Radii of curvature along x and y, or of both, m.
+        Radii of curvature along x and y, or of both, m; one of them is infinite for a cylinder.
     center
         Position (x, y) of the summit relative to the centre of the domain, m.
 

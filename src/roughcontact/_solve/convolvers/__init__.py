@@ -6,7 +6,9 @@ from roughcontact._solve.convolvers.base import (
     InverseConvolution,
     PreparedConvolution,
     convolvers,
+    mixed_spectrum,
     periodic_spectrum,
+    transform_extended,
     wrapped_spectrum,
 )
 from roughcontact._solve.convolvers.direct import Direct
@@ -24,6 +26,8 @@ __all__ = [
     "ShearConvolution",
     "WaveMatrix",
     "convolvers",
+    "mixed_spectrum",
     "periodic_spectrum",
+    "transform_extended",
     "wrapped_spectrum",
 ]

@@ -25,6 +25,7 @@ from roughcontact._parts.kernels import (
     SupportsCoefficients,
     SupportsShear,
     SupportsSpectrum,
+    odd_axes,
     require_form,
 )
 from roughcontact.errors import InputError
@@ -214,12 +215,10 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
 
 
 def inverse_shape(setup: ConvolutionSetup) -> tuple[int, int]:
-    """Return the cells of the periodic grid of an approximate inverse, on a free boundary with those of its padding."""
-    if setup.boundary is not Boundary.FREE:
-        return setup.grid.shape
+    """Return the cells of the periodic grid of an approximate inverse, along free axes with those of its padding."""
     mx, my = (
-        scipy.fft.next_fast_len(max(math.ceil(_PADDING_FACTOR * n), n + _PADDING_CELLS), real=True)
-        for n in setup.grid.shape
+        scipy.fft.next_fast_len(max(math.ceil(_PADDING_FACTOR * n), n + _PADDING_CELLS), real=True) if free else n
+        for n, free in zip(setup.grid.shape, setup.boundary.free_axes, strict=True)
     )
     return mx, my
 
@@ -236,6 +235,32 @@ def wrapped_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair)
     nearest = kernel.coefficients((shape[0] // 2 + 1, shape[1] // 2 + 1), spacing)
     i, j = (np.minimum(np.arange(n), n - np.arange(n)) for n in shape)
     return np.ascontiguousarray(scipy.fft.rfft2(nearest[np.ix_(i, j)]).real)
+
+
+def mixed_spectrum(setup: ConvolutionSetup, padded: tuple[int, int], component: str = "zz") -> Array:
+    """Return the factors of a component where one axis is free, shape (mx // 2 + 1, my // 2 + 1).
+
+    The padded grid has the cells of the grid along the periodic axis, and at least twice as many, less one, along the
+    free one.
+    """
+    boundary = setup.boundary
+    free = boundary.free_axes.index(True)
+    length = padded[free]
+    coefficients = setup.kernel.mixed_coefficients(setup.grid, boundary, component, length // 2 + 1)
+    odd = odd_axes(component)[free]
+    if free == 0:
+        return transform_extended(coefficients, length, odd)
+    return np.ascontiguousarray(transform_extended(coefficients.T, length, odd).T)
+
+
+def transform_extended(values: Array, length: int, odd: bool) -> Array:
+    """Return the transform along the first axis of the even or odd extension to `length`: its only part."""
+    n = values.shape[0]
+    extended = np.zeros((length, *values.shape[1:]))
+    extended[:n] = values
+    extended[length - n + 1 :] = -values[:0:-1] if odd else values[:0:-1]
+    waves = scipy.fft.rfft(extended, axis=0, workers=threads_for(extended.size))
+    return np.ascontiguousarray(waves.imag if odd else waves.real)
 
 
 class Convolver(abc.ABC):
@@ -272,14 +297,18 @@ class Convolver(abc.ABC):
     def require(self, kernel: InfluenceKernel, boundary: Boundary) -> None:
         """Raise `InputError` if it cannot treat the boundary, or the kernel lacks the form needed there.
 
-        The form is a spectrum on a periodic boundary and coefficients elsewhere; override it if that differs.
+        The form is a spectrum on a periodic boundary and coefficients elsewhere, both where one axis is periodic and
+        the other free; override it if that differs.
         """
         if boundary not in self.boundaries:
             served = " or ".join(sorted(f"'{name}'" for name in self.boundaries))
             raise InputError(
                 f"{self!r} serves the boundary {served}, not '{boundary!s:.9}'; convolver='auto' chooses one that fits."
             )
-        require_form(kernel, SupportsSpectrum if boundary is Boundary.PERIODIC else SupportsCoefficients)
+        if boundary is not Boundary.PERIODIC:
+            require_form(kernel, SupportsCoefficients)
+        if boundary is Boundary.PERIODIC or boundary.mixed:
+            require_form(kernel, SupportsSpectrum)
 
     def transform_shape(self, grid: Grid, boundary: Boundary) -> tuple[int, int]:
         """Return the number of cells (x, y) of its transforms, padding included; by default those of the grid."""

@@ -9,7 +9,6 @@ import numpy as np
 import scipy.fft
 
 from roughcontact._base.arrays import Array, RealArray, Waves
-from roughcontact._base.machine import threads_for
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import BoundKernel, odd_axes
@@ -17,9 +16,11 @@ from roughcontact._solve.convolvers.base import (
     ConvolutionSetup,
     Convolver,
     PreparedConvolution,
+    mixed_spectrum,
     multiply_columns,
     multiply_waves,
     require_shear,
+    transform_extended,
     transform_rows,
     transform_rows_back,
     wrapped_spectrum,
@@ -29,7 +30,7 @@ from roughcontact._solve.convolvers.shear import ShearConvolution, SymbolShear, 
 
 @attrs.frozen
 class DCFFT(Convolver):
-    """Linear convolution: zero-padded to at least 2n - 1 cells, so that no image acts.
+    """Linear convolution: zero-padded to at least 2n - 1 cells along a free axis, so that no image acts.
 
     The padded grid is never in memory: rows are padded along y only, and columns are padded,
     multiplied and cut a few at a time.
@@ -47,18 +48,30 @@ class DCFFT(Convolver):
     (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [blend]
     """
 
-    boundaries = frozenset({Boundary.FREE})
+    boundaries = frozenset({Boundary.FREE, Boundary.FREE_PERIODIC, Boundary.PERIODIC_FREE})
 
     def transform_shape(self, grid: Grid, boundary: Boundary) -> tuple[int, int]:
-        """Return the smallest sizes from 2n - 1 on that are fast for real transforms."""
-        mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) for n in grid.shape)
+        """Return the smallest sizes from 2n - 1 on along free axes that are fast for real transforms."""
+        sizes = zip(grid.shape, boundary.free_axes, strict=True)
+        mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) if free else n for n, free in sizes)
         return mx, my
 
     def prepare(self, kernel: BoundKernel, grid: Grid, boundary: Boundary) -> PreparedConvolution:
         setup = ConvolutionSetup(self, kernel, grid, boundary)
         padded = self.transform_shape(grid, boundary)
-        coefficients = kernel.coefficients(grid.shape, grid.spacing)
-        return _PaddedConvolution(setup, _transform_offsets(coefficients, padded), padded)
+        return _PaddedConvolution(setup, _find_symbol(setup, padded, "zz"), padded)
+
+
+def _find_symbol(setup: ConvolutionSetup, padded: tuple[int, int], component: str) -> Array:
+    """Return the factors of a component for the waves of the padded grid, shape (mx // 2 + 1, my // 2 + 1)."""
+    kernel = setup.kernel
+    grid = setup.grid
+    if setup.boundary.mixed:
+        return mixed_spectrum(setup, padded, component)
+    if component == "zz":
+        return _transform_offsets(kernel.coefficients(grid.shape, grid.spacing), padded)
+    coefficients = kernel.shear_coefficients(component, grid.shape, grid.spacing)
+    return _transform_offsets(coefficients, padded, odd_axes(component))
 
 
 def _transform_offsets(coefficients: Array, padded: tuple[int, int], odd: tuple[bool, bool] = (False, False)) -> Array:
@@ -66,19 +79,9 @@ def _transform_offsets(coefficients: Array, padded: tuple[int, int], odd: tuple[
 
     Shape (mx // 2 + 1, my // 2 + 1). Odd in one axis it is imaginary, and its imaginary part is returned.
     """
-    half = _transform_extended(coefficients.T, padded[1], odd[1])
-    values = _transform_extended(np.ascontiguousarray(half.T), padded[0], odd[0])
+    half = transform_extended(coefficients.T, padded[1], odd[1])
+    values = transform_extended(np.ascontiguousarray(half.T), padded[0], odd[0])
     return -values if all(odd) else values
-
-
-def _transform_extended(values: Array, length: int, odd: bool) -> Array:
-    """Return the transform along the first axis of the even or odd extension to `length`: its only part."""
-    n = values.shape[0]
-    extended = np.zeros((length, *values.shape[1:]))
-    extended[:n] = values
-    extended[length - n + 1 :] = -values[:0:-1] if odd else values[:0:-1]
-    waves = scipy.fft.rfft(extended, axis=0, workers=threads_for(extended.size))
-    return np.ascontiguousarray(waves.imag if odd else waves.real)
 
 
 @attrs.frozen(eq=False)
@@ -107,15 +110,8 @@ class _PaddedConvolution(_SymbolConvolution):
     @cached_property
     def _shear(self) -> ShearConvolution:
         require_shear(self.setup)
-        kernel = self.setup.kernel
-        grid = self.setup.grid
         return SymbolShear.of(
-            self.setup,
-            lambda component: _transform_offsets(
-                kernel.shear_coefficients(component, grid.shape, grid.spacing), self.padded, odd_axes(component)
-            ),
-            self.symbol,
-            self.padded,
+            self.setup, lambda component: _find_symbol(self.setup, self.padded, component), self.symbol, self.padded
         )
 
     def shear(self) -> ShearConvolution:

@@ -14,7 +14,7 @@ import scipy.fft
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, number
-from roughcontact._parts.grid import Boundary, Grid, Load
+from roughcontact._parts.grid import Grid, Load
 from roughcontact._parts.surfaces import bilinear
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.plan import require_memory_of_solve
@@ -132,8 +132,8 @@ def solve_within(
     while True:
         start = None
         if solution is not None:
-            periodic = problem.boundary is not Boundary.FREE
-            start = bilinear(solution.pressure, rung.plan.grid.shape, periodic=periodic)
+            free_x, free_y = problem.boundary.free_axes
+            start = bilinear(solution.pressure, rung.plan.grid.shape, periodic=(not free_x, not free_y))
         try:
             solution = rung.solve(**load.arguments, start=start, throw=False, on_step=on_step)
         except InputError as error:

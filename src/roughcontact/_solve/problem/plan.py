@@ -28,9 +28,9 @@ from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Time of a solve in transforms there and back on the grid; measured on self-affine, wavy and spherical surfaces of
-# 128 x 128 to 512 x 512 cells, most of which need less.
-_TRANSFORMS_PER_SOLVE = {Boundary.FREE: 64.0, Boundary.PERIODIC: 40.0, Boundary.WRAPPED: 40.0}
+# Time of a solve in transforms there and back on the grid, by the number of free axes; measured on self-affine, wavy
+# and spherical surfaces of 128 x 128 to 512 x 512 cells, most of which need less.
+_TRANSFORMS_PER_SOLVE = (40.0, 52.0, 64.0)
 # Seconds of a solve on the smallest grid, measured on the same surfaces.
 _MIN_SOLVE_SECONDS = 0.1
 # Cells along a side of the transform that is timed, and its repetitions.
@@ -58,13 +58,17 @@ _MAX_MAGNITUDE = 1e40
 _OMITTED_IMAGES = {
     Boundary.FREE: "images of the domain: the boundary is free",
     Boundary.PERIODIC: "padding: the domain repeats, every image counts",
+    Boundary.FREE_PERIODIC: "padding along y, where every image counts; images along x, where the boundary is free",
+    Boundary.PERIODIC_FREE: "padding along x, where every image counts; images along y, where the boundary is free",
     Boundary.WRAPPED: "padding and all but the nearest images: the boundary is wrapped",
 }
 
 
 def forecast_seconds(cells: int, boundary: Boundary) -> float:
     """Return about how long one solve takes on this machine, s: likely within a factor of three."""
-    return _MIN_SOLVE_SECONDS + _TRANSFORMS_PER_SOLVE[boundary] * _time_of_transform() * cells * math.log(max(cells, 2))
+    return _MIN_SOLVE_SECONDS + _TRANSFORMS_PER_SOLVE[
+        sum(boundary.free_axes)
+    ] * _time_of_transform() * cells * math.log(max(cells, 2))
 
 
 @functools.cache
@@ -224,7 +228,7 @@ class SolvePlan:
 
 def memory_of_solve(grid: Grid, boundary: Boundary, contact_fraction: float) -> int:
     """Return the peak memory of a solve, beyond the problem itself, bytes; see `SolvePlan.memory_at`."""
-    free = boundary is Boundary.FREE
+    free = boundary.has_free_axis
     return int(8 * grid.cells * np.interp(contact_fraction, _CONTACT_FRACTIONS[free], _ARRAYS_AT_FRACTIONS[free]))
 
 
@@ -243,7 +247,7 @@ def require_memory_of_friction(plan: SolvePlan, states: int = 1) -> None:
     Light contact is assumed; `InputError` if Poisson's ratio of a material is not known.
     """
     coupled = pair_constants(*plan.materials).beta != 0.0
-    arrays = _FRICTION_ARRAYS[plan.boundary is Boundary.FREE][coupled] + (states - 1) * _STATE_ARRAYS[coupled]
+    arrays = _FRICTION_ARRAYS[plan.boundary.has_free_axis][coupled] + (states - 1) * _STATE_ARRAYS[coupled]
     what = "A contact with friction" if states == 1 else f"A path of {states} states"
     _require_memory(int(8 * plan.grid.cells * arrays), what, plan.grid, plan.boundary, plan.memory_limit)
 
@@ -253,7 +257,7 @@ def _require_memory(needed: int, what: str, grid: Grid, boundary: Boundary, limi
 
     def advise(available: int) -> str:
         sides = (_round_down(math.sqrt(available / needed) * n) for n in grid.shape)
-        padded = ", or a periodic boundary, which needs less" if boundary is Boundary.FREE else ""
+        padded = ", or a periodic boundary, which needs less" if boundary.has_free_axis else ""
         return f"choose at most {' x '.join(map(str, sides))} cells{padded}"
 
     require_memory(needed, f"{what} on {shape} cells, boundary {boundary},", advise, limit)
@@ -371,7 +375,7 @@ def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool
 
 
 def _list_borders(solver: Solver, boundary: Boundary) -> list[str]:
-    if boundary is not Boundary.FREE or not isinstance(solver, ProjectedConjugateGradient):
+    if not boundary.has_free_axis or not isinstance(solver, ProjectedConjugateGradient):
         return []
     return ["the borders of the domain where they cannot touch: the solver works on the part between them"]
 

@@ -13,7 +13,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
 from roughcontact._base.units import Estimate
-from roughcontact._parts.grid import Boundary, Grid, Load
+from roughcontact._parts.grid import Boundary, Grid, Load, as_boundary
 from roughcontact._parts.interactions import FrictionLaw, Interaction
 from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, kernels
 from roughcontact._parts.materials import pair_constants
@@ -33,16 +33,11 @@ from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSol
 from roughcontact._solve.solvers import Solver, Step, solvers
 from roughcontact.errors import InputError
 
-_AUTO_CONVOLVER = {Boundary.FREE: "dc-fft", Boundary.PERIODIC: "circular-fft", Boundary.WRAPPED: "circular-fft"}
 _AUTO_SOLVER = "projected-cg"
 _ADHESIVE_SOLVER = "gap-descent"
 _BRANCHES = ("loading", "unloading")
 # Arguments for the machine: they change no bit of a solution, and are not part of its problem.
 _MACHINE_ARGUMENTS = ("threads", "memory_limit")
-
-
-def _boundary(value: str) -> Boundary:
-    return Boundary(choice(value, "The boundary", [str(name) for name in Boundary]))
 
 
 _is_body = instance_of(Body, "Each side of a contact", "a Body(surface, material)")
@@ -64,7 +59,8 @@ class ContactProblem:
         The grid; None if a surface has one of its own.
     boundary
         ``"free"``: nothing lies beyond the domain; ``"periodic"``: it repeats without end; ``"wrapped"``:
-        the nearest image only.
+        the nearest image only. A pair, such as ``("free", "periodic")``, is one for x and one for y: for rollers and
+        seals. The approach is then relative to the surface at a distance of the length of the free axis.
     kernel, convolver, solver
         Registered names or instances; ``"auto"`` chooses the convolver and the solver.
     adhesion
@@ -96,7 +92,7 @@ class ContactProblem:
     body: Body = attrs.field(validator=_is_body)
     counterbody: Body = attrs.field(default=RIGID_FLAT, validator=_is_body)
     grid: Grid | None = attrs.field(default=None, kw_only=True, validator=_is_grid)
-    boundary: Boundary = attrs.field(default=Boundary.FREE, converter=_boundary, kw_only=True)
+    boundary: Boundary = attrs.field(default=Boundary.FREE, converter=as_boundary, kw_only=True)
     kernel: str | InfluenceKernel = attrs.field(default="love", kw_only=True)
     convolver: str | Convolver = attrs.field(default="auto", kw_only=True)
     solver: str | Solver = attrs.field(default="auto", kw_only=True)
@@ -111,9 +107,10 @@ class ContactProblem:
     @cached_property
     def plan(self) -> SolvePlan:
         """The parts of a solve, and its omitted steps."""
-        convolver = _AUTO_CONVOLVER[self.boundary] if self.convolver == "auto" else self.convolver
-        automatic = _AUTO_SOLVER if self.adhesion is None else _ADHESIVE_SOLVER
-        solver = automatic if self.solver == "auto" else self.solver
+        automatic = "dc-fft" if self.boundary.has_free_axis else "circular-fft"
+        convolver = automatic if self.convolver == "auto" else self.convolver
+        preferred = _AUTO_SOLVER if self.adhesion is None else _ADHESIVE_SOLVER
+        solver = preferred if self.solver == "auto" else self.solver
         return make_plan(
             self.body,
             self.counterbody,
@@ -135,7 +132,8 @@ class ContactProblem:
         # The memory is checked again: the first solve may come long after the problem was made.
         require_memory_of_solve(plan.grid, plan.boundary, plan.memory_limit)
         unit = plan.grid.spacing[0] / plan.modulus
-        bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit)
+        datum = plan.grid.size[plan.boundary.free_axes.index(True)] if plan.boundary.mixed else None
+        bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit, datum=datum)
         prepared = plan.convolver.prepare(bound, plan.grid, plan.boundary)
         if not isinstance(prepared, PreparedConvolution):
             raise InputError(f"The convolver {plan.convolver!r} must return a PreparedConvolution, not {prepared!r}.")

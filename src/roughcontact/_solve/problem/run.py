@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from roughcontact._base.arrays import Array, frozen_array
 from roughcontact._base.machine import use_threads
-from roughcontact._parts.grid import Boundary, Load
+from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedConvolution
 from roughcontact._solve.problem.body import InitialGap
@@ -194,7 +194,7 @@ def _by_transforms(convolution: PreparedConvolution) -> PreparedConvolution:
     setup = convolution.setup
     if not isinstance(setup.convolver, Direct):
         return convolution
-    convolver = DCFFT() if setup.boundary is Boundary.FREE else CircularFFT()
+    convolver = DCFFT() if setup.boundary.has_free_axis else CircularFFT()
     return convolver.prepare(setup.kernel, setup.grid, setup.boundary)
 
 

@@ -85,7 +85,7 @@ class ContactPatches:
             for step in (-1, 1):
                 beyond = np.roll(self.labels, step, axis=axis)
                 open_ = (self.labels > 0) & (beyond == 0)
-                if self.boundary is Boundary.FREE:
+                if self.boundary.free_axes[axis]:
                     np.moveaxis(open_, axis, 0)[0 if step == 1 else -1] = False
                 lengths += side * np.bincount(self.labels[open_], minlength=self.count + 1)
         return read_only(lengths[1:])
@@ -135,20 +135,22 @@ def _join_runs(starts: IntArray, stops: IntArray, shape: tuple[int, int], bounda
     nx, ny = shape
     width = shape[1] + 1
     pairs = []
-    steps = (width,) if boundary is Boundary.FREE else (width, (1 - nx) * width)
+    free_x, free_y = boundary.free_axes
+    steps = (width,) if free_x else (width, (1 - nx) * width)
     for step in steps:
         # Runs of the next row that begin at most one cell behind a run and end at most one cell before it.
         first = np.searchsorted(stops, starts + step)
         counts = np.maximum(np.searchsorted(starts, stops + step, side="right") - first, 0)
         one = np.repeat(np.arange(starts.size), counts)
         pairs.append((one, np.arange(one.size) + np.repeat(first - (counts.cumsum() - counts), counts)))
-    if boundary is not Boundary.FREE:
+    if not free_y:
         first = np.flatnonzero(starts % width == 0)
         last = np.flatnonzero(stops % width == ny)
         rows = np.full(nx, -1)
         rows[starts[first] // width] = first
         for step in (-1, 0, 1):
-            beyond = rows[(starts[last] // width + step) % nx]
+            row = starts[last] // width + step
+            beyond = np.where((row >= 0) & (row < nx) | (not free_x), rows[row % nx], -1)
             pairs.append((last[beyond >= 0], beyond[beyond >= 0]))
     one, other = np.concatenate(pairs, axis=1)
     links = sparse.coo_matrix((np.ones(one.size), (one, other)), shape=(starts.size, starts.size))

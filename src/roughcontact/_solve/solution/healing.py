@@ -157,9 +157,11 @@ def _weigh_neighbours(i: IntArray, j: IntArray, grid: Grid, boundary: Boundary) 
     for steps, square in zip(_SECOND_DIFFERENCES, (ratio**-2, ratio**2, 2.0), strict=True):
         for along, across, factor in steps:
             own = np.asarray(square * factor)
-            if boundary is Boundary.FREE:
+            if boundary.has_free_axis:
                 inside = np.ones(i.shape, dtype=bool)
                 for axis, first in ((0, i - along), (1, j - across)):
+                    if not boundary.free_axes[axis]:
+                        continue
                     offsets = [step[axis] for step in steps]
                     inside &= (first + min(offsets) >= 0) & (first + max(offsets) < grid.shape[axis])
                 own = np.where(inside, own, 0.0)

@@ -263,7 +263,7 @@ def _find_jump(initial_gap: Array, boundary: Boundary) -> Finding:
     name = "border jump"
     if boundary is Boundary.FREE:
         return Finding(name, math.nan, "the boundary is free: nothing lies beyond it")
-    jump = max(border_jump(initial_gap, axis) for axis in (0, 1))
+    jump = max(border_jump(initial_gap, axis) for axis in (0, 1) if not boundary.free_axes[axis])
     return Finding(name, jump, f"the heights jump across the border by {jump:.3g} times the step between cells")
 
 
@@ -271,14 +271,15 @@ def _find_edge_contact(solution: ContactSolution) -> Finding:
     """Return the fraction of the load on patches at a free border."""
     name = "edge contact"
     patches = solution.patches
-    if solution.boundary is not Boundary.FREE:
+    if not solution.boundary.has_free_axis:
         return Finding(name, math.nan, f"the boundary is {solution.boundary}: the domain has no border")
-    if min(solution.grid.shape) < _MIN_CELLS:
+    free = [axis for axis in (0, 1) if solution.boundary.free_axes[axis]]
+    if min(solution.grid.shape[axis] for axis in free) < _MIN_CELLS:
         return Finding(
             name, math.nan, f"with fewer than {_MIN_CELLS} cells along an axis all cells are near the border"
         )
     labels, pressure = (
-        np.concatenate((field[0], field[-1], field[1:-1, 0], field[1:-1, -1]))
+        np.concatenate([np.moveaxis(field, axis, 0)[[0, -1]].ravel() for axis in free])
         for field in (patches.labels, solution.pressure)
     )
     touching = np.unique(labels[labels > 0]) - 1

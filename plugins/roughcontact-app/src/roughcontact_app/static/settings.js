@@ -166,7 +166,7 @@ export function describe(values) {
   };
   const parts = [subjectOf(values)];
   if (["file", "example"].includes(values.surface) && values.form !== "none") parts.push(`less ${FORMS[values.form]}`);
-  if (values.ball && values.surface !== "sphere") parts.push(`ball of ${of("ball")}`);
+  if (values.ball && values.surface !== "sphere") parts.push(`${values.added.replace("-", " along ")} of ${of("ball")}`);
   const load = {
     approach: `approach ${of("loads", "load_unit")}`,
     cycle: `approach from ${values.cycle_from} to ${of("cycle_to", "cycle_unit")} and back`,

@@ -8,10 +8,10 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact._base.arrays import RealArray
+from roughcontact._base.arrays import Array, RealArray
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.interactions import BoundInteraction
-from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution, wrapped_spectrum
+from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution, mixed_spectrum, wrapped_spectrum
 from roughcontact.errors import InputError
 
 # Amplitude over the mean one below which a displacement does not determine the pressure.
@@ -141,12 +141,12 @@ def surface_stiffness(convolution: PreparedConvolution, extended: tuple[int, int
     """
     setup = convolution.setup
     shape = setup.grid.shape
-    if setup.boundary is not Boundary.FREE:
-        extended = shape
-    elif extended is None:
-        extended = extended_shape(shape)
+    if extended is None or not setup.boundary.has_free_axis:
+        extended = extended_shape(shape, setup.boundary)
     if setup.boundary is Boundary.PERIODIC:
         response = setup.spectrum
+    elif setup.boundary.mixed:
+        response = _list_all(mixed_spectrum(setup, extended), extended)
     else:
         response = wrapped_spectrum(setup.kernel, extended, setup.grid.spacing)
     mean = float(response[0, 0])
@@ -165,10 +165,19 @@ def surface_stiffness(convolution: PreparedConvolution, extended: tuple[int, int
     )
 
 
-def extended_shape(shape: tuple[int, int]) -> tuple[int, int]:
-    """Return at least twice the cells, less one, of each axis, fast to transform and halved as long as the axis is."""
-    mx, my = (
-        scipy.fft.next_fast_len(2 * n - 1, real=True) if n % 2 else 2 * scipy.fft.next_fast_len(n, real=True)
-        for n in shape
-    )
+def extended_shape(shape: tuple[int, int], boundary: Boundary) -> tuple[int, int]:
+    """Return at least twice the cells, less one, of free axes, fast to transform and halved as long as the axis is."""
+    mx, my = (_extend(n) if free else n for n, free in zip(shape, boundary.free_axes, strict=True))
     return mx, my
+
+
+def _extend(count: int) -> int:
+    if count % 2:
+        return int(scipy.fft.next_fast_len(2 * count - 1, real=True))
+    return 2 * int(scipy.fft.next_fast_len(count, real=True))
+
+
+def _list_all(half: Array, extended: tuple[int, int]) -> Array:
+    """Return the factors of all waves along x, of which half are given."""
+    rows = np.arange(extended[0])
+    return half[np.minimum(rows, extended[0] - rows)]

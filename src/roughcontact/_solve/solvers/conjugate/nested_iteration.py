@@ -277,12 +277,15 @@ class Window:
 
 def find_window(convolution: PreparedConvolution, task: Task, approach: float) -> Window | None:
     """Return the window of the cells that can touch at about this approach; None if it saves nothing."""
-    if convolution.setup.boundary is not Boundary.FREE:
+    if not convolution.setup.boundary.has_free_axis:
         return None
     touching = task.initial_gap <= _APPROACH_MARGIN * approach
     if not touching.any():
         return None
-    rows, columns = (_extent(np.flatnonzero(touching.any(axis=axis)), touching.shape[1 - axis]) for axis in (1, 0))
+    rows, columns = (
+        _extent(np.flatnonzero(touching.any(axis=1 - axis)), count) if free else slice(0, count)
+        for axis, (count, free) in enumerate(zip(touching.shape, convolution.setup.boundary.free_axes, strict=True))
+    )
     if touching[rows, columns].size > _MAX_WINDOW_FRACTION * touching.size:
         return None
     capacity = np.sum(np.broadcast_to(task.pressure_limit, touching.shape)[rows, columns])

@@ -116,7 +116,7 @@ class ProjectedConjugateGradient(Solver):
 
     def _solve_in_window(self, convolution: PreparedConvolution, task: Task) -> GridSolution:
         """Solve on the part of a free domain that can touch, or on all of it."""
-        if convolution.setup.boundary is not Boundary.FREE:
+        if not convolution.setup.boundary.has_free_axis:
             return self._solve_on_grid(convolution, task)
         approach, met_limit = estimate_approach(convolution, task)
         while approach is not None and (window := find_window(convolution, task, approach)) is not None:

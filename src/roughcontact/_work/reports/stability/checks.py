@@ -293,6 +293,8 @@ def shift_half_cell(problem: ContactProblem) -> ContactProblem:
     if plan.non_measured is not None:
         raise InputError("A surface has non-measured points, which cannot be shifted by half a cell.")
     grid = plan.grid
+    if plan.boundary.mixed:
+        raise InputError("The heights repeat along one axis alone, and are not shifted.")
     periodic = plan.boundary is not Boundary.FREE
     body, counterbody = (
         Body(HeightMap(side.surface.shift_half_cell(grid, periodic=periodic).heights(grid), grid.size), side.material)

@@ -1,0 +1,120 @@
+"""Coefficients along a free axis for the waves of a periodic one, from the spectrum of a kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+import scipy.fft
+
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._parts.kernels.cells import alias_sum
+
+# Spectrum of a kernel: a function of the wave numbers along x, shape (m, 1), along y, (1, n), and the sides of a cell.
+Spectrum: TypeAlias = Callable[[Array, Array, Pair], Array]
+
+# Distance to the nearest image along the free axis, over the wavelength: the response falls by exp(-2 pi) on each.
+_IMAGE_WAVELENGTHS = 6.0
+# Cells over those of the domain in the sum for uniform pressure, whose rest falls as the square, and their maximum.
+_UNIFORM_FACTOR = 64
+_MAX_UNIFORM_CELLS = 2**20
+# Wave number, times the length of the domain, at which the spectrum is that of the far field.
+_FAR_PHASE = 1e-7
+# Response beside the far field of a homogeneous half-space, relative, that is rounding.
+_ROUNDING = 1e-13
+
+
+def mixed_coefficients(
+    spectrum: Spectrum, cells: int, waves: Array, spacing: Pair, datum: float, *, odd: bool = False
+) -> Array:
+    r"""Return the response along a free x to pressure waves along y on one row of cells, shape (cells, n).
+
+    It is the sum over the waves of a periodic domain that is so long that its images do not act,
+
+    .. math:: c_i(q_y) = \frac{1}{m} \sum_{q_x} \hat K(q_x, q_y) \cos(q_x i\,\Delta x),
+
+    and for a uniform pressure, :math:`q_y = 0`, that of the strip of a plane half-space,
+
+    .. math:: c_i(0) = -\frac{A}{\pi} \int_{x_i - \Delta x/2}^{x_i + \Delta x/2} \ln\frac{|s|}{D}\,\mathrm{d}s,
+
+    with :math:`A = \lim |q_x| \hat K(q_x, 0)` and the distance D at which the displacement is taken as zero, because
+    that of a line load has no limit (Johnson, Contact Mechanics (1985), sec. 2.3,
+    https://doi.org/10.1017/CBO9781139171731). What a kernel has beside this far field is summed over waves too.
+
+    Parameters
+    ----------
+    spectrum
+        The spectrum of the kernel, m/Pa.
+    cells
+        Number of offsets along x.
+    waves
+        Wave numbers along y, ascending from zero, shape (n,), rad/m.
+    spacing
+        Sides of a cell (dx, dy), m.
+    datum
+        The distance D, m.
+    odd
+        Whether the response is odd in x: the sum is then one of sines, with a minus sign.
+    """
+    result = np.empty((cells, waves.size))
+    result[:, 0] = _respond_to_uniform(spectrum, cells, spacing, datum, odd)
+    first = 1
+    while first < waves.size:
+        # The images of shorter waves may be nearer: octave by octave.
+        last = min(2 * first, waves.size)
+        length = _IMAGE_WAVELENGTHS * 2.0 * np.pi / waves[first]
+        count = scipy.fft.next_fast_len(cells + int(np.ceil(length / spacing[0])), real=True)
+        amplitudes = spectrum(_list_waves(count, spacing[0]), waves[np.newaxis, first:last], spacing)
+        result[:, first:last] = _transform_back(amplitudes, count, odd)[:cells]
+        first = last
+    return result
+
+
+def _list_waves(count: int, step: float) -> Array:
+    waves = 2.0 * np.pi / step * np.asarray(scipy.fft.rfftfreq(count), dtype=np.float64)
+    return np.asarray(waves[:, np.newaxis])
+
+
+def _transform_back(amplitudes: Array, count: int, odd: bool) -> Array:
+    return np.asarray(scipy.fft.irfft(1j * amplitudes if odd else amplitudes, n=count, axis=0))
+
+
+def _respond_to_uniform(spectrum: Spectrum, cells: int, spacing: Pair, datum: float, odd: bool) -> Array:
+    """Return the response to pressure on a strip along y, shape (cells,)."""
+    none = np.zeros((1, 1))
+    step = spacing[0]
+    small = _FAR_PHASE / (cells * step)
+    far = small * float(spectrum(none + small, none, spacing)[0, 0])
+    plane = _respond_to_strip(cells, far * step, datum / step, odd)
+    count = scipy.fft.next_fast_len(min(_UNIFORM_FACTOR * cells, _MAX_UNIFORM_CELLS), real=True)
+    sums = []
+    for number in (count, 2 * count):
+        waves = _list_waves(number, step)
+        rest = spectrum(waves, none, spacing)[:, 0]
+        largest = float(np.abs(rest).max())
+        rest[1:] -= _sample_far_field(waves[1:, 0] * step, far * step, odd)
+        if np.abs(rest[1:]).max(initial=0.0) <= _ROUNDING * largest:
+            return plane
+        # The mean wave, for which the spectrum is not known, by a parabola through the next three.
+        rest[0] = 0.0 if odd else 3.0 * rest[1] - 3.0 * rest[2] + rest[3]
+        sums.append(_transform_back(rest, number, odd)[:cells])
+    return np.asarray(plane + (4.0 * sums[1] - sums[0]) / 3.0)
+
+
+def _respond_to_strip(cells: int, far: float, datum: float, odd: bool) -> Array:
+    """Return the response of a half-space in plane strain to a strip one cell wide; the datum is in cells."""
+    offset = np.arange(1.0, cells)
+    if odd:
+        # Both sides of the strip move by the same amount, in opposite directions.
+        return np.concatenate(([0.0], np.full(cells - 1, -0.5 * far)))
+    half = 0.5 / offset
+    # The mean of ln|s| over a cell, less ln of the distance of its centre.
+    excess = offset * ((1.0 + half) * np.log1p(half) - (1.0 - half) * np.log1p(-half)) - 1.0
+    mean = np.concatenate(([np.log(2.0 * datum) + 1.0], np.log(datum / offset) - excess))
+    return np.asarray(far / np.pi * mean)
+
+
+def _sample_far_field(phases: Array, far: float, odd: bool) -> Array:
+    """Return the spectrum of `_respond_to_strip`, at phases per cell."""
+    return np.asarray(far * alias_sum(phases, np.zeros(1), 1.0, "x/k2" if odd else "1/k")[:, 0])
