@@ -14,7 +14,16 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves, frozen_array, matrix_product, sum_of_products
+from roughcontact._base.arrays import (
+    Array,
+    IntArray,
+    Pair,
+    RealArray,
+    Waves,
+    frozen_array,
+    matrix_product,
+    sum_of_products,
+)
 from roughcontact._base.machine import map_tiles, split, threads_for
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined

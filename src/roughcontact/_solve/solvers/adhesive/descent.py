@@ -244,7 +244,9 @@ class AdhesiveDescent:
         if step is None or change is None or not self._curvature > 0.0:
             return
         image = self._image
-        factor = -math.fsum(self._map(lambda tile: sum_of_products(image[tile.rows], change[tile.rows]))) / self._curvature
+        factor = (
+            -math.fsum(self._map(lambda tile: sum_of_products(image[tile.rows], change[tile.rows]))) / self._curvature
+        )
         if not factor > 0.0:
             return
 
