@@ -47,8 +47,9 @@ tell("leakage", solution.leakage(axis=0, viscosity=1e-3, pressure_drop=1e5).valu
 path = problem.path(force=[2.0, 2.0], tangential_force=[(0.0, 0.0), (0.2, 0.0)], friction=rc.Coulomb(0.3))
 tell("path", path[-1].shear)
 soft = rc.Body(surface, rc.Elastic(3e6, 0.5))
-attracted = rc.ContactProblem(soft, grid=rc.Grid((128, 128), 128e-6), boundary="periodic", adhesion=rc.Exponential(0.05, 3e-7))
-tell("adhesion", attracted.solve(pressure=1e4).pressure)
+law = rc.Exponential(0.05, 3e-7)
+problem = rc.ContactProblem(soft, grid=rc.Grid((256, 256), 256e-6), boundary="periodic", adhesion=law)
+tell("adhesion", problem.solve(pressure=1e4).pressure)
 """
 
 
