@@ -123,10 +123,10 @@ def test_rows_of_sides_across_the_border_are_one():
 def test_neighbours_along_x_end_at_a_free_border(step):
     mask = np.zeros((4, 3), dtype=bool)
     mask[[0, -1]] = True
-    np.testing.assert_array_equal(_shift(mask, step, rc.Boundary.PERIODIC), np.roll(mask, step, axis=0))
+    np.testing.assert_array_equal(_shift(mask, step, free=False), np.roll(mask, step, axis=0))
     inner = np.zeros((4, 3), dtype=bool)
     inner[1 if step == 1 else 2] = True
-    np.testing.assert_array_equal(_shift(mask, step, rc.Boundary.FREE), inner)
+    np.testing.assert_array_equal(_shift(mask, step, free=True), inner)
 
 
 @pytest.mark.parametrize("width", [1, 2])

@@ -63,6 +63,7 @@ UNKIND_CONTACTS = {
     "tips r^n, n from 1 to 1.5": ("tip-1", "tip-1.5"),
     "tips r^n, n from 2 to 4": ("tip-2", "tip-3", "tip-4"),
     "oblique strips on long cells": ("strips-unkind",),
+    "lines": ("lines",),
 }
 COLUMNS = {
     "class": "contact",
