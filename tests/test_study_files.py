@@ -103,7 +103,7 @@ class TestFiles:
             (
                 '"periodic"',
                 '"perodic"',
-                "must be one of 'free', 'periodic', 'wrapped', 'free-periodic', 'periodic-free', but got 'perodic'. @ problems.rough",
+                "'wrapped', 'free-periodic', 'periodic-free', but got 'perodic'. @ problems.rough",
             ),
             ('"sphere"', '"shere"', "Did you mean 'sphere'? Known:"),
             (

@@ -33,8 +33,8 @@ from roughcontact._solve.solution import (
     responses,
 )
 
-# Relative error of lengths along the grid.
-_ROUNDING = 1e-14
+# Relative error of lengths of edges that are straight up to the tolerance of the solution.
+_STRAIGHT_LENGTH_ERROR = 1e-9
 # Cells of a patch from which its traced length is not corrected.
 _LARGE_PATCH_CELLS = 100
 # Numbers of cells below which a patch may be a part of another one, or other patches may be missing beside it.
@@ -123,7 +123,9 @@ class EdgeLength(Quantity):
         length += calibration.UNTRACED_CUT_LENGTH[0] * crossings + exact
         untraced += calibration.UNTRACED_CUT_LENGTH[1] * crossings
         unseen = calibration.HIDDEN_LENGTH_ERROR * float(np.sum(hidden))
-        std = math.hypot(relative * (length - exact), _ROUNDING * exact, uneven, narrow, diagonal, untraced, unseen)
+        std = math.hypot(
+            relative * (length - exact), _STRAIGHT_LENGTH_ERROR * exact, uneven, narrow, diagonal, untraced, unseen
+        )
         return warn_if_uncertain(length, std, "m", area.warnings)
 
 
