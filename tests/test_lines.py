@@ -229,7 +229,7 @@ def test_lines_do_not_depend_on_how_many_cells_lie_along_them():
 
 
 def test_adhesion_of_a_roller():
-    # Barquins, J. Adhesion 26 (1988) 1-12: P = pi E a^2 / (4 R) - sqrt(2 pi E a w), least at the pull-off.
+    # Barquins, J. Adhesion 26 (1988) 1-12: P = pi E a^2 / (4 R) - sqrt(2 pi E a w), with its minimum at the pull-off.
     modulus, work, radius = 4e6 / 0.75, 0.05, 1e-2
     half = (2 * work * radius**2 / (math.pi * modulus)) ** (1 / 3)
     pull_off = math.pi * modulus * half**2 / (4 * radius) - math.sqrt(2 * math.pi * modulus * half * work)
