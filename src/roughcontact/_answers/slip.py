@@ -10,7 +10,6 @@ import numpy as np
 from roughcontact._answers.areas.approach import find_shift
 from roughcontact._answers.linear.adhesive_tangent import tangent_of
 from roughcontact._answers.linear.tangential import (
-    MAX_UNCOUPLED_BETA,
     find_anisotropy,
     find_compliance_ratio,
     find_energy_ratio,
@@ -20,7 +19,7 @@ from roughcontact._base.arrays import Array, Mask, Pair, read_only
 from roughcontact._base.checks import flag, integer, number
 from roughcontact._base.units import ContactWarning, outlined, si
 from roughcontact._parts.grid import Boundary, Load, list_borders
-from roughcontact._parts.materials import Material, pair_constants
+from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, Material, pair_constants
 from roughcontact._solve.problem import predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError

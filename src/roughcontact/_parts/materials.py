@@ -17,6 +17,9 @@ from roughcontact._base.registry import Registry
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
+# Dundurs' second constant, in magnitude, up to which normal and tangential displacement count as uncoupled.
+MAX_UNCOUPLED_BETA = 0.01
+
 
 class Material(abc.ABC):
     """The material of a body; a class of your own gives its compliance and its pressure limit.

@@ -7,24 +7,23 @@ import math
 import attrs
 import numpy as np
 
+from roughcontact._answers.linear.adhesive_tangent import tangent_of
 from roughcontact._answers.linear.stiffness import find_normal_answer
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
-from roughcontact._base.units import ContactWarning
-from roughcontact._parts.materials import pair_constants
+from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, pair_constants
 from roughcontact._solve.problem import problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact._solve.solvers import ProjectedShearCG, ShearTask
 from roughcontact.errors import InputError, NotConverged
 
-# Dundurs' second constant below which normal and tangential displacement count as uncoupled.
-MAX_UNCOUPLED_BETA = 0.01
 # Limit of the traction over the maximum of the normal answer, so that no cell slips, and residual in this unit.
 _STICK_LIMIT = 100.0
 _STICK_TOLERANCE = 1e-6
-# Relative standard deviation by the neglected change of the pressure, over the square of Dundurs' beta: with all nine
-# components of the kernel discs, ellipses and rough contacts are stiffer by 0.08 to 0.18 of this square.
-_COUPLING_STD = 0.1
+# Rounds in which pressure and traction of unlike bodies follow each other, and the relative change of the compliance at
+# which they end. Each round multiplies the error of the compliance by about beta^4.
+_MAX_ROUNDS = 12
+_ROUND_TOLERANCE = 1e-6
 # Relative standard deviation by the shape that the cells give a patch, over the anisotropy, times the root of their
 # number. Set on 60 ellipses of 1:1 to 81:1 in radii, of 1.5 to 8 cells.
 _SHAPE_STD = 0.1
@@ -66,7 +65,7 @@ def find_compliance_ratio(solution: ContactSolution, traction: Array, axis: int)
     return tangential / normal if normal > 0.0 else 1.0 + 0.5 * gamma
 
 
-def find_energy_ratio(solution: ContactSolution, answer: Array, axis: int) -> float:
+def find_energy_ratio(solution: ContactSolution, answer: Array, axis: int, *, coupled: bool = False) -> float:
     """Return the compliance of cells in contact that all stick, over that under a traction as their normal answer.
 
     The force is along an axis, and the cells may move across it. The compliance is an energy near its minimum, so that
@@ -80,25 +79,52 @@ def find_energy_ratio(solution: ContactSolution, answer: Array, axis: int) -> fl
         The normal answer of its cells to a unit approach, shape (nx, ny), in any unit.
     axis
         0 for a force along x, 1 along y.
+    coupled
+        Whether the pressure of unlike bodies changes too, under the same normal force.
     """
     convolution = problem_of(solution).shear_convolution
-    if convolution.setup.kernel.pair.gamma == 0.0:
+    coupled = coupled and abs(convolution.setup.kernel.pair.beta) > MAX_UNCOUPLED_BETA
+    if convolution.setup.kernel.pair.gamma == 0.0 and not coupled:
         return 1.0
     start = np.zeros((2, *solution.grid.shape))
     start[axis] = answer / float(np.abs(answer).max())
-    force = float(start.sum())
+    trial = _sum_products(start, convolution.apply(start))
+    shear = _find_stuck_shear(solution, start, axis, np.zeros_like(start))
+    energy = _sum_products(shear, convolution.apply(shear))
+    if not coupled:
+        return energy / trial
+    for _ in range(_MAX_ROUNDS):
+        pressed_in = convolution.apply(shear, to="z")[0]
+        pressure = _find_change_of_pressure(solution, answer, pressed_in)
+        before = energy
+        energy = _sum_products(shear, convolution.apply(shear)) + float(np.einsum("ij,ij->", pressure, pressed_in))
+        if abs(before - energy) <= _ROUND_TOLERANCE * energy:
+            return energy / trial
+        shear = _find_stuck_shear(solution, shear, axis, -convolution.apply(pressure[np.newaxis], of="z"))
+    raise NotConverged("The tangential answer of the contact of unlike bodies was not found.", solution)
+
+
+def _find_stuck_shear(solution: ContactSolution, start: Array, axis: int, offset: Array) -> Array:
+    """Return the shear with the force of `start` that moves all cells in contact as one, shape (2, nx, ny)."""
+    force = float(start[axis].sum())
     task = ShearTask(
         limit=np.where(solution.contact, _STICK_LIMIT, 0.0),
-        offset=np.zeros_like(start),
+        offset=offset,
         shear_force=(force, 0.0) if axis == 0 else (0.0, force),
         start=start,
         tolerance=_STICK_TOLERANCE,
     )
-    found = ProjectedShearCG().solve(convolution, task)
+    found = ProjectedShearCG().solve(problem_of(solution).shear_convolution, task)
     if not found.status.success:
         raise NotConverged(f"The tangential answer of the contact was not found: {found.status}.", solution)
-    true, trial = (_sum_products(one, convolution.apply(one)) for one in (found.shear, start))
-    return true / trial
+    return found.shear
+
+
+def _find_change_of_pressure(solution: ContactSolution, answer: Array, pressed_in: Array) -> Array:
+    """Return the change of pressure, of no force, that keeps the cells in contact where shear presses them in."""
+    unit = solution.grid.spacing[0] / solution.modulus
+    pressure = tangent_of(solution).solve(-unit * pressed_in, _STICK_TOLERANCE).values
+    return np.asarray(pressure - answer * (float(pressure.sum()) / float(answer.sum())))
 
 
 def _sum_products(tractions: Array, displacements: Array) -> float:
@@ -118,8 +144,8 @@ class TangentialStiffness(Response[Estimate]):
 
     with the compliance :math:`C_{zz}` of the same cells under the normal answer, so that the correction of the edge in
     the normal stiffness S serves both. Round contacts of like materials have Mindlin's :math:`2(1-\nu)/(2-\nu)`.
-    Between unlike bodies the force also changes the pressure, though to first order not the cells in contact. The
-    stiffness without that is a lower bound: a warning names beta, and the uncertainty contains the deficit.
+    Between unlike bodies the force also changes the pressure p, though to first order not the cells in contact: the
+    energy of both has its minimum over p, which has no force, as well.
 
     Parameters
     ----------
@@ -145,22 +171,14 @@ class TangentialStiffness(Response[Estimate]):
                 "The pressure has reached its limit on a part of the contact, which resists a tangential force as a "
                 "yielding solid: the tangential stiffness holds for elastic contact only."
             )
-        plan = problem_of(solution).plan
-        beta = abs(pair_constants(*plan.materials).beta)
         normal = find_normal_answer(solution, "tangential stiffness")
         warnings = normal.warnings
-        if beta > MAX_UNCOUPLED_BETA:
-            text = (
-                f"the bodies are unlike, Dundurs' beta = {beta:.2g}: a tangential force changes the pressure too, and "
-                "without that the stiffness is a lower bound"
-            )
-            warnings += (ContactWarning(text, "coupling", beta),)
         if not 0.0 < normal.value < math.inf:
             return Estimate(normal.value, 0.0, "N/m", warnings)
         ratio = find_compliance_ratio(solution, normal.field, self.axis)
-        value = normal.value / (ratio * find_energy_ratio(solution, normal.field, self.axis))
+        value = normal.value / (ratio * find_energy_ratio(solution, normal.field, self.axis, coupled=True))
         by_shape = _SHAPE_STD * find_anisotropy(solution) * _find_scatter(solution, normal.field)
-        std = math.hypot(normal.uncertainty / normal.value, by_shape, _COUPLING_STD * beta**2) * value
+        std = math.hypot(normal.uncertainty / normal.value, by_shape) * value
         return Estimate(value, std, "N/m", warnings)
 
 

@@ -19,7 +19,14 @@ from roughcontact._base.units import PlainText, binary, outlined, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Grid
 from roughcontact._parts.interactions import Interaction
 from roughcontact._parts.kernels import InfluenceKernel
-from roughcontact._parts.materials import Material, Rigid, combined_pressure_limit, contact_modulus, pair_constants
+from roughcontact._parts.materials import (
+    MAX_UNCOUPLED_BETA,
+    Material,
+    Rigid,
+    combined_pressure_limit,
+    contact_modulus,
+    pair_constants,
+)
 from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct
 from roughcontact._solve.problem.body import Body, InitialGap
@@ -363,6 +370,11 @@ def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool
     texts = [_OMITTED_IMAGES[boundary]]
     if not capped:
         texts.append("pressure limit: neither material has one")
+    beta = _find_coupling(bodies)
+    if beta > MAX_UNCOUPLED_BETA:
+        texts.append(
+            f"friction, which would change the pressure between these unlike bodies, Dundurs' beta = {beta:.2g}"
+        )
     texts.append("the repulsive part of the law: the wall is hard" if adhesive else "adhesion: none is given")
     if boundary is Boundary.PERIODIC:
         texts.append("kernel in real space: its spectrum is used")
@@ -372,6 +384,14 @@ def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool
         if isinstance(body.surface, FlatSurface):
             texts.append("heights of one body: it is flat")
     return texts
+
+
+def _find_coupling(bodies: tuple[Body, Body]) -> float:
+    """Return the magnitude of Dundurs' second constant; zero where Poisson's ratio of a material is not known."""
+    try:
+        return abs(pair_constants(*(body.material for body in bodies)).beta)
+    except InputError:
+        return 0.0
 
 
 def _list_borders(solver: Solver, boundary: Boundary) -> list[str]:
