@@ -40,6 +40,8 @@ _KEY_OFFSET = 0.382
 # Difference of the distances of two corners from a straight edge along the grid, over the side of a dual cell: rounding
 # and the tolerance of the solution.
 _MAX_UNEVEN_DISTANCE = 1e-3
+# Minimum cells across a patch between two straight edges.
+_MIN_STRAIGHT_CELLS = 2
 # Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
 _NEWTON_STEPS = 4
 _BRACKETED_STEPS = 16
@@ -334,7 +336,10 @@ def _place_straight_edges(
     even = (inside.sum(axis=0) == 2) & (inside[0] != inside[2]) & ~counted
     even &= uneven <= _MAX_UNEVEN_DISTANCE * (ordered[3] - ordered[0])
     patch = label.max(axis=0)
-    straight = np.bincount(patch, minlength=solution.patches.count + 1) > 0
+    sides = np.bincount(patch, minlength=solution.patches.count + 1)
+    # Narrower patches have no edge that is known: one row of sides on either side of their cells.
+    cells = np.concatenate(([0], solution.patches.cells))
+    straight = (sides > 0) & (2 * cells >= _MIN_STRAIGHT_CELLS * sides)
     straight[patch[~even]] = False
     straight[count_saturated(solution) > 0] = False
     straight[0] = False
@@ -346,9 +351,9 @@ def _place_straight_edges(
     across = np.where(inside[0] == inside[3], *grid.spacing)[chosen]
     parts = parts.copy()
     parts[chosen] = (found - solution.edge_shift * math.sqrt(grid.cell_area) / across) * grid.cell_area
-    sides = np.zeros(straight.size)
-    sides[patch[chosen]] = across
-    return sides, parts
+    across_edges = np.zeros(straight.size)
+    across_edges[patch[chosen]] = across
+    return across_edges, parts
 
 
 def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -> tuple[Mask, Mask]:
