@@ -77,10 +77,9 @@ class TorchFFT(rc.Convolver):
         _ = self.place
 
     def transform_shape(self, grid: rc.Grid, boundary: rc.Boundary) -> tuple[int, int]:
-        """Return the cells of the grid, on a free boundary those of a padded one that is fast to transform."""
-        if boundary is not rc.Boundary.FREE:
-            return grid.shape
-        mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) for n in grid.shape)
+        """Return the cells of the grid, along free axes those of a padded one that is fast to transform."""
+        sizes = zip(grid.shape, boundary.free_axes, strict=True)
+        mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) if free else n for n, free in sizes)
         return mx, my
 
     def prepare(self, kernel: BoundKernel, grid: rc.Grid, boundary: rc.Boundary) -> PreparedConvolution:
@@ -89,6 +88,10 @@ class TorchFFT(rc.Convolver):
         padded = self.transform_shape(grid, boundary)
         if boundary is rc.Boundary.PERIODIC:
             symbol = torch.tensor(setup.spectrum, device=self.place)
+        elif boundary.mixed:
+            free = boundary.free_axes.index(True)
+            coefficients = kernel.mixed_coefficients(grid, boundary, offsets=padded[free] // 2 + 1)
+            symbol = _even_transform(torch.tensor(coefficients, device=self.place), padded, (free,))
         else:
             reach = tuple(min(n, m // 2 + 1) for n, m in zip(grid.shape, padded, strict=True))
             coefficients = kernel.coefficients(cast(tuple[int, int], reach), grid.spacing)
@@ -96,9 +99,12 @@ class TorchFFT(rc.Convolver):
         return TensorConvolution(setup, symbol, padded)
 
 
-def _even_transform(values: torch.Tensor, padded: tuple[int, int]) -> torch.Tensor:
-    """Return the real transform of the even extension of values to a padded grid, shape (mx, my // 2 + 1)."""
-    for axis in (1, 0):
+def _even_transform(values: torch.Tensor, padded: tuple[int, int], axes: tuple[int, ...] = (1, 0)) -> torch.Tensor:
+    """Return the real transform of the even extension of values to a padded grid, shape (mx, my // 2 + 1).
+
+    Along the other axis, if there is one, they are those of waves.
+    """
+    for axis in axes:
         distance = _distances(padded[axis], values.device)
         beyond = distance >= values.shape[axis]
         extended = values.index_select(axis, distance.masked_fill(beyond, 0))
@@ -183,7 +189,7 @@ class TensorConvolution(PreparedConvolution):
     def shear(self) -> ShearConvolution:
         """Return the convolution of shear on the host: the solver of shear works on numpy's arrays."""
         setup = self.setup
-        host = rc.DCFFT() if setup.boundary is rc.Boundary.FREE else rc.CircularFFT()
+        host = rc.DCFFT() if setup.boundary.has_free_axis else rc.CircularFFT()
         return host.prepare(setup.kernel, setup.grid, setup.boundary).shear()
 
     @contextmanager
