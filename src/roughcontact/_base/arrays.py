@@ -53,10 +53,12 @@ def matrix_product(one: RealArray, other: RealArray) -> RealArray:
 
     With several threads the sums are rounded differently, and the threads take the processors of those of a solve.
     """
-    (m, k), n = one.shape, other.shape[1]
+    m, k = one.shape
+    n = other.shape[1]
     total: RealArray = np.zeros((m, n), dtype=np.result_type(one, other))
     inner = max(1, min(k, _PART_INNER))
-    rows, columns = _PART_ROWS[np.iscomplexobj(total)], _PART_NUMBERS // inner
+    rows = _PART_ROWS[np.iscomplexobj(total)]
+    columns = _PART_NUMBERS // inner
     for i, j, start in itertools.product(range(0, m, rows), range(0, n, columns), range(0, k, inner)):
         part = one[i : i + rows, start : start + inner] @ other[start : start + inner, j : j + columns]
         total[i : i + rows, j : j + columns] += part
