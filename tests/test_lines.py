@@ -10,6 +10,7 @@ import roughcontact as rc
 from roughcontact._answers.subsurface.free import FreePlanes
 from roughcontact._answers.subsurface.mixed import MixedPlanes
 from roughcontact.typing import BoundKernel, PairConstants
+from test_kernels import love_by_mpmath
 
 FREE_PERIODIC = rc.Boundary.FREE_PERIODIC
 PERIODIC_FREE = rc.Boundary.PERIODIC_FREE
@@ -42,16 +43,6 @@ def line_load(half_width):
 # --- the kernel -------------------------------------------------------------------------------------------------------
 
 
-def love_by_mpmath(x, y, a, b):
-    """Return the integral of 1/r over the rectangle of half sides a, b around (x, y)."""
-
-    def corner(u, v):
-        r = mp.sqrt(u * u + v * v)
-        return u * mp.asinh(v / abs(u)) + v * mp.asinh(u / abs(v)) if u and v else mp.mpf(0) * r
-
-    return corner(x + a, y + b) - corner(x - a, y + b) - corner(x + a, y - b) + corner(x - a, y - b)
-
-
 def sum_images(i, j, sides, cells, datum):
     """Return a coefficient of E* = 1 with 60 digits: near images, the strip less those, and the rest extrapolated."""
     with mp.workdps(60):
@@ -65,8 +56,10 @@ def sum_images(i, j, sides, cells, datum):
         first = 12 + int(2 * x / length)
         for last in range(first, first + 40, 4):
             reach = (last + mp.mpf(1) / 2) * length
-            total = mp.fsum(love_by_mpmath(x, y + m * length, dx / 2, dy / 2) for m in range(-last, last + 1))
-            near = mp.quad(lambda s, reach=reach: love_by_mpmath(x, y - s, dx / 2, reach), [-dy / 2, dy / 2])
+            total = mp.fsum(love_by_mpmath(i, j + m * cells, dx, dy) for m in range(-last, last + 1))
+            near = mp.quad(
+                lambda s, reach=reach: love_by_mpmath(i, (y - s) / (2 * reach), dx, 2 * reach), [-dy / 2, dy / 2]
+            )
             rows.append((1 / reach**2, total + (dy * strip - near) / length))
         return float(
             sum(value * mp.fprod(other / (other - size) for other, _ in rows if other != size) for size, value in rows)

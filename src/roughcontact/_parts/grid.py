@@ -58,6 +58,11 @@ class Boundary(StrEnum):
         return any(self.free_axes)
 
     @property
+    def free_axis(self) -> int:
+        """The first axis along which the domain ends at its border: the only one where the other is periodic."""
+        return self.free_axes.index(True)
+
+    @property
     def mixed(self) -> bool:
         """Whether the domain is free along one axis and periodic along the other."""
         return self in (Boundary.FREE_PERIODIC, Boundary.PERIODIC_FREE)
@@ -164,11 +169,19 @@ def _centres(count: int, size: float) -> Array:
 
 def extend(field: npt.NDArray[Any], width: int, boundary: Boundary) -> npt.NDArray[Any]:
     """Return a field with `width` cells more on each side: periodic images, or the outermost cells repeated."""
-    for axis, free in enumerate(boundary.free_axes):
-        widths = [(0, 0), (0, 0)]
-        widths[axis] = (width, width)
-        field = np.pad(field, widths, mode="edge" if free else "wrap")
-    return field
+    return pad_axes(field, ((width, width), (width, width)), boundary.free_axes)
+
+
+def pad_axes(
+    field: npt.NDArray[Any], widths: tuple[tuple[int, int], tuple[int, int]], free: tuple[bool, bool]
+) -> npt.NDArray[Any]:
+    """Return a field with so many cells more before and behind it along x and y; see `extend`."""
+    if free[0] == free[1]:
+        return np.pad(field, widths, mode="edge" if free[0] else "wrap")
+    kept = (0, 0)
+    on_free = (widths[0], kept) if free[0] else (kept, widths[1])
+    on_periodic = (kept, widths[1]) if free[0] else (widths[0], kept)
+    return np.pad(np.pad(field, on_free, mode="edge"), on_periodic, mode="wrap")
 
 
 def list_borders(field: npt.NDArray[Any], boundary: Boundary) -> list[npt.NDArray[Any]]:

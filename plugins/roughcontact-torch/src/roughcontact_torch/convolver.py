@@ -89,7 +89,7 @@ class TorchFFT(rc.Convolver):
         if boundary is rc.Boundary.PERIODIC:
             symbol = torch.tensor(setup.spectrum, device=self.place)
         elif boundary.mixed:
-            free = boundary.free_axes.index(True)
+            free = boundary.free_axis
             coefficients = kernel.mixed_coefficients(grid, boundary, offsets=padded[free] // 2 + 1)
             symbol = _even_transform(torch.tensor(coefficients, device=self.place), padded, (free,))
         else:

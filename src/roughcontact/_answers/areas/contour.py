@@ -12,6 +12,7 @@ import numpy.typing as npt
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import count_saturated, split
 from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._parts.grid import pad_axes
 from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.solution import ContactSolution
 
@@ -140,11 +141,9 @@ class DualCells:
     def count_inside(self, contact: Mask) -> npt.NDArray[np.uint8]:
         """Return the number of corners in contact of each dual cell."""
         s = self.stride
-        extended = contact.view(np.uint8)
-        for axis, before in enumerate(self.before):
-            widths = [(0, 0), (0, 0)]
-            widths[axis] = (before, s)
-            extended = np.pad(extended, widths, mode="edge" if before else "wrap")
+        before_x, before_y = self.before
+        free = before_x > 0, before_y > 0
+        extended = pad_axes(contact.view(np.uint8), ((before_x, s), (before_y, s)), free)
         rows = extended[:-s] + extended[s:]
         return np.asarray(rows[:, :-s] + rows[:, s:])
 

@@ -74,8 +74,8 @@ def contours(solution: ContactSolution) -> list[Array]:
     ends = np.array(solution.boundary.free_axes)
     for chain, closed in _chain(following):
         line = np.concatenate((pieces[chain, 0], pieces[chain[-1:], 1]))
-        steps = np.diff(line, axis=0)
-        line[1:] = line[0] + np.cumsum(np.where(ends, steps, steps - size * np.round(steps / size)), axis=0)
+        turns = np.cumsum(np.round(np.diff(line, axis=0) / size), axis=0)
+        line[1:] -= np.where(ends, 0.0, turns * size)
         if closed:
             # This only removes rounding.
             line[-1] = line[0] + np.round((line[-1] - line[0]) / size) * size

@@ -21,7 +21,7 @@ from roughcontact.errors import InputError, NotConverged
 _STICK_LIMIT = 100.0
 _STICK_TOLERANCE = 1e-6
 # Rounds in which pressure and traction of unlike bodies follow each other, and the relative change of the compliance at
-# which they end. Each round multiplies the error of the compliance by about beta^4.
+# which they end. Each round multiplies the error of the compliance by a third to two thirds of beta^4 (measured).
 _MAX_ROUNDS = 12
 _ROUND_TOLERANCE = 1e-6
 # Relative standard deviation by the shape that the cells give a patch, over the anisotropy, times the root of their
@@ -90,16 +90,16 @@ def find_energy_ratio(solution: ContactSolution, answer: Array, axis: int, *, co
     start[axis] = answer / float(np.abs(answer).max())
     trial = _sum_products(start, convolution.apply(start))
     shear = _find_stuck_shear(solution, start, axis, np.zeros_like(start))
-    energy = _sum_products(shear, convolution.apply(shear))
     if not coupled:
-        return energy / trial
+        return _sum_products(shear, convolution.apply(shear)) / trial
+    before = math.inf
     for _ in range(_MAX_ROUNDS):
-        pressed_in = convolution.apply(shear, to="z")[0]
-        pressure = _find_change_of_pressure(solution, answer, pressed_in)
-        before = energy
-        energy = _sum_products(shear, convolution.apply(shear)) + float(np.einsum("ij,ij->", pressure, pressed_in))
+        moved = convolution.apply(shear, to="xyz")
+        pressure = _find_change_of_pressure(solution, answer, moved[2])
+        energy = _sum_products(np.stack((*shear, pressure)), moved)
         if abs(before - energy) <= _ROUND_TOLERANCE * energy:
             return energy / trial
+        before = energy
         shear = _find_stuck_shear(solution, shear, axis, -convolution.apply(pressure[np.newaxis], of="z"))
     raise NotConverged("The tangential answer of the contact of unlike bodies was not found.", solution)
 

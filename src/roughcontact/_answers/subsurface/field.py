@@ -9,8 +9,10 @@ from typing import Any
 
 import attrs
 import numpy as np
+import scipy.fft
 
 from roughcontact._base.arrays import Array, Pair, RealArray, Waves, read_only
+from roughcontact._base.machine import threads_for
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
 
@@ -37,6 +39,13 @@ def list_loads(pressure: RealArray, traction: RealArray | None) -> dict[str, Rea
     """Return the loads of the surface by their letters, without a traction that is zero."""
     shear = {} if traction is None else dict(zip("xy", traction, strict=True))
     return {"z": pressure} | {letter: field for letter, field in shear.items() if field.any()}
+
+
+def transform_loads(pressure: RealArray, traction: RealArray | None, shape: tuple[int, int]) -> dict[str, Waves]:
+    """Return the waves of the loads by their letters, padded with zeros to a shape (mx, my): (mx, my // 2 + 1) each."""
+    workers = threads_for(pressure.size)
+    loads = list_loads(pressure, traction)
+    return {load: np.asarray(scipy.fft.rfft2(field, s=shape, workers=workers)) for load, field in loads.items()}
 
 
 class StressPlanes(abc.ABC):

@@ -15,13 +15,13 @@ from roughcontact._answers.subsurface.field import (
     StressPlanes,
     coarsen,
     is_odd,
-    list_loads,
+    transform_loads,
 )
 from roughcontact._answers.subsurface.free import cell_stress
-from roughcontact._answers.subsurface.periodic import find_symbols
-from roughcontact._base.arrays import Array, Pair, RealArray, Waves
-from roughcontact._base.machine import threads_for
-from roughcontact._solve.convolvers import transform_extended
+from roughcontact._answers.subsurface.periodic import add_stress, find_symbols
+from roughcontact._base.arrays import Pair, RealArray, Waves
+from roughcontact._parts.kernels import list_octaves, sum_along_x
+from roughcontact._solve.convolvers import list_all_waves, transform_extended
 
 # Distance to the nearest image along the free axis, over the wavelength: the stress falls by exp(-2 pi) on each, and is
 # wanted in float32.
@@ -62,12 +62,7 @@ class MixedPlanes(StressPlanes):
     @cached_property
     def waves(self) -> dict[str, Waves]:
         """The waves of the padded loads by their letters, shape (mx, ny // 2 + 1) each."""
-        workers = threads_for(self.pressure.size)
-        shape = self.padded, self.pressure.shape[1]
-        return {
-            load: np.asarray(scipy.fft.rfft2(field, s=shape, workers=workers))
-            for load, field in list_loads(self.pressure, self.traction).items()
-        }
+        return transform_loads(self.pressure, self.traction, (self.padded, self.pressure.shape[1]))
 
     def at(self, z: float, poisson: float, steps: tuple[int, int]) -> RealArray:
         ny = self.pressure.shape[1]
@@ -77,15 +72,7 @@ class MixedPlanes(StressPlanes):
         stress = np.zeros((len(COMPONENTS), kept, shape[1]), dtype=np.float32)
         for load, fine in self.waves.items():
             waves = coarsen(coarsen(fine, ny, steps[1], 1), self.padded, steps[0], 0)
-            for place, symbol in enumerate(_find_symbols(shape, sides, z, poisson, load)):
-                odd_in_x, odd_in_y = (is_odd(axis, COMPONENTS[place], load) for axis in "xy")
-                if odd_in_y and shape[1] % 2 == 0:
-                    symbol[:, -1] = 0.0
-                product = waves * _list_all(symbol, shape[0], odd_in_x)
-                if odd_in_x != odd_in_y:
-                    product *= 1j
-                workers = threads_for(product.size)
-                stress[place] += scipy.fft.irfft2(product, s=shape, overwrite_x=True, workers=workers)[:kept]
+            add_stress(stress, waves, _find_symbols(shape, sides, z, poisson, load), load, shape)
         return stress
 
 
@@ -100,8 +87,8 @@ class ExchangedPlanes(StressPlanes):
         return np.ascontiguousarray(stress[EXCHANGED_COMPONENTS].transpose(0, 2, 1))
 
 
-def _find_symbols(shape: tuple[int, int], sides: Pair, z: float, poisson: float, load: str) -> list[Array]:
-    """Return the factors for each component, shape (mx // 2 + 1, my // 2 + 1); odd along one axis alone lack the i."""
+def _find_symbols(shape: tuple[int, int], sides: Pair, z: float, poisson: float, load: str) -> list[RealArray]:
+    """Return the factors for each component, shape (mx, my // 2 + 1); those odd along one axis alone lack the i."""
     mx = shape[0]
     count = shape[1] // 2 + 1
     phases = 2.0 * np.pi * np.asarray(np.fft.rfftfreq(shape[1]), dtype=np.float64)
@@ -111,35 +98,18 @@ def _find_symbols(shape: tuple[int, int], sides: Pair, z: float, poisson: float,
     strips = cell_stress(z, poisson, (reach, 1), (sides[0], length), np.float64, load)
     for response, row in zip(responses, strips, strict=True):
         response[:, 0] = row[:, 0]
-    first = 1
-    while first < count:
-        # The images of shorter waves may be nearer: octave by octave.
-        last = min(2 * first, count)
-        wavelength = 2.0 * np.pi * sides[1] / phases[first]
+    for octave in list_octaves(count):
+        wavelength = 2.0 * np.pi * sides[1] / phases[octave.start]
         cells = reach + math.ceil((_IMAGE_WAVELENGTHS * wavelength + z) / sides[0])
         cells = int(scipy.fft.next_fast_len(cells, real=True))
         along = 2.0 * np.pi * np.asarray(np.fft.rfftfreq(cells), dtype=np.float64)
         # The mean is treated as that of a confined body: its place is taken by a wave that is not used.
-        across = np.concatenate(([0.0], phases[first:last]))
+        across = np.concatenate(([0.0], phases[octave]))
         for place, symbol in enumerate(find_symbols((along, across), sides, z, poisson, load)):
-            amplitudes = symbol[:, 1:].astype(np.float64)
             odd = is_odd("x", COMPONENTS[place], load)
-            if odd and cells % 2 == 0:
-                amplitudes[-1] = 0.0
-            values = scipy.fft.irfft(1j * amplitudes if odd else amplitudes, n=cells, axis=0)
-            responses[place][:, first:last] = values[:reach]
-        first = last
+            responses[place][:, octave] = sum_along_x(symbol[:, 1:].astype(np.float64), cells, odd)[:reach]
+    odd_in_x = (is_odd("x", component, load) for component in COMPONENTS)
     return [
-        transform_extended(response, mx, is_odd("x", component, load))
-        for component, response in zip(COMPONENTS, responses, strict=True)
+        list_all_waves(transform_extended(response, mx, odd).astype(np.float32), mx, odd)
+        for response, odd in zip(responses, odd_in_x, strict=True)
     ]
-
-
-def _list_all(half: Array, length: int, odd: bool) -> RealArray:
-    """Return the factors of all waves along x, of which half are given."""
-    rows = np.arange(length)
-    mirrored = rows > length // 2
-    values = half[np.where(mirrored, length - rows, rows)].astype(np.float32)
-    if odd:
-        values[mirrored] *= -1.0
-    return values

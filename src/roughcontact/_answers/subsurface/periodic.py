@@ -12,7 +12,7 @@ import numpy as np
 import scipy.fft
 from numpy.polynomial import chebyshev
 
-from roughcontact._answers.subsurface.field import COMPONENTS, StressPlanes, coarsen, is_odd, list_loads
+from roughcontact._answers.subsurface.field import COMPONENTS, StressPlanes, coarsen, is_odd, transform_loads
 from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves, matrix_product
 from roughcontact._base.machine import threads_for
 
@@ -67,9 +67,8 @@ class PeriodicPlanes(StressPlanes):
     @cached_property
     def waves(self) -> dict[str, Waves]:
         """The waves of the loads by their letters, shape (nx, ny // 2 + 1) each."""
-        workers = threads_for(self.pressure.size)
-        loads = list_loads(self.pressure, self.traction)
-        return {load: np.asarray(scipy.fft.rfft2(field, workers=workers)) for load, field in loads.items()}
+        nx, ny = self.pressure.shape
+        return transform_loads(self.pressure, self.traction, (nx, ny))
 
     def at(self, z: float, poisson: float, steps: tuple[int, int]) -> RealArray:
         nx, ny = self.pressure.shape
@@ -79,19 +78,26 @@ class PeriodicPlanes(StressPlanes):
         stress = np.zeros((len(COMPONENTS), *shape), dtype=np.float32)
         for load, fine in self.waves.items():
             waves = coarsen(coarsen(fine, ny, steps[1], 1), nx, steps[0], 0)
-            for place, symbol in enumerate(find_symbols(phases, sides, z, poisson, load)):
-                odd_in_x, odd_in_y = (is_odd(axis, COMPONENTS[place], load) for axis in "xy")
-                # Where the wave number is half the sampling one, both signs cancel.
-                if odd_in_x and shape[0] % 2 == 0:
-                    symbol[shape[0] // 2] = 0.0
-                if odd_in_y and shape[1] % 2 == 0:
-                    symbol[:, -1] = 0.0
-                product = waves * symbol
-                if odd_in_x != odd_in_y:
-                    product *= 1j
-                workers = threads_for(product.size)
-                stress[place] += scipy.fft.irfft2(product, s=shape, overwrite_x=True, workers=workers)
+            add_stress(stress, waves, find_symbols(phases, sides, z, poisson, load), load, shape)
         return stress
+
+
+def add_stress(
+    stress: RealArray, waves: Waves, symbols: Sequence[RealArray], load: str, shape: tuple[int, int]
+) -> None:
+    """Add the stress of a load, of which waves and factors are given, on a periodic grid of `shape`, its first rows."""
+    for place, symbol in enumerate(symbols):
+        odd_in_x, odd_in_y = (is_odd(axis, COMPONENTS[place], load) for axis in "xy")
+        # Where the wave number is half the sampling one, both signs cancel.
+        if odd_in_x and shape[0] % 2 == 0:
+            symbol[shape[0] // 2] = 0.0
+        if odd_in_y and shape[1] % 2 == 0:
+            symbol[:, -1] = 0.0
+        product = waves * symbol
+        if odd_in_x != odd_in_y:
+            product *= 1j
+        workers = threads_for(product.size)
+        stress[place] += scipy.fft.irfft2(product, s=shape, overwrite_x=True, workers=workers)[: stress.shape[1]]
 
 
 def _phases(frequencies: RealArray) -> Array:

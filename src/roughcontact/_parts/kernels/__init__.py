@@ -11,6 +11,7 @@ from roughcontact._parts.kernels.base import (
     require_form,
 )
 from roughcontact._parts.kernels.half_space import FourierHalfSpace, Love
+from roughcontact._parts.kernels.mixed import list_octaves, sum_along_x
 
 __all__ = [
     "BoundKernel",
@@ -21,6 +22,8 @@ __all__ = [
     "SupportsShear",
     "SupportsSpectrum",
     "kernels",
+    "list_octaves",
     "odd_axes",
     "require_form",
+    "sum_along_x",
 ]

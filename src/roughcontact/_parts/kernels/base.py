@@ -241,7 +241,7 @@ def _exchange_axes(spectrum: Spectrum) -> Spectrum:
 
 def _sum_mixed(coefficients: Array, grid: Grid, boundary: Boundary, odd: tuple[bool, bool]) -> Array:
     """Return the field of which coefficients along the free axis have the amplitudes along the periodic one."""
-    free = boundary.free_axes.index(True)
+    free = boundary.free_axis
     values = coefficients if free == 0 else coefficients.T
     n = grid.shape[1 - free]
     phases = 2.0 * np.pi * np.outer(np.arange(n // 2 + 1) / n, np.arange(n))
@@ -250,7 +250,7 @@ def _sum_mixed(coefficients: Array, grid: Grid, boundary: Boundary, odd: tuple[b
     weights[0] = 1.0 / n
     if n % 2 == 0:
         weights[-1] = 1.0 / n
-    total = values @ (weights * (np.sin(phases) if odd[1 - free] else np.cos(phases)))
+    total = matrix_product(values, weights * (np.sin(phases) if odd[1 - free] else np.cos(phases)))
     if odd[1 - free] and not odd[free]:
         total = -total
     return total if free == 0 else np.ascontiguousarray(total.T)
@@ -338,7 +338,7 @@ class BoundKernel:
     def responses(self, grid: Grid, boundary: Boundary) -> Array:
         """Return the displacement by unit pressure at each offset within a grid, shape (nx, ny).
 
-        On a periodic axis it is a sum of cosines: no transform is used, so that convolvers can be compared with it.
+        On a periodic axis it is a sum of cosines, without the transforms of a convolver, which can be compared with it.
         """
         if boundary.mixed:
             return _sum_mixed(self.mixed_coefficients(grid, boundary), grid, boundary, (False, False))
@@ -371,7 +371,7 @@ class BoundKernel:
         offsets
             Number of offsets along the free axis, by default those within the grid.
         """
-        free = boundary.free_axes.index(True)
+        free = boundary.free_axis
         spectrum = self.spectrum if component == "zz" else partial(self.shear_spectrum, component)
         waves = 2.0 * np.pi / grid.spacing[1 - free] * np.asarray(np.fft.rfftfreq(grid.shape[1 - free]))
         values = mixed_coefficients(

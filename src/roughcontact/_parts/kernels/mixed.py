@@ -59,16 +59,18 @@ def mixed_coefficients(
     """
     result = np.empty((cells, waves.size))
     result[:, 0] = _respond_to_uniform(spectrum, cells, spacing, datum, odd)
-    first = 1
-    while first < waves.size:
-        # The images of shorter waves may be nearer: octave by octave.
-        last = min(2 * first, waves.size)
-        length = _IMAGE_WAVELENGTHS * 2.0 * np.pi / waves[first]
+    for octave in list_octaves(waves.size):
+        length = _IMAGE_WAVELENGTHS * 2.0 * np.pi / waves[octave.start]
         count = scipy.fft.next_fast_len(cells + int(np.ceil(length / spacing[0])), real=True)
-        amplitudes = spectrum(_list_waves(count, spacing[0]), waves[np.newaxis, first:last], spacing)
-        result[:, first:last] = _transform_back(amplitudes, count, odd)[:cells]
-        first = last
+        amplitudes = spectrum(_list_waves(count, spacing[0]), waves[np.newaxis, octave], spacing)
+        result[:, octave] = sum_along_x(amplitudes, count, odd)[:cells]
     return result
+
+
+def list_octaves(count: int) -> list[slice]:
+    """Return the octaves of the waves 1 .. count - 1: the images of shorter waves may be nearer."""
+    starts = 2 ** np.arange(max(count - 1, 0).bit_length())
+    return [slice(start, min(2 * start, count)) for start in starts.tolist()]
 
 
 def _list_waves(count: int, step: float) -> Array:
@@ -76,7 +78,8 @@ def _list_waves(count: int, step: float) -> Array:
     return np.asarray(waves[:, np.newaxis])
 
 
-def _transform_back(amplitudes: Array, count: int, odd: bool) -> Array:
+def sum_along_x(amplitudes: Array, count: int, odd: bool) -> Array:
+    """Return the sum of waves along the first axis at `count` cells: of cosines or, if odd, minus that of sines."""
     return np.asarray(scipy.fft.irfft(1j * amplitudes if odd else amplitudes, n=count, axis=0))
 
 
@@ -98,7 +101,7 @@ def _respond_to_uniform(spectrum: Spectrum, cells: int, spacing: Pair, datum: fl
             return plane
         # The mean wave, for which the spectrum is not known, by a parabola through the next three.
         rest[0] = 0.0 if odd else 3.0 * rest[1] - 3.0 * rest[2] + rest[3]
-        sums.append(_transform_back(rest, number, odd)[:cells])
+        sums.append(sum_along_x(rest, number, odd)[:cells])
     return np.asarray(plane + (4.0 * sums[1] - sums[0]) / 3.0)
 
 

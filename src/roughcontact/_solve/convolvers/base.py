@@ -253,7 +253,7 @@ def mixed_spectrum(setup: ConvolutionSetup, padded: tuple[int, int], component: 
     free one.
     """
     boundary = setup.boundary
-    free = boundary.free_axes.index(True)
+    free = boundary.free_axis
     length = padded[free]
     coefficients = setup.kernel.mixed_coefficients(setup.grid, boundary, component, length // 2 + 1)
     odd = odd_axes(component)[free]
@@ -270,6 +270,16 @@ def transform_extended(values: Array, length: int, odd: bool) -> Array:
     extended[length - n + 1 :] = -values[:0:-1] if odd else values[:0:-1]
     waves = scipy.fft.rfft(extended, axis=0, workers=threads_for(extended.size))
     return np.ascontiguousarray(waves.imag if odd else waves.real)
+
+
+def list_all_waves(half: RealArray, length: int, odd: bool = False) -> RealArray:
+    """Return the factors of all `length` waves along x, of which those from zero up are given."""
+    rows = np.arange(length)
+    mirrored = rows > length // 2
+    values: RealArray = half[np.where(mirrored, length - rows, rows)]
+    if odd:
+        values[mirrored] *= -1.0
+    return values
 
 
 class Convolver(abc.ABC):

@@ -132,7 +132,7 @@ class ContactProblem:
         # The memory is checked again: the first solve may come long after the problem was made.
         require_memory_of_solve(plan.grid, plan.boundary, plan.memory_limit)
         unit = plan.grid.spacing[0] / plan.modulus
-        datum = plan.grid.size[plan.boundary.free_axes.index(True)] if plan.boundary.mixed else None
+        datum = plan.grid.size[plan.boundary.free_axis] if plan.boundary.mixed else None
         bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit, datum=datum)
         prepared = plan.convolver.prepare(bound, plan.grid, plan.boundary)
         if not isinstance(prepared, PreparedConvolution):

@@ -8,10 +8,16 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact._base.arrays import Array, RealArray
+from roughcontact._base.arrays import RealArray
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.interactions import BoundInteraction
-from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution, mixed_spectrum, wrapped_spectrum
+from roughcontact._solve.convolvers import (
+    InverseConvolution,
+    PreparedConvolution,
+    list_all_waves,
+    mixed_spectrum,
+    wrapped_spectrum,
+)
 from roughcontact.errors import InputError
 
 # Amplitude over the mean one below which a displacement does not determine the pressure.
@@ -146,7 +152,7 @@ def surface_stiffness(convolution: PreparedConvolution, extended: tuple[int, int
     if setup.boundary is Boundary.PERIODIC:
         response = setup.spectrum
     elif setup.boundary.mixed:
-        response = _list_all(mixed_spectrum(setup, extended), extended)
+        response = list_all_waves(mixed_spectrum(setup, extended), extended[0])
     else:
         response = wrapped_spectrum(setup.kernel, extended, setup.grid.spacing)
     mean = float(response[0, 0])
@@ -175,9 +181,3 @@ def _extend(count: int) -> int:
     if count % 2:
         return int(scipy.fft.next_fast_len(2 * count - 1, real=True))
     return 2 * int(scipy.fft.next_fast_len(count, real=True))
-
-
-def _list_all(half: Array, extended: tuple[int, int]) -> Array:
-    """Return the factors of all waves along x, of which half are given."""
-    rows = np.arange(extended[0])
-    return half[np.minimum(rows, extended[0] - rows)]
