@@ -60,26 +60,41 @@ def cell_integrals(table: PointForce, shape: tuple[int, int], spacing: tuple[flo
         for count in (_NEAR, _FAR)
     )
     result = np.empty(shape)
-    _integrate_gauss(result, table, spacing, (slice(far[0], None), slice(None)), _BEYOND)
-    _integrate_gauss(result, table, spacing, (slice(0, far[0]), slice(far[1], None)), _BEYOND)
-    _integrate_gauss(result, table, spacing, (slice(near[0], far[0]), slice(0, far[1])), _BETWEEN)
-    _integrate_gauss(result, table, spacing, (slice(0, near[0]), slice(near[1], far[1])), _BETWEEN)
+    integrate_gauss(result, table.displacement, spacing, (slice(far[0], None), slice(None)), _BEYOND)
+    integrate_gauss(result, table.displacement, spacing, (slice(0, far[0]), slice(far[1], None)), _BEYOND)
+    integrate_gauss(result, table.displacement, spacing, (slice(near[0], far[0]), slice(0, far[1])), _BETWEEN)
+    integrate_gauss(result, table.displacement, spacing, (slice(0, near[0]), slice(near[1], far[1])), _BETWEEN)
     result[: near[0], : near[1]] = _integrate_corners(table, (near[0], near[1]), spacing)
     return result
 
 
-def _integrate_gauss(
-    result: Array, table: PointForce, spacing: tuple[float, float], block: tuple[slice, slice], points: int
+def integrate_gauss(
+    result: Array, field: WaveFunction, spacing: tuple[float, float], block: tuple[slice, slice], points: int
 ) -> None:
-    axes = [np.arange(n)[part] * side for n, part, side in zip(result.shape, block, spacing, strict=True)]
+    """Integrate a field around a point over the cells of a block, into the last two axes of a result.
+
+    Parameters
+    ----------
+    result
+        Integrals over the cell at each offset, shape (..., nx, ny).
+    field
+        The field at offsets along x and along y, m, of shapes that broadcast; what it adds stands in front.
+    spacing
+        Sides of a cell (dx, dy), m.
+    block
+        Offsets along x and along y.
+    points
+        Gauss points across one shorter side.
+    """
+    axes = [np.arange(n)[part] * side for n, part, side in zip(result.shape[-2:], block, spacing, strict=True)]
     if not (axes[0].size and axes[1].size):
         return
-    total = np.zeros((axes[0].size, axes[1].size))
+    total = np.zeros((*result.shape[:-2], axes[0].size, axes[1].size))
     (ax, wx), (ay, wy) = (_gauss_points(side / min(spacing), points) for side in spacing)
     for a, p in zip(ax * spacing[0], wx * spacing[0], strict=True):
         for b, w in zip(ay * spacing[1], wy * spacing[1], strict=True):
-            total += p * w * table.displacement((axes[0] + a)[:, np.newaxis], (axes[1] + b)[np.newaxis, :])
-    result[block] = total
+            total += p * w * field((axes[0] + a)[:, np.newaxis], (axes[1] + b)[np.newaxis, :])
+    result[..., block[0], block[1]] = total
 
 
 def _gauss_points(sides: float, points: int) -> tuple[Array, Array]:

@@ -98,7 +98,7 @@ def _octave(kernel: DepthDependent, octave: int) -> tuple[Array, Array]:
     """
     nodes = chebyshev.chebpts1(_NODES)
     r = 2.0 ** (octave + 0.5 * (nodes + 1.0))
-    x, weights = _rule(_halvings(kernel.depth / 2.0**octave))
+    x, weights = list_points(count_halvings(kernel.depth / 2.0**octave))
     q = x[np.newaxis, :] / r[:, np.newaxis]
     values = kernel.rest(q) * q / (2.0 * np.pi)
     point = values @ (weights * special.j0(x))
@@ -108,13 +108,13 @@ def _octave(kernel: DepthDependent, octave: int) -> tuple[Array, Array]:
     return solved[:, 0], solved[:, 1]
 
 
-def _halvings(depth: float) -> int:
+def count_halvings(depth: float) -> int:
     """Return how often the first panel is halved until what lies down to a depth, over r, changes nothing."""
     return max(4, math.ceil(math.log2(_FIRST * max(depth, 1.0) / _LONG)))
 
 
 @lru_cache(maxsize=64)
-def _rule(halvings: int) -> tuple[Array, Array]:
+def list_points(halvings: int) -> tuple[Array, Array]:
     """Return nodes and weights for the integral over 0 .. infinity of a slow function times Bessel's."""
     edges = np.concatenate(([0.0], _FIRST * 2.0 ** np.arange(-halvings, 1.0)))
     half_waves = _FIRST + np.pi * np.arange(1.0, _PLAIN + _AVERAGED + 1.0)

@@ -111,25 +111,25 @@ def respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple
 
 def _respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
     scale = layers[0].young
-    below = _half_space(substrate.young / scale, substrate.poisson)
+    below = half_space(substrate.young / scale, substrate.poisson)
     matrix = below[:, :, np.newaxis] * np.ones(q.size)
     difference = matrix
     for layer in reversed(layers):
-        own = _half_space(layer.young / scale, layer.poisson)
-        matrix, difference = _cross(layer, scale, own, matrix, q * layer.thickness)
+        own = half_space(layer.young / scale, layer.poisson)
+        matrix, difference = cross(layer, scale, own, matrix, q * layer.thickness)
     return np.asarray(-matrix[1, 1] / scale), np.asarray(-difference[1, 1] / scale)
 
 
-def _half_space(young: float, poisson: float) -> Array:
+def half_space(young: float, poisson: float) -> Array:
     """Return the compliance matrix of waves that decay downwards, for 1/young."""
     along = -2.0 * (1.0 - poisson**2)
     coupling = (1.0 - 2.0 * poisson) * (1.0 + poisson)
     return np.array([[along, coupling], [coupling, along]]) / young
 
 
-def _cross(layer: Layer, scale: float, own: Array, matrix: Array, x: Array) -> tuple[Array, Array]:
+def cross(layer: Layer, scale: float, own: Array, matrix: Array, x: Array) -> tuple[Array, Array]:
     """Return the compliance matrix above a layer, and the same less that of its half-space."""
-    generator = _generator(layer.young / scale, layer.poisson)
+    generator = wave_generator(layer.young / scale, layer.poisson)
     thin = x < _THIN
     result = np.empty_like(matrix)
     difference = np.empty_like(matrix)
@@ -140,7 +140,7 @@ def _cross(layer: Layer, scale: float, own: Array, matrix: Array, x: Array) -> t
     return result, difference
 
 
-def _generator(young: float, poisson: float) -> Array:
+def wave_generator(young: float, poisson: float) -> Array:
     """Return A of dy/d(qz) = A y for y = (u_x, u_z, s_xz / q, s_zz / q), z downwards."""
     shear = young / (2.0 * (1.0 + poisson))
     lateral = poisson / (1.0 - poisson)
@@ -163,9 +163,9 @@ def _cross_thin(generator: Array, matrix: Array, x: Array) -> Array:
     square = generator @ generator
     powers = np.array([np.eye(4), generator, square, square @ generator])
     step = np.einsum("kij,kn->ijn", powers, np.array(factors))
-    displacement = matrix + _product(step[:2, :2], matrix) + step[:2, 2:]
-    traction = np.eye(2)[:, :, np.newaxis] + _product(step[2:, :2], matrix) + step[2:, 2:]
-    return _product(displacement, _inverse(traction))
+    displacement = matrix + product(step[:2, :2], matrix) + step[:2, 2:]
+    traction = np.eye(2)[:, :, np.newaxis] + product(step[2:, :2], matrix) + step[2:, 2:]
+    return product(displacement, inverse(traction))
 
 
 def _third(x: Array) -> Array:
@@ -183,18 +183,18 @@ def _cross_thick(generator: Array, own: Array, matrix: Array, x: Array) -> Array
     one3 = one[:, :, np.newaxis]
     own3 = own[:, :, np.newaxis]
     mirror3 = mirror[:, :, np.newaxis]
-    reflected = _product(_inverse(matrix - mirror3), own3 - matrix)
-    reflected = _product(one3 + up[:, :, np.newaxis] * x, _product(reflected, one3 + down[:, :, np.newaxis] * x))
+    reflected = product(inverse(matrix - mirror3), own3 - matrix)
+    reflected = product(one3 + up[:, :, np.newaxis] * x, product(reflected, one3 + down[:, :, np.newaxis] * x))
     reflected = reflected * np.exp(-2.0 * x)
-    return _product(mirror3 - own3, _product(reflected, _inverse(one3 + reflected)))
+    return product(mirror3 - own3, product(reflected, inverse(one3 + reflected)))
 
 
-def _product(a: Array, b: Array) -> Array:
+def product(a: Array, b: Array) -> Array:
     """Multiply matrices of shape (2, 2, n)."""
     return np.array([[a[i, 0] * b[0, j] + a[i, 1] * b[1, j] for j in (0, 1)] for i in (0, 1)])
 
 
-def _inverse(a: Array) -> Array:
+def inverse(a: Array) -> Array:
     """Invert matrices of shape (2, 2, n)."""
     adjugate = np.array([[a[1, 1], -a[0, 1]], [-a[1, 0], a[0, 0]]])
     return np.asarray(adjugate / (a[0, 0] * a[1, 1] - a[0, 1] * a[1, 0]))
