@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import os
 import re
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -41,6 +43,7 @@ seeds = [0, 1, 2, 3, 4]
 areas = ["blend", "cell-count"]
 """
 SOLVES = 2 * 5 * 3
+TABLES = Path(__file__).parent.parent / "docs" / "tables"
 
 
 def shell(folder, *options):
@@ -266,22 +269,96 @@ def test_a_bad_share_of_a_call_gets_a_sentence(tmp_path, share):
 
 @pytest.mark.slow
 def test_dask_gives_the_same(tmp_path, whole, dask_cluster):
+    """One share on an executor, and the rest in one run on it."""
     dask_cluster.start(2)
-    run_on_executor(tmp_path, whole[0], dask_cluster.client.get_executor())
+    executor = dask_cluster.client.get_executor()
+    study = read_study(begin(tmp_path) / "study.toml")
+    first = study.run(tmp_path / "study", executor=executor, share=(1, 3))
+    assert first.computed == len(first) == 4 * 3
+    assert study.run(tmp_path / "study", executor=executor).computed == SOLVES - 4 * 3
+    assert count_new(finish(shell(tmp_path))) == 0
+    require_same(tmp_path, whole[0])
 
 
 @pytest.mark.slow
 def test_executorlib_gives_the_same(tmp_path, whole):
-    executorlib = pytest.importorskip("executorlib")
-    with executorlib.SingleNodeExecutor(max_workers=2) as executor:
-        run_on_executor(tmp_path, whole[0], executor)
+    """By the lines of the page; `pip install executorlib` for them."""
+    pytest.importorskip("executorlib")
+    (lines,) = (block for block in blocks_of_page("text") if block.startswith("from executorlib"))
+    lines = lines.replace("/shared/night", "study").replace("max_workers=64", "max_workers=2")
+    reading = "from roughcontact._work.studies.toml import read_study\nstudy = read_study('study.toml')\n"
+    script = begin(tmp_path) / "night.py"
+    script.write_text(reading + lines, encoding="utf-8")
+    subprocess.run([sys.executable, script], cwd=tmp_path, check=True, timeout=300)
+    assert count_new(finish(shell(tmp_path))) == 0
+    require_same(tmp_path, whole[0])
 
 
-def run_on_executor(folder, whole, executor):
-    """Solve one share on an executor and the rest in one run on it, and compare the whole."""
-    study = read_study(begin(folder) / "study.toml")
-    first = study.run(folder / "study", executor=executor, share=(1, 3))
-    assert first.computed == len(first) == 4 * 3
-    assert study.run(folder / "study", executor=executor).computed == SOLVES - 4 * 3
-    assert count_new(finish(shell(folder))) == 0
-    require_same(folder, whole)
+def blocks_of_page(kind):
+    page = Path(__file__).parent.parent / "docs" / "use" / "cluster.md"
+    return re.findall(rf"^```{kind}\n(.*?)^```$", page.read_text(encoding="utf-8"), re.S | re.M)
+
+
+# What sbatch does with a job file: an array all at once, and after --parsable nothing is printed but a number.
+SBATCH = """#!/bin/bash
+file="${@: -1}"
+last=$(sed -n "s/^#SBATCH --array=1-//p" "$file")
+for task in $(seq 1 ${last:-1}); do
+  SLURM_ARRAY_TASK_ID=${last:+$task} bash -e "$file" > "$file-$task.out" &
+done
+wait
+echo 4711
+"""
+
+
+def run_as_slurm(folder, command):
+    """Run a shell command in a folder whose `sbatch` and `roughcontact` are found first."""
+    programs = {"sbatch": SBATCH, "roughcontact": f'#!/bin/bash\nexec {sys.executable} -m roughcontact "$@"\n'}
+    for name, text in programs.items():
+        (folder / name).write_text(text, encoding="utf-8")
+        (folder / name).chmod(0o755)
+    environment = {**os.environ, "PATH": os.pathsep.join((str(folder), os.environ["PATH"]))}
+    subprocess.run(["bash", "-e", "-c", command], cwd=folder, env=environment, check=True, timeout=300)
+
+
+@pytest.mark.slow
+def test_the_job_files_of_the_page_are_one_run(tmp_path, whole):
+    folder = begin(tmp_path)
+    jobs = [block for block in blocks_of_page("text") if block.startswith("#!/bin/bash")]
+    # The shares that a task asks for are as many as the array has tasks.
+    assert re.search(r"--array=1-64\n", jobs[0])
+    assert re.search(r"--share \$SLURM_ARRAY_TASK_ID/64\n", jobs[0])
+    for name, text in zip(("shares.sh", "table.sh"), jobs, strict=False):
+        (folder / name).write_text(text.replace("64", "4"), encoding="utf-8")
+    (submit,) = (block for block in blocks_of_page("text") if block.startswith("sbatch "))
+    run_as_slurm(folder, submit)
+    shares = [(folder / f"shares.sh-{task}.out").read_text(encoding="utf-8") for task in (1, 2, 3, 4)]
+    assert sum(map(count_new, (" ".join(text.split()) for text in shares))) == SOLVES
+    end = " ".join((folder / "table.sh-1.out").read_text(encoding="utf-8").split())
+    assert end == whole[1].replace(f"{SOLVES} of them now", "0 of them now")
+    require_same(folder, whole[0])
+
+
+@pytest.mark.slow
+def test_the_job_of_a_large_solve_runs(tmp_path):
+    surface = "self-affine --hurst 0.8 --rms-height 20nm --shortest 8um --longest 45um --shape 63 45 --size 189um 45um"
+    job = [block for block in blocks_of_page("text") if block.startswith("#!/bin/bash")][2]
+    run_as_slurm(tmp_path, f"roughcontact surface {surface} -o large.npz\n{job}")
+    assert rc.ContactSolution.load(tmp_path / "solved.npz").status is rc.Status.CONVERGED
+
+
+def test_the_page_states_what_its_table_does():
+    rows = {row["N"]: row for row in rows_of(TABLES / "cluster.csv")}
+    ratio = {side: float(row["core, measured, s"] or 0) / float(row["core, model, s"]) for side, row in rows.items()}
+    text = " ".join((TABLES.parent / "use" / "cluster.md").read_text(encoding="utf-8").split())
+    assert "Measured is half of it at 512 and 1024, and 1.4 times it at 8192, where a solve takes 39 products." in text
+    assert [ratio["512"], ratio["1024"]] == pytest.approx([0.5, 0.5], abs=0.05)
+    assert ratio["8192"] == pytest.approx(1.4, abs=0.05)
+    scale = {row["N"]: row for row in rows_of(TABLES / "scale.csv") if row["boundary"] == "periodic"}
+    assert scale["8192"]["products"] == "39"
+    assert "took 0.72 of the time of one at 4096 x 4096" in text
+    one, two = (float(scale["4096"][name]) for name in ("wall, s", "wall on two threads, s"))
+    assert two / one == pytest.approx(0.72, abs=0.005)
+    cost = [float(row["CPU"]) / 20 for row in rows_of(TABLES / "sweeps.csv") if row["20 loads"].startswith("rough")]
+    assert "takes [0.4 to 0.7](" in text
+    assert [min(cost), max(cost)] == pytest.approx([0.4, 0.7], abs=0.05)
