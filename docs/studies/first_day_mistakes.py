@@ -175,6 +175,7 @@ MISTAKES = [
     Mistake(
         "The grid is too coarse for the wave.",
         lambda _: solve(rc.WavySurface(amplitude=0.5e-6, wavelength=12.5e-6), grid=rc.Grid((64, 64), 250e-6)),
+        on_page=False,
     ),
     Mistake(
         "The material is elastic, and the pressure beyond its strength.",

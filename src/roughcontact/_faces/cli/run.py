@@ -15,7 +15,7 @@ from roughcontact._base.units import counted, fit, kind_of
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.options import whole_number
 from roughcontact._faces.cli.progress import show_progress
-from roughcontact._work.studies import Record, StudyResult
+from roughcontact._work.studies import Record, Share, StudyResult
 from roughcontact.errors import InputError
 
 
@@ -26,26 +26,36 @@ class Run(Command):
 examples:
   roughcontact run study.toml --dry-run
   roughcontact run study.toml --workers 8 -o night
+  roughcontact run study.toml --share 3/64
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
         parser.add_argument("study", metavar="STUDY.toml", help="problems, loads, seeds and area estimators")
         parser.add_argument("--dry-run", action="store_true", help="print the plan of every solve, and solve nothing")
         parser.add_argument("--workers", type=whole_number, default=1, metavar="N", help="processes (1)")
+        share = "solve only the k-th of n shares, as a job of an array: 3/64 (all)"
+        parser.add_argument("--share", metavar="K/N", help=share)
         parser.add_argument("-o", "--output", metavar="FOLDER", help="output folder (the name of the study)")
 
     def run(self, options: argparse.Namespace) -> int:
         """Return 0, 1 if a solve has no certified solution, or 3 if a solution has warnings."""
         from roughcontact._work.studies.toml import read_study
 
+        share = None if options.share is None else Share.of(options.share)
         study = read_study(options.study)
+        tasks = len(study.problems) * max(1, len(study.seeds))
+        own = tasks if share is None else share.size(tasks)
+        total = own * len(study.loads)
         if options.dry_run:
             print(fit(study.explain()))
+        if share is not None:
+            there = f"{counted(tasks, 'task')}, each a problem with a seed"
+            print(fit(f"Share {share} has {own} of {there}: {counted(total, 'solve') if own else 'nothing to do'}."))
+        if options.dry_run or own == 0:
             return 0
         if options.workers < 1:
             raise InputError.about("The number of workers", options.workers, "a whole number of at least 1")
         folder = Path(options.output or Path(options.study).with_suffix(""))
-        total = len(study.problems) * max(1, len(study.seeds)) * len(study.loads)
         done: list[Record] = []
         with _start_workers(options.workers) as executor, show_progress(f"0 of {total} solves") as change:
 
@@ -53,8 +63,10 @@ examples:
                 done.extend(records)
                 change(f"{len(done)} of {total} solves")
 
-            result = study.run(folder, executor=executor, on_records=count)
-        result.to_csv(folder / "records.csv")
+            result = study.run(folder, executor=executor, share=options.share, on_records=count)
+        # Shares would overwrite each other's table.
+        if share is None:
+            result.to_csv(folder / "records.csv")
         print(fit(str(result)))
         for record in result.failed:
             print(fit(f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}"))

@@ -22,6 +22,7 @@ from roughcontact._solve.solution import DEFAULT_AREA, areas
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, Unbuilt, name_full_disk
 from roughcontact._work.studies.record import Record, StudyResult, read_index, write_index
+from roughcontact._work.studies.shares import Share, list_of_records, read_all_records
 from roughcontact._work.studies.tasks import Chains, run_chains
 from roughcontact.errors import InputError, NotWritten, StudyStopped
 
@@ -235,13 +236,13 @@ class Study:
 
     def chains(self) -> Iterator[Chain]:
         """Yield each problem with each seed, at all loads."""
-        for chain in self._points(Path(), {}):
+        for chain in self._points(Path(), {}, None):
             if isinstance(chain, Unbuilt):
                 raise InputError(chain.message)
             yield chain
 
-    def _points(self, folder: Path, known: Mapping[str, Record]) -> Chains:
-        return Chains(self.problems, self.seeds, self.loads, self.areas, folder, known)
+    def _points(self, folder: Path, known: Mapping[str, Record], share: Share | None) -> Chains:
+        return Chains(self.problems, self.seeds, self.loads, self.areas, folder, known, share)
 
     def explain(self) -> str:
         """Return in words the plan of every problem, or of the first that is built, the axes, and work and time."""
@@ -254,6 +255,7 @@ class Study:
         folder: str | Path,
         *,
         executor: Executor | None = None,
+        share: tuple[int, int] | str | None = None,
         on_records: Callable[[Sequence[Record]], None] | None = None,
     ) -> StudyResult:
         """Solve the contacts whose solutions are not in the folder yet.
@@ -266,16 +268,22 @@ class Study:
         executor
             Any `concurrent.futures.Executor`, such as a process pool or the one of a dask client, which gets one
             task for each problem and seed; in this process if None.
+        share
+            ``(3, 64)`` or ``"3/64"``: the third of 64 shares alone, for jobs that write into one folder. Shares differ
+            by at most one problem and seed. When all have run, ``run(folder)`` returns the whole, and solves what is
+            missing.
         on_records
             Called with the records of each problem and seed as soon as they are known.
 
         Returns
         -------
         StudyResult
-            The records in the order of the study.
+            The records in the order of the study; of a share, its own.
 
         Raises
         ------
+        InputError
+            If there is no such share, or the folder cannot be made.
         StudyStopped
             If the disk is full, the executor broke or a problem ended every worker that it was given to; solutions on
             disk are safe, and the next run continues.
@@ -283,11 +291,13 @@ class Study:
         if executor is not None and not callable(getattr(executor, "submit", None)):
             raise InputError.about("The executor", executor, "a concurrent.futures.Executor, or None")
         on_records = callback(on_records, "on_records=", "records")
+        part = None if share is None else Share.of(share)
         target = _make_folder(folder)
         remove_stale(target)
-        index = target / f"study-{self.key}.json"
-        known = read_index(index)
-        chains = self._points(target, known)
+        index = list_of_records(target, self.key, part)
+        listed = read_index(index)
+        known = read_all_records(target, self.key)
+        chains = self._points(target, known, part)
         done: dict[int, list[Record]] = {}
         computed = 0
         stops: list[str] = []
@@ -298,7 +308,7 @@ class Study:
                 computed = computed + result.computed
                 stops += [reason for reason in (result.stopped, result.lost) if reason]
                 if any(known.get(record.key) != record for record in result.records):
-                    stops += _list_records(index, _in_order(done, known))
+                    stops += _list_records(index, _in_order(done, listed))
                 if on_records is not None:
                     on_records(result.records)
                 if executor is None and stops:

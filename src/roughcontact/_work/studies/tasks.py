@@ -16,6 +16,7 @@ from roughcontact._solve.problem import ContactProblem
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, ChainResult, Unbuilt, name_exception, run_chain
 from roughcontact._work.studies.record import Record
+from roughcontact._work.studies.shares import Share
 from roughcontact.errors import InputError, RoughContactError
 
 # Most workers that are given a chain, one after the other, if they die.
@@ -36,6 +37,8 @@ class Chains(Sequence[Chain | Unbuilt]):
         The folder of its solutions.
     known
         Earlier records, by key.
+    share
+        The share whose chains they are; None for all.
     """
 
     problems: Mapping[str, ContactProblem]
@@ -44,11 +47,13 @@ class Chains(Sequence[Chain | Unbuilt]):
     areas: tuple[str, ...]
     folder: Path
     known: Mapping[str, Record]
+    share: Share | None
     _places: list[tuple[str, int | None]] = attrs.field(init=False)
 
     @_places.default
     def _list_places(self) -> list[tuple[str, int | None]]:
-        return [(name, seed) for name in self.problems for seed in self.seeds or (None,)]
+        places = [(name, seed) for name in self.problems for seed in self.seeds or (None,)]
+        return places if self.share is None else self.share.pick(places)
 
     def __len__(self) -> int:
         return len(self._places)
