@@ -57,23 +57,24 @@ def set_tolerance(options: argparse.Namespace, problem: rc.ContactProblem) -> rc
 
 def _adhesion(options: argparse.Namespace) -> rc.Interaction:
     name, *texts = options.adhesion
-    law: rc.Interaction = make_law(rc.interactions, "--adhesion", name, texts)
+    law: rc.Interaction = make_part(rc.interactions, "--adhesion", name, texts)
     return law
 
 
-def make_law(registry: Registry[Any], option: str, name: str, texts: Sequence[str]) -> Any:
-    """Return the law with a registered name, its fields from texts such as ``work=50mJ/m2``."""
-    fields = {}
+def make_part(registry: Registry[Any], option: str, name: str, texts: Sequence[str]) -> Any:
+    """Return the part with a registered name, its fields from texts such as ``work=50mJ/m2`` or ``depths=1um,2um``."""
+    what = option if option == f"--{name}" else f"{option} {name}"
+    fields: dict[str, Any] = {}
     for text in texts:
         field, equals, value = text.partition("=")
         if not equals:
-            raise rc.InputError.about(f"A field of {option} {name}", text, "FIELD=VALUE")
-        fields[field] = value
+            raise rc.InputError.about(f"A field of {what}", text, "FIELD=VALUE")
+        fields[field] = value.split(",") if "," in value else value
     form = Form()
-    law = form.read(registry.base, {**fields, "type": name}, "")
+    part = form.read(registry.base, {**fields, "type": name}, "")
     for place, error in form.faults:
-        raise rc.InputError(f"{option} {name}{place and f' {place}'}: {error}") from error
-    return law
+        raise rc.InputError(f"{what}{place and f' {place}'}: {error}") from error
+    return part
 
 
 def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, dict[str, Any] | None]:

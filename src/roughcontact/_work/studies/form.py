@@ -11,6 +11,7 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import attrs
 
+from roughcontact._base.arrays import Pair
 from roughcontact._base.registry import Registry, registries
 from roughcontact._base.units import parse_quantity
 from roughcontact._parts.files import read_surface
@@ -62,7 +63,7 @@ class Form:
             SI unit of the texts that stand for numbers; None if texts do not.
         """
         try:
-            return self._read(kind, value, place) if unit is None else convert_quantity(unit, value)
+            return self._read(kind, value, place) if unit is None else self._convert(unit, value)
         except InputError as error:
             self.faults.append((place, error))
         # A part of a plug-in may raise anything.
@@ -77,8 +78,7 @@ class Form:
                 return value
             kind = next(filter(_has_form, members), members[0])
         if not _has_form(kind):
-            # A law on the command line has numbers as texts.
-            return convert_quantity("", value) if kind is float else value
+            return self._read_plain(kind, value)
         if not isinstance(kind, type):
             return self._read_several(kind, value, place)
         if isinstance(value, kind):
@@ -91,6 +91,33 @@ class Form:
         if kind is ContactProblem and "match" in value:
             return self._read_matched(value, place)
         return self._read_fields(kind, value, place)
+
+    def _read_plain(self, kind: Any, value: Any) -> Any:
+        """Return a value as its class takes it; on the command line numbers are texts."""
+        if kind not in (float, int, Pair) or not isinstance(value, (str, list)):
+            return value
+        found = self._convert("", value)
+        return int(found) if kind is int and isinstance(value, str) and found.is_integer() else found
+
+    def _convert(self, unit: str, value: Any) -> Any:
+        """Return a text with a unit, or a list of them, in SI units; numbers are."""
+        if isinstance(value, list):
+            return [self._convert(unit, item) for item in value]
+        if not isinstance(value, str):
+            return value
+        try:
+            return parse_quantity(value, unit)
+        except ValueError as error:
+            numbers = f", or as a number in {unit}" if unit and self.folder is not None else ""
+            raise InputError(f"{error}{numbers}") from error
+
+    def _in_si_of_maps(self, name: str, value: Any) -> Any:
+        if name not in _UNITS_OF_MAPS:
+            return value
+        try:
+            return self._convert(_UNITS_OF_MAPS[name], value)
+        except InputError as error:
+            raise InputError(f"The {name} of a map: {error}.") from error
 
     def _read_several(self, kind: Any, value: Any, place: str) -> Any:
         """Return the items of a mapping or a sequence of parts."""
@@ -143,7 +170,7 @@ class Form:
         if len(self.faults) > before:
             return None
         maps = {name: _only_map(body.surface, name) for name, body in bodies.items()}
-        pair = match(*maps.values(), **{name: _in_si_of_maps(name, value) for name, value in settings.items()})
+        pair = match(*maps.values(), **{name: self._in_si_of_maps(name, value) for name, value in settings.items()})
         placed = {"body": pair.body, "counterbody": pair.counterbody}
         changed = {
             name: attrs.evolve(body, surface=_replace(body.surface, maps[name], placed[name]))
@@ -160,7 +187,7 @@ class Form:
         file = (self.folder / str(path)).resolve()
         if not isinstance(path, str) or not file.is_relative_to(self.folder.resolve()):
             raise InputError.about("The path of a map", path, "that of a file in the folder of the study file")
-        given = {name: _in_si_of_maps(name, fields[name]) for name in _READING if name in fields}
+        given = {name: self._in_si_of_maps(name, fields[name]) for name in _READING if name in fields}
         surface = read_surface(file, **given)
         if "detrend" in fields:
             surface = surface.detrend(fields["detrend"])
@@ -197,18 +224,6 @@ def build_problem(table: Mapping[str, Any]) -> ContactProblem:
     if form.faults:
         raise form.faults[0][1]
     return problem
-
-
-def convert_quantity(unit: str, value: Any) -> Any:
-    """Return a text with a unit, or a list of them, in SI units; numbers are. `InputError` for other texts."""
-    if isinstance(value, list):
-        return [convert_quantity(unit, item) for item in value]
-    if not isinstance(value, str):
-        return value
-    try:
-        return parse_quantity(value, unit)
-    except ValueError as error:
-        raise InputError(f"{error}, or as a number in {unit}" if unit else str(error)) from error
 
 
 def join(place: str, name: str) -> str:
@@ -248,8 +263,9 @@ def _item_of(kind: Any) -> Any:
 
 
 def _registry_of(kind: type) -> Registry[Any] | None:
-    bases = ((one, one.base) for one in registries().values() if one.base is not object)
-    return next((registry for registry, base in bases if issubclass(kind, base)), None)
+    """Return the registry of a class: that of the nearest base, since an area estimator is a response too."""
+    fitting = [one for one in registries().values() if one.base is not object and issubclass(kind, one.base)]
+    return max(fitting, key=lambda one: len(one.base.__mro__), default=None)
 
 
 @attrs.frozen
@@ -287,15 +303,6 @@ def _name_and_fields(value: Any, registry: Registry[Any]) -> tuple[str, Mapping[
     if not isinstance(value, Mapping) or not isinstance(value.get("type"), str):
         raise InputError.about(f"A {registry.kind}", value, "a registered name, or a table with the name as type")
     return value["type"], {name: item for name, item in value.items() if name != "type"}
-
-
-def _in_si_of_maps(name: str, value: Any) -> Any:
-    if name not in _UNITS_OF_MAPS:
-        return value
-    try:
-        return convert_quantity(_UNITS_OF_MAPS[name], value)
-    except InputError as error:
-        raise InputError(f"The {name} of a map: {error}.") from error
 
 
 def _only_map(surface: Surface, name: str) -> HeightMap:
