@@ -74,8 +74,11 @@ class TestCommand:
         ("arguments", "sentence"),
         [
             (["--adhesion", "exponential", "work=50", "range=60nm"], "'50' has no unit (mJ/m2 or J/m2?)"),
-            (["--adhesion", "exponential", "work=50mJ/m2"], "needs FIELD=VALUE for each of its fields"),
-            (["--adhesion", "exponential", "work=50mJ/m2", "reach=1nm"], "one of work, range"),
+            (
+                ["--adhesion", "exponential", "work=50mJ/m2"],
+                "exponential: required field 'range' is missing",
+            ),
+            (["--adhesion", "exponential", "work=50mJ/m2", "reach=1nm"], "unknown field 'reach' (known: work, range)"),
             (["--adhesion", "glue", "work=50mJ/m2"], "There is no interaction named 'glue'"),
             (["--pull-off"], "--pull-off is for surfaces that attract each other"),
             (["--states", "5"], "--states is for --cycle"),

@@ -140,16 +140,6 @@ def test_the_module_runs_as_a_command():
     assert "Traceback" not in failed.stderr
 
 
-def test_without_the_extra_the_sentence_says_what_to_install(monkeypatch, capsys, tmp_path):
-    for name in [name for name in sys.modules if name.split(".")[0] in ("cattrs", "roughcontact._work.studies.toml")]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.delitem(sys.modules, "roughcontact._work.studies.toml", raising=False)
-    monkeypatch.setitem(sys.modules, "cattrs", None)
-    (tmp_path / "study.toml").write_text("")
-    assert main(["run", str(tmp_path / "study.toml")]) == 2
-    assert "pip install 'roughcontact[cli]'" in capsys.readouterr().err
-
-
 @pytest.fixture
 def two_maps(tmp_path):
     """A ball of 200 um in micrometres of height, and a map of another grid."""
@@ -356,7 +346,7 @@ def test_the_shipped_commands_come_by_entry_points_and_load_nothing_heavy(capsys
     *text, modules = done.stdout.splitlines()
     for name in SHIPPED:
         assert any(line.startswith(f"  {name} ") for line in text)
-    assert not {"matplotlib", "pint", "rich", "cattrs", "hypothesis", "scipy.ndimage"} & set(json.loads(modules))
+    assert not {"matplotlib", "pint", "rich", "hypothesis", "scipy.ndimage"} & set(json.loads(modules))
 
 
 @pytest.mark.parametrize("name", SHIPPED)

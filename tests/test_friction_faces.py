@@ -128,7 +128,10 @@ def test_takes_laws_directions_displacements_and_normal_loads(ball, capsys, prob
         (("--friction", "glue", "--tangential", "0.1N"), "There is no friction law named 'glue'"),
         (("--friction", "-0.3", "--tangential", "0.1N"), "The coefficient of friction must be"),
         (("--friction", "0.3N", "--tangential", "0.1N"), "--friction: "),
-        (("--friction", "limited-coulomb", "--tangential", "0.1N"), "needs FIELD=VALUE for each of its fields"),
+        (
+            ("--friction", "limited-coulomb", "--tangential", "0.1N"),
+            "required field 'coefficient' is missing",
+        ),
         (("--friction", "0.3", "--tangential", "0.3N"), "Give displacements to --tangential instead, or --slide."),
         (("--friction", "0.3", "--tangential", "0.1N", "--substeps", "0"), "--substeps must be a whole number"),
         (("--slide",), "--slide needs a law by which the surfaces slip"),

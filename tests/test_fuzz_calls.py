@@ -90,6 +90,7 @@ GOOD = {
     "interaction": rc.Exponential(0.05, 2e-8), "rms_slope": 0.1, "rms_curvature": 1e5,
     "coefficient": 0.2, "compliance_ratio": 1.2, "beta": 0.3, "friction_over_beta": 0.6,
     "component": "xy", "pair": types_of_rc.PairConstants(0.1, 0.4),
+    "table": {"body": rc.Body(WAVE, STEEL), "grid": GRID},
     "index": 0, "topography": MAP.to_topography() if HAS_TOPOGRAPHY else None, "young": 1e9,
 }  # fmt: skip
 # ... where the same name means something else.

@@ -12,7 +12,7 @@ materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the
 readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `replacing`, `si`, `binary`, `write_column`, `available_memory`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
-             `list_quantities`, `gather_warnings`, `exceeds_metals`
+             `list_quantities`, `gather_warnings`, `exceeds_metals`, `build_problem`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
              `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
@@ -94,7 +94,7 @@ from roughcontact._solve.solvers import (
 from roughcontact._work.processes import Cycle, RunIn
 from roughcontact._work.reports.error import ErrorReport, KnownAnswer, ReportRow, Timing
 from roughcontact._work.reports.stability import Check, StabilityReport, Verdict
-from roughcontact._work.studies import Record, StudyResult
+from roughcontact._work.studies import Record, StudyResult, build_problem
 from roughcontact.responses import (
     Conductance,
     FrettingLoop,
@@ -189,6 +189,7 @@ __all__ = [
     "available_memory",
     "available_threads",
     "binary",
+    "build_problem",
     "exceeds_metals",
     "gather_warnings",
     "limit_address_space",

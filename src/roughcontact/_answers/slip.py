@@ -151,6 +151,11 @@ class PartialSlip:
         return read_only(self.friction * (self.contact.pressure - self.stick_contact.pressure))
 
     @property
+    def estimates(self) -> dict[str, Estimate]:
+        """The displacement, the areas that stick and slip, and the energy in a cycle, by name."""
+        return {name: getattr(self, name) for name in ("displacement", "stick_area", "slip_area", "energy")}
+
+    @property
     def stick(self) -> Mask:
         return self.stick_contact.contact
 
@@ -239,8 +244,8 @@ class CiavarellaJaeger(Response[PartialSlip]):
     Jaeger, J. Tribol. 120 (1998) 677-684, https://doi.org/10.1115/1.2833765
     """
 
-    tangential_force: float = attrs.field(converter=_force)
-    friction: float = attrs.field(converter=_friction)
+    tangential_force: float = attrs.field(converter=_force, metadata={"unit": "N"})
+    friction: float = attrs.field(converter=_friction, metadata={"unit": ""})
     axis: int = attrs.field(default=0, converter=tangential_axis)
     uncoupled: bool = attrs.field(default=False, converter=_uncoupled)
 

@@ -26,13 +26,14 @@ _SUPERSCRIPTS = {1: "", 2: "²", 3: "³"}
 # A number, and the prefix of its unit.
 _NUMBER_WITH_PREFIX = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
 # An example of each kind of quantity, by its SI unit; the empty one is that of plain numbers.
-EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3", "J/m2": "50mJ/m2"}
+EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3", "J/m2": "50mJ/m2", "Pa s": "1mPa.s"}
 _USUAL_UNITS = {
     "Pa": "Pa, MPa or GPa",
     "m": "mm, um or nm",
     "N": "N or mN",
     "rad": "deg or rad",
     "J/m2": "mJ/m2 or J/m2",
+    "Pa s": "Pa.s or mPa.s",
 }
 # Characters of a wrong text that are shown.
 _MAX_QUOTED_CHARACTERS = 80
@@ -41,9 +42,9 @@ _MAX_QUOTED_CHARACTERS = 80
 _UNIT_NAME = r"[^\W\d_²³]{1,30}(?:(?:\^|\*\*)?[1-4]|[²³])?"
 _QUANTITY = re.compile(
     r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?)\s*"
-    rf"({_UNIT_NAME}(?:[*/]{_UNIT_NAME}){{0,5}}|[%°]|)\s*"
+    rf"({_UNIT_NAME}(?:[*/.· ]{_UNIT_NAME}){{0,5}}|[%°]|)\s*"
 )
-_UNIT_FACTOR = re.compile(r"([*/]?)([^\W\d_²³]+|[%°])(?:\^|\*\*)?([1-4²³]?)")
+_UNIT_FACTOR = re.compile(r"([*/.· ]?)([^\W\d_²³]+|[%°])(?:\^|\*\*)?([1-4²³]?)")
 # What a power in the name of a unit means.
 _POWERS = {"": 1, "²": 2, "³": 3}
 # Powers of ten of the prefixes of SI; two letters look like mu.

@@ -5,34 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
 from roughcontact import (
-    RIGID_FLAT,
-    Body,
     Boundary,
     ContactProblem,
     Elastic,
     ElasticPerfectlyPlastic,
-    Exponential,
-    FlatSurface,
     Grid,
     HeightMap,
-    Interaction,
-    Material,
     ParaboloidSurface,
     SelfAffineSurface,
-    ShortRange,
     SphereSurface,
     Surface,
-    VanDerWaals,
     WavySurface,
     examples,
     read_surface,
 )
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
-from roughcontact.typing import TYPICAL, Load, Pair, RawMap, read_raw, require_memory_of_solve
+from roughcontact.typing import TYPICAL, Load, Pair, RawMap, build_problem, read_raw, require_memory_of_solve
 
 from roughcontact_app.settings import Settings, cycle_values, fretting_values, load_values, plain, quantity, whole
 
@@ -99,23 +92,29 @@ def make_scene(settings: Settings, upload: Upload | None) -> Scene:
 
 def make_problem(settings: Settings, scene: Scene) -> ContactProblem:
     """Return the problem that the settings describe, or raise `InputError`."""
-    if settings["counterbody"] == "rigid":
-        counterbody = RIGID_FLAT
-    else:
-        counterbody = Body(FlatSurface(), _make_material(settings, "counterbody_", "the counterbody"))
-    body = Body(scene.surface, _make_material(settings, "", "the body"))
-    adhesion = _make_interaction(settings)
-    return ContactProblem(body, counterbody, grid=scene.grid, boundary=settings["boundary"], adhesion=adhesion)
+    deforms = settings["counterbody"] != "rigid"
+    material = _describe_material(settings, "", "the body")
+    return build_problem(
+        {
+            "body": {"surface": scene.surface, "material": material},
+            "counterbody": {
+                "surface": "flat",
+                "material": _describe_material(settings, "counterbody_", "the counterbody") if deforms else "rigid",
+            },
+            "grid": scene.grid,
+            "boundary": settings["boundary"],
+            "adhesion": _describe_interaction(settings),
+        }
+    )
 
 
-def _make_interaction(settings: Settings) -> Interaction | None:
+def _describe_interaction(settings: Settings) -> dict[str, Any] | None:
     if settings["adhesion"] == "none":
         return None
-    work = quantity(settings, "work", "The work of adhesion", "work")
+    law = {"type": settings["adhesion"], "work": quantity(settings, "work", "The work of adhesion", "work")}
     if settings["adhesion"] == "short-range":
-        return ShortRange(work)
-    reach = quantity(settings, "range", "The range of the adhesion", "length")
-    return Exponential(work, reach) if settings["adhesion"] == "exponential" else VanDerWaals(work, reach)
+        return law
+    return {**law, "range": quantity(settings, "range", "The range of the adhesion", "length")}
 
 
 def make_loads(settings: Settings, problem: ContactProblem) -> tuple[Load, ...]:
@@ -236,13 +235,14 @@ def _make_synthetic(settings: Settings) -> Surface:
     )
 
 
-def _make_material(settings: Settings, prefix: str, whose: str) -> Material:
-    young = quantity(settings, f"{prefix}young", f"Young's modulus of {whose}", "modulus")
-    poisson = plain(settings, f"{prefix}poisson", f"Poisson's ratio of {whose}")
-    if not settings[f"{prefix}hardness"]:
-        return Elastic(young, poisson)
-    hardness = quantity(settings, f"{prefix}hardness", f"The hardness of {whose}", "modulus")
-    return ElasticPerfectlyPlastic(young, poisson, hardness)
+def _describe_material(settings: Settings, prefix: str, whose: str) -> dict[str, float]:
+    material = {
+        "young": quantity(settings, f"{prefix}young", f"Young's modulus of {whose}", "modulus"),
+        "poisson": plain(settings, f"{prefix}poisson", f"Poisson's ratio of {whose}"),
+    }
+    if settings[f"{prefix}hardness"]:
+        material["hardness"] = quantity(settings, f"{prefix}hardness", f"The hardness of {whose}", "modulus")
+    return material
 
 
 def list_materials() -> dict[str, list[str]]:

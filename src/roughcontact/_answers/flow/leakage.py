@@ -266,8 +266,8 @@ class GapFlow(Response[Leakage]):
     with_adhesion = "total pressure"
 
     axis: int = attrs.field(default=0, converter=flow_axis)
-    viscosity: float = attrs.field(converter=_viscosity)
-    pressure_drop: float = attrs.field(converter=_pressure_drop)
+    viscosity: float = attrs.field(converter=_viscosity, metadata={"unit": "Pa s"})
+    pressure_drop: float = attrs.field(converter=_pressure_drop, metadata={"unit": "Pa"})
 
     def respond(self, solution: ContactSolution) -> Leakage:
         """Return the flow; see `Response.respond`.

@@ -61,6 +61,11 @@ class YieldPoint:
         )
 
     @property
+    def estimates(self) -> dict[str, Estimate]:
+        """The normal force and the mean pressure, by name."""
+        return {"force": self.force, "mean_pressure": self.mean_pressure}
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """Why the load must not be trusted, in sentences; empty without a reason."""
         return self.force.warnings
@@ -99,9 +104,9 @@ class FirstYield(Response[YieldPoint]):
     Johnson, Contact Mechanics (1985), sec. 6.1, https://doi.org/10.1017/CBO9781139171731
     """
 
-    yield_stress: float = attrs.field(converter=_strength)
+    yield_stress: float = attrs.field(converter=_strength, metadata={"unit": "Pa"})
     body: str = attrs.field(default="body", converter=body_name)
-    friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined)
+    friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined, metadata={"unit": ""})
     direction: float = attrs.field(default=0.0, converter=degrees)
 
     def respond(self, solution: ContactSolution) -> YieldPoint:

@@ -143,6 +143,11 @@ class Stress:
         found = StressMaximum(value * self._scale, uncertainty, edge.x, edge.y, 0.0, self.warnings)
         return self._warn_of_edges(found)
 
+    @property
+    def estimates(self) -> dict[str, StressMaximum]:
+        """The maximum von Mises stress and the maximum shear stress, by name."""
+        return {"von_mises": self.maximum, "shear": self.maximum_shear}
+
     def crossland(self, alpha: float, axis: int = 0) -> Array:
         r"""Return Crossland's fatigue number at each depth for a contact that rolls or slides along an axis.
 
@@ -391,10 +396,10 @@ class StressBelow(Response[Stress]):
 
     with_adhesion = "total pressure"
 
-    depths: Array | None = attrs.field(default=None, converter=_depths)
+    depths: Array | None = attrs.field(default=None, converter=_depths, metadata={"unit": "m"})
     body: str = attrs.field(default="body", converter=body_name)
     traction: Array | None = attrs.field(default=None, converter=_traction, repr=outlined)
-    friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined)
+    friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined, metadata={"unit": ""})
     direction: float = attrs.field(default=0.0, converter=degrees)
 
     def __attrs_post_init__(self) -> None:

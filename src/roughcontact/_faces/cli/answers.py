@@ -5,9 +5,10 @@ from __future__ import annotations
 import io
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, TypeAlias
 
 import roughcontact as rc
 from roughcontact._base import checks
@@ -18,16 +19,24 @@ from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.problem import Sweep, make_table
 from roughcontact._solve.solution import require_netcdf, versions
 
+# What each response that was asked for says of each solution, by the name of the response.
+Answers: TypeAlias = Mapping[str, Sequence[Any]]
+_NONE: Answers = MappingProxyType({})
+# Width of the label of a line, as `print(solution)` has it.
+_LABEL_WIDTH = 15
 _RESIDUALS = ("complementarity", "penetration", "load", "tension")
 PICTURES = frozenset({".png", ".svg", ".pdf"})
 
 
-def to_json(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
+def to_json(solutions: Sequence[rc.ContactSolution], estimator: str | None = None, answers: Answers = _NONE) -> str:
     """Return one JSON object: the description of the only solution, or a list of them under ``solutions``.
 
-    `estimator` is the name of an area estimator whose area is given besides the default.
+    `estimator` is the name of an area estimator whose area is given besides the default, `answers` what responses say.
     """
     described = [describe_solution(solution, estimator) for solution in solutions]
+    if answers:
+        for position, one in enumerate(described):
+            one["responses"] = {name: _describe_result(found[position]) for name, found in answers.items()}
     return write_json(described[0] if len(described) == 1 else {"solutions": described})
 
 
@@ -88,7 +97,7 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
+def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None, answers: Answers = _NONE) -> str:
     """Return a header and a row for each load, in SI units: the columns of `Sweep.to_pandas`, and more."""
     table = make_table(Sweep(tuple(solutions)))
     columns: dict[str, Any] = {
@@ -105,7 +114,7 @@ def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None
         columns["other_area"] = [float(area.value) for area in others]
         columns["other_area_uncertainty"] = [float(area.uncertainty) for area in others]
         units |= {"other_area": "m2", "other_area_uncertainty": "m2"}
-    return write_csv(Table(columns, units))
+    return write_csv(Table({**columns, **_tabulate(answers)}, units))
 
 
 def write_csv(table: Table) -> str:
@@ -115,7 +124,7 @@ def write_csv(table: Table) -> str:
     return text.getvalue().replace("\r\n", "\n").rstrip("\n")
 
 
-def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = None) -> str:
+def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = None, answers: Answers = _NONE) -> str:
     """Return the answer for people, of at most 80 columns: of one load, or as a table over several."""
     lines = [str(solutions[0])]
     if len(solutions) > 1:
@@ -127,7 +136,50 @@ def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = Non
         lines += [f"warning  {text} [at {', '.join(at)}]" for text, at in texts.items()]
     if estimator is not None:
         lines += ["", *(f"Area: {solution.area(estimator)}" for solution in solutions)]
+    if answers:
+        lines += ["", *_write_answers(solutions, answers)]
     return fit("\n".join(lines))
+
+
+def _write_answers(solutions: Sequence[rc.ContactSolution], answers: Answers) -> list[str]:
+    """Return the lines of the answers of one solution; of several those of a table, and of what has no number."""
+    if len(solutions) == 1:
+        return [line for name, found in answers.items() for line in _label(name, str(found[0]))]
+    forces = [rc.Estimate(solution.force, 0.0, "N") for solution in solutions]
+    lines = Table({"force": forces, **_tabulate(answers, warned=False)}).to_text().split("\n")
+    for name, found in answers.items():
+        for force, result in zip(forces, found, strict=True):
+            if not _list_estimates(result):
+                lines += _label(name, f"at {si(force.value, 'N')}: {result}")
+    warnings = {text: name for name, column in _tabulate(answers).items() for one in column for text in one.warnings}
+    return [*lines, *(f"warning  {name}: {text}" for text, name in warnings.items())]
+
+
+def _label(name: str, text: str) -> list[str]:
+    first, *others = text.split("\n")
+    return [f"{name:{_LABEL_WIDTH - 1}} {first}", *(f"{'':{_LABEL_WIDTH}}{line}" for line in others)]
+
+
+def _tabulate(answers: Answers, *, warned: bool = True) -> dict[str, list[rc.Estimate]]:
+    """Return a column for each number, in the order of the solutions, with or without the warnings."""
+    columns: dict[str, list[rc.Estimate]] = {}
+    for name, found in answers.items():
+        for result in found:
+            for part, one in _list_estimates(result).items():
+                bare = rc.Estimate(one.value, one.uncertainty, one.unit, one.warnings if warned else ())
+                columns.setdefault(f"{name} {part}".strip(), []).append(bare)
+    return columns
+
+
+def _describe_result(result: Any) -> dict[str, Any]:
+    if isinstance(result, rc.Estimate):
+        return describe_estimate(result)
+    return {name: describe_estimate(one) for name, one in _list_estimates(result).items()} or {"text": str(result)}
+
+
+def _list_estimates(result: Any) -> Mapping[str, rc.Estimate]:
+    """Return the numbers of a result by name: itself, with an empty name, or its `estimates`; empty without any."""
+    return {"": result} if isinstance(result, rc.Estimate) else getattr(result, "estimates", {})
 
 
 def _warnings(solution: rc.ContactSolution) -> tuple[str, ...]:

@@ -23,7 +23,7 @@ from roughcontact._faces.cli.answers import (
     write_json,
 )
 from roughcontact._faces.cli.options import name_options
-from roughcontact._faces.cli.problem import make_law, set_tolerance
+from roughcontact._faces.cli.problem import make_part, set_tolerance
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.grid import Load
@@ -67,7 +67,7 @@ def friction_of(options: argparse.Namespace) -> rc.FrictionLaw:
     # A blank stands before a number with a minus; see `main`.
     first, *others = (text.strip() for text in options.friction)
     if others or first[:1].isalpha():
-        law: rc.FrictionLaw = make_law(rc.frictions, "--friction", first, others)
+        law: rc.FrictionLaw = make_part(rc.frictions, "--friction", first, others)
         return law
     try:
         return rc.Coulomb(parse_quantity(first, ""))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import inspect
 import math
 import re
 from collections.abc import Sequence
@@ -14,13 +13,12 @@ import attrs
 
 import roughcontact as rc
 from roughcontact._base.registry import Registry
-from roughcontact._base.units import parse_quantity
 from roughcontact._faces.cli.options import OF_READERS, add_problem
 from roughcontact._parts.files import read_raw
 from roughcontact._parts.files.reading import options_of
 from roughcontact._parts.grid import Boundary, Load
-from roughcontact._parts.materials import TYPICAL
 from roughcontact._solve.problem import require_memory_of_solve
+from roughcontact._work.studies import Form, build_problem
 
 
 def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
@@ -34,23 +32,20 @@ def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
 
 def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
     """Return the problem that the options describe."""
-    surface, counterbody, grid = _surfaces(options)
+    surface, counterbody, matching = _surfaces(options)
     if options.ball is not None:
         surface = surface + rc.SphereSurface(options.ball)
     if options.roller is not None:
         radii = options.roller, math.inf
         along_x = options.boundary == str(Boundary.PERIODIC_FREE)
         surface = surface + rc.ParaboloidSurface(radii[::-1] if along_x else radii)
-    return rc.ContactProblem(
-        rc.Body(surface, _material(options)),
-        rc.Body(counterbody, _counterbody_material(options)),
-        grid=grid,
-        boundary=options.boundary,
-        kernel=options.kernel,
-        solver=options.solver,
-        threads=options.threads,
-        adhesion=_adhesion(options),
-    )
+    table = {
+        "body": {"surface": surface, "material": _describe_material(options)},
+        "counterbody": {"surface": counterbody, "material": _describe_counterbody_material(options)},
+        "adhesion": None if options.adhesion is None else _adhesion(options),
+        **{name: getattr(options, name) for name in ("boundary", "kernel", "solver", "threads")},
+    }
+    return build_problem(table if matching is None else {**table, "match": matching})
 
 
 def set_tolerance(options: argparse.Namespace, problem: rc.ContactProblem) -> rc.ContactProblem:
@@ -60,38 +55,30 @@ def set_tolerance(options: argparse.Namespace, problem: rc.ContactProblem) -> rc
     return attrs.evolve(problem, solver=problem.plan.solver.with_tolerance(options.tolerance))
 
 
-def _adhesion(options: argparse.Namespace) -> rc.Interaction | None:
-    if options.adhesion is None:
-        return None
+def _adhesion(options: argparse.Namespace) -> rc.Interaction:
     name, *texts = options.adhesion
-    law: rc.Interaction = make_law(rc.interactions, "--adhesion", name, texts)
+    law: rc.Interaction = make_part(rc.interactions, "--adhesion", name, texts)
     return law
 
 
-def make_law(registry: Registry[Any], option: str, name: str, texts: Sequence[str]) -> Any:
-    """Return the law with a registered name, its fields from texts such as ``work=50mJ/m2``."""
-    kind: Any = registry[name]
-    known = {field.alias: field.metadata.get("unit", "") for field in attrs.fields(kind)} if attrs.has(kind) else {}
-    given: dict[str, Any] = {}
+def make_part(registry: Registry[Any], option: str, name: str, texts: Sequence[str]) -> Any:
+    """Return the part with a registered name, its fields from texts such as ``work=50mJ/m2`` or ``depths=1um,2um``."""
+    what = option if option == f"--{name}" else f"{option} {name}"
+    fields: dict[str, Any] = {}
     for text in texts:
         field, equals, value = text.partition("=")
-        if not equals or field not in known:
-            raise rc.InputError.about(
-                f"A field of {option} {name}", text, f"FIELD=VALUE with one of {', '.join(known)}"
-            )
-        try:
-            given[field] = parse_quantity(value, known[field])
-        except ValueError as error:
-            raise rc.InputError(f"{option} {name} {field}: {error}.") from error
-    try:
-        inspect.signature(kind).bind(**given)
-    except TypeError as error:
-        raise rc.InputError(f"{option} {name} needs FIELD=VALUE for each of its fields ({error}).") from error
-    return kind(**given)
+        if not equals:
+            raise rc.InputError.about(f"A field of {what}", text, "FIELD=VALUE")
+        fields[field] = value.split(",") if "," in value else value
+    form = Form()
+    part = form.read(registry.base, {**fields, "type": name}, "")
+    for place, error in form.faults:
+        raise rc.InputError(f"{what}{place and f' {place}'}: {error}") from error
+    return part
 
 
-def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.Grid | None]:
-    """Return both surfaces, and their common grid if they were matched."""
+def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, dict[str, Any] | None]:
+    """Return both surfaces, and how they are matched."""
     if options.counterbody is None:
         for name in ("match", "counterbody_size", "counterbody_unit", "counterbody_detrend"):
             _refuse(options, name, "is for the second of two height maps: give its file too, or omit the option.")
@@ -112,17 +99,15 @@ def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, rc.G
                 "interpolates both on a common grid, or --resample NX NY where only their cells differ."
             )
         return body, counterbody, None
-    pair = rc.match(
-        body,
-        counterbody,
-        offset=options.offset or (0.0, 0.0),
-        rotation=options.rotation or 0.0,
-        mirrored=options.mirror,
-        interpolation=options.match,
-        shape=options.resample,
-        size=_sides(options.domain),
-    )
-    return pair.body, pair.counterbody, pair.grid
+    matching = {
+        "offset": options.offset or (0.0, 0.0),
+        "rotation": options.rotation or 0.0,
+        "mirrored": options.mirror,
+        "interpolation": options.match,
+        "shape": options.resample,
+        "size": _sides(options.domain),
+    }
+    return body, counterbody, matching
 
 
 def _counterbody_size_and_unit(options: argparse.Namespace) -> tuple[list[float] | None, float | None]:
@@ -174,24 +159,23 @@ def _sides(lengths: list[float] | None) -> float | list[float] | None:
     return lengths[0] if lengths and len(lengths) == 1 else lengths
 
 
-def _counterbody_material(options: argparse.Namespace) -> rc.Material:
+def _describe_counterbody_material(options: argparse.Namespace) -> str | dict[str, float]:
     if options.counterbody_young is None and options.counterbody_material is None:
         for name in ("counterbody_hardness", "counterbody_poisson"):
             _refuse(options, name, "needs --counterbody-young: without it the counterbody is rigid.")
-        return rc.RIGID_FLAT.material
-    return _material(options, "counterbody_", 0.3 if options.poisson is None else options.poisson)
+        return "rigid"
+    return _describe_material(options, "counterbody_", 0.3 if options.poisson is None else options.poisson)
 
 
-def _material(options: argparse.Namespace, prefix: str = "", poisson: float = 0.3) -> rc.Material:
+def _describe_material(options: argparse.Namespace, prefix: str = "", poisson: float = 0.3) -> str | dict[str, float]:
     """Return the material that options of this prefix name or describe, with this Poisson's ratio if they lack one."""
-    name = getattr(options, f"{prefix}material")
-    young, own, hardness = (getattr(options, prefix + part) for part in ("young", "poisson", "hardness"))
-    if name is not None:
-        for part in ("poisson", "hardness"):
-            _refuse(options, prefix + part, f"is for a Young's modulus: {name!r} has its own.")
-        return TYPICAL[name]
-    poisson = poisson if own is None else own
-    return rc.Elastic(young, poisson) if hardness is None else rc.ElasticPerfectlyPlastic(young, poisson, hardness)
+    name: str | None = getattr(options, f"{prefix}material")
+    constants = {part: getattr(options, prefix + part) for part in ("young", "poisson", "hardness")}
+    if name is None:
+        return {"poisson": poisson, **{part: value for part, value in constants.items() if value is not None}}
+    for part in ("poisson", "hardness"):
+        _refuse(options, prefix + part, f"is for a Young's modulus: {name!r} has its own.")
+    return name
 
 
 _LOADS = ("pressure", "force", "approach")

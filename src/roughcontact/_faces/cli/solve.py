@@ -18,6 +18,7 @@ from roughcontact._faces.cli.friction import friction_of, plan_friction_outputs,
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
 from roughcontact._faces.cli.progress import describe_steps, show_progress
+from roughcontact._faces.cli.responses import add_responses, ask, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
 from roughcontact._solve.problem import run_sweep
@@ -35,6 +36,8 @@ examples:
   roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
   roughcontact solve map.npz --force 1N --young 210GPa --json | jq .area
   roughcontact solve map.npz --force 1N --young 210GPa --report contact.html
+  roughcontact solve map.npz --force 1N --young 210GPa --stiffness \\
+      --conductance 45 --stress --first-yield 1GPa
   roughcontact solve map.npz --cycle -0.1um 0.5um --young 2MPa \\
       --poisson 0.5 --adhesion short-range work=50mJ/m2 -o cycle.png
   roughcontact solve map.npz --force 1N --young 210GPa \\
@@ -46,6 +49,7 @@ examples:
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
         add_problem(parser)
+        add_responses(parser)
         add_accuracy(parser)
         accuracy = parser.add_argument_group("grids")
         accuracy.add_argument(
@@ -87,6 +91,10 @@ examples:
         refuse_for_friction(options)
         refuse_for_cycle(options)
         law = None if options.friction is None else friction_of(options)
+        asked = responses_of(options)
+        if asked and (law is not None or options.cycle is not None):
+            other = "--cycle" if law is None else "--friction"
+            raise rc.InputError(f"--{min(asked)} is for loads without {other}: omit one of them.")
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
         paths = [checks.path(name, "The map") for name in maps]
         if law is not None:
@@ -112,9 +120,11 @@ examples:
             return _report_warnings(doubtful, quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
             subject, solutions = _solve(options, problem, loads, change)
+        with show_progress("answering", quiet=options.quiet or not asked):
+            answers = ask(asked, solutions)
         if not options.quiet:
             write = to_json if options.json else to_csv if options.csv else to_text
-            print(write(solutions, options.area))
+            print(write(solutions, options.area, answers))
             if options.pull_off:
                 print(f"pull-off       {problem.pull_off()}", file=sys.stderr if piped else None)
         done = write_outputs(files, subject, solutions)

@@ -1,7 +1,8 @@
 """Studies: many problems, many loads, on any executor, and on disk as they go."""
 
+from roughcontact._work.studies.form import Form, build_problem
 from roughcontact._work.studies.record import Record, StudyResult
 from roughcontact._work.studies.shares import Share
 from roughcontact._work.studies.study import Study
 
-__all__ = ["Record", "Share", "Study", "StudyResult"]
+__all__ = ["Form", "Record", "Share", "Study", "StudyResult", "build_problem"]

@@ -1,0 +1,69 @@
+"""What a contact does, such as its stiffness, on the command line: an option for each registered response."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+from collections.abc import Mapping, Sequence
+from typing import Any, get_type_hints
+
+import attrs
+
+import roughcontact as rc
+from roughcontact._base.arrays import Array
+from roughcontact._faces.cli.answers import Answers
+from roughcontact._faces.cli.problem import make_part
+
+
+def add_responses(parser: argparse.ArgumentParser) -> None:
+    """Declare an option for each registered response whose name is free; `InputError` if one cannot be loaded."""
+    group = parser.add_argument_group("what the contact does")
+    for name in rc.responses:
+        cls = rc.responses[name]
+        # An array, a number for each cell, is for scripts.
+        if get_type_hints(cls.respond).get("return") == Array:
+            continue
+        fields = _fields(cls)
+        needed = [f"{field.alias}=..." for field in fields if field.default is attrs.NOTHING]
+        others = [f"[{field.alias}=...]" for field in fields if field.default is not attrs.NOTHING]
+        with contextlib.suppress(argparse.ArgumentError):
+            group.add_argument(
+                f"--{name}",
+                dest=f"response {name}",
+                nargs="+" if needed else "*",
+                metavar="VALUE" if len(needed) == 1 else "FIELD=VALUE",
+                help=": ".join(filter(None, (_describe(cls), " ".join(needed + others)))).replace("%", "%%"),
+            )
+
+
+def _describe(cls: type) -> str:
+    line = (cls.__doc__ or "").partition("\n")[0].partition(":math:")[0].strip(" ,.")
+    return line[:1].lower() + line[1:]
+
+
+def _fields(cls: type) -> tuple[attrs.Attribute[Any], ...]:
+    return tuple(attrs.fields(cls)) if attrs.has(cls) else ()
+
+
+def responses_of(options: argparse.Namespace) -> dict[str, rc.Response[Any]]:
+    """Return the responses that the options ask for, by name."""
+    asked = {}
+    for name in rc.responses:
+        texts = getattr(options, f"response {name}", None)
+        if texts is not None:
+            needed = [field.alias for field in _fields(rc.responses[name]) if field.default is attrs.NOTHING]
+            # Of one field that is needed the value is enough: --first-yield 1GPa.
+            named = [f"{needed[0]}={text}" if len(needed) == 1 and "=" not in text else text for text in texts]
+            asked[name] = make_part(rc.responses, f"--{name}", name, named)
+    return asked
+
+
+def ask(asked: Mapping[str, rc.Response[Any]], solutions: Sequence[rc.ContactSolution]) -> Answers:
+    """Return what each response says of each solution; `InputError`, with its option, where it has no answer."""
+    found = {}
+    for name, response in asked.items():
+        try:
+            found[name] = [solution.response(response) for solution in solutions]
+        except rc.InputError as error:
+            raise rc.InputError(f"--{name}: {error}") from error
+    return found

@@ -1,0 +1,142 @@
+"""What the contact does, asked for on the command line: an option for each registered response."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+
+import attrs
+import numpy as np
+import pytest
+
+import roughcontact as rc
+
+SIZE = (96e-6, 32e-6)
+SHAPE = (48, 48)
+LOADED = ["solve", "map.npz", "--boundary", "periodic", "--young", "210GPa"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """A rough map of cells 3 : 1 in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_height=50e-9, shortest=9e-6, longest=32e-6, seed=3)
+    np.savez("map.npz", heights=rough.heights(rc.Grid(SHAPE, SIZE)), size=SIZE, periodic=True)
+
+
+def solve(**load):
+    body = rc.Body(rc.read_surface("map.npz"), rc.Elastic(210e9, 0.3))
+    return rc.ContactProblem(body, boundary="periodic").solve(**load)
+
+
+def same(found, estimate):
+    return found == {
+        "value": pytest.approx(estimate.value, rel=1e-12),
+        "uncertainty": pytest.approx(estimate.uncertainty, rel=1e-9),
+        "unit": estimate.unit,
+        "warnings": list(estimate.warnings),
+    }
+
+
+def test_the_object_has_the_answers_of_a_script(run):
+    asked = ["--stiffness", "--conductance", "45,16", "film_resistance=1e-9", "--tangential-stiffness", "axis=1"]
+    asked += ["--leakage", "viscosity=1mPa.s", "pressure_drop=1bar", "--first-yield", "1GPa", "friction=10%"]
+    asked += ["--stress", "depths=0.5um,1um", "body=body", "--partial-slip", "tangential_force=1mN", "friction=0.3"]
+    status, out, _ = run(*LOADED, "--force", "20mN", *asked, "--json")
+    assert status in (0, 3)
+    found = json.loads(out)["responses"]
+    solution = solve(force=20e-3)
+    assert same(found["stiffness"], solution.stiffness())
+    assert same(found["conductance"], solution.conductance((45.0, 16.0), film_resistance=1e-9))
+    assert same(found["tangential-stiffness"], solution.response(rc.responses.create("tangential-stiffness", axis=1)))
+    assert same(found["leakage"], solution.leakage(viscosity=1e-3, pressure_drop=1e5))
+    point = solution.first_yield(yield_stress=1e9, friction=0.1)
+    assert same(found["first-yield"]["force"], point.force)
+    assert same(found["first-yield"]["mean_pressure"], point.mean_pressure)
+    stress = solution.stress([0.5e-6, 1e-6])
+    assert same(found["stress"]["von_mises"], stress.maximum)
+    assert same(found["stress"]["shear"], stress.maximum_shear)
+    slip = solution.partial_slip(tangential_force=1e-3, friction=0.3)
+    assert set(found["partial-slip"]) == {"displacement", "stick_area", "slip_area", "energy"}
+    assert same(found["partial-slip"]["displacement"], slip.displacement)
+
+
+def test_the_text_ends_with_what_a_script_prints(run):
+    status, out, _ = run(*LOADED, "--force", "20mN", "--stiffness", "--stress", "depths=1um")
+    assert status in (0, 3)
+    solution = solve(force=20e-3)
+    words = " ".join(out.split())
+    assert f"stiffness {' '.join(str(solution.stiffness()).split())} stress stress at 1 depth" in words
+    assert " ".join(str(solution.stress([1e-6]).maximum).split()) in words
+    assert max(map(len, out.splitlines())) <= 80
+
+
+def test_several_loads_are_rows(run):
+    loads = [0.02, 0.04]
+    asked = ["--loads", "20mN", "40mN", "--stiffness", "--first-yield", "1GPa"]
+    _, out, _ = run(*LOADED, *asked, "--csv")
+    rows = list(csv.DictReader(io.StringIO(out)))
+    for row, load in zip(rows, loads, strict=True):
+        stiffness = solve(force=load).stiffness()
+        assert float(row["stiffness [N/m]"]) == pytest.approx(stiffness.value, rel=1e-4)
+        assert float(row["stiffness_uncertainty [N/m]"]) == pytest.approx(stiffness.uncertainty, rel=1e-2)
+        assert float(row["first-yield force [N]"]) > 0.0
+    _, out, _ = run(*LOADED, *asked)
+    words = " ".join(out.split())
+    assert "force, mN stiffness," in words
+    assert "first-yield mean_pressure" in words
+    assert max(map(len, out.splitlines())) <= 80
+
+
+def test_a_response_of_a_plug_in_has_its_option(run, monkeypatch):
+    @attrs.frozen
+    class OpenVolume(rc.Response):
+        """Volume between the surfaces."""
+
+        above: float = attrs.field(default=0.0, metadata={"unit": "m"})
+
+        def respond(self, solution):
+            volume = float(solution.gap[solution.gap > self.above].sum()) * solution.grid.cell_area
+            return rc.Estimate(volume, 0.01 * volume, "m3")
+
+    monkeypatch.setitem(rc.responses._classes, "open-volume", OpenVolume)
+    _, out, _ = run(*LOADED, "--force", "20mN", "--open-volume", "above=10nm", "--json")
+    found = json.loads(out)["responses"]["open-volume"]
+    assert same(found, OpenVolume(10e-9).respond(solve(force=20e-3)))
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        (["--stability"], "--stability: Without adhesion each state is stable"),
+        (["--conductance"], "expected at least one argument"),
+        (["--conductance", "film_resistance=1"], "--conductance: required field 'conductivity' is missing"),
+        (["--first-yield", "1"], "--first-yield yield_stress: '1' has no unit (Pa, MPa or GPa?)"),
+        (["--leakage", "viscosity=1mPas", "pressure_drop=1bar"], "is not a quantity in units of Pa s"),
+        (["--leakage", "viscosity=1mPa.s", "pressure_drop=-1bar"], "The pressure drop must be"),
+        (["--stress", "depth=1um"], "--stress: unknown field 'depth' (did you mean 'depths'?)"),
+        (["--stiffness", "3"], "A field of --stiffness must be FIELD=VALUE, but got '3'."),
+        (["--stiffness", "--friction", "0.3", "--tangential", "1mN"], "--stiffness is for loads without --friction"),
+    ],
+)
+def test_what_is_wrong_is_a_sentence(run, asked, words):
+    status, out, err = run(*LOADED, "--force", "20mN", *asked)
+    assert status == 2
+    assert words in " ".join(err.split())
+    assert out == ""
+
+
+def test_a_cycle_has_no_responses(run):
+    law = ["--adhesion", "exponential", "work=50mJ/m2", "range=2um", "--cycle", "0um", "0.1um"]
+    status, _, err = run(*LOADED, *law, "--stiffness")
+    assert status == 2
+    assert "--stiffness is for loads without --cycle" in err
+
+
+def test_the_numbers_of_the_area_have_the_estimator_that_is_named(run):
+    _, out, _ = run(*LOADED, "--force", "20mN", "--patches", "estimator=cell-count", "--json")
+    assert (
+        json.loads(out)["responses"]["patches"]["value"]
+        == solve(force=20e-3).response(rc.responses.create("patches", estimator="cell-count")).value
+    )
