@@ -3,7 +3,7 @@
 ===========  ==========================================================================================================
 for          types
 ===========  ==========================================================================================================
-kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`
+kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
              `WaveMatrix`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
@@ -37,7 +37,13 @@ from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import BoundInteraction
-from roughcontact._parts.kernels import BoundKernel, SupportsCoefficients, SupportsShear, SupportsSpectrum
+from roughcontact._parts.kernels import (
+    BoundKernel,
+    SupportsCoefficients,
+    SupportsShear,
+    SupportsSpectrum,
+    SupportsStress,
+)
 from roughcontact._parts.materials import TYPICAL, PairConstants, pair_constants
 from roughcontact._parts.surfaces import MatchedPair, Separated
 from roughcontact._solve.convolvers import (
@@ -173,6 +179,7 @@ __all__ = [
     "SupportsCoefficients",
     "SupportsShear",
     "SupportsSpectrum",
+    "SupportsStress",
     "Sweep",
     "Table",
     "TangentialLoad",

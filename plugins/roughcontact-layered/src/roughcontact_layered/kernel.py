@@ -6,10 +6,13 @@ import attrs
 import numpy as np
 import roughcontact as rc
 
+from roughcontact_layered.below import find_excess
 from roughcontact_layered.bodies import compliance_of_other
 from roughcontact_layered.cells import cell_integrals, cell_waves
+from roughcontact_layered.harmonics import FindWaves, integrate_stress
 from roughcontact_layered.radial import tabulate
 from roughcontact_layered.stack import Array, Layer, respond
+from roughcontact_layered.waves_below import sum_waves
 
 
 def _layers(value: object) -> tuple[Layer, ...]:
@@ -107,6 +110,63 @@ class LayeredKernel(rc.InfluenceKernel):
         is_aliased = abs((self.rest(nearest) * nearest).item()) > np.finfo(np.float64).eps * self._top(compliance)
         love = rc.Love().spectrum(qx, qy, spacing, self._top(compliance))
         return np.asarray(love + cell_waves(self, qx, qy, spacing, is_aliased))
+
+    @property
+    def interfaces(self) -> Array:
+        """Depths of the interfaces, shape (n,), m, ascending."""
+        return np.cumsum([layer.thickness for layer in self.layers])
+
+    def describes(self, material: rc.Material) -> bool:
+        """Return whether the layers lie on a body of this material."""
+        return isinstance(material, rc.Elastic) and material == self.substrate
+
+    def poisson_at(self, depth: float) -> float:
+        """Return Poisson's ratio at a depth, m; at an interface the one above."""
+        number = self._number_at(depth)
+        return self.layers[number].poisson if number < len(self.layers) else self.substrate.poisson
+
+    def stress_coefficients(
+        self, load: str, shape: tuple[int, int], spacing: tuple[float, float], depth: float
+    ) -> Array:
+        """Return the stress at offsets from a cell with unit load, less that of a half-space.
+
+        Parameters
+        ----------
+        load
+            ``"z"``, a pressure, or ``"x"`` or ``"y"``, a traction along this axis.
+        shape, spacing
+            Offsets (nx, ny), and sides of a cell (dx, dy), m.
+        depth
+            Depth, m.
+
+        Returns
+        -------
+        Array
+            The components xx, yy, zz, yz, xz, xy, shape (6, nx, ny).
+        """
+        return integrate_stress(self._find_waves(depth), load, shape, spacing, self._reach(depth))
+
+    def stress_spectrum(
+        self, load: str, qx: Array, qy: Array, spacing: tuple[float, float], depth: float
+    ) -> Array:
+        """Return the stress at cell centres by waves of loads on cells, less that of a half-space, (6, m, n).
+
+        Raises
+        ------
+        roughcontact.InputError
+            If the layers are much thinner than a cell.
+        """
+        return sum_waves(self._find_waves(depth), load, qx, qy, spacing, self._reach(depth))
+
+    def _find_waves(self, depth: float) -> FindWaves:
+        number = self._number_at(depth)
+        return lambda load, q: find_excess(self.layers, self.substrate, load, q, depth, number)
+
+    def _reach(self, depth: float) -> float:
+        return max(depth, 2.0 * self.layers[0].thickness - depth)
+
+    def _number_at(self, depth: float) -> int:
+        return int(np.searchsorted(self.interfaces, depth))
 
     @property
     def depth(self) -> float:

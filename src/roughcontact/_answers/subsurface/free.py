@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -158,12 +159,15 @@ class FreePlanes(StressPlanes):
         The largest steps along x and y for which `at` is called.
     traction
         Traction on the cells along x and y, float32, shape (2, nx, ny); None without.
+    find_table
+        The stress by a unit load on one cell, as `cell_stress` gives it.
     """
 
     pressure: RealArray
     sides: Pair
     common: tuple[int, int]
     traction: RealArray | None = None
+    find_table: Callable[..., RealArray] = cell_stress
 
     @cached_property
     def padded(self) -> tuple[int, int]:
@@ -192,7 +196,8 @@ class FreePlanes(StressPlanes):
         stress = np.zeros((len(COMPONENTS), *shape), dtype=np.float32)
         for load, fine in self.waves.items():
             waves = coarsen(coarsen(fine, self.padded[1], steps[1], 1), self.padded[0], steps[0], 0)
-            tables = cell_stress(z, poisson, (mx // 2 + 1, my // 2 + 1), sides, precision, load).astype(np.float32)
+            tables = self.find_table(z, poisson, (mx // 2 + 1, my // 2 + 1), sides, precision, load)
+            tables = tables.astype(np.float32)
             for place, (component, table) in enumerate(zip(COMPONENTS, tables, strict=True)):
                 odd = is_odd("x", component, load), is_odd("y", component, load)
                 stress[place] += _multiply(waves, _transform(table, *odd), *odd, shape, my)

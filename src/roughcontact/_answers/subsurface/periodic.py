@@ -58,11 +58,14 @@ class PeriodicPlanes(StressPlanes):
         Sides of a cell.
     traction
         Traction on the cells along x and y, float32, shape (2, nx, ny); None without.
+    find_symbols
+        The factors of all waves, as the function of this name gives them.
     """
 
     pressure: RealArray
     sides: Pair
     traction: RealArray | None = None
+    find_symbols: Callable[..., list[RealArray]] = attrs.field(factory=lambda: find_symbols)
 
     @cached_property
     def waves(self) -> dict[str, Waves]:
@@ -78,7 +81,7 @@ class PeriodicPlanes(StressPlanes):
         stress = np.zeros((len(COMPONENTS), *shape), dtype=np.float32)
         for load, fine in self.waves.items():
             waves = coarsen(coarsen(fine, ny, steps[1], 1), nx, steps[0], 0)
-            add_stress(stress, waves, find_symbols(phases, sides, z, poisson, load), load, shape)
+            add_stress(stress, waves, self.find_symbols(phases, sides, z, poisson, load), load, shape)
         return stress
 
 

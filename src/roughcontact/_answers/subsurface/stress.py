@@ -22,6 +22,7 @@ from roughcontact._answers.subsurface.field import (
     von_mises,
 )
 from roughcontact._answers.subsurface.free import FreePlanes
+from roughcontact._answers.subsurface.layered import BelowLayers, find_maximum_of_layers, with_interfaces
 from roughcontact._answers.subsurface.maximum import (
     MIN_RELATIVE_ERROR,
     EdgeStress,
@@ -41,7 +42,8 @@ from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
 from roughcontact._base.units import ContactWarning, outlined, si
 from roughcontact._parts.grid import Boundary, Grid, list_borders
-from roughcontact._solve.problem import problem_of
+from roughcontact._parts.kernels import SupportsStress
+from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
 
@@ -78,7 +80,7 @@ class Stress:
     depths
         Depths below the surface, shape (depths,), m.
     poisson
-        Poisson's ratio of the body.
+        Poisson's ratio of the body, under its layers if it has some.
     traction
         Tangential traction on this body along x and y, shape (2, nx, ny), Pa; None without.
     """
@@ -88,6 +90,7 @@ class Stress:
     poisson: float
     traction: Array | None = attrs.field(default=None, converter=attrs.converters.optional(frozen_array), repr=outlined)
     _threads: int = attrs.field(default=1, repr=False)
+    _layers: SupportsStress | None = attrs.field(default=None, repr=False)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -215,7 +218,12 @@ class Stress:
 
     def _find_maximum(self, place: int, measure: Callable[[RealArray], RealArray]) -> StressMaximum:
         peaks = [peak[place] for peak in self._peaks]
-        found = find_maximum(np.unique(self.depths), peaks, self._scale, max(self._grid.spacing))
+        depths = np.unique(self.depths)
+        cell = max(self._grid.spacing)
+        if self._layers is None:
+            found = find_maximum(depths, peaks, self._scale, cell)
+        else:
+            found = find_maximum_of_layers(depths, self._layers.interfaces, peaks, self._scale, cell)
         if self.traction is not None and (self.depths == 0.0).any():
             found = self._compare_with_edge(found, measure)
         if self._reaches_border or found.warnings:
@@ -282,8 +290,10 @@ class Stress:
     def _planes(self) -> StressPlanes:
         pressure = (self.solution.pressure / self._scale).astype(np.float32)
         traction = None if self.traction is None else (self.traction / self._scale).astype(np.float32)
+        below = None if self._layers is None else BelowLayers(self._layers, self._grid.spacing[0])
         if self.solution.boundary is Boundary.PERIODIC:
-            return PeriodicPlanes(pressure, self._sides, traction)
+            symbols = {} if below is None else {"find_symbols": below.find_symbols}
+            return PeriodicPlanes(pressure, self._sides, traction, **symbols)
         steps = [find_steps(self._grid.shape, self._sides, float(z)) for z in self.depths / self._grid.spacing[0]]
         if self.solution.boundary is Boundary.FREE_PERIODIC:
             return MixedPlanes(pressure, self._sides, common_step(steps)[0], traction)
@@ -291,14 +301,16 @@ class Stress:
             exchanged = None if traction is None else np.ascontiguousarray(traction[::-1].transpose(0, 2, 1))
             planes = MixedPlanes(pressure.T, self._sides[::-1], common_step(steps)[1], exchanged)
             return ExchangedPlanes(planes)
-        return FreePlanes(pressure, self._sides, common_step(steps), traction)
+        tables = {} if below is None else {"find_table": below.find_table}
+        return FreePlanes(pressure, self._sides, common_step(steps), traction, **tables)
 
     def _field(self, depth: float, steps: tuple[int, int]) -> StressField:
         grid = self._grid
         if steps != (1, 1):
             grid = Grid((grid.shape[0] // steps[0], grid.shape[1] // steps[1]), grid.size)
         with use_threads(self._threads):
-            values = self._planes.at(depth / self._grid.spacing[0], self.poisson, steps)
+            poisson = self.poisson if self._layers is None else self._layers.poisson_at(depth)
+            values = self._planes.at(depth / self._grid.spacing[0], poisson, steps)
         return StressField(depth, grid, values, self._scale)
 
     def _stack(self, axes: tuple[int, ...], measure: Callable[[RealArray], RealArray]) -> Array:
@@ -408,11 +420,6 @@ class StressBelow(Response[Stress]):
 
     def respond(self, solution: ContactSolution) -> Stress:
         """Return the stress; see `Response.respond`."""
-        if solution.moduli is not None:
-            raise InputError(
-                "The stress below the surface is known for homogeneous half-spaces only, but this kernel is of a "
-                "layer: choose kernel='love'."
-            )
         scale = float(solution.pressure.max())
         if not (math.isfinite(scale) and scale > 0.0):
             raise InputError(
@@ -420,6 +427,7 @@ class StressBelow(Response[Stress]):
             )
         problem = problem_of(solution)
         material = getattr(problem, self.body).material
+        layers = self._find_layers(solution, problem)
         poisson = getattr(material, "poisson", None)
         if poisson is None or material.compliance == 0.0:
             what = f"The material of the {self.body}, {type(material).__name__}, has"
@@ -432,11 +440,33 @@ class StressBelow(Response[Stress]):
         if depths is None:
             depths = default_depths(solution)
             depths = depths if traction is None else np.concatenate(([0.0], depths))
+            depths = depths if layers is None else with_interfaces(depths, layers.interfaces)
         deepest = _MAX_DEPTH_SIDES * max(solution.grid.size)
         if float(depths.max()) > deepest:
             allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
             raise InputError.about("A depth", float(depths.max()), allowed, "Depths are in metres.")
-        return Stress(solution, depths, float(poisson), traction, threads=problem.plan.thread_choice[0])
+        return Stress(solution, depths, float(poisson), traction, problem.plan.thread_choice[0], layers)
+
+    def _find_layers(self, solution: ContactSolution, problem: ContactProblem) -> SupportsStress | None:
+        """Return the kernel if its layers lie on the chosen body, None if this body is a homogeneous half-space."""
+        kernel = problem.plan.kernel
+        if not isinstance(kernel, SupportsStress):
+            if solution.moduli is None:
+                return None
+            raise InputError(
+                "The stress below the surface is known for homogeneous half-spaces and for kernels that state it, but "
+                "this kernel is of a layer: choose kernel='love'."
+            )
+        bodies = {"body": problem.body, "counterbody": problem.counterbody}
+        coated = next((name for name, one in bodies.items() if kernel.describes(one.material)), None)
+        if coated != self.body:
+            return None
+        if problem.boundary.mixed:
+            raise InputError(
+                "The stress below layers is known on a free and on a periodic boundary, but not on one that is free "
+                "along one axis alone."
+            )
+        return kernel
 
     def _find_traction(self, solution: ContactSolution) -> Array | None:
         """Return the traction on the chosen body, shape (2, nx, ny), Pa."""

@@ -1,0 +1,123 @@
+"""Stress below layers by waves of loads that are constant on each cell: rotated, and summed over aliases."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import roughcontact as rc
+from scipy.interpolate import CubicSpline
+
+from roughcontact_layered.harmonics import FindWaves
+from roughcontact_layered.stack import Array
+
+# Wave number times reach from which waves have decayed: exp(-18) = 2e-8.
+_DECAYED = 18.0
+# Nodes per octave of the wave number, between which splines have errors below 1e-7 of the load.
+_NODES = 48
+# Highest order of the aliases: those of a reach of a quarter of a cell.
+_MAX_ORDER = 12
+
+
+def sum_waves(find: FindWaves, load: str, qx: Array, qy: Array, spacing: tuple[float, float], reach: float) -> Array:
+    """Return the stress at the centres of cells by waves of loads on cells, shape (6, m, n).
+
+    Parameters
+    ----------
+    find
+        The stress by waves along x.
+    load
+        ``"z"``, a pressure, or ``"x"`` or ``"y"``, a traction along this axis.
+    qx, qy
+        Wave numbers, shapes (m, 1) and (1, n), rad/m.
+    spacing
+        Sides of a cell (dx, dy), m.
+    reach
+        Distance over which the waves decay, m.
+
+    Raises
+    ------
+    roughcontact.InputError
+        If the layers are much thinner than a cell.
+    """
+    if load == "y":
+        exchanged = sum_waves(find, "x", qy.T, qx.T, spacing[::-1], reach)
+        return np.ascontiguousarray(exchanged[[1, 0, 2, 4, 3, 5]].transpose(0, 2, 1))
+    orders = [_count_orders(side, reach) for side in spacing]
+    table = _Table(find, load, _smallest(qx, qy), _DECAYED / reach)
+    total = np.zeros((6, qx.shape[0], qy.shape[1]))
+    for m in range(-orders[0], orders[0] + 1):
+        for n in range(-orders[1], orders[1] + 1):
+            x = qx + 2.0 * np.pi * m / spacing[0]
+            y = qy + 2.0 * np.pi * n / spacing[1]
+            cell = np.sinc(x * spacing[0] / (2.0 * np.pi)) * np.sinc(y * spacing[1] / (2.0 * np.pi))
+            total += cell * table(x, y)
+    return total
+
+
+def _count_orders(side: float, reach: float) -> int:
+    order = math.ceil(max(_DECAYED * side / reach - np.pi, 0.0) / (2.0 * np.pi))
+    if order > _MAX_ORDER:
+        raise rc.InputError(
+            f"The stress changes over {reach:.3g} m below the surface, which cells of {side:.3g} m do not resolve: take a "
+            "finer grid, or thicker layers."
+        )
+    return order
+
+
+def _smallest(qx: Array, qy: Array) -> float:
+    steps = [np.abs(q[q != 0.0]).min() for q in (qx, qy) if np.any(q != 0.0)]
+    return float(min(steps))
+
+
+class _Table:
+    """The stress by waves of all directions, from that by waves along x, tabulated over the wave number."""
+
+    def __init__(self, find: FindWaves, load: str, first: float, last: float) -> None:
+        self.load = load
+        self.last = max(last, 2.0 * first)
+        count = math.ceil(_NODES * math.log2(self.last / first)) + 8
+        q = np.geomspace(0.99 * first, 1.01 * self.last, count)
+        loads = ("z",) if load == "z" else ("x", "y")
+        self.splines = {one: CubicSpline(np.log(q), find(one, q), axis=1) for one in loads}
+
+    def __call__(self, qx: Array, qy: Array) -> Array:
+        """Return the components, shape (6, m, n); zero at the mean and where waves have decayed."""
+        q = np.hypot(qx, qy)
+        kept = np.nonzero((q > 0.0) & (q <= self.last))
+        result = np.zeros((6, *q.shape))
+        at = q[kept]
+        c, s = (np.broadcast_to(one, q.shape)[kept] / at for one in (qx, qy))
+        found = {one: spline(np.log(at)) for one, spline in self.splines.items()}
+        result[:, *kept] = _rotate_pressure(found["z"], c, s) if self.load == "z" else _rotate_shear(found, c, s)
+        return result
+
+
+def _rotate_pressure(found: Array, c: Array, s: Array) -> Array:
+    along, across, normal, _, shear, _ = found
+    return np.array(
+        [
+            c * c * along + s * s * across,
+            s * s * along + c * c * across,
+            normal,
+            s * shear,
+            c * shear,
+            c * s * (along - across),
+        ]
+    )
+
+
+def _rotate_shear(found: dict[str, Array], c: Array, s: Array) -> Array:
+    """Rotate waves of a traction along x, whose part along the wave is c and across it -s."""
+    along, across, normal, _, shear, _ = found["x"]
+    _, _, _, shear_across, _, lateral = found["y"]
+    return np.array(
+        [
+            c * (c * c * along + s * s * across + 2.0 * s * s * lateral),
+            c * (s * s * along + c * c * across - 2.0 * s * s * lateral),
+            c * normal,
+            c * s * (shear - shear_across),
+            c * c * shear + s * s * shear_across,
+            s * (c * c * (along - across) - (c * c - s * s) * lateral),
+        ]
+    )
