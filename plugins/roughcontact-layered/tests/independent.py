@@ -64,7 +64,13 @@ def one_layer(layer, substrate, q):
 
 
 def sphere_by_rings(response, modulus, radius, contact):
-    """Return force and approach of a rigid paraboloid whose contact has a radius, by a Galerkin series.
+    """Return force and approach of a rigid paraboloid whose contact has a radius; see `series_by_rings`."""
+    coefficients, approach = series_by_rings(response, modulus, radius, contact)
+    return 2 * np.pi * contact**2 * sum(c / (2 * k + 1) for k, c in enumerate(coefficients, 1)), approach
+
+
+def series_by_rings(response, modulus, radius, contact):
+    """Return the pressure of a rigid paraboloid whose contact has a radius, by a Galerkin series, and the approach.
 
     The pressure is the sum of c_k (1 - (r/a)^2)^(k - 1/2): Hankel's transforms of these are known (Sneddon), and
     the displacement is that of the paraboloid at Gauss points in r. A term singular at the edge is absent.
@@ -91,9 +97,74 @@ def sphere_by_rings(response, modulus, radius, contact):
     system[:, terms] *= -system[:, 0].max()
     unit = system[:, 0].max()
     found = np.linalg.lstsq(system / unit, -(r**2) * contact**2 / (2 * radius * unit), rcond=None)[0]
-    found[-1] *= -unit
-    force = 2 * np.pi * contact**2 * sum(c / (2 * k + 1) for k, c in enumerate(found[:-1], 1))
-    return force, found[-1]
+    return found[:-1], -unit * found[-1]
+
+
+def stress_of_waves(layers, substrate, q, depth, number):
+    """Return the stress along, across, normal and shear by waves of unit pressure, in a layer, from Airy's function.
+
+    All constants come from one linear system for each wave: four for each layer, two for the half-space below.
+    """
+    bodies = [*layers, substrate]
+    count = len(layers)
+
+    def columns(i, z):
+        """Return displacements, tractions and the stress along of the functions of a body, at a depth below its top."""
+        body = bodies[i]
+        shear = body.young / (2 * (1 + body.poisson))
+        found = []
+        for sign in (-1,) if i == count else (-1, 1):
+            place = q * z if sign < 0 else q * (z - layers[i].thickness)
+            e = np.exp(sign * place)
+            for phi in (
+                (e, sign * e, e, sign * e),
+                (place * e, (1 + sign * place) * e, (2 * sign + place) * e, (3 + sign * place) * e),
+            ):
+                along = ((1 - body.poisson) * phi[2] + body.poisson * phi[0]) / (2 * shear)
+                slope = ((1 - body.poisson) * phi[3] + body.poisson * phi[1]) / (2 * shear)
+                found.append((along, slope - phi[1] / shear, phi[1], -phi[0], phi[2]))
+        return np.array(found)
+
+    scale = bodies[0].young
+    weights = np.array([scale, scale, 1.0, 1.0])[:, None, None]
+    matrix = np.zeros((4 * count + 2, 4 * count + 2, q.size))
+    matrix[:2, : columns(0, 0.0).shape[0]] = columns(0, 0.0)[:, 2:4].transpose(1, 0, 2)
+    for i in range(count):
+        above, below = columns(i, layers[i].thickness), columns(i + 1, 0.0)
+        rows = slice(2 + 4 * i, 6 + 4 * i)
+        matrix[rows, 4 * i : 4 * i + 4] = weights * above[:, :4].transpose(1, 0, 2)
+        matrix[rows, 4 * i + 4 : 4 * i + 4 + below.shape[0]] = -weights * below[:, :4].transpose(1, 0, 2)
+    right = np.zeros((q.size, 4 * count + 2, 1))
+    right[:, 1] = -1.0
+    constants = np.linalg.solve(matrix.transpose(2, 0, 1), right)[..., 0].T
+    top = sum(layer.thickness for layer in layers[:number])
+    own = columns(number, depth - top)
+    part = constants[4 * number : 4 * number + own.shape[0]]
+    _, _, shear, normal, along = np.einsum("kn,kcn->cn", part, own)
+    return along, bodies[number].poisson * (along + normal), normal, shear
+
+
+def von_mises_below_sphere(kernel, series, contact, depth, number, r):
+    """Return the von Mises stress by an axisymmetric pressure at radii, from Hankel's integrals over the waves."""
+    edges = np.linspace(0, 120, 241)
+    at, w = np.polynomial.legendre.leggauss(10)
+    half = 0.5 * np.diff(edges)[:, None]
+    s = (edges[:-1, None] + half * (at + 1)).ravel()
+    w = (half * w).ravel()
+    orders = np.arange(1, series.size + 1) + 0.5
+    pressure = sum(
+        c * 2 ** (v - 1) * special.gamma(v) * special.jv(v, s) / s**v for c, v in zip(series, orders, strict=True)
+    )
+    along, across, normal, shear = stress_of_waves(kernel.layers, kernel.substrate, s / contact, depth, number)
+    place = np.outer(r / contact, s)
+    weight = w * s * pressure
+    j0, j1, j2 = (special.jv(n, place) for n in range(3))
+    mean = j0 @ (weight * (along + across))
+    difference = -j2 @ (weight * (along - across))
+    radial, hoop = 0.5 * (mean + difference), 0.5 * (mean - difference)
+    axial = j0 @ (weight * normal)
+    shear = j1 @ (weight * shear)
+    return np.sqrt(0.5 * ((radial - hoop) ** 2 + (hoop - axial) ** 2 + (axial - radial) ** 2) + 3 * shear**2)
 
 
 def half_space(k, r):
