@@ -63,7 +63,8 @@ def _find_along(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q: 
     so that no exponential grows.
     """
     scale = layers[0].young
-    media = [_Medium(body.young / scale, body.poisson) for body in (*layers, substrate)]
+    bodies: tuple[Body, ...] = (*layers, substrate)
+    media = [_Medium(body.young / scale, body.poisson) for body in bodies]
     compliances = _list_compliances(layers, media, scale, q)
     surface = np.zeros((2, q.size))
     surface[1 if load == "z" else 0] = -1.0
@@ -181,7 +182,7 @@ def _find_across(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q:
 
     .. math:: \sigma_{yz} = c\,(\cosh qs + t \sinh qs), \quad \sigma_{xy} = -c\,(\sinh qs + t \cosh qs).
     """
-    bodies = (*layers, substrate)
+    bodies: tuple[Body, ...] = (*layers, substrate)
     moduli = [body.young / (2.0 * (1.0 + body.poisson)) for body in bodies]
     # Displacement over traction below each layer, times -q and the shear modulus below.
     ratios = [np.ones(q.size)]
@@ -193,8 +194,7 @@ def _find_across(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q:
     top = 0.0
     for n, layer in enumerate(layers[:k]):
         x = q * layer.thickness
-        sums = _add_waves(ratios[n] * (moduli[n] / moduli[n + 1]), x)[0]
-        traction = traction * 2.0 * np.exp(-x) / sums
+        traction = traction * 2.0 * np.exp(-x) / _add_waves(ratios[n] * (moduli[n] / moduli[n + 1]), x)[0]
         top += layer.thickness
     if k == len(layers):
         shear = traction * np.exp(-q * max(depth - top, 0.0))
@@ -205,7 +205,9 @@ def _find_across(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q:
         t = ratios[k] * (moduli[k] / moduli[k + 1])
         whole = _add_waves(t, q * thickness)[0]
         sums = _add_waves(t, q * (thickness - inside))
-        shear, across = (sign * traction * np.exp(-q * inside) * one / whole for sign, one in zip((1.0, -1.0), sums, strict=True))
+        shear, across = (
+            sign * traction * np.exp(-q * inside) * one / whole for sign, one in zip((1.0, -1.0), sums, strict=True)
+        )
     alone = np.exp(-q * depth)
     none = np.zeros(q.size)
     return np.array([none, none, none, shear + alone, none, across - alone])

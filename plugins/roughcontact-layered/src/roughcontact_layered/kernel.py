@@ -146,9 +146,7 @@ class LayeredKernel(rc.InfluenceKernel):
         """
         return integrate_stress(self._find_waves(depth), load, shape, spacing, self._reach(depth))
 
-    def stress_spectrum(
-        self, load: str, qx: Array, qy: Array, spacing: tuple[float, float], depth: float
-    ) -> Array:
+    def stress_spectrum(self, load: str, qx: Array, qy: Array, spacing: tuple[float, float], depth: float) -> Array:
         """Return the stress at cell centres by waves of loads on cells, less that of a half-space, (6, m, n).
 
         Raises
@@ -166,7 +164,8 @@ class LayeredKernel(rc.InfluenceKernel):
         return max(depth, 2.0 * self.layers[0].thickness - depth)
 
     def _number_at(self, depth: float) -> int:
-        return int(np.searchsorted(self.interfaces, depth))
+        # A depth at an interface lies above it, also after rounding.
+        return int(np.searchsorted(self.interfaces, (1.0 - 1e-12) * depth))
 
     @property
     def depth(self) -> float:

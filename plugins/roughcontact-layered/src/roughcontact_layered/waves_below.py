@@ -59,8 +59,8 @@ def _count_orders(side: float, reach: float) -> int:
     order = math.ceil(max(_DECAYED * side / reach - np.pi, 0.0) / (2.0 * np.pi))
     if order > _MAX_ORDER:
         raise rc.InputError(
-            f"The stress changes over {reach:.3g} m below the surface, which cells of {side:.3g} m do not resolve: take a "
-            "finer grid, or thicker layers."
+            f"The stress changes over {reach:.3g} m below the surface, which cells of {side:.3g} m do not resolve: "
+            "take a finer grid, or thicker layers."
         )
     return order
 
@@ -89,7 +89,8 @@ class _Table:
         at = q[kept]
         c, s = (np.broadcast_to(one, q.shape)[kept] / at for one in (qx, qy))
         found = {one: spline(np.log(at)) for one, spline in self.splines.items()}
-        result[:, *kept] = _rotate_pressure(found["z"], c, s) if self.load == "z" else _rotate_shear(found, c, s)
+        rotated = _rotate_pressure(found["z"], c, s) if self.load == "z" else _rotate_shear(found, c, s)
+        result[:, kept[0], kept[1]] = rotated
         return result
 
 

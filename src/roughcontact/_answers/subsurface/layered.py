@@ -8,7 +8,6 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._answers.subsurface.field import COMPONENTS
 from roughcontact._answers.subsurface.free import cell_stress
 from roughcontact._answers.subsurface.maximum import PlanePeak, StressMaximum, find_maximum
 from roughcontact._answers.subsurface.periodic import find_symbols
@@ -50,7 +49,7 @@ class BelowLayers:
         qx, qy = (phase / side for phase, side in zip(phases, spacing, strict=True))
         added = self.kernel.stress_spectrum(load, qx[:, np.newaxis], qy[np.newaxis, :], spacing, z * self.unit)
         symbols = find_symbols(phases, sides, z, poisson, load)
-        return [symbol + added[place].astype(np.float32) for place, symbol in zip(range(len(COMPONENTS)), symbols)]
+        return [symbol + one.astype(np.float32) for symbol, one in zip(symbols, added, strict=True)]
 
     def _lengths(self, sides: Pair) -> Pair:
         return sides[0] * self.unit, sides[1] * self.unit
@@ -70,7 +69,7 @@ def find_maximum_of_layers(
     found = []
     for number in np.unique(layer):
         places = np.flatnonzero(layer == number)
-        one = find_maximum(depths[places], [peaks[place] for place in places], scale, cell)
+        one = find_maximum(depths[places], [peaks[int(place)] for place in places], scale, cell)
         # At an interface a layer ends: nothing of it lies beyond the depths.
         if np.isclose(one.depth, interfaces, rtol=1e-6, atol=0.0).any():
             kept = tuple(text for text in one.warnings if getattr(text, "rule", "") != "depths")

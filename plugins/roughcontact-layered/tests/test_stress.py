@@ -1,0 +1,155 @@
+"""Stress below layers: waves, balls and sliding contacts beside independent solutions."""
+
+import attrs
+import numpy as np
+import pytest
+import roughcontact as rc
+
+from independent import series_by_rings, stress_of_waves, von_mises_below_sphere
+from roughcontact_layered import Layer, LayeredKernel
+
+STEEL = rc.Elastic(1e9, 0.3)
+C = STEEL.compliance
+TWO_LAYERS = (Layer(3e9, 0.2, 1.0), Layer(0.5e9, 0.4, 0.7))
+# Depths in both layers, at the interfaces and below, with the number of the layer.
+PLACES = ((0.0, 0), (0.4, 0), (1.0, 0), (1.3, 1), (1.7, 1), (2.5, 2))
+
+
+def ball(kernel, shape=(40, 40), size=(10 / 3, 10 / 3), boundary="free", counterbody=rc.RIGID_FLAT):
+    body = rc.Body(rc.ParaboloidSurface(20.0), STEEL)
+    return rc.ContactProblem(body, counterbody, grid=rc.Grid(shape, size), kernel=kernel, boundary=boundary)
+
+
+@pytest.mark.parametrize(("axis", "shape"), [(0, (64, 6)), (1, (5, 64))])
+def test_a_wave_of_pressure_has_the_stress_of_the_boundary_value_problem(axis, shape):
+    size = (4.0, 3.0)
+    kernel = LayeredKernel(TWO_LAYERS, substrate=STEEL)
+    length = size[axis]
+    amplitudes = [1e-4, 0.0] if axis == 0 else [0.0, 1e-4]
+    body = rc.Body(rc.WavySurface(tuple(amplitudes), (length if axis == 0 else 1.5, length if axis else 2.0)), STEEL)
+    problem = rc.ContactProblem(body, grid=rc.Grid(shape, size), kernel=kernel, boundary="periodic")
+    solution = problem.solve(pressure=1e6)
+    assert solution.contact.all()
+    depths = np.array([depth for depth, _ in PLACES])
+    found = solution.stress(depths).components
+    q = np.array([2 * np.pi / length])
+    wave = np.exp(-2j * np.pi * np.arange(64) / 64)
+    pressure = 2 * np.mean(np.moveaxis(solution.pressure, axis, 0)[:, 0] * wave)
+    order = (0, 1, 2, 4) if axis == 0 else (1, 0, 2, 3)
+    for place, (depth, number) in enumerate(PLACES):
+        exact = [one.item() for one in stress_of_waves(kernel.layers, STEEL, q, depth, number)]
+        for component, value in zip(order, exact, strict=True):
+            amplitude = 2 * np.mean(np.moveaxis(found[place, component], axis, 0)[:, 0] * wave) / pressure
+            # The shear is a quarter of a wave aside.
+            part = amplitude.imag if component == order[3] else amplitude.real
+            assert abs(part) == pytest.approx(abs(value), abs=2e-3)
+            assert part == pytest.approx(value, abs=2e-3) or component == order[3]
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("friction", [None, 0.3])
+def test_layers_of_the_same_material_change_nothing(boundary, friction):
+    size = (5.0, 15.0)
+    same = LayeredKernel((Layer(1e9, 0.3, 0.4), Layer(1e9, 0.3, 0.9)), substrate=STEEL)
+    fields = []
+    for kernel in (same, "love"):
+        solution = ball(kernel, (31, 34), size, boundary).solve(force=3e7)
+        fields.append(solution.stress([0.0, 0.2, 0.4, 1.0, 3.0], friction=friction).components)
+    assert np.abs(fields[0] - fields[1]).max() < 1e-5 * solution.pressure.max()
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize(("shape", "size"), [((48, 16), (4.0, 4.0)), ((15, 45), (4.0, 4.2))])
+def test_tractions_are_continuous_and_those_of_the_load(boundary, shape, size):
+    kernel = LayeredKernel(TWO_LAYERS, substrate=STEEL)
+    solution = ball(kernel, shape, size, boundary).solve(force=5e7)
+    top = solution.pressure.max()
+    sides = [(1.0 + sign * 1e-9) * depth for depth in (1.0, 1.7) for sign in (-1.0, 1.0)]
+    found = solution.stress([0.0, *sides], friction=0.3, direction=90.0).components / top
+    if boundary == "free":
+        assert found[0, 2] == pytest.approx(-solution.pressure / top, abs=1e-6)
+        assert found[0, 3] == pytest.approx(-0.3 * solution.pressure / top, abs=1e-6)
+    for above, below in ((1, 2), (3, 4)):
+        assert np.abs(found[above, 2:5] - found[below, 2:5]).max() < 1e-6
+        assert np.abs(found[above, 0] - found[below, 0]).max() > 0.02
+
+
+def test_the_axes_can_be_exchanged():
+    kernel = LayeredKernel(TWO_LAYERS, substrate=STEEL)
+    fields = []
+    for order in (1, -1):
+        solution = ball(kernel, (24, 12)[::order], (4.0, 5.0)[::order]).solve(force=5e7)
+        stress = solution.stress([0.0, 0.5, 1.5], friction=0.3, direction=0.0 if order == 1 else 90.0)
+        fields.append(stress.components / solution.pressure.max())
+    exchanged = fields[1][:, [1, 0, 2, 4, 3, 5]].transpose(0, 1, 3, 2)
+    assert np.abs(fields[0] - exchanged).max() < 1e-4
+
+
+def test_images_far_away_do_not_matter():
+    """Hankel's transform over a free domain and waves with their aliases agree as the images go."""
+    kernel = LayeredKernel((Layer(3e9, 0.2, 0.5),), substrate=STEEL)
+    depths = [0.0, 0.3, 0.5, 0.8]
+    free = ball(kernel, (32, 24), (4.0, 3.0)).solve(force=3e7)
+    own = free.stress(depths, friction=0.2).components
+    errors = []
+    for times in (2, 4):
+        grid = (32 * times, 24 * times), (4.0 * times, 3.0 * times)
+        periodic = ball(kernel, *grid, boundary="periodic").solve(force=3e7)
+        found = periodic.stress(depths, friction=0.2).components
+        corner = [(n - m) // 2 for n, m in zip(grid[0], (32, 24), strict=True)]
+        inside = found[:, :, corner[0] : corner[0] + 32, corner[1] : corner[1] + 24]
+        errors.append(np.abs(inside - own).max() / free.pressure.max())
+    assert errors[1] < 0.4 * errors[0] < 0.02
+
+
+@pytest.mark.parametrize("ratio", [3.0, 1.0 / 3.0])
+@pytest.mark.parametrize("thickness", [0.2, 0.5, 1.0])
+def test_the_maximum_in_coating_and_substrate_is_the_integral_of_hankel(ratio, thickness):
+    kernel = LayeredKernel(Layer(ratio * STEEL.young, 0.3, thickness), substrate=STEEL)
+    series, _ = series_by_rings(lambda q: kernel.response(q, C), 1 / kernel.layers[0].compliance, 20.0, 1.0)
+    force = 2 * np.pi * sum(c / (2 * k + 1) for k, c in enumerate(series, 1))
+    r = np.linspace(0.0, 1.3, 53)
+    inside = np.linspace(0.1, 1.0 - 1e-9, 10) * thickness
+    below = thickness + np.linspace(1e-9, 1.0, 9)
+    exact = [
+        max(von_mises_below_sphere(kernel, series, 1.0, depth, number, r).max() for depth in depths)
+        for number, depths in enumerate((inside, below))
+    ]
+    solution = ball(kernel, (40, 37), (10 / 3, 37 / 12)).solve(force=force)
+    profile = solution.stress(np.concatenate((inside, below))).profile
+    assert profile[:10].max() == pytest.approx(exact[0], rel=2e-3)
+    assert profile[10:].max() == pytest.approx(exact[1], rel=2e-3)
+
+
+def test_first_yield_is_that_of_the_maximum_at_an_interface():
+    kernel = LayeredKernel(Layer(3e9, 0.3, 0.5), substrate=STEEL)
+    problem = ball(kernel, (24, 24))
+    point = problem.solve(force=3e7).first_yield(yield_stress=45e6)
+    assert point.maximum.depth == pytest.approx(0.5, rel=1e-6)
+    assert not any("largest of the depths" in text for text in point.warnings)
+    again = problem.solve(force=point.force.value).stress().maximum
+    assert again.value == pytest.approx(45e6, rel=5e-3)
+
+
+def test_the_other_body_is_a_half_space():
+    steel = rc.Body(rc.FlatSurface(), rc.Elastic(2e9, 0.25))
+    kernel = LayeredKernel(Layer(3e9, 0.2, 0.5), substrate=STEEL)
+    problem = ball(kernel, (24, 24), counterbody=steel)
+    solution = problem.solve(force=3e7)
+    found = solution.stress([0.3], body="counterbody").components
+    uncoated = attrs.evolve(problem, kernel="love").solve(force=3e7, start=solution.pressure)
+    # The stress of the same pressure below a homogeneous body.
+    expected = uncoated.stress([0.3], body="counterbody").components
+    ratio = np.abs(uncoated.pressure - solution.pressure).max() / solution.pressure.max()
+    assert np.abs(found - expected).max() < 2.0 * ratio * solution.pressure.max()
+    assert np.abs(solution.stress([0.3]).components - found).max() > 0.1 * solution.pressure.max()
+
+
+def test_what_is_not_known_is_refused_in_words():
+    kernel = LayeredKernel(Layer(3e9, 0.2, 0.01), substrate=STEEL)
+    thin = ball(kernel, (16, 16), boundary="periodic").solve(force=3e7)
+    with pytest.raises(rc.InputError, match="do not resolve: take a finer grid, or thicker layers"):
+        thin.stress([0.005]).components  # noqa: B018
+    mixed = ball(kernel, (16, 16), boundary=("free", "periodic")).solve(force=3e7)
+    with pytest.raises(rc.InputError, match="not on one that is free along one axis alone"):
+        mixed.stress()
