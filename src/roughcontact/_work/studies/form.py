@@ -76,6 +76,8 @@ class Form:
             members = [one for one in get_args(kind) if one is not NoneType]
             if value is None or (value == "auto" and str in members):
                 return value
+            if isinstance(value, (int, float)) and float in members:
+                return value
             kind = next(filter(_has_form, members), members[0])
         if not _has_form(kind):
             return self._read_plain(kind, value)
