@@ -18,7 +18,7 @@ from scipy import optimize
 
 import roughcontact as rc
 from roughcontact.plotting import LIGHT, style
-from roughcontact.reference import hertz_sphere
+from roughcontact.reference import SlidingSphere, hertz_sphere
 
 FIGURES = Path(__file__).parent.parent / "figures"
 STEEL = rc.Elastic(young=200e9, poisson=0.3)
@@ -67,6 +67,52 @@ def list_balls() -> list[list[str]]:
                 f"{np.median(stated):.2g}",
                 f"{within:.2f}",
                 f"{depth.mean() - 100.0:.1f}, {depth.std():.1f}",
+            ]
+        )
+    return rows
+
+
+def find_largest_sliding(friction: float) -> float:
+    """Return the maximum von Mises stress below Hamilton's ball over p0, in the plane of sliding."""
+    sphere = SlidingSphere(1.0, 1.0, friction, STEEL.poisson)
+
+    def measure(x: float, z: float) -> float:
+        xx, yy, zz, yz, xz, xy = sphere.stress(x, 0.0, z)
+        normal = 0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2)
+        return float(np.sqrt(normal + 3.0 * (yz**2 + xz**2 + xy**2)))
+
+    found = optimize.minimize(lambda place: -measure(place[0], abs(place[1])), (friction, 0.45), method="Nelder-Mead")
+    return max(-float(found.fun), measure(-1.0, 0.0))
+
+
+def list_sliding() -> list[list[str]]:
+    """Return the errors below a sliding ball with 16 cells in its radius, in % of p0, and of its first yield."""
+    depths = (0.5, 1, 2, 4, 8)
+    errors = [f"at {cells:g} cells, % of p0" for cells in depths]
+    rows = [["friction", *errors, "first yield: error, %", "stated, %", "depth, radii"]]
+    place = 4e-6 * np.array((0.31, -0.17))
+    ball = rc.ParaboloidSurface(1e-2, center=tuple(place))
+    problem = rc.ContactProblem(rc.Body(ball, STEEL), grid=rc.Grid((48, 45), (192e-6, 180e-6)), threads=1)
+    modulus = 1.0 / STEEL.compliance
+    force = 4.0 * modulus * 64e-6**3 / 3e-2
+    hertz = hertz_sphere(force, 1e-2, modulus)
+    solution = problem.solve(force=force)
+    x, y = solution.grid.x - place[0], solution.grid.y - place[1]
+    for friction in (0.1, 0.25, 0.5):
+        sphere = SlidingSphere(hertz.semi_axes[0], 1.0, friction, STEEL.poisson)
+        planes = solution.stress([cells * solution.grid.spacing[0] for cells in depths], friction=friction)
+        largest = [
+            float(np.abs(plane / hertz.p_max - sphere.stress(x, y, depth)).max())
+            for depth, plane in zip(planes.depths, planes.components, strict=True)
+        ]
+        found = solution.first_yield(find_largest_sliding(friction) * hertz.p_max, friction=friction)
+        rows.append(
+            [
+                f"{friction:g}",
+                *(f"{100.0 * error:.2g}" for error in largest),
+                f"{100.0 * (found.force.value / force - 1.0):.2g}",
+                f"{100.0 * found.force.uncertainty / found.force.value:.2g}",
+                f"{found.maximum.depth / hertz.semi_axes[0]:.2f}",
             ]
         )
     return rows
@@ -154,6 +200,7 @@ def draw(folder: Path = FIGURES) -> None:
 
 TABLES = {
     "stress-balls": DocTable(list_balls, seconds=25, units=2.0, shown=pick(lines=("1.5", "3", "6", "24"))),
+    "stress-sliding": DocTable(list_sliding, seconds=8, units=2.0),
     "stress-rough": DocTable(list_rough, seconds=50, units=2.0, shown=pick(lines=("4", "8", "16"))),
     "stress-cost": DocTable(
         list_costs,
