@@ -289,9 +289,7 @@ def test_a_periodic_contact_far_from_its_images_is_a_free_one():
     assert periodic.stress().maximum.value == pytest.approx(free.stress().maximum.value, rel=mean)
 
 
-@pytest.mark.parametrize(
-    "planes", [lambda p: FreePlanes(p, (1.0, 1.0)), lambda p: PeriodicPlanes(p, (1.0, 1.0))]
-)
+@pytest.mark.parametrize("planes", [lambda p: FreePlanes(p, (1.0, 1.0)), lambda p: PeriodicPlanes(p, (1.0, 1.0))])
 def test_stresses_add_and_follow_the_symmetry(planes):
     one, other = np.random.default_rng(2).random((2, 20, 14)).astype(np.float32)
     first, second = planes(one).at(1.5, NU, (1, 1)), planes(other).at(1.5, NU, (1, 1))

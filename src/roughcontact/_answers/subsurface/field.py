@@ -92,7 +92,8 @@ class LoadedPlanes(StressPlanes):
         return waves
 
     def at(self, z: float, poisson: float, steps: tuple[int, int]) -> RealArray:
-        (nx, ny), (mx, my) = self.pressure.shape, self.padded
+        nx, ny = self.pressure.shape
+        mx, my = self.padded
         shape = mx // steps[0], my // steps[1]
         sides = steps[0] * self.sides[0], steps[1] * self.sides[1]
         stress = np.zeros((len(COMPONENTS), nx // steps[0], ny // steps[1]), dtype=np.float32)
