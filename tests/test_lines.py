@@ -271,8 +271,8 @@ def test_stress_of_waves_along_the_line_is_that_of_all_images():
     loads -= loads.mean(axis=2, keepdims=True)
     images = np.tile(loads, (1, 1, 41))
     sides = (1.0, 1.5)
-    mixed = MixedPlanes(loads[0], sides, 1, loads[1:])
-    free = FreePlanes(images[0], sides, (1, 1), images[1:])
+    mixed = MixedPlanes(loads[0], sides, loads[1:])
+    free = FreePlanes(images[0], sides, images[1:])
     for depth in (0.5, 2.0, 6.0):
         expected = free.at(depth, 0.3, (1, 1))[:, :, 160:168]
         np.testing.assert_allclose(mixed.at(depth, 0.3, (1, 1)), expected, atol=5e-5)

@@ -85,7 +85,7 @@ def test_transforms_are_the_sums_over_cells(sides, z):
     def add(loads, images):
         return sum(superpose(load, z, NU, sides, images, letter) for load, letter in zip(loads, "xy", strict=True))
 
-    free = FreePlanes(none, sides, (4, 1), traction).at(z, NU, (1, 1))
+    free = FreePlanes(none, sides, traction, (4, 1)).at(z, NU, (1, 1))
     np.testing.assert_allclose(free, add(traction, 0), atol=1e-5)
     # Without a mean the error of the sum over images falls with their number.
     traction -= traction.mean(axis=(1, 2), keepdims=True, dtype=np.float64).astype(np.float32)
@@ -252,7 +252,7 @@ def test_long_cells_are_a_cylinder():
     pressure = (a * (area[1] - area[0])).astype(np.float32)[:, np.newaxis]
     traction = np.array([0.4 * pressure, 0.0 * pressure])
     for z in (4.0, 15.0):
-        found = FreePlanes(pressure, (1.0, 1e5), (1, 1), traction).at(z, NU, (1, 1))[:, :, 0]
+        found = FreePlanes(pressure, (1.0, 1e5), traction).at(z, NU, (1, 1))[:, :, 0]
         np.testing.assert_allclose(found, SlidingCylinder(a, 1.0, 0.4, NU).stress(x, z), atol=2e-3)
 
 

@@ -145,7 +145,7 @@ def test_a_cell_is_the_integral_of_point_forces(nu, z, sides):
 @pytest.mark.parametrize("z", [0.0, 0.3, 2.5, 11.0])
 def test_transforms_are_the_sums_over_cells(sides, z):
     pressure = np.random.default_rng(5).random((24, 15)).astype(np.float32)
-    free = FreePlanes(pressure, sides, (4, 1)).at(z, NU, (1, 1))
+    free = FreePlanes(pressure, sides, common=(4, 1)).at(z, NU, (1, 1))
     np.testing.assert_allclose(free, superpose(pressure, z, NU, sides, 0), atol=2e-6)
     # Only without a mean does the sum over images converge.
     even = pressure - np.float32(pressure.mean(dtype=np.float64))
@@ -183,7 +183,7 @@ def test_fewer_points_at_depth_lose_nothing(planes, slides, shape, z, sides):
 
     def make(fields, steps):
         pressure, traction = fields[0], fields[1:] if slides else None
-        return planes(pressure, sides, steps, traction) if planes is FreePlanes else planes(pressure, sides, traction)
+        return planes(pressure, sides, traction, steps) if planes is FreePlanes else planes(pressure, sides, traction)
 
     fields = (rng.random((3, *shape)) * (rng.random((3, *shape)) < 0.2)).astype(np.float32)
     few = make(fields, steps).at(z, NU, steps)
@@ -289,9 +289,7 @@ def test_a_periodic_contact_far_from_its_images_is_a_free_one():
     assert periodic.stress().maximum.value == pytest.approx(free.stress().maximum.value, rel=mean)
 
 
-@pytest.mark.parametrize(
-    "planes", [lambda p: FreePlanes(p, (1.0, 1.0), (1, 1)), lambda p: PeriodicPlanes(p, (1.0, 1.0))]
-)
+@pytest.mark.parametrize("planes", [lambda p: FreePlanes(p, (1.0, 1.0)), lambda p: PeriodicPlanes(p, (1.0, 1.0))])
 def test_stresses_add_and_follow_the_symmetry(planes):
     one, other = np.random.default_rng(2).random((2, 20, 14)).astype(np.float32)
     first, second = planes(one).at(1.5, NU, (1, 1)), planes(other).at(1.5, NU, (1, 1))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import abc
 import math
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import attrs
@@ -35,19 +36,6 @@ def is_odd(axis: str, component: str, load: str) -> bool:
     return (component + load).count(axis) % 2 == 1
 
 
-def list_loads(pressure: RealArray, traction: RealArray | None) -> dict[str, RealArray]:
-    """Return the loads of the surface by their letters, without a traction that is zero."""
-    shear = {} if traction is None else dict(zip("xy", traction, strict=True))
-    return {"z": pressure} | {letter: field for letter, field in shear.items() if field.any()}
-
-
-def transform_loads(pressure: RealArray, traction: RealArray | None, shape: tuple[int, int]) -> dict[str, Waves]:
-    """Return the waves of the loads by their letters, padded with zeros to a shape (mx, my): (mx, my // 2 + 1) each."""
-    workers = threads_for(pressure.size)
-    loads = list_loads(pressure, traction)
-    return {load: np.asarray(scipy.fft.rfft2(field, s=shape, workers=workers)) for load, field in loads.items()}
-
-
 class StressPlanes(abc.ABC):
     """The stress below a load, one depth at a time, in units of the pressure and of a cell's side along x.
 
@@ -58,6 +46,61 @@ class StressPlanes(abc.ABC):
     @abc.abstractmethod
     def at(self, z: float, poisson: float, steps: tuple[int, int]) -> RealArray:
         """Return the stress at a depth, shape (6, nx // steps[0], ny // steps[1]), order `COMPONENTS`, float32."""
+
+
+@attrs.frozen(eq=False)
+class LoadedPlanes(StressPlanes):
+    """The stress below a load that is constant on each cell, by the waves of the load on a padded grid.
+
+    Attributes
+    ----------
+    pressure
+        Pressure on the cells, float32, shape (nx, ny).
+    sides
+        Sides of a cell.
+    traction
+        Traction on the cells along x and y, float32, shape (2, nx, ny); None without.
+    """
+
+    pressure: RealArray
+    sides: Pair
+    traction: RealArray | None = None
+
+    @property
+    @abc.abstractmethod
+    def padded(self) -> tuple[int, int]:
+        """Cells (mx, my) of the padded grid."""
+
+    @abc.abstractmethod
+    def add(
+        self, stress: RealArray, load: str, waves: Waves, shape: tuple[int, int], sides: Pair, z: float, poisson: float
+    ) -> None:
+        """Add the stress of a load, of which the waves on a padded grid of `shape` with cells of `sides` are given."""
+
+    @cached_property
+    def waves(self) -> dict[str, Waves]:
+        """The waves of the padded loads by their letters, shape (mx, my // 2 + 1) each; none of a traction of zero."""
+        mx, my = self.padded
+        workers = threads_for(mx * my)
+        loads = {"z": self.pressure}
+        if self.traction is not None:
+            loads |= {letter: field for letter, field in zip("xy", self.traction, strict=True) if field.any()}
+        waves: dict[str, Waves] = {}
+        for load, field in loads.items():
+            rows = scipy.fft.rfft(field, n=my, axis=1, workers=workers)
+            waves[load] = scipy.fft.fft(rows, n=mx, axis=0, overwrite_x=True, workers=workers)
+        return waves
+
+    def at(self, z: float, poisson: float, steps: tuple[int, int]) -> RealArray:
+        nx, ny = self.pressure.shape
+        mx, my = self.padded
+        shape = mx // steps[0], my // steps[1]
+        sides = steps[0] * self.sides[0], steps[1] * self.sides[1]
+        stress = np.zeros((len(COMPONENTS), nx // steps[0], ny // steps[1]), dtype=np.float32)
+        for load, fine in self.waves.items():
+            waves = coarsen(coarsen(fine, my, steps[1], 1), mx, steps[0], 0)
+            self.add(stress, load, waves, shape, sides, z, poisson)
+        return stress
 
 
 def find_steps(shape: tuple[int, int], sides: Pair, z: float) -> tuple[int, int]:

@@ -14,10 +14,8 @@ import scipy.fft
 from roughcontact._answers.subsurface.field import (
     COMPONENTS,
     EXCHANGED_COMPONENTS,
-    StressPlanes,
-    coarsen,
+    LoadedPlanes,
     is_odd,
-    list_loads,
 )
 from roughcontact._base.arrays import Pair, RealArray, Waves
 from roughcontact._base.machine import map_tiles, split, threads_for
@@ -146,27 +144,18 @@ def _sum_shear_corners(x: RealArray, y: RealArray, z: Any, poisson: float) -> tu
 
 
 @attrs.frozen(eq=False)
-class FreePlanes(StressPlanes):
+class FreePlanes(LoadedPlanes):
     """The stress below a free domain, by linear convolution on a padded grid, as the displacement by `DCFFT`.
 
     Attributes
     ----------
-    pressure
-        Pressure on the cells, float32, shape (nx, ny).
-    sides
-        Sides of a cell.
     common
         The largest steps along x and y for which `at` is called.
-    traction
-        Traction on the cells along x and y, float32, shape (2, nx, ny); None without.
     find_table
         The stress by a unit load on one cell, as `cell_stress` gives it.
     """
 
-    pressure: RealArray
-    sides: Pair
-    common: tuple[int, int]
-    traction: RealArray | None = None
+    common: tuple[int, int] = (1, 1)
     find_table: Callable[..., RealArray] = cell_stress
 
     @cached_property
@@ -178,30 +167,16 @@ class FreePlanes(StressPlanes):
         )
         return mx, my
 
-    @cached_property
-    def waves(self) -> dict[str, Waves]:
-        """The waves of the padded loads by their letters, shape (mx, my // 2 + 1) each."""
-        workers = threads_for(self.padded[0] * self.padded[1])
-        waves: dict[str, Waves] = {}
-        for load, field in list_loads(self.pressure, self.traction).items():
-            rows = scipy.fft.rfft(field, n=self.padded[1], axis=1, workers=workers)
-            waves[load] = scipy.fft.fft(rows, n=self.padded[0], axis=0, overwrite_x=True, workers=workers)
-        return waves
-
-    def at(self, z: float, poisson: float, steps: tuple[int, int]) -> RealArray:
-        mx, my = (length // step for length, step in zip(self.padded, steps, strict=True))
-        shape = self.pressure.shape[0] // steps[0], self.pressure.shape[1] // steps[1]
-        sides = steps[0] * self.sides[0], steps[1] * self.sides[1]
+    def add(
+        self, stress: RealArray, load: str, waves: Waves, shape: tuple[int, int], sides: Pair, z: float, poisson: float
+    ) -> None:
+        mx, my = shape
         precision = np.float64 if z * z > _MAX_FLOAT32_DEPTH_SQUARE * sides[0] * sides[1] else np.float32
-        stress = np.zeros((len(COMPONENTS), *shape), dtype=np.float32)
-        for load, fine in self.waves.items():
-            waves = coarsen(coarsen(fine, self.padded[1], steps[1], 1), self.padded[0], steps[0], 0)
-            tables = self.find_table(z, poisson, (mx // 2 + 1, my // 2 + 1), sides, precision, load)
-            tables = tables.astype(np.float32)
-            for place, (component, table) in enumerate(zip(COMPONENTS, tables, strict=True)):
-                odd = is_odd("x", component, load), is_odd("y", component, load)
-                stress[place] += _multiply(waves, _transform(table, *odd), *odd, shape, my)
-        return stress
+        tables = self.find_table(z, poisson, (mx // 2 + 1, my // 2 + 1), sides, precision, load).astype(np.float32)
+        kept = stress.shape[1], stress.shape[2]
+        for place, (component, table) in enumerate(zip(COMPONENTS, tables, strict=True)):
+            odd = is_odd("x", component, load), is_odd("y", component, load)
+            stress[place] += _multiply(waves, _transform(table, *odd), *odd, kept, my)
 
 
 def _transform(table: RealArray, odd_in_x: bool, odd_in_y: bool) -> RealArray:

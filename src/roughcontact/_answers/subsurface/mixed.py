@@ -12,10 +12,9 @@ import scipy.fft
 from roughcontact._answers.subsurface.field import (
     COMPONENTS,
     EXCHANGED_COMPONENTS,
+    LoadedPlanes,
     StressPlanes,
-    coarsen,
     is_odd,
-    transform_loads,
 )
 from roughcontact._answers.subsurface.free import cell_stress
 from roughcontact._answers.subsurface.periodic import add_stress, find_symbols
@@ -31,7 +30,7 @@ _STRIP_LENGTH = 1e8
 
 
 @attrs.frozen(eq=False)
-class MixedPlanes(StressPlanes):
+class MixedPlanes(LoadedPlanes):
     """The stress where x is free and y periodic: waves along y, and linear convolution along x.
 
     The stress of a wave along y falls exponentially along x, so that it is that below a periodic domain which is long
@@ -39,41 +38,22 @@ class MixedPlanes(StressPlanes):
 
     Attributes
     ----------
-    pressure
-        Pressure on the cells, float32, shape (nx, ny).
-    sides
-        Sides of a cell.
     common
         The largest step along x for which `at` is called.
-    traction
-        Traction on the cells along x and y, float32, shape (2, nx, ny); None without.
     """
 
-    pressure: RealArray
-    sides: Pair
-    common: int
-    traction: RealArray | None = None
+    common: int = 1
 
     @cached_property
-    def padded(self) -> int:
-        """Cells along x of the padded grid, an even multiple of the largest step."""
-        return 2 * self.common * int(scipy.fft.next_fast_len(-(-self.pressure.shape[0] // self.common), real=True))
+    def padded(self) -> tuple[int, int]:
+        """Cells of the padded grid: along x an even multiple of the largest step."""
+        nx, ny = self.pressure.shape
+        return 2 * self.common * int(scipy.fft.next_fast_len(-(-nx // self.common), real=True)), ny
 
-    @cached_property
-    def waves(self) -> dict[str, Waves]:
-        """The waves of the padded loads by their letters, shape (mx, ny // 2 + 1) each."""
-        return transform_loads(self.pressure, self.traction, (self.padded, self.pressure.shape[1]))
-
-    def at(self, z: float, poisson: float, steps: tuple[int, int]) -> RealArray:
-        ny = self.pressure.shape[1]
-        shape = self.padded // steps[0], ny // steps[1]
-        kept = self.pressure.shape[0] // steps[0]
-        sides = steps[0] * self.sides[0], steps[1] * self.sides[1]
-        stress = np.zeros((len(COMPONENTS), kept, shape[1]), dtype=np.float32)
-        for load, fine in self.waves.items():
-            waves = coarsen(coarsen(fine, ny, steps[1], 1), self.padded, steps[0], 0)
-            add_stress(stress, waves, _find_symbols(shape, sides, z, poisson, load), load, shape)
-        return stress
+    def add(
+        self, stress: RealArray, load: str, waves: Waves, shape: tuple[int, int], sides: Pair, z: float, poisson: float
+    ) -> None:
+        add_stress(stress, waves, _find_symbols(shape, sides, z, poisson, load), load, shape)
 
 
 @attrs.frozen(eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.fft
 from numpy.polynomial import chebyshev
 
-from roughcontact._answers.subsurface.field import COMPONENTS, StressPlanes, coarsen, is_odd, transform_loads
+from roughcontact._answers.subsurface.field import COMPONENTS, LoadedPlanes, is_odd
 from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves, matrix_product
 from roughcontact._base.machine import threads_for
 
@@ -30,7 +30,7 @@ _TERMS_PER_TILE = 2**20
 
 
 @attrs.frozen(eq=False)
-class PeriodicPlanes(StressPlanes):
+class PeriodicPlanes(LoadedPlanes):
     r"""The stress below a periodic load, which is constant on each cell: a factor for each of its waves.
 
     With :math:`k = (1 - 2\nu)/q^2 - z/q` a wave of the pressure of unit amplitude gives
@@ -52,37 +52,23 @@ class PeriodicPlanes(StressPlanes):
 
     Attributes
     ----------
-    pressure
-        Pressure on the cells, float32, shape (nx, ny).
-    sides
-        Sides of a cell.
-    traction
-        Traction on the cells along x and y, float32, shape (2, nx, ny); None without.
     find_symbols
         The factors of all waves, as the function of this name gives them.
     """
 
-    pressure: RealArray
-    sides: Pair
-    traction: RealArray | None = None
     find_symbols: Callable[..., list[RealArray]] = attrs.field(factory=lambda: find_symbols)
 
-    @cached_property
-    def waves(self) -> dict[str, Waves]:
-        """The waves of the loads by their letters, shape (nx, ny // 2 + 1) each."""
+    @property
+    def padded(self) -> tuple[int, int]:
+        """The cells themselves."""
         nx, ny = self.pressure.shape
-        return transform_loads(self.pressure, self.traction, (nx, ny))
+        return nx, ny
 
-    def at(self, z: float, poisson: float, steps: tuple[int, int]) -> RealArray:
-        nx, ny = self.pressure.shape
-        shape = nx // steps[0], ny // steps[1]
-        sides = steps[0] * self.sides[0], steps[1] * self.sides[1]
+    def add(
+        self, stress: RealArray, load: str, waves: Waves, shape: tuple[int, int], sides: Pair, z: float, poisson: float
+    ) -> None:
         phases = _phases(np.fft.fftfreq(shape[0])), _phases(np.fft.rfftfreq(shape[1]))
-        stress = np.zeros((len(COMPONENTS), *shape), dtype=np.float32)
-        for load, fine in self.waves.items():
-            waves = coarsen(coarsen(fine, ny, steps[1], 1), nx, steps[0], 0)
-            add_stress(stress, waves, self.find_symbols(phases, sides, z, poisson, load), load, shape)
-        return stress
+        add_stress(stress, waves, self.find_symbols(phases, sides, z, poisson, load), load, shape)
 
 
 def add_stress(

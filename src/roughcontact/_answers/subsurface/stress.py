@@ -296,13 +296,13 @@ class Stress:
             return PeriodicPlanes(pressure, self._sides, traction, **symbols)
         steps = [find_steps(self._grid.shape, self._sides, float(z)) for z in self.depths / self._grid.spacing[0]]
         if self.solution.boundary is Boundary.FREE_PERIODIC:
-            return MixedPlanes(pressure, self._sides, common_step(steps)[0], traction)
+            return MixedPlanes(pressure, self._sides, traction, common_step(steps)[0])
         if self.solution.boundary is Boundary.PERIODIC_FREE:
             exchanged = None if traction is None else np.ascontiguousarray(traction[::-1].transpose(0, 2, 1))
-            planes = MixedPlanes(pressure.T, self._sides[::-1], common_step(steps)[1], exchanged)
+            planes = MixedPlanes(pressure.T, self._sides[::-1], exchanged, common_step(steps)[1])
             return ExchangedPlanes(planes)
         tables = {} if below is None else {"find_table": below.find_table}
-        return FreePlanes(pressure, self._sides, common_step(steps), traction, **tables)
+        return FreePlanes(pressure, self._sides, traction, common_step(steps), **tables)
 
     def _field(self, depth: float, steps: tuple[int, int]) -> StressField:
         grid = self._grid
