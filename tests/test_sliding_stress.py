@@ -108,6 +108,36 @@ def test_hamiltons_ball_at_all_points(mu, shape, sides, degrees):
         assert np.abs(found - below_ball(solution, hertz, place, z, mu, degrees)).max() < error
 
 
+@pytest.mark.parametrize("mu", [0.1, 0.25, 0.5])
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_a_slide_to_the_other_side_mirrors_the_stress_and_an_exchange_of_axes_transposes_it(mu, boundary):
+    solution, _, _ = press_ball(6.0, (25, 31), sides=(3.0, 1.0), boundary=boundary)
+    depths = [cells * solution.grid.spacing[1] for cells in (0.5, 2.0, 5.0)]
+    found = solution.stress(depths, friction=mu).components
+    peak = solution.pressure.max()
+    signs = np.array([1, 1, 1, 1, -1, -1])[:, np.newaxis, np.newaxis]
+    other = solution.stress(depths, friction=mu, direction=180.0).components
+    np.testing.assert_allclose(other, signs * found[:, :, ::-1], atol=2e-5 * peak)
+    exchanged, _, _ = press_ball(6.0, (31, 25), sides=(1.0, 3.0), boundary=boundary)
+    along_y = exchanged.stress(depths, friction=mu, direction=90.0).components
+    np.testing.assert_allclose(along_y[:, EXCHANGED].transpose(0, 1, 3, 2), found, atol=2e-5 * peak)
+
+
+@pytest.mark.parametrize("direction", [0.0, 180.0])
+@pytest.mark.parametrize("mu", [0.1, 0.25, 0.5])
+def test_hamiltons_ball_near_the_surface_on_and_off_the_axis(mu, direction):
+    # With an odd number of cells along each axis of the grid the axis of the ball passes through points.
+    solution, hertz, _ = press_ball(16.0, (49, 51))
+    middle = solution.grid.shape[0] // 2, solution.grid.shape[1] // 2
+    # Depth in cells, and the largest error over the maximum pressure: at the edge of the contact.
+    for cells, anywhere in ((0.5, 3.2e-2), (1, 1.35e-2), (2, 3.4e-3), (4, 9e-4)):
+        z = cells * solution.grid.spacing[0]
+        found = solution.stress([z], friction=mu, direction=direction).components[0] / hertz.p_max
+        error = np.abs(found - below_ball(solution, hertz, (0.0, 0.0), z, mu, direction))
+        assert error[:, *middle].max() < 2.5e-4
+        assert error.max() < anywhere
+
+
 def test_a_periodic_ball_tends_to_a_free_one():
     errors = []
     for cells in (48, 96):

@@ -88,33 +88,35 @@ def find_largest_sliding(friction: float) -> float:
 def list_sliding() -> list[list[str]]:
     """Return the errors below a sliding ball with 16 cells in its radius, in % of p0, and of its first yield."""
     depths = (0.5, 1, 2, 4, 8)
-    errors = [f"at {cells:g} cells, % of p0" for cells in depths]
-    rows = [["friction", *errors, "first yield: error, %", "stated, %", "depth, radii"]]
-    place = 4e-6 * np.array((0.31, -0.17))
-    ball = rc.ParaboloidSurface(1e-2, center=tuple(place))
-    problem = rc.ContactProblem(rc.Body(ball, STEEL), grid=rc.Grid((48, 45), (192e-6, 180e-6)), threads=1)
-    modulus = 1.0 / STEEL.compliance
-    force = 4.0 * modulus * 64e-6**3 / 3e-2
-    hertz = hertz_sphere(force, 1e-2, modulus)
-    solution = problem.solve(force=force)
-    x, y = solution.grid.x - place[0], solution.grid.y - place[1]
-    for friction in (0.1, 0.25, 0.5):
-        sphere = SlidingSphere(hertz.semi_axes[0], 1.0, friction, STEEL.poisson)
-        planes = solution.stress([cells * solution.grid.spacing[0] for cells in depths], friction=friction)
-        largest = [
-            float(np.abs(plane / hertz.p_max - sphere.stress(x, y, depth)).max())
-            for depth, plane in zip(planes.depths, planes.components, strict=True)
-        ]
-        found = solution.first_yield(find_largest_sliding(friction) * hertz.p_max, friction=friction)
-        rows.append(
-            [
-                f"{friction:g}",
-                *(f"{100.0 * error:.2g}" for error in largest),
-                f"{100.0 * (found.force.value / force - 1.0):.2g}",
-                f"{100.0 * found.force.uncertainty / found.force.value:.2g}",
-                f"{found.maximum.depth / hertz.semi_axes[0]:.2f}",
+    errors = [f"at {depth:g}, % of p0" for depth in depths]
+    rows = [["cells", "friction", *errors, "first yield: error, %", "stated, %", "its depth, radii"]]
+    modulus, radius, spacing = 1.0 / STEEL.compliance, 1e-2, 4e-6
+    force = 4.0 * modulus * (16.0 * spacing) ** 3 / (3.0 * radius)
+    hertz = hertz_sphere(force, radius, modulus)
+    place = spacing * np.array((0.31, -0.17))
+    body = rc.Body(rc.ParaboloidSurface(radius, center=tuple(place)), STEEL)
+    for shape, sides in (((48, 45), (1, 1)), ((17, 49), (3, 1))):
+        size = tuple(spacing * n * side for n, side in zip(shape, sides, strict=True))
+        solution = rc.ContactProblem(body, grid=rc.Grid(shape, size), threads=1).solve(force=force)
+        x, y = solution.grid.x - place[0], solution.grid.y - place[1]
+        for friction in (0.1, 0.25, 0.5):
+            sphere = SlidingSphere(hertz.semi_axes[0], 1.0, friction, STEEL.poisson)
+            planes = solution.stress([depth * max(solution.grid.spacing) for depth in depths], friction=friction)
+            largest = [
+                float(np.abs(plane / hertz.p_max - sphere.stress(x, y, depth)).max())
+                for depth, plane in zip(planes.depths, planes.components, strict=True)
             ]
-        )
+            found = solution.first_yield(find_largest_sliding(friction) * hertz.p_max, friction=friction)
+            rows.append(
+                [
+                    f"{sides[0]} : {sides[1]}",
+                    f"{friction:g}",
+                    *(f"{100.0 * error:.2g}" for error in largest),
+                    f"{100.0 * (found.force.value / force - 1.0):.2g}",
+                    f"{100.0 * found.force.uncertainty / found.force.value:.2g}",
+                    f"{found.maximum.depth / hertz.semi_axes[0]:.2f}",
+                ]
+            )
     return rows
 
 

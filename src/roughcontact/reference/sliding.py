@@ -195,12 +195,8 @@ class SlidingCylinder:
     ----------
     half_width
         Half the width a of the contact, m.
-    p_max
-        Maximum pressure p0, Pa.
-    friction
-        Coefficient of friction; a negative one turns the traction to -x.
-    poisson
-        Poisson's ratio of the body.
+    p_max, friction, poisson
+        As for `SlidingSphere`.
 
     References
     ----------
@@ -221,13 +217,7 @@ class SlidingCylinder:
     poisson: float = attrs.field(converter=_poisson)
 
     def stress(self, x: Array | float, z: Array | float) -> Array:
-        """Return the stress at broadcastable places, m, z >= 0 into the body.
-
-        Returns
-        -------
-        numpy.ndarray
-            The components xx, yy, zz, yz, xz, xy, shape (6, ...), Pa; tension is positive.
-        """
+        """Return the stress at broadcastable places; see `SlidingSphere.stress`."""
         x, z = _places(x, z, scale=self.half_width)
         place = x + 1j * z
         root = np.sqrt(place - 1.0) * np.sqrt(place + 1.0)
