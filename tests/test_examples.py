@@ -76,9 +76,11 @@ def examples(tmp_path_factory):
     """A folder of what the pages mention: the maps that the package makes, and the study file of the pages."""
     folder = tmp_path_factory.mktemp("examples")
     rc.examples.write(folder)
-    (study,) = blocks_of(ROOT / "docs" / "use" / "studies.md", "toml")
+    study, paths = blocks_of(ROOT / "docs" / "use" / "studies.md", "toml")
     for name in ("study.toml", "scenes.toml"):
         (folder / name).write_text(study, encoding="utf-8")
+    problems = study.partition("[study]")[0]
+    (folder / "paths.toml").write_text(problems + paths, encoding="utf-8")
     return folder
 
 
@@ -296,3 +298,10 @@ def test_links_of_the_pages_lead_somewhere():
     for page in [ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "plugins").rglob("README.md")]:
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_the_study_of_paths_is_read(place):
+    """Its counterbody is rigid, and its map has the non-measured points filled."""
+    done = run(["roughcontact", "run", "paths.toml", "--dry-run"], place)
+    assert done.returncode == 0, done.stderr
+    assert "tangential force (100 mN, 0 N)" in " ".join(done.stdout.split())

@@ -194,7 +194,7 @@ class TestTables:
         [
             ({"body": 3}, "A Body must be a table of its fields, but got 3."),
             ({"grid": [24, 24]}, "A Grid must be a table of its fields"),
-            ({"boundry": "free"}, "unknown field 'boundry' (did you mean 'boundary'?)"),
+            ({"boundaries": "free"}, "unknown field 'boundaries' (did you mean 'boundary'?)"),
             ({"adhesion": {"type": "exponential"}}, "required field 'work' is missing"),
             ({"adhesion": {"type": "exponential", "work": "1N", "range": 1e-9}}, "is not a quantity in units of J/m2"),
             ({"body": {**TABLE["body"], "surface": {"type": "sum", "parts": 1}}}, "must be a list, but got 1."),
@@ -252,7 +252,7 @@ force = ["50mN"]
     @pytest.mark.parametrize(
         ("old", "new", "words"),
         [
-            ("mirrored", "miror", "unknown field 'miror' (did you mean 'mirrored'?) @ problems.pair"),
+            ("mirrored", "mirror", "unknown field 'mirror' (did you mean 'mirrored'?) @ problems.pair"),
             ('"5deg"', '"5"', "The rotation of a map: '5' has no unit"),
             ('["1um", "-2um"]', '["1mm", "-2um"]', "do not overlap"),
             ('"cubic"', '"quadratic"', "The interpolation must be"),

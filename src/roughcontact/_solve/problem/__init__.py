@@ -3,8 +3,9 @@
 from roughcontact._solve.problem.accuracy import resample_problem
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, linearise, make_cycle_table
-from roughcontact._solve.problem.increments import Increment, StepNumbers
-from roughcontact._solve.problem.path import FrictionalPath, TangentialLoop
+from roughcontact._solve.problem.friction_certificate import require_frictional
+from roughcontact._solve.problem.increments import Increment, StepNumbers, list_targets
+from roughcontact._solve.problem.path import FrictionalPath, TangentialLoop, resolve_friction
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.run import computing
@@ -26,6 +27,7 @@ __all__ = [
     "computing",
     "find_stability",
     "linearise",
+    "list_targets",
     "make_cycle_table",
     "make_table",
     "make_task",
@@ -34,7 +36,9 @@ __all__ = [
     "predict_pressure",
     "pressure_unit",
     "problem_of",
+    "require_frictional",
     "require_memory_of_solve",
     "resample_problem",
+    "resolve_friction",
     "run_sweep",
 ]

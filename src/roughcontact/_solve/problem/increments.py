@@ -123,7 +123,7 @@ def list_steps(run: CoupledSolve, normal: Mapping[str, object], tangential: Mapp
     """Return the steps of a path, that of pressing first if the normal load is constant."""
     single = is_single(normal)
     loads = (Load.of(**normal),) if single else Load.sequence(**normal)
-    targets = _list_targets(tangential)
+    targets = list_targets(tangential)
     if len(targets) not in (1, len(loads)) and not single:
         raise InputError(
             f"The path has {counted(len(loads), 'normal load')}, but {counted(len(targets), 'tangential load')}: "
@@ -160,7 +160,8 @@ def list_steps(run: CoupledSolve, normal: Mapping[str, object], tangential: Mapp
     return segments
 
 
-def _list_targets(tangential: Mapping[str, object]) -> list[TangentialLoad]:
+def list_targets(tangential: Mapping[str, object]) -> list[TangentialLoad]:
+    """Return the loads along the surface that are given by `tangential_force` or `displacement`; the other is None."""
     named = {kind: value for kind, value in tangential.items() if value is not None}
     if len(named) != 1:
         given = " and ".join(f"{kind}=" for kind in named) or "neither"

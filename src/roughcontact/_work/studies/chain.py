@@ -18,9 +18,10 @@ from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import Surface
 from roughcontact._solve.convolvers import Convolver
-from roughcontact._solve.problem import Body, ContactProblem, order_of_solving, predict_pressure
+from roughcontact._solve.problem import Body, ContactProblem, FrictionalPath, order_of_solving, predict_pressure
 from roughcontact._solve.solution import ContactSolution, list_all_warnings, read_figures, solution_key, write
 from roughcontact._solve.solvers import Solver
+from roughcontact._work.studies.paths import Shearing, list_figures
 from roughcontact._work.studies.record import Record, read_solution, solution_path
 from roughcontact.errors import InputError, NotConverged, NotWritten, RoughContactError
 
@@ -127,12 +128,15 @@ class Chain(Point):
         The folder of the solutions, on a disk that every worker sees.
     known
         Earlier records, by key.
+    shearing
+        Loads along the surface that follow each load; None without.
     """
 
     problem: ContactProblem
     areas: tuple[str, ...]
     folder: Path
     known: Mapping[str, Record] = attrs.Factory(dict)
+    shearing: Shearing | None = None
 
     def bodies(self) -> dict[str, Any]:
         """Return the bodies with the seed added to the seeds of their surfaces."""
@@ -158,8 +162,14 @@ class Chain(Point):
 
     def solution_keys(self) -> tuple[str, ...]:
         """Return the key of each load."""
-        content = key_of({**self.problem.parts, **self.bodies()})
+        content = self.content_key()
+        if self.shearing is not None:
+            content = key_of([content, *self.shearing.parts])
         return tuple(solution_key(content, load.arguments) for load in self.loads)
+
+    def content_key(self) -> str:
+        """Return the key of the problem with its seed."""
+        return key_of({**self.problem.parts, **self.bodies()})
 
     def path(self, key: str) -> Path:
         """Return the file of the solution with a key."""
@@ -193,14 +203,16 @@ class ChainResult:
 def run_chain(chain: Chain) -> ChainResult:
     """Return the records of a chain; each solution is written before anything is computed from it.
 
-    The loads are solved from the largest down. A failure at one load is in its record, and the others are solved.
-    Only a solution that cannot be written ends the chain.
+    The loads are solved from the largest down, paths with friction in their order. A failure at one load is in its
+    record, and the others are solved. Only a solution that cannot be written ends the chain.
     """
+    # A copy, whose problem goes with it.
+    chain = attrs.evolve(chain)
+    if chain.shearing is not None:
+        return _follow_paths(chain, chain.shearing)
     records: dict[int, Record] = {}
     solutions: list[ContactSolution] = []
     computed = 0
-    # A copy, whose problem goes with it.
-    chain = attrs.evolve(chain)
     keys = chain.solution_keys()
     for index in order_of_solving(chain.loads):
         key = keys[index]
@@ -224,6 +236,38 @@ def run_chain(chain: Chain) -> ChainResult:
         if solution is not None:
             solutions = [*solutions[-1:], solution]
     return ChainResult(_in_order(records), computed)
+
+
+def _follow_paths(chain: Chain, shearing: Shearing) -> ChainResult:
+    """Return the records of a chain whose loads are followed by loads along the surface."""
+    records: list[Record] = []
+    computed = 0
+    for key, load in zip(chain.solution_keys(), chain.loads, strict=True):
+        try:
+            path = _find_path(chain, shearing, key, load)
+            if path is None:
+                computed += 1
+                path = shearing.follow(chain.seeded, load)
+                path.save(chain.path(key))
+            record = _measure(chain, chain.record(key, load), path[-1].contact)
+            warnings = tuple(dict.fromkeys((*path.warnings, *record.warnings)))
+            record = attrs.evolve(record, **list_figures(path), warnings=warnings)
+        except NotWritten as error:
+            return ChainResult(records, computed - 1, name_full_disk(chain.folder, error))
+        except Exception as error:
+            record = chain.record(key, load, *status_of(error))
+        records.append(record)
+    return ChainResult(records, computed)
+
+
+def _find_path(chain: Chain, shearing: Shearing, key: str, load: Load) -> FrictionalPath | None:
+    """Return a path on disk; None if there is no intact one of these loads."""
+    try:
+        path = FrictionalPath.load(solution_path(chain.folder, key), verify=False)
+        return path if shearing.fits(path, chain.content_key(), load) else None
+    # Damaged files fail in many ways: a path that cannot be read is followed again.
+    except Exception:
+        return None
 
 
 def _in_order(records: Mapping[int, Record]) -> list[Record]:

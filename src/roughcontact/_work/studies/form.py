@@ -20,6 +20,7 @@ from roughcontact._parts.materials import TYPICAL, materials
 from roughcontact._parts.surfaces import HeightMap, Surface, SurfaceSum, match, surfaces
 from roughcontact._solve.problem import Body, ContactProblem, require_memory_of_solve
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 T = TypeVar("T")
 
@@ -76,6 +77,8 @@ class Form:
             members = [one for one in get_args(kind) if one is not NoneType]
             if value is None or (value == "auto" and str in members):
                 return value
+            if isinstance(value, (int, float)) and float in members:
+                return value
             kind = next(filter(_has_form, members), members[0])
         if not _has_form(kind):
             return self._read_plain(kind, value)
@@ -94,10 +97,9 @@ class Form:
 
     def _read_plain(self, kind: Any, value: Any) -> Any:
         """Return a value as its class takes it; on the command line numbers are texts."""
-        if kind not in (float, int, Pair) or not isinstance(value, (str, list)):
-            return value
-        found = self._convert("", value)
-        return int(found) if kind is int and isinstance(value, str) and found.is_integer() else found
+        if kind is int and isinstance(value, str) and value.isdecimal():
+            return int(value)
+        return self._convert("", value) if kind in (float, Pair) else value
 
     def _convert(self, unit: str, value: Any) -> Any:
         """Return a text with a unit, or a list of them, in SI units; numbers are."""
@@ -198,6 +200,7 @@ class Form:
         return surface.resample(fields["resample"])
 
 
+@guarded
 def build_problem(table: Mapping[str, Any]) -> ContactProblem:
     """Return the problem that a table of the arguments of `ContactProblem` describes.
 

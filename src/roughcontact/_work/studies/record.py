@@ -21,6 +21,7 @@ from roughcontact._base.checks import item_of
 from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted, printable
 from roughcontact._parts.grid import FIRST_LOADING
+from roughcontact._solve.problem import FrictionalPath
 from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution, Status, read
 from roughcontact.errors import InputError
 
@@ -44,6 +45,12 @@ _UNITS = {
     "peak_pressure": "Pa",
     "peak_pressure_uncertainty": "Pa",
 }
+_FRICTION_UNITS = {
+    "dissipated": "J",
+    "dissipated_uncertainty": "J",
+    "stick_area": "m2",
+    "stick_area_uncertainty": "m2",
+}
 _COUNT_COLUMNS = ("iterations", "convolutions")
 _NO_AREA = (np.nan, np.nan)
 # Solves whose answers are printed: the first and the last ones of a longer study.
@@ -54,6 +61,10 @@ def _key(value: str) -> str:
     if re.fullmatch("[0-9a-f]{32}", value) is None:
         raise InputError.about("The key of a record", value, "32 hexadecimal digits")
     return value
+
+
+def _optional_float(value: float | None) -> float | None:
+    return None if value is None else float(value)
 
 
 def _warnings(value: Sequence[str]) -> tuple[str, ...]:
@@ -97,6 +108,11 @@ class Record:
         Whether they concern the solution itself, as `ContactSolution.warnings`, not only its area or maximum pressure.
     parameters
         The value on each axis of the study; empty without axes.
+    dissipated, dissipated_uncertainty
+        Energy lost by friction along the path of this load, J; None without friction. The other figures are those of
+        the contact at the end of the path.
+    stick_area, stick_area_uncertainty
+        Area that sticks at the end of the path, m2.
     """
 
     problem: str = attrs.field(converter=str)
@@ -120,6 +136,10 @@ class Record:
     warnings: tuple[str, ...] = attrs.field(default=(), converter=_warnings)
     doubtful: bool = attrs.field(default=False, converter=bool)
     parameters: Mapping[str, Any] = attrs.field(factory=dict, converter=dict)
+    dissipated: float | None = attrs.field(default=None, converter=_optional_float)
+    dissipated_uncertainty: float | None = attrs.field(default=None, converter=_optional_float)
+    stick_area: float | None = attrs.field(default=None, converter=_optional_float)
+    stick_area_uncertainty: float | None = attrs.field(default=None, converter=_optional_float)
 
     def agrees_with(self, figures: Mapping[str, Any]) -> bool:
         """Return whether it states the figures of its file; the areas of other estimators are not in the file."""
@@ -136,6 +156,11 @@ class Record:
         """Whether the solution is certified."""
         return self.status in Status.__members__ and Status[self.status].success
 
+    @property
+    def has_friction(self) -> bool:
+        """Whether a path with friction was followed."""
+        return self.dissipated is not None
+
     def row(self) -> dict[str, Any]:
         """Return the figures by name, one for each column of a table; the parameters come first."""
         figures = attrs.asdict(self, recurse=False)
@@ -143,6 +168,8 @@ class Record:
         parameters = figures.pop("parameters")
         figures = {_COLUMN_NAMES.get(name, name): value for name, value in figures.items()}
         figures["warnings"] = " ".join(self.warnings)
+        if not self.has_friction:
+            figures = {name: value for name, value in figures.items() if name not in _FRICTION_UNITS}
         if parameters:
             del figures["seed"]
             figures = {**parameters, **figures}
@@ -198,8 +225,10 @@ def write_index(path: Path, records: Sequence[Record]) -> None:
 
 
 def _stated(record: Record) -> dict[str, Any]:
-    """Return the fields of a record; parameters are omitted if empty, as in the lists of older versions."""
-    return {name: value for name, value in attrs.asdict(record).items() if name != "parameters" or value}
+    """Return the fields of a record, without those that it does not have, as in the lists of older versions."""
+    absent = [] if record.parameters else ["parameters"]
+    absent += [] if record.has_friction else list(_FRICTION_UNITS)
+    return {name: value for name, value in attrs.asdict(record).items() if name not in absent}
 
 
 def _index(records: Sequence[Record]) -> str:
@@ -251,8 +280,17 @@ class StudyResult:
         return tuple(record for record in self.records if record.message or not record.success)
 
     def solution(self, record: Record) -> ContactSolution:
-        """Return the solution of a record from its file; `InputError` if there is none, or it is damaged."""
-        return read_solution(self.folder, record.key)
+        """Return the solution of a record from its file; `InputError` if there is none, or it is damaged.
+
+        Of a path with friction it is the contact at its end.
+        """
+        return self.path(record)[-1].contact if record.has_friction else read_solution(self.folder, record.key)
+
+    def path(self, record: Record) -> FrictionalPath:
+        """Return the path with friction of a record from its file; `InputError` if there is none, or it is damaged."""
+        if not record.has_friction:
+            raise InputError("This record has no path: a study with friction= and tangential_force= has some.")
+        return FrictionalPath.load(solution_path(self.folder, record.key), verify=False)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the columns of `to_pandas` to a CSV file, completely or not at all.
@@ -292,9 +330,10 @@ class StudyResult:
                 filled[where] = value
             return filled
 
+        friction = _FRICTION_UNITS if any(record.has_friction for record in self.records) else {}
         variables: dict[str, Any] = {
-            name: (tuple(places), spread((row[name] for row in rows), np.nan, float), {"units": unit})
-            for name, unit in {**_UNITS, **dict.fromkeys(_COUNT_COLUMNS, "")}.items()
+            name: (tuple(places), spread((row.get(name, np.nan) for row in rows), np.nan, float), {"units": unit})
+            for name, unit in {**_UNITS, **friction, **dict.fromkeys(_COUNT_COLUMNS, "")}.items()
         }
         for name in ("status", "warnings"):
             variables[name] = (tuple(places), spread((row[name] for row in rows), "", object).astype(str))
@@ -332,7 +371,8 @@ class StudyResult:
     @property
     def _table(self) -> Table:
         columns = self._columns
-        units = {name: _UNITS[name] for name in columns if name in _UNITS}
+        known = {**_UNITS, **_FRICTION_UNITS}
+        units = {name: known[name] for name in columns if name in known}
         units |= {name: "m2" for name in columns if name.startswith(("area ", "uncertainty "))}
         return Table(columns, units | {"load": self._load_unit})
 
@@ -359,6 +399,11 @@ class StudyResult:
         columns["maximum pressure"] = [
             Estimate(record.peak_pressure, record.peak_pressure_uncertainty, "Pa") for record in rows
         ]
+        if any(record.has_friction for record in rows):
+            lost = [(one.dissipated, one.dissipated_uncertainty) for one in rows]
+            stick = [(one.stick_area, one.stick_area_uncertainty) for one in rows]
+            columns["energy lost"] = [_estimate(*pair, "J") for pair in lost]
+            columns["area that sticks"] = [_estimate(*pair, "m2") for pair in stick]
         given = {record.control for record in rows}
         if given != {"pressure"}:
             columns["mean pressure"] = [record.mean_pressure for record in rows]
@@ -382,6 +427,10 @@ class StudyResult:
         if doubtful := sum(record.doubtful for record in self.records):
             bad += f", {doubtful} doubtful (see their warnings)"
         return f"{counted(len(self), 'solve')}, {self.computed} of them now{bad}, in {self.folder}"
+
+
+def _estimate(value: float | None, uncertainty: float | None, unit: str) -> Estimate | None:
+    return None if value is None or uncertainty is None else Estimate(value, uncertainty, unit)
 
 
 def _place(record: Record, name: str) -> Any:

@@ -14,13 +14,16 @@ import attrs
 from roughcontact._base import checks
 from roughcontact._base.archive import remove_stale
 from roughcontact._base.archive.plain import key_of
+from roughcontact._base.arrays import Pair
 from roughcontact._base.checks import callback, integer
 from roughcontact._base.units import PlainText, binary, counted
 from roughcontact._parts.grid import Load
-from roughcontact._solve.problem import ContactProblem
+from roughcontact._parts.interactions import FrictionLaw
+from roughcontact._solve.problem import ContactProblem, require_frictional
 from roughcontact._solve.solution import DEFAULT_AREA, areas
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, Unbuilt, name_full_disk
+from roughcontact._work.studies.paths import Shearing
 from roughcontact._work.studies.record import Record, StudyResult, read_index, write_index
 from roughcontact._work.studies.shares import Share, list_of_records, read_all_records
 from roughcontact._work.studies.tasks import Chains, run_chains
@@ -32,7 +35,8 @@ _TYPICAL_CONVOLUTIONS = 25
 _MAX_LISTED_VALUES = 8
 # Units of a time, s; each is used from twice its length on.
 _TIME_UNITS = {"hours": 3600.0, "minutes": 60.0, "s": 1.0}
-_ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds")
+_OF_PATHS = ("tangential_force", "displacement", "friction", "substeps")
+_ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds", *_OF_PATHS)
 # Units in which texts of a study file are read.
 _PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
 
@@ -43,6 +47,7 @@ def describe_study(
     loads: Sequence[Load],
     *,
     sampled: bool,
+    shearing: Shearing | None = None,
 ) -> str:
     """Return the plans of the known problems, the values on each axis, and the work of all solves.
 
@@ -56,6 +61,8 @@ def describe_study(
         The loads of each combination.
     sampled
         Whether the known problem is the first of several.
+    shearing
+        The loads along the surface that follow each load.
     """
     plans = [problem.plan for _, problem in known]
     kind = loads[0].kind
@@ -72,6 +79,9 @@ def describe_study(
     ]
     if sampled:
         rows.append(("", "if all problems are like the first"))
+    if shearing is not None:
+        rows.insert(len(lists), ("path", str(shearing)))
+        rows.append(("", "for the normal contacts alone: each step of a path takes several solves more"))
     texts = [f"{name}:\n{problem.explain()}" for name, problem in known]
     return PlainText("\n\n".join([*texts, "\n".join(f"{label:<10} {text}" for label, text in rows)]))
 
@@ -148,6 +158,13 @@ class Study:
     seeds
         Added to the seed of each random surface of each problem; if empty, the surfaces are used as they are. A
         function has an axis instead, ``seed=[...]``.
+    tangential_force, displacement
+        At most one list of pairs (x, y), N or m: loads along the surface, one after the other under each normal load,
+        as of `ContactProblem.path`; then a solve is a path with friction, `StudyResult.path`.
+    friction
+        The law by which the surfaces slip, or a coefficient of friction.
+    substeps
+        Increments of each step of a path; ``"auto"``: as many as it needs.
     **axes
         Values of the parameters of the function, numbers or texts: ``hurst=[0.3, 0.8], seed=range(8)``. All
         combinations are solved, and the records state them as `Record.parameters`.
@@ -177,6 +194,15 @@ class Study:
     approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_METRE)
     areas: tuple[str, ...] = attrs.field(default=(DEFAULT_AREA,), converter=_names, kw_only=True)
     seeds: tuple[int, ...] = attrs.field(default=(), converter=_seeds, kw_only=True)
+    tangential_force: Sequence[Pair] | None = attrs.field(default=None, kw_only=True, metadata=_NEWTON)
+    displacement: Sequence[Pair] | None = attrs.field(default=None, kw_only=True, metadata=_METRE)
+    friction: float | FrictionLaw | None = attrs.field(default=None, kw_only=True)
+    substeps: int | str = attrs.field(default="auto", kw_only=True)
+    shearing: Shearing | None = attrs.field(init=False, repr=False)
+
+    @shearing.default
+    def _find_shearing(self) -> Shearing | None:
+        return Shearing.of(self.tangential_force, self.displacement, self.friction, self.substeps)
 
     def __init__(
         self,
@@ -187,6 +213,10 @@ class Study:
         approach: Iterable[float] | None = None,
         areas: str | Sequence[str] = (DEFAULT_AREA,),
         seeds: Iterable[int] = (),
+        tangential_force: Sequence[Pair] | None = None,
+        displacement: Sequence[Pair] | None = None,
+        friction: float | FrictionLaw | None = None,
+        substeps: int | str = "auto",
         **axes: Iterable[Any],
     ) -> None:
         made: Any = problems
@@ -194,7 +224,18 @@ class Study:
             made = BuiltProblems.over(problems, axes, _ARGUMENTS)
         elif axes:
             raise InputError.unknown("argument of Study", min(axes), _ARGUMENTS)
-        self.__attrs_init__(made, pressure=pressure, force=force, approach=approach, areas=areas, seeds=seeds)
+        self.__attrs_init__(
+            made,
+            pressure=pressure,
+            force=force,
+            approach=approach,
+            areas=areas,
+            seeds=seeds,
+            tangential_force=tangential_force,
+            displacement=displacement,
+            friction=friction,
+            substeps=substeps,
+        )
 
     def __attrs_post_init__(self) -> None:
         if isinstance(self.problems, BuiltProblems) and self.seeds:
@@ -204,6 +245,8 @@ class Study:
                 raise InputError(f"Seeds are given, but no surface of the problem {name!r} has one: leave seeds= out.")
             for load in self.loads:
                 try:
+                    if self.shearing is not None:
+                        require_frictional(problem)
                     problem.require_load(**load.arguments)
                 except InputError as error:
                     raise InputError(f"Problem {name!r}: {error}") from error
@@ -232,7 +275,8 @@ class Study:
             described = [self.problems.name, dict(self.problems.axes)]
         else:
             described = {name: problem.parts for name, problem in self.problems.items()}
-        return key_of([described, [load.arguments for load in self.loads], self.seeds])[:12]
+        along = [] if self.shearing is None else self.shearing.parts
+        return key_of([described, [load.arguments for load in self.loads], self.seeds, *along])[:12]
 
     def chains(self) -> Iterator[Chain]:
         """Yield each problem with each seed, at all loads."""
@@ -242,13 +286,14 @@ class Study:
             yield chain
 
     def _points(self, folder: Path, known: Mapping[str, Record], share: Share | None) -> Chains:
-        return Chains(self.problems, self.seeds, self.loads, self.areas, folder, known, share)
+        return Chains(self.problems, self.seeds, self.loads, self.areas, folder, known, share, self.shearing)
 
     def explain(self) -> str:
         """Return in words the plan of every problem, or of the first that is built, the axes, and work and time."""
         axes = self.axes or {"problem": tuple(self.problems), **({"seed": self.seeds} if self.seeds else {})}
         known = self._known_problems
-        return describe_study(known, axes, self.loads, sampled=len(known) < len(self.problems))
+        sampled = len(known) < len(self.problems)
+        return describe_study(known, axes, self.loads, sampled=sampled, shearing=self.shearing)
 
     def run(
         self,

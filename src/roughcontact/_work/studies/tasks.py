@@ -15,6 +15,7 @@ from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, ChainResult, Unbuilt, name_exception, run_chain
+from roughcontact._work.studies.paths import Shearing
 from roughcontact._work.studies.record import Record
 from roughcontact._work.studies.shares import Share
 from roughcontact.errors import InputError, RoughContactError
@@ -39,6 +40,8 @@ class Chains(Sequence[Chain | Unbuilt]):
         Earlier records, by key.
     share
         The share whose chains they are; None for all.
+    shearing
+        The loads along the surface of the study; None without.
     """
 
     problems: Mapping[str, ContactProblem]
@@ -48,6 +51,7 @@ class Chains(Sequence[Chain | Unbuilt]):
     folder: Path
     known: Mapping[str, Record]
     share: Share | None
+    shearing: Shearing | None = None
     _places: list[tuple[str, int | None]] = attrs.field(init=False)
 
     @_places.default
@@ -66,7 +70,7 @@ class Chains(Sequence[Chain | Unbuilt]):
             problem = self.problems[name]
         except InputError as error:
             return Unbuilt(**place, message=str(error))
-        chain = Chain(**place, problem=problem, areas=self.areas, folder=self.folder)
+        chain = Chain(**place, problem=problem, areas=self.areas, folder=self.folder, shearing=self.shearing)
         if not self.known:
             return chain
         # A worker needs the records of its own chain only.

@@ -1,0 +1,103 @@
+"""Paths with friction in a study: what is loaded along the surface, and the figures of what was followed."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import attrs
+
+from roughcontact._base.archive.plain import key_of
+from roughcontact._base.checks import integer
+from roughcontact._base.units import si
+from roughcontact._parts.grid import Load
+from roughcontact._parts.interactions import FrictionLaw
+from roughcontact._solve.problem import ContactProblem, FrictionalPath, list_targets, resolve_friction
+from roughcontact._solve.solution import Status, TangentialLoad
+from roughcontact.errors import InputError
+
+# Loads along the surface that `explain` lists: the first ones and the last.
+_MAX_LISTED_LOADS = 6
+
+
+@attrs.frozen(eq=False)
+class Shearing:
+    """The loads along the surface that follow each normal load of a study.
+
+    Attributes
+    ----------
+    loads
+        The loads, one after the other.
+    friction
+        The law by which the surfaces slip.
+    substeps
+        Increments of each load; ``"auto"``: as many as it needs.
+    """
+
+    loads: tuple[TangentialLoad, ...]
+    friction: FrictionLaw
+    substeps: int | str
+
+    @classmethod
+    def of(cls, tangential_force: object, displacement: object, friction: object, substeps: object) -> Shearing | None:
+        """Return the loads that the arguments of a study state; None without any.
+
+        `InputError` if there are loads without friction, or friction without loads, or a value is wrong.
+        """
+        given = {"tangential_force": tangential_force, "displacement": displacement}
+        if all(values is None for values in given.values()):
+            if friction is not None or substeps != "auto":
+                raise InputError(
+                    "Friction is for loads along the surface: give tangential_force=[(x, y), ...] or displacement= too."
+                )
+            return None
+        if friction is None:
+            raise InputError("Loads along the surface need a law by which it slips: give friction=0.3, for example.")
+        count: int | str = "auto" if substeps == "auto" else integer(substeps, "substeps=", at_least=1)
+        return cls(tuple(list_targets(given)), resolve_friction(friction), count)
+
+    @property
+    def kind(self) -> str:
+        """The argument of `ContactProblem.path` that states the loads."""
+        return self.loads[0].kind
+
+    def follow(self, problem: ContactProblem, load: Load) -> FrictionalPath:
+        """Return the states at the loads along the surface, under a normal load."""
+        along: dict[str, Any] = {self.kind: [one.values for one in self.loads]}
+        return problem.path(**load.arguments, **along, friction=self.friction, substeps=self.substeps)
+
+    @property
+    def parts(self) -> list[Any]:
+        """What determines the states beside the problem and the normal load."""
+        return [self.kind, [list(one.values) for one in self.loads], self.friction, self.substeps]
+
+    def fits(self, path: FrictionalPath, content: str, load: Load) -> bool:
+        """Return whether a path from a file has these loads, under a normal load of the problem with this key."""
+        origin = path[0].contact.origin
+        return (
+            [state.given.values for state in path] == [one.values for one in self.loads]
+            and origin is not None
+            and key_of(origin.problem) == content
+            and origin.load == load.arguments
+        )
+
+    def __str__(self) -> str:
+        texts = [f"({si(one.values[0], one.unit)}, {si(one.values[1], one.unit)})" for one in self.loads]
+        if len(texts) > _MAX_LISTED_LOADS:
+            texts = [*texts[: _MAX_LISTED_LOADS - 1], "...", texts[-1]]
+        return f"{self.kind.replace('_', ' ')} {', '.join(texts)} under each normal load; {self.friction!r}"
+
+
+def list_figures(path: FrictionalPath) -> dict[str, Any]:
+    """Return the figures of a path in its record, beside those of the contact at its end."""
+    bad = [state.status for state in path if not state.status.success]
+    stick = path.numbers[-1].stick_area
+    lost = path.dissipated
+    return {
+        "status": (bad[0] if bad else Status.CONVERGED).name,
+        "seconds": math.fsum(state.seconds for state in path),
+        "dissipated": lost.value,
+        "dissipated_uncertainty": lost.uncertainty,
+        "stick_area": stick.value,
+        "stick_area_uncertainty": stick.uncertainty,
+    }

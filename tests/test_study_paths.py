@@ -1,0 +1,197 @@
+"""Studies of paths with friction: files, records, continuation, shares, refusals."""
+
+from __future__ import annotations
+
+import csv
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.__main__ import main
+from roughcontact._base.archive.plain import key_of
+from roughcontact._work.studies.toml import read_study
+
+STUDY = """
+[problems.long]
+grid = {shape = [32, 12], size = [240e-6, 30e-6]}
+body = {surface = {type = "sphere", radius = "1mm"}, material = {young = "210GPa", poisson = 0.3}}
+counterbody = {surface = "flat", material = {young = "70GPa", poisson = 0.33}}
+[problems.rough]
+boundary = "periodic"
+grid = {shape = [24, 24], size = 1e-4}
+[problems.rough.body]
+surface = {type = "self-affine", hurst = 0.8, rms_height = 1e-7, longest = 1e-4, shortest = 16e-6, seed = 5}
+material = "bearing steel"
+[problems.rough.counterbody]
+surface = "flat"
+material = "bearing steel"
+[study]
+force = ["0.2N", "0.4N"]
+tangential_force = [["20mN", 0.0], ["-20mN", "5mN"]]
+friction = {type = "limited-coulomb", coefficient = 0.3, strength = "2GPa"}
+substeps = 2
+"""
+
+
+@pytest.fixture
+def study_file(tmp_path):
+    (tmp_path / "study.toml").write_text(STUDY)
+    return tmp_path / "study.toml"
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """The study, and its results in a folder."""
+    folder = tmp_path_factory.mktemp("paths")
+    (folder / "study.toml").write_text(STUDY)
+    study = read_study(folder / "study.toml")
+    return study, study.run(folder / "all")
+
+
+def numbers(record):
+    area = record.areas["blend"]
+    return (record.key, record.status, record.dissipated, record.stick_area, record.approach, *area, record.warnings)
+
+
+def test_the_records_are_those_of_paths_by_hand(finished):
+    study, result = finished
+    assert [(record.problem, record.load) for record in result] == [
+        (name, load) for name in ("long", "rough") for load in (0.2, 0.4)
+    ]
+    law = rc.LimitedCoulomb(0.3, 2e9)
+    loads = [(0.02, 0.0), (-0.02, 0.005)]
+    for record in result:
+        path = study.problems[record.problem].path(force=record.load, tangential_force=loads, friction=law, substeps=2)
+        assert record.status == "CONVERGED"
+        assert record.dissipated == path.dissipated.value > 0.0
+        assert record.dissipated_uncertainty == path.dissipated.uncertainty
+        assert record.stick_area == path.numbers[-1].stick_area.value
+        assert record.areas["blend"][0] == path[-1].contact.area().value
+        assert set(path.warnings) <= set(record.warnings)
+        saved = rc.FrictionalPath.load(result.folder / f"{record.key}.npz", verify=True)
+        assert len(result.path(record)) == len(saved) == 2
+        np.testing.assert_array_equal(saved[-1].shear, path[-1].shear)
+        assert result.solution(record).force == path[-1].force
+
+
+def test_it_goes_on_where_it_stopped(finished, tmp_path):
+    study, result = finished
+    assert result.computed == 4
+    first = study.run(tmp_path / "again")
+    assert study.run(tmp_path / "again").computed == 0
+    (tmp_path / "again" / f"{first[1].key}.npz").unlink()
+    damaged = tmp_path / "again" / f"{first[2].key}.npz"
+    damaged.write_bytes(damaged.read_bytes()[:-2000])
+    # A path of other loads in its place.
+    (tmp_path / "again" / f"{first[3].key}.npz").write_bytes((tmp_path / "again" / f"{first[0].key}.npz").read_bytes())
+    again = study.run(tmp_path / "again")
+    assert again.computed == 3
+    assert list(map(numbers, again)) == list(map(numbers, result))
+
+
+def test_shares_are_one_run(finished, tmp_path):
+    study, result = finished
+    parts = [study.run(tmp_path, share=(k, 2)) for k in (1, 2)]
+    assert sum(part.computed for part in parts) == 4
+    whole = study.run(tmp_path)
+    assert whole.computed == 0
+    assert list(map(numbers, whole)) == list(map(numbers, result))
+
+
+def test_the_command_prints_and_writes_the_energy(study_file, capsys):
+    assert main(["run", str(study_file), "--dry-run"]) == 0
+    plan = " ".join(capsys.readouterr().out.split())
+    assert "path tangential force (20 mN, 0 N), (-20 mN, 5 mN) under each normal load; LimitedCoulomb(" in plan
+    assert "for the normal contacts alone" in plan
+    assert main(["run", str(study_file)]) in (0, 3)
+    out = capsys.readouterr().out
+    assert "energy lost" in " ".join(out.split())
+    assert max(map(len, out.splitlines())) <= 80
+    rows = list(csv.DictReader((study_file.with_suffix("") / "records.csv").read_text().splitlines()))
+    assert len(rows) == 4
+    assert all(float(row["dissipated [J]"]) > 0.0 and float(row["stick_area [m2]"]) > 0.0 for row in rows)
+
+
+def test_a_load_that_slides_is_refused_in_its_record(finished, tmp_path):
+    study, _ = finished
+    problem = study.problems["long"]
+    result = rc.Study(problem, force=[0.1, 1.0], tangential_force=[(0.1, 0.0)], friction=0.3).run(tmp_path)
+    assert [record.status for record in result] == ["REFUSED", "CONVERGED"]
+    assert "slide" in result[0].message
+    with pytest.raises(rc.InputError, match="This record has no path"):
+        result.path(result[0])
+    frame = result.to_pandas()
+    assert np.isnan(frame["dissipated"][0])
+    assert frame["dissipated"][1] >= 0.0
+    assert float(result.to_xarray()["stick_area"].isel(load=1).item()) == result[1].stick_area
+
+
+def test_axes_of_a_function_have_paths(finished, tmp_path):
+    def build(young):
+        steel = rc.Elastic(young, 0.3)
+        bodies = rc.Body(rc.SphereSurface(1e-3), steel), rc.Body(rc.FlatSurface(), steel)
+        return rc.ContactProblem(*bodies, grid=rc.Grid((16, 16), 100e-6))
+
+    result = rc.Study(build, young=[70e9, 210e9], force=[0.5], displacement=[(20e-9, 0.0)], friction=0.3).run(tmp_path)
+    path = build(210e9).path(force=0.5, displacement=[(20e-9, 0.0)], friction=0.3)
+    assert result[1].dissipated == path.dissipated.value
+
+
+def test_studies_without_friction_keep_their_keys():
+    body = rc.Body(rc.SphereSurface(1e-3), rc.Elastic(210e9, 0.3))
+    problem = rc.ContactProblem(body, grid=rc.Grid((16, 16), 100e-6))
+    plain = rc.Study(problem, force=[1.0])
+    sheared = [
+        rc.Study(problem, force=[1.0], tangential_force=[(0.1, y)], friction=mu, substeps=n)
+        for y, mu, n in ((0.0, 0.3, "auto"), (0.05, 0.3, "auto"), (0.0, 0.4, "auto"), (0.0, 0.3, 2))
+    ]
+    assert plain.key == key_of([{"problem": problem.parts}, [{"force": 1.0}], ()])[:12]
+    assert len({plain.key, *(study.key for study in sheared)}) == 5
+    assert not {"dissipated", "stick_area"} & set(
+        rc.typing.Record(problem="a", seed=None, control="force", load=1.0, key="0" * 32, status="FAILED").row()
+    )
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"friction": None}, "give friction=0.3, for example"),
+        ({"tangential_force": None}, "Friction is for loads along the surface"),
+        ({"displacement": [(1e-9, 0.0)]}, "Give tangential_force= or displacement="),
+        ({"tangential_force": [1.0]}, "pairs (x, y) in N"),
+        ({"substeps": 0}, "substeps= must be a whole number of at least 1"),
+        ({"friction": -0.3}, "The coefficient of friction"),
+        ({"friction": "glue"}, "friction= must be a coefficient or a FrictionLaw"),
+    ],
+)
+def test_what_does_not_fit_is_refused(finished, changed, words):
+    study, _ = finished
+    arguments = {"force": [1.0], "tangential_force": [(0.1, 0.0)], "friction": 0.3, **changed}
+    with pytest.raises(rc.InputError) as caught:
+        rc.Study(study.problems["long"], **arguments)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"limited-coulomb"', '"coulom"', "Did you mean 'coulomb'?"),
+        ('"2GPa"', '"2N"', "is not a quantity in units of Pa"),
+        ('[["20mN", 0.0], ["-20mN", "5mN"]]', '["20mN"]', "pairs (x, y) in N"),
+        ('"20mN", 0.0', '"20m", 0.0', "is not a quantity in units of N"),
+        ('boundary = "periodic"', 'boundary = "wrapped"', "A wrapped boundary has no response to shear"),
+    ],
+)
+def test_what_is_wrong_in_a_file_is_a_sentence(study_file, capsys, old, new, words):
+    study_file.write_text(STUDY.replace(old, new))
+    assert main(["run", str(study_file), "--dry-run"]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert "@ study" in error
+
+
+def test_a_number_in_a_file_is_a_coefficient(study_file):
+    text = STUDY[: STUDY.index("friction =")] + "friction = 0.25\n"
+    study_file.write_text(text)
+    assert read_study(study_file).shearing.friction.coefficient == 0.25
