@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
+import shutil
 
+import attrs
 import numpy as np
 import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
 from roughcontact._base.archive.plain import key_of
+from roughcontact._solve.problem import load_path, save_path
 from roughcontact._work.studies.toml import read_study
 
 STUDY = """
@@ -88,6 +92,110 @@ def test_it_goes_on_where_it_stopped(finished, tmp_path):
     again = study.run(tmp_path / "again")
     assert again.computed == 3
     assert list(map(numbers, again)) == list(map(numbers, result))
+
+
+@attrs.frozen
+class Saturating(rc.FrictionLaw):
+    """A friction law that nobody has registered."""
+
+    strength: float
+
+    def limit(self, pressure):
+        return self.strength * np.tanh(0.3 * pressure / self.strength)
+
+
+def like_pair(**changes):
+    """A ball in a domain eight times as long as wide, with cells 1:3 and odd numbers of them."""
+    steel = rc.Elastic(210e9, 0.3)
+    bodies = rc.Body(rc.SphereSurface(1e-3), steel), rc.Body(rc.FlatSurface(), steel)
+    problem = rc.ContactProblem(*bodies, grid=rc.Grid((25, 9), (240e-6, 30e-6)))
+    along = {"tangential_force": [(0.02, 0.0), (-0.02, 0.003)], "friction": 0.3}
+    return rc.Study(problem, **{"force": [0.1, 0.2], **along, **changes})
+
+
+@contextlib.contextmanager
+def forbidden(monkeypatch, *names):
+    """No path is followed or verified, unless other methods are named."""
+    with monkeypatch.context() as context:
+        for cls, name in names or ((rc.ContactProblem, "path"), (rc.ContactProblem, "verify")):
+            context.setattr(cls, name, lambda *_, **__: pytest.fail("computed again"))
+        yield
+
+
+@pytest.mark.parametrize("changed", [{"friction": 0.6}, {"substeps": 3}])
+def test_a_file_of_another_law_or_other_increments_is_followed_again(tmp_path, changed):
+    """The loads are the same: only the key tells them apart."""
+    first = like_pair().run(tmp_path)
+    other = like_pair(**changed).run(tmp_path)
+    for one, two in zip(first, other, strict=True):
+        shutil.copy(tmp_path / f"{one.key}.npz", tmp_path / f"{two.key}.npz")
+    with pytest.raises(rc.InputError, match="does not hold the path with the key"):
+        other.path(other[0])
+    again = like_pair(**changed).run(tmp_path)
+    assert again.computed == 2
+    assert list(map(numbers, again)) == list(map(numbers, other))
+
+
+def test_a_displacement_is_not_a_force_of_the_same_number(tmp_path):
+    small = [(1e-9, 0.0)]
+    moved = like_pair(tangential_force=None, displacement=small).run(tmp_path)
+    pushed = like_pair(tangential_force=small)
+    (chain,) = pushed.chains()
+    for key, record in zip(chain.solution_keys(), moved, strict=True):
+        shutil.copy(tmp_path / f"{record.key}.npz", tmp_path / f"{key}.npz")
+    result = pushed.run(tmp_path)
+    assert result.computed == 2
+    assert result.path(result[0])[0].tangential_force[0] == pytest.approx(1e-9)
+
+
+def test_parts_that_nobody_registered_are_not_followed_again(tmp_path, monkeypatch):
+    study = like_pair(friction=Saturating(2e8))
+    first = study.run(tmp_path)
+    assert not first.failed
+    with forbidden(monkeypatch):
+        again = study.run(tmp_path)
+    assert again.computed == 0
+    assert again.records == first.records
+    with pytest.raises(rc.InputError, match="Saturating must be registered"):
+        again.path(again[0])
+
+
+def test_a_finished_study_takes_the_areas_from_its_list(tmp_path, monkeypatch):
+    first = like_pair(areas=["blend", "cell-count"]).run(tmp_path)
+    with forbidden(monkeypatch, (rc.ContactSolution, "peak_pressure"), (rc.ContactProblem, "path")):
+        again = like_pair(areas=["blend", "cell-count"]).run(tmp_path)
+    assert again.records == first.records
+    assert again.computed == 0
+    more = like_pair(areas=["perimeter"]).run(tmp_path)
+    assert more.computed == 0
+    assert all({"perimeter", "cell-count"} <= set(record.areas) for record in more)
+
+
+def test_without_the_list_the_states_are_verified(tmp_path, monkeypatch):
+    """A file with its seal whose last traction is not in equilibrium."""
+    study = like_pair(force=[0.2])
+    (record,) = study.run(tmp_path)
+    file = tmp_path / f"{record.key}.npz"
+    path = load_path(file, verify=False)
+    end = attrs.evolve(path[-1], shear=0.9 * path[-1].shear)
+    save_path(file, attrs.evolve(path, states=(path[0], end)), record.key)
+    for index in tmp_path.glob("study-*.json"):
+        index.unlink()
+    again = study.run(tmp_path)
+    assert again.computed == 1
+    assert list(map(numbers, again)) == [numbers(record)]
+
+
+def test_a_study_is_as_doubtful_as_its_paths(tmp_path):
+    """Loads that turn, in given increments, whose error is not known; one load along a line has none."""
+    doubtful = like_pair(substeps=2, tangential_force=[(0.02, 0.0), (0.0, 0.02)]).run(tmp_path)
+    sure = like_pair(tangential_force=[(0.02, 0.0)]).run(tmp_path)
+    for result in (doubtful, sure):
+        for record in result:
+            path = result.path(record)
+            assert record.doubtful == bool(path.warnings)
+            assert record.seconds >= sum(state.seconds for state in path)
+    assert all(record.doubtful for record in doubtful)
 
 
 def test_shares_are_one_run(finished, tmp_path):

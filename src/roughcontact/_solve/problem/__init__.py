@@ -5,7 +5,7 @@ from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, linearise, make_cycle_table
 from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.increments import Increment, StepNumbers, list_targets
-from roughcontact._solve.problem.path import FrictionalPath, TangentialLoop, resolve_friction
+from roughcontact._solve.problem.path import FrictionalPath, TangentialLoop, load_path, resolve_friction, save_path
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.run import computing
@@ -28,6 +28,7 @@ __all__ = [
     "find_stability",
     "linearise",
     "list_targets",
+    "load_path",
     "make_cycle_table",
     "make_table",
     "make_task",
@@ -41,4 +42,5 @@ __all__ = [
     "resample_problem",
     "resolve_friction",
     "run_sweep",
+    "save_path",
 ]

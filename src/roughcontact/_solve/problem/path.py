@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import attrs
@@ -208,9 +209,7 @@ class FrictionalPath(Sequence[FrictionalSolution]):
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the path to a file ``.npz``, completely or not at all; an existing file is replaced."""
-        numbers = [attrs.asdict(one) for one in self.numbers]
-        notes = {"increments": list(self.increments), "reasons": list(self.reasons), "numbers": numbers}
-        write_path(checks.path(path, "The file"), self.states, self.pressed, notes)
+        save_path(checks.path(path, "The file"), self)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, verify: bool = True) -> FrictionalPath:
@@ -228,24 +227,7 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         InputError
             If there is no such file, it is damaged or of another kind, or its content contradicts itself.
         """
-        states, pressed, notes = read_path(
-            checks.path(path, "The file"), FrictionalSolution, verify=checks.flag(verify, "verify=")
-        )
-        numbers = tuple(
-            StepNumbers(
-                displacement=(read_estimate(one["displacement"][0]), read_estimate(one["displacement"][1])),
-                dissipated=read_estimate(one["dissipated"]),
-                stick_area=read_estimate(one["stick_area"]),
-            )
-            for one in notes["numbers"]
-        )
-        return cls(
-            states=states,
-            pressed=pressed,
-            numbers=numbers,
-            increments=tuple(int(count) for count in notes["increments"]),
-            reasons=tuple(str(text) for text in notes["reasons"]),
-        )
+        return load_path(checks.path(path, "The file"), verify=checks.flag(verify, "verify="))
 
     def __str__(self) -> str:
         lines = [self.table().to_text(), f"energy lost  {self.dissipated}"]
@@ -253,6 +235,45 @@ class FrictionalPath(Sequence[FrictionalSolution]):
 
     def __repr__(self) -> str:
         return f"<FrictionalPath {counted(len(self), 'state')}, {self.states[0].grid}, lost {self.dissipated}>"
+
+
+def save_path(file: Path, path: FrictionalPath, key: str = "") -> None:
+    """Write a path under the key by which a study finds it; see `FrictionalPath.save`."""
+    numbers = [attrs.asdict(one) for one in path.numbers]
+    notes = {"key": key, "increments": list(path.increments), "reasons": list(path.reasons), "numbers": numbers}
+    write_path(file, path.states, path.pressed, notes)
+
+
+def load_path(file: Path, *, verify: bool, key: str = "", law: FrictionLaw | None = None) -> FrictionalPath:
+    """Return the path in a file; see `FrictionalPath.load`.
+
+    Parameters
+    ----------
+    file, verify
+        The file, and whether to recompute the certificate of each state.
+    key
+        The key that it must have; empty: any.
+    law
+        Its friction law, which then need not be registered; None: the one in the file.
+    """
+    states, pressed, notes = read_path(file, FrictionalSolution, verify=verify, law=law)
+    if key not in ("", notes.get("key")):
+        raise InputError(f"The file {file.name} does not hold the path with the key {key}.")
+    numbers = tuple(
+        StepNumbers(
+            displacement=(read_estimate(one["displacement"][0]), read_estimate(one["displacement"][1])),
+            dissipated=read_estimate(one["dissipated"]),
+            stick_area=read_estimate(one["stick_area"]),
+        )
+        for one in notes["numbers"]
+    )
+    return FrictionalPath(
+        states=states,
+        pressed=pressed,
+        numbers=numbers,
+        increments=tuple(int(count) for count in notes["increments"]),
+        reasons=tuple(str(text) for text in notes["reasons"]),
+    )
 
 
 def _without_rounding(values: Array) -> Array:

@@ -30,7 +30,7 @@ from roughcontact._solve.solution.results import (
     areas,
     responses,
 )
-from roughcontact._solve.solution.storage import read, read_figures, require_netcdf, write
+from roughcontact._solve.solution.storage import read, read_figures, require_netcdf, scalars_of, write
 from roughcontact._solve.solution.summary import (
     MORE_THAN_METALS,
     describe_maps,
@@ -100,6 +100,7 @@ __all__ = [
     "read_path",
     "require_netcdf",
     "responses",
+    "scalars_of",
     "solution_key",
     "trapping_error",
     "versions",

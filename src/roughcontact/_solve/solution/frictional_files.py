@@ -49,10 +49,10 @@ def write_path(
 
 
 def read_path(
-    path: Path, kind: type[FrictionalSolution], *, verify: bool
+    path: Path, kind: type[FrictionalSolution], *, verify: bool, law: FrictionLaw | None = None
 ) -> tuple[tuple[FrictionalSolution, ...], FrictionalSolution | None, dict[str, Any]]:
-    """Return what `write_path` has written."""
-    states, header = _read(path, _PATH_KIND, kind, verify=verify)
+    """Return what `write_path` has written, with a friction law instead of the one in the file if it is given."""
+    states, header = _read(path, _PATH_KIND, kind, verify=verify, law=law)
     pressed = states[0] if header["pressed"] else None
     with storage.usable(path, "its header is wrong"):
         notes = rebuild(header["notes"], {})
@@ -114,7 +114,7 @@ def _plain(value: Any) -> Any:
 
 
 def _read(
-    path: Path, expected: str, kind: type[FrictionalSolution], *, verify: bool
+    path: Path, expected: str, kind: type[FrictionalSolution], *, verify: bool, law: FrictionLaw | None = None
 ) -> tuple[list[FrictionalSolution], dict[str, Any]]:
     _require_suffix(path)
     arrays, header = read_archive(path)
@@ -123,7 +123,7 @@ def _read(
     with storage.usable(path, "its header is wrong"):
         if any(digest_of(values) != name for name, values in arrays.items()):
             raise InputError("An array is not the one that it is named after.")
-        states = [_assemble(one, arrays, kind) for one in header["states"]]
+        states = [_assemble(one, arrays, kind, law) for one in header["states"]]
         if not states:
             raise InputError("It has no state.")
         _require_row(header["states"])
@@ -140,7 +140,10 @@ def _require_row(described: Sequence[Mapping[str, Any]]) -> None:
 
 
 def _assemble(
-    described: Mapping[str, Any], arrays: Mapping[str, RealArray], kind: type[FrictionalSolution]
+    described: Mapping[str, Any],
+    arrays: Mapping[str, RealArray],
+    kind: type[FrictionalSolution],
+    law: FrictionLaw | None,
 ) -> FrictionalSolution:
     def named(names: Mapping[str, str]) -> dict[str, RealArray]:
         return {name: arrays[digest] for name, digest in names.items()}
@@ -170,7 +173,7 @@ def _assemble(
         shear=_field(own["shear"], (2, *shape)),
         slip=_field(own["slip"], (2, *shape)),
         displacement=(dx, dy),
-        friction=rebuild(described["friction"], named(described["parts"]), (FrictionLaw,)),
+        friction=law or rebuild(described["friction"], named(described["parts"]), (FrictionLaw,)),
         given=TangentialLoad(str(given["kind"]), (float(given["values"][0]), float(given["values"][1]))),
         pair=PairConstants(**numbers("pair")),
         before=state,

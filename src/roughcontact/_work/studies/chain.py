@@ -18,10 +18,18 @@ from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import Surface
 from roughcontact._solve.convolvers import Convolver
-from roughcontact._solve.problem import Body, ContactProblem, FrictionalPath, order_of_solving, predict_pressure
+from roughcontact._solve.problem import (
+    Body,
+    ContactProblem,
+    FrictionalPath,
+    load_path,
+    order_of_solving,
+    predict_pressure,
+    save_path,
+)
 from roughcontact._solve.solution import ContactSolution, list_all_warnings, read_figures, solution_key, write
 from roughcontact._solve.solvers import Solver
-from roughcontact._work.studies.paths import Shearing, list_figures
+from roughcontact._work.studies.paths import Shearing, figures_of, list_figures
 from roughcontact._work.studies.record import Record, read_solution, solution_path
 from roughcontact.errors import InputError, NotConverged, NotWritten, RoughContactError
 
@@ -162,14 +170,18 @@ class Chain(Point):
 
     def solution_keys(self) -> tuple[str, ...]:
         """Return the key of each load."""
-        content = self.content_key()
+        content = key_of({**self.problem.parts, **self.bodies()})
         if self.shearing is not None:
             content = key_of([content, *self.shearing.parts])
         return tuple(solution_key(content, load.arguments) for load in self.loads)
 
-    def content_key(self) -> str:
-        """Return the key of the problem with its seed."""
-        return key_of({**self.problem.parts, **self.bodies()})
+    def listed(self, key: str, load: Load) -> Record | None:
+        """Return the earlier record of a load, which another problem of the study may have made; None without one."""
+        known = self.known.get(key)
+        if known is None:
+            return None
+        place: dict[str, Any] = {"problem": self.name, "seed": self.seed, "parameters": self.parameters}
+        return attrs.evolve(known, **place, control=load.kind, load=load.value)
 
     def path(self, key: str) -> Path:
         """Return the file of the solution with a key."""
@@ -244,14 +256,12 @@ def _follow_paths(chain: Chain, shearing: Shearing) -> ChainResult:
     computed = 0
     for key, load in zip(chain.solution_keys(), chain.loads, strict=True):
         try:
-            path = _find_path(chain, shearing, key, load)
-            if path is None:
+            record = _find_path(chain, shearing, key, load)
+            if record is None:
                 computed += 1
                 path = shearing.follow(chain.seeded, load)
-                path.save(chain.path(key))
-            record = _measure(chain, chain.record(key, load), path[-1].contact)
-            warnings = tuple(dict.fromkeys((*path.warnings, *record.warnings)))
-            record = attrs.evolve(record, **list_figures(path), warnings=warnings)
+                save_path(chain.path(key), path, key)
+                record = _measure_path(chain, chain.record(key, load), path)
         except NotWritten as error:
             return ChainResult(records, computed - 1, name_full_disk(chain.folder, error))
         except Exception as error:
@@ -260,14 +270,27 @@ def _follow_paths(chain: Chain, shearing: Shearing) -> ChainResult:
     return ChainResult(records, computed)
 
 
-def _find_path(chain: Chain, shearing: Shearing, key: str, load: Load) -> FrictionalPath | None:
-    """Return a path on disk; None if there is no intact one of these loads."""
+def _find_path(chain: Chain, shearing: Shearing, key: str, load: Load) -> Record | None:
+    """Return the record of a path on disk; None if there is no intact one."""
+    known = chain.listed(key, load)
     try:
-        path = FrictionalPath.load(solution_path(chain.folder, key), verify=False)
-        return path if shearing.fits(path, chain.content_key(), load) else None
+        path = load_path(solution_path(chain.folder, key), verify=False, key=key, law=shearing.friction)
+        if known is None or not known.agrees_with(figures_of(path)):
+            known = chain.record(key, load)
+            shearing.verify(chain.seeded, load, path)
+        elif set(chain.areas) <= set(known.areas):
+            return attrs.evolve(known, message="")
     # Damaged files fail in many ways: a path that cannot be read is followed again.
     except Exception:
         return None
+    return _measure_path(chain, known, path)
+
+
+def _measure_path(chain: Chain, record: Record, path: FrictionalPath) -> Record:
+    """Return the record of a path, with the areas of the contact at its end that the given record lacks."""
+    record = _measure(chain, record, path[-1].contact)
+    warnings = tuple(dict.fromkeys((*path.warnings, *record.warnings)))
+    return attrs.evolve(record, **list_figures(path), warnings=warnings, doubtful=bool(path.warnings))
 
 
 def _in_order(records: Mapping[int, Record]) -> list[Record]:
@@ -277,10 +300,7 @@ def _in_order(records: Mapping[int, Record]) -> list[Record]:
 
 def _find(chain: Chain, key: str, load: Load) -> tuple[Record | None, ContactSolution | None]:
     """Return the record of a solution on disk, and the solution if it was read; None if there is no intact one."""
-    known = chain.known.get(key)
-    if known is not None:
-        place: dict[str, Any] = {"problem": chain.name, "seed": chain.seed, "parameters": chain.parameters}
-        known = attrs.evolve(known, **place, control=load.kind, load=load.value)
+    known = chain.listed(key, load)
     try:
         figures = read_figures(solution_path(chain.folder, key), key)
         if known is None or not known.agrees_with(figures):

@@ -7,13 +7,12 @@ from typing import Any
 
 import attrs
 
-from roughcontact._base.archive.plain import key_of
 from roughcontact._base.checks import integer
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._solve.problem import ContactProblem, FrictionalPath, list_targets, resolve_friction
-from roughcontact._solve.solution import Status, TangentialLoad
+from roughcontact._solve.solution import Status, TangentialLoad, scalars_of
 from roughcontact.errors import InputError
 
 # Loads along the surface that `explain` lists: the first ones and the last.
@@ -71,15 +70,14 @@ class Shearing:
         """What determines the states beside the problem and the normal load."""
         return [self.kind, [list(one.values) for one in self.loads], self.friction, self.substeps]
 
-    def fits(self, path: FrictionalPath, content: str, load: Load) -> bool:
-        """Return whether a path from a file has these loads, under a normal load of the problem with this key."""
-        origin = path[0].contact.origin
-        return (
-            [state.given.values for state in path] == [one.values for one in self.loads]
-            and origin is not None
-            and key_of(origin.problem) == content
-            and origin.load == load.arguments
-        )
+    def verify(self, problem: ContactProblem, load: Load, path: FrictionalPath) -> None:
+        """Raise `InputError` unless a path has these loads, and its states are solutions of a problem."""
+        origins = [state.contact.origin for state in path]
+        normal = [None if origin is None else origin.load for origin in origins]
+        if [state.given for state in path] != list(self.loads) or normal != [load.arguments] * len(path):
+            raise InputError("The path has other loads.")
+        for state in (*([] if path.pressed is None else [path.pressed]), *path):
+            problem.verify(state)
 
     def __str__(self) -> str:
         texts = [f"({si(one.values[0], one.unit)}, {si(one.values[1], one.unit)})" for one in self.loads]
@@ -88,14 +86,23 @@ class Shearing:
         return f"{self.kind.replace('_', ' ')} {', '.join(texts)} under each normal load; {self.friction!r}"
 
 
+def figures_of(path: FrictionalPath) -> dict[str, Any]:
+    """Return the figures of a path that its record states, as `read_figures` does those of a solution."""
+    contact = path[-1].contact
+    counts = {"iterations": contact.iterations, "convolutions": contact.convolutions}
+    return {**scalars_of(contact), **counts, **list_figures(path)}
+
+
 def list_figures(path: FrictionalPath) -> dict[str, Any]:
     """Return the figures of a path in its record, beside those of the contact at its end."""
-    bad = [state.status for state in path if not state.status.success]
+    states = [*([] if path.pressed is None else [path.pressed]), *path]
+    # From the best to the worst.
+    severity = list(Status)
     stick = path.numbers[-1].stick_area
     lost = path.dissipated
     return {
-        "status": (bad[0] if bad else Status.CONVERGED).name,
-        "seconds": math.fsum(state.seconds for state in path),
+        "status": max((state.status for state in states), key=severity.index).name,
+        "seconds": math.fsum(state.seconds for state in states),
         "dissipated": lost.value,
         "dissipated_uncertainty": lost.uncertainty,
         "stick_area": stick.value,

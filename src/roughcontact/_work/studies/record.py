@@ -21,7 +21,7 @@ from roughcontact._base.checks import item_of
 from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted, printable
 from roughcontact._parts.grid import FIRST_LOADING
-from roughcontact._solve.problem import FrictionalPath
+from roughcontact._solve.problem import FrictionalPath, load_path
 from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution, Status, read
 from roughcontact.errors import InputError
 
@@ -144,7 +144,7 @@ class Record:
     def agrees_with(self, figures: Mapping[str, Any]) -> bool:
         """Return whether it states the figures of its file; the areas of other estimators are not in the file."""
         names = {"p_max": "maximum_pressure", "saturated": "saturated_area"}
-        stated = (*_STATED_FIGURES, *names)
+        stated = (*_STATED_FIGURES, *names, *(_FRICTION_UNITS if self.has_friction else ()))
         blend = self.areas.get(DEFAULT_AREA, (figures["area"], figures["area_uncertainty"]))
         return all(getattr(self, name) == figures[names.get(name, name)] for name in stated) and blend == (
             figures["area"],
@@ -290,7 +290,7 @@ class StudyResult:
         """Return the path with friction of a record from its file; `InputError` if there is none, or it is damaged."""
         if not record.has_friction:
             raise InputError("This record has no path: a study with friction= and tangential_force= has some.")
-        return FrictionalPath.load(solution_path(self.folder, record.key), verify=False)
+        return load_path(solution_path(self.folder, record.key), verify=False, key=record.key)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the columns of `to_pandas` to a CSV file, completely or not at all.

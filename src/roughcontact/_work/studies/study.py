@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -243,13 +244,21 @@ class Study:
         for name, problem in self._known_problems:
             if self.seeds and not _has_random_surface(problem):
                 raise InputError(f"Seeds are given, but no surface of the problem {name!r} has one: leave seeds= out.")
+            if self.shearing is not None:
+                self._require_frictional(name, problem)
             for load in self.loads:
                 try:
-                    if self.shearing is not None:
-                        require_frictional(problem)
                     problem.require_load(**load.arguments)
                 except InputError as error:
                     raise InputError(f"Problem {name!r}: {error}") from error
+
+    @staticmethod
+    def _require_frictional(name: str, problem: ContactProblem) -> None:
+        try:
+            # Of a copy: the responses to shear of all problems would take the memory of many grids.
+            require_frictional(copy.copy(problem))
+        except InputError as error:
+            raise InputError(f"Problem {name!r}: {error}") from error
 
     @property
     def _known_problems(self) -> list[tuple[str, ContactProblem]]:
