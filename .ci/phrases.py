@@ -44,8 +44,7 @@ PHRASES = {
     r"(height )?map('s)? holes?|holes? in (a|the) (height )?maps?": "non-measured points",
     r"greatest": "maximum, largest",
     r"(?<!at[_\s])least(?![-_\s]squares)": "minimum, smallest",
-    # A share of a study, of the option --share, is a part of its jobs.
-    r"shares? of(?= the (?!study|jobs|tasks|problems|chains|same))": "fraction",
+    r"(the|a|its|this) share|shares? of": "fraction",
     r"(its|their|the|this|that|a) bars?": "uncertainty, error bar",
     r"wholes|((?<!as\s)a|one|each|every) whole(?=[.,;:)])": "contact patch",
     r"cascades?": "nested iteration",

@@ -1,4 +1,4 @@
-"""Shares of a study by the shell command: any number of them, at once or killed, is one run bit for bit."""
+"""A study in shares by the shell command: any number of them, at once or killed, is one run bit for bit."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def test_four_shares_two_of_them_at_once_are_one_run(tmp_path, whole):
         for share, own in enumerate((3, 3, 2, 2), start=1)
     ]
     assert list(map(count_new, printed)) == [9, 9, 6, 6]
-    # A table of a share alone would be taken for that of the study.
+    # A table of one share alone would be taken for that of the study.
     assert not (folder / "study" / "records.csv").exists()
     end = finish(shell(folder))
     assert end == whole[1].replace(f"{SOLVES} of them now", "0 of them now")
@@ -162,7 +162,7 @@ def test_a_bad_share_gets_a_sentence(tmp_path, run, share):
     folder = begin(tmp_path)
     status, out, errors = run("run", folder / "study.toml", f"--share={share}")
     assert (status, out) == (2, "")
-    assert errors.startswith("roughcontact: A share must be k/n or (k, n), such as 3/64")
+    assert errors.startswith("roughcontact: One of n shares must be k/n or (k, n), such as 3/64")
     assert not (folder / "study").exists()
 
 
@@ -262,7 +262,7 @@ def forbidden(monkeypatch):
 
 @pytest.mark.parametrize("share", [(0, 4), (5, 4), (1, 2, 3), (True, 2), (1.0, 2), 3, b"1/2", {1: 2}])
 def test_a_bad_share_of_a_call_gets_a_sentence(tmp_path, share):
-    with pytest.raises(rc.InputError, match="A share must be k/n or"):
+    with pytest.raises(rc.InputError, match="One of n shares must be k/n or"):
         small_study().run(tmp_path / "study", share=share)
     assert not (tmp_path / "study").exists()
 

@@ -44,7 +44,7 @@ def integrate_stress(
     find
         The stress by waves along x.
     load
-        ``"z"``, a pressure, or ``"x"`` or ``"y"``, a traction along this axis.
+        ``"z"``, a pressure, or ``"x"``, a traction along x.
     shape
         Offsets (nx, ny): 0 .. nx-1 cells along x, 0 .. ny-1 along y.
     spacing
@@ -52,9 +52,6 @@ def integrate_stress(
     reach
         Distance over which the waves decay, m.
     """
-    if load == "y":
-        exchanged = integrate_stress(find, "x", shape[::-1], spacing[::-1], reach)
-        return np.ascontiguousarray(exchanged[[1, 0, 2, 4, 3, 5]].transpose(0, 2, 1))
     own = [_halve_towards_zero(0.5 * side, reach) for side in spacing]
     smallest = math.hypot(own[0][0][0], own[1][0][0])
     largest = math.hypot(*(n * side for n, side in zip(shape, spacing, strict=True)))
@@ -113,37 +110,51 @@ class _PointStress:
     def __call__(self, x: Array, y: Array) -> Array:
         """Return the components at offsets x and y, shape (6, ...), 1/m^2."""
         r = np.hypot(x, y)
-        radial = self.spline(np.log2(r)) / r**2
-        angle = (x + 1j * y) / r
-        one, two = angle, angle * angle
-        if self.load == "z":
-            mean, difference, normal, shear = radial
-            return np.array(
-                [
-                    mean + difference * two.real,
-                    mean - difference * two.real,
-                    normal,
-                    shear * one.imag,
-                    shear * one.real,
-                    difference * two.imag,
-                ]
-            )
-        normal, along, across, lateral, third, mean, difference = radial
-        three = one * two
+        return add_angles(self.load, self.spline(np.log2(r)) / r**2, x / r, y / r)
+
+
+def add_angles(load: str, radial: Array, cos: Array, sin: Array) -> Array:
+    """Return the components, shape (6, ...), from functions of the distance or of the wave number.
+
+    Parameters
+    ----------
+    load
+        ``"z"`` or ``"x"``.
+    radial
+        The functions, in the order of `list_amplitudes`, shape (functions, ...).
+    cos, sin
+        Cosine and sine of the angle from the x axis, shape (...).
+    """
+    one = cos + 1j * sin
+    two = one * one
+    if load == "z":
+        mean, difference, normal, shear = radial
         return np.array(
             [
-                along * one.real + third * three.real,
-                across * one.real - third * three.real,
-                normal * one.real,
-                difference * two.imag,
                 mean + difference * two.real,
-                lateral * one.imag + third * three.imag,
+                mean - difference * two.real,
+                normal,
+                shear * one.imag,
+                shear * one.real,
+                difference * two.imag,
             ]
         )
+    normal, along, across, lateral, third, mean, difference = radial
+    three = one * two
+    return np.array(
+        [
+            along * one.real + third * three.real,
+            across * one.real - third * three.real,
+            normal * one.real,
+            difference * two.imag,
+            mean + difference * two.real,
+            lateral * one.imag + third * three.imag,
+        ]
+    )
 
 
-def _list_amplitudes(find: FindWaves, load: str, q: Array) -> tuple[tuple[int, ...], Array]:
-    """Return the order of Hankel's transform of each radial function, and their amplitudes, shape (functions, n)."""
+def list_amplitudes(find: FindWaves, load: str, q: Array) -> tuple[tuple[int, ...], Array]:
+    """Return the order of Hankel's transform of each function of `add_angles`, and the amplitudes, (functions, n)."""
     if load == "z":
         along, across, normal, _, shear, _ = find("z", q)
         return (0, 2, 0, 1), np.array([0.5 * (along + across), 0.5 * (along - across), normal, shear])
@@ -167,8 +178,9 @@ def _tabulate(find: FindWaves, load: str, smallest: float, largest: float, reach
 
     .. math:: r^2 f(r) = \frac{i^k}{2\pi} \int_0^\infty A(x / r)\,J_k(x)\,x\,\mathrm{d}x
     """
+    first = math.floor(math.log2(smallest))
     # One octave more, so that the spline reaches beyond the largest distance.
-    first, last = math.floor(math.log2(smallest)), math.floor(math.log2(largest)) + 1
+    last = math.floor(math.log2(largest)) + 1
     nodes = chebyshev.chebpts1(_NODES)
     vandermonde = chebyshev.chebvander(nodes, _NODES - 1)
     points = np.linspace(-1.0, 1.0, _POINTS, endpoint=False)
@@ -177,7 +189,7 @@ def _tabulate(find: FindWaves, load: str, smallest: float, largest: float, reach
         r = 2.0 ** (octave + 0.5 * (nodes + 1.0))
         x, weights = list_points(count_halvings(reach / 2.0**octave))
         q = x / r[:, np.newaxis]
-        orders, amplitudes = _list_amplitudes(find, load, q.ravel())
+        orders, amplitudes = list_amplitudes(find, load, q.ravel())
         values = [
             amplitude.reshape(q.shape) @ (weights * x * _SIGNS[k] / (2.0 * np.pi) * special.jv(k, x))
             for k, amplitude in zip(orders, amplitudes, strict=True)

@@ -144,6 +144,8 @@ class LayeredKernel(rc.InfluenceKernel):
         Array
             The components xx, yy, zz, yz, xz, xy, shape (6, nx, ny).
         """
+        if load == "y":
+            return _exchange_axes(self.stress_coefficients("x", shape[::-1], spacing[::-1], depth))
         return integrate_stress(self._find_waves(depth), load, shape, spacing, self._reach(depth))
 
     def stress_spectrum(self, load: str, qx: Array, qy: Array, spacing: tuple[float, float], depth: float) -> Array:
@@ -154,6 +156,8 @@ class LayeredKernel(rc.InfluenceKernel):
         roughcontact.InputError
             If the layers are much thinner than a cell.
         """
+        if load == "y":
+            return _exchange_axes(self.stress_spectrum("x", qy.T, qx.T, spacing[::-1], depth))
         return sum_waves(self._find_waves(depth), load, qx, qy, spacing, self._reach(depth))
 
     def _find_waves(self, depth: float) -> FindWaves:
@@ -187,3 +191,8 @@ class LayeredKernel(rc.InfluenceKernel):
     def _other(self, compliance: float) -> float:
         """Return (1 - nu^2) / E of the body without layers, 1/Pa."""
         return compliance_of_other(f"The substrate {self.substrate!r}", self.substrate.compliance, compliance)
+
+
+def _exchange_axes(stress: Array) -> Array:
+    """Return the components xx, yy, zz, yz, xz, xy after an exchange of the axes x and y, shape (6, m, n)."""
+    return np.ascontiguousarray(stress[[1, 0, 2, 4, 3, 5]].transpose(0, 2, 1))

@@ -1,4 +1,4 @@
-"""Stress below layers by waves of loads that are constant on each cell: rotated, and summed over aliases."""
+"""Stress below layers by waves of loads that are constant on each cell: in all directions, with their aliases."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import roughcontact as rc
 from scipy.interpolate import CubicSpline
 
-from roughcontact_layered.harmonics import FindWaves
+from roughcontact_layered.harmonics import FindWaves, add_angles, list_amplitudes
 from roughcontact_layered.stack import Array
 
 # Wave number times reach from which waves have decayed: exp(-18) = 2e-8.
@@ -27,7 +27,7 @@ def sum_waves(find: FindWaves, load: str, qx: Array, qy: Array, spacing: tuple[f
     find
         The stress by waves along x.
     load
-        ``"z"``, a pressure, or ``"x"`` or ``"y"``, a traction along this axis.
+        ``"z"``, a pressure, or ``"x"``, a traction along x.
     qx, qy
         Wave numbers, shapes (m, 1) and (1, n), rad/m.
     spacing
@@ -40,9 +40,6 @@ def sum_waves(find: FindWaves, load: str, qx: Array, qy: Array, spacing: tuple[f
     roughcontact.InputError
         If the layers are much thinner than a cell.
     """
-    if load == "y":
-        exchanged = sum_waves(find, "x", qy.T, qx.T, spacing[::-1], reach)
-        return np.ascontiguousarray(exchanged[[1, 0, 2, 4, 3, 5]].transpose(0, 2, 1))
     orders = [_count_orders(side, reach) for side in spacing]
     table = _Table(find, load, _smallest(qx, qy), _DECAYED / reach)
     total = np.zeros((6, qx.shape[0], qy.shape[1]))
@@ -78,47 +75,14 @@ class _Table:
         self.last = max(last, 2.0 * first)
         count = math.ceil(_NODES * math.log2(self.last / first)) + 8
         q = np.geomspace(0.99 * first, 1.01 * self.last, count)
-        loads = ("z",) if load == "z" else ("x", "y")
-        self.splines = {one: CubicSpline(np.log(q), find(one, q), axis=1) for one in loads}
+        self.spline = CubicSpline(np.log(q), list_amplitudes(find, load, q)[1], axis=1)
 
     def __call__(self, qx: Array, qy: Array) -> Array:
         """Return the components, shape (6, m, n); zero at the mean and where waves have decayed."""
         q = np.hypot(qx, qy)
         kept = np.nonzero((q > 0.0) & (q <= self.last))
-        result = np.zeros((6, *q.shape))
         at = q[kept]
-        c, s = (np.broadcast_to(one, q.shape)[kept] / at for one in (qx, qy))
-        found = {one: spline(np.log(at)) for one, spline in self.splines.items()}
-        rotated = _rotate_pressure(found["z"], c, s) if self.load == "z" else _rotate_shear(found, c, s)
-        result[:, kept[0], kept[1]] = rotated
+        result = np.zeros((6, *q.shape))
+        cos, sin = (np.broadcast_to(one, q.shape)[kept] / at for one in (qx, qy))
+        result[:, kept[0], kept[1]] = add_angles(self.load, self.spline(np.log(at)), cos, sin)
         return result
-
-
-def _rotate_pressure(found: Array, c: Array, s: Array) -> Array:
-    along, across, normal, _, shear, _ = found
-    return np.array(
-        [
-            c * c * along + s * s * across,
-            s * s * along + c * c * across,
-            normal,
-            s * shear,
-            c * shear,
-            c * s * (along - across),
-        ]
-    )
-
-
-def _rotate_shear(found: dict[str, Array], c: Array, s: Array) -> Array:
-    """Rotate waves of a traction along x, whose part along the wave is c and across it -s."""
-    along, across, normal, _, shear, _ = found["x"]
-    _, _, _, shear_across, _, lateral = found["y"]
-    return np.array(
-        [
-            c * (c * c * along + s * s * across + 2.0 * s * s * lateral),
-            c * (s * s * along + c * c * across - 2.0 * s * s * lateral),
-            c * normal,
-            c * s * (shear - shear_across),
-            c * c * shear + s * s * shear_across,
-            s * (c * c * (along - across) - (c * c - s * s) * lateral),
-        ]
-    )

@@ -16,6 +16,7 @@ from roughcontact._base.arrays import Array, Pair, RealArray, Waves, read_only
 from roughcontact._base.machine import threads_for
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Grid
+from roughcontact._parts.kernels import SupportsStress
 
 # The components of the stress, in Voigt's order.
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
@@ -49,6 +50,35 @@ class StressPlanes(abc.ABC):
 
 
 @attrs.frozen(eq=False)
+class LayersBelow:
+    """What the layers of a kernel add to the stress below a homogeneous half-space.
+
+    Attributes
+    ----------
+    kernel
+        The kernel.
+    unit
+        Side of a cell along x, m, in which lengths are given.
+    """
+
+    kernel: SupportsStress
+    unit: float
+
+    def find_table(self, load: str, shape: tuple[int, int], sides: Pair, z: float) -> Array:
+        """Return what they add at offsets from a cell with unit load, shape (6, nx, ny)."""
+        return self.kernel.stress_coefficients(load, shape, self._lengths(sides), z * self.unit)
+
+    def find_symbols(self, load: str, phases: tuple[Array, Array], sides: Pair, z: float) -> Array:
+        """Return what they add for waves with these phases from cell to cell, shape (6, m, n)."""
+        spacing = self._lengths(sides)
+        qx, qy = (phase / side for phase, side in zip(phases, spacing, strict=True))
+        return self.kernel.stress_spectrum(load, qx[:, np.newaxis], qy[np.newaxis, :], spacing, z * self.unit)
+
+    def _lengths(self, sides: Pair) -> Pair:
+        return sides[0] * self.unit, sides[1] * self.unit
+
+
+@attrs.frozen(eq=False)
 class LoadedPlanes(StressPlanes):
     """The stress below a load that is constant on each cell, by the waves of the load on a padded grid.
 
@@ -60,11 +90,14 @@ class LoadedPlanes(StressPlanes):
         Sides of a cell.
     traction
         Traction on the cells along x and y, float32, shape (2, nx, ny); None without.
+    layers
+        The layers of the body; None of a homogeneous half-space.
     """
 
     pressure: RealArray
     sides: Pair
     traction: RealArray | None = None
+    layers: LayersBelow | None = attrs.field(default=None, kw_only=True)
 
     @property
     @abc.abstractmethod

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -151,12 +150,9 @@ class FreePlanes(LoadedPlanes):
     ----------
     common
         The largest steps along x and y for which `at` is called.
-    find_table
-        The stress by a unit load on one cell, as `cell_stress` gives it.
     """
 
     common: tuple[int, int] = (1, 1)
-    find_table: Callable[..., RealArray] = cell_stress
 
     @cached_property
     def padded(self) -> tuple[int, int]:
@@ -172,7 +168,10 @@ class FreePlanes(LoadedPlanes):
     ) -> None:
         mx, my = shape
         precision = np.float64 if z * z > _MAX_FLOAT32_DEPTH_SQUARE * sides[0] * sides[1] else np.float32
-        tables = self.find_table(z, poisson, (mx // 2 + 1, my // 2 + 1), sides, precision, load).astype(np.float32)
+        offsets = mx // 2 + 1, my // 2 + 1
+        tables = cell_stress(z, poisson, offsets, sides, precision, load).astype(np.float32)
+        if self.layers is not None:
+            tables += self.layers.find_table(load, offsets, sides, z).astype(np.float32)
         kept = stress.shape[1], stress.shape[2]
         for place, (component, table) in enumerate(zip(COMPONENTS, tables, strict=True)):
             odd = is_odd("x", component, load), is_odd("y", component, load)

@@ -36,6 +36,10 @@ _SURFACE_ERROR = 0.03
 _PEAK_FACTOR = 2.0
 
 
+# Distance of the depths on both sides of an interface, over its depth: that of rounding.
+_SIDE = 1e-9
+
+
 @attrs.frozen
 class StressMaximum(Estimate):
     """The maximum of a stress below a surface, and its place.
@@ -216,6 +220,29 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
         )
     uncertainty = math.hypot(relative * value, _INTERPOLATION_ERROR * rise)
     return StressMaximum(value * scale, uncertainty * scale, peaks[top].x, peaks[top].y, depth, tuple(warnings))
+
+
+def with_interfaces(depths: Array, interfaces: Array) -> Array:
+    """Return depths, and those of both sides of each interface among them, m, ascending."""
+    inside = interfaces[interfaces < depths.max()]
+    return np.unique(np.concatenate((depths, (1.0 - _SIDE) * inside, (1.0 + _SIDE) * inside)))
+
+
+def find_maximum_of_layers(
+    depths: Array, interfaces: Array, peaks: Sequence[PlanePeak], scale: float, cell: float
+) -> StressMaximum:
+    """Return the largest of the maxima in each layer, across whose interfaces the stress jumps; see `find_maximum`."""
+    layer = np.searchsorted(interfaces, depths)
+    found = []
+    for number in np.unique(layer):
+        places = np.flatnonzero(layer == number)
+        one = find_maximum(depths[places], [peaks[int(place)] for place in places], scale, cell)
+        # At an interface a layer ends: nothing of it lies beyond the depths.
+        if np.isclose(one.depth, interfaces, rtol=1e-6, atol=0.0).any():
+            kept = tuple(text for text in one.warnings if getattr(text, "rule", "") != "depths")
+            one = attrs.evolve(one, warnings=kept)
+        found.append(one)
+    return max(found, key=lambda one: one.value)
 
 
 def warn_of_depth(cells: float) -> ContactWarning:

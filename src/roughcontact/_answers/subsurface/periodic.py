@@ -49,14 +49,7 @@ class PeriodicPlanes(LoadedPlanes):
 
     The mean pressure is not the limit of such waves: the body is confined, :math:`\sigma_{xx} = \sigma_{yy} =
     -\nu/(1-\nu) \langle p \rangle`. The mean traction gives :math:`\sigma_{xz} = -\langle q_x \rangle` alone.
-
-    Attributes
-    ----------
-    find_symbols
-        The factors of all waves, as the function of this name gives them.
     """
-
-    find_symbols: Callable[..., list[RealArray]] = attrs.field(factory=lambda: find_symbols)
 
     @property
     def padded(self) -> tuple[int, int]:
@@ -68,7 +61,11 @@ class PeriodicPlanes(LoadedPlanes):
         self, stress: RealArray, load: str, waves: Waves, shape: tuple[int, int], sides: Pair, z: float, poisson: float
     ) -> None:
         phases = _phases(np.fft.fftfreq(shape[0])), _phases(np.fft.rfftfreq(shape[1]))
-        add_stress(stress, waves, self.find_symbols(phases, sides, z, poisson, load), load, shape)
+        symbols = find_symbols(phases, sides, z, poisson, load)
+        if self.layers is not None:
+            added = self.layers.find_symbols(load, phases, sides, z).astype(np.float32)
+            symbols = [symbol + one for symbol, one in zip(symbols, added, strict=True)]
+        add_stress(stress, waves, symbols, load, shape)
 
 
 def add_stress(

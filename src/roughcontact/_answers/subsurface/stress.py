@@ -13,6 +13,7 @@ import numpy as np
 from roughcontact._answers.subsurface.fatigue import find_crossland, find_dang_van, list_paths
 from roughcontact._answers.subsurface.field import (
     COMPONENTS,
+    LayersBelow,
     StressField,
     StressPlanes,
     common_step,
@@ -22,17 +23,17 @@ from roughcontact._answers.subsurface.field import (
     von_mises,
 )
 from roughcontact._answers.subsurface.free import FreePlanes
-from roughcontact._answers.subsurface.layered import BelowLayers, find_maximum_of_layers, with_interfaces
 from roughcontact._answers.subsurface.maximum import (
     MIN_RELATIVE_ERROR,
     EdgeStress,
     PlanePeak,
     StressMaximum,
     find_edge_stress,
-    find_maximum,
+    find_maximum_of_layers,
     find_shear,
     find_von_mises,
     warn_of_depth,
+    with_interfaces,
 )
 from roughcontact._answers.subsurface.mixed import ExchangedPlanes, MixedPlanes
 from roughcontact._answers.subsurface.periodic import PeriodicPlanes
@@ -219,11 +220,8 @@ class Stress:
     def _find_maximum(self, place: int, measure: Callable[[RealArray], RealArray]) -> StressMaximum:
         peaks = [peak[place] for peak in self._peaks]
         depths = np.unique(self.depths)
-        cell = max(self._grid.spacing)
-        if self._layers is None:
-            found = find_maximum(depths, peaks, self._scale, cell)
-        else:
-            found = find_maximum_of_layers(depths, self._layers.interfaces, peaks, self._scale, cell)
+        interfaces = np.empty(0) if self._layers is None else self._layers.interfaces
+        found = find_maximum_of_layers(depths, interfaces, peaks, self._scale, max(self._grid.spacing))
         if self.traction is not None and (self.depths == 0.0).any():
             found = self._compare_with_edge(found, measure)
         if self._reaches_border or found.warnings:
@@ -290,10 +288,9 @@ class Stress:
     def _planes(self) -> StressPlanes:
         pressure = (self.solution.pressure / self._scale).astype(np.float32)
         traction = None if self.traction is None else (self.traction / self._scale).astype(np.float32)
-        below = None if self._layers is None else BelowLayers(self._layers, self._grid.spacing[0])
+        layers = None if self._layers is None else LayersBelow(self._layers, self._grid.spacing[0])
         if self.solution.boundary is Boundary.PERIODIC:
-            symbols = {} if below is None else {"find_symbols": below.find_symbols}
-            return PeriodicPlanes(pressure, self._sides, traction, **symbols)
+            return PeriodicPlanes(pressure, self._sides, traction, layers=layers)
         steps = [find_steps(self._grid.shape, self._sides, float(z)) for z in self.depths / self._grid.spacing[0]]
         if self.solution.boundary is Boundary.FREE_PERIODIC:
             return MixedPlanes(pressure, self._sides, traction, common_step(steps)[0])
@@ -301,8 +298,7 @@ class Stress:
             exchanged = None if traction is None else np.ascontiguousarray(traction[::-1].transpose(0, 2, 1))
             planes = MixedPlanes(pressure.T, self._sides[::-1], exchanged, common_step(steps)[1])
             return ExchangedPlanes(planes)
-        tables = {} if below is None else {"find_table": below.find_table}
-        return FreePlanes(pressure, self._sides, traction, common_step(steps), **tables)
+        return FreePlanes(pressure, self._sides, traction, common_step(steps), layers=layers)
 
     def _field(self, depth: float, steps: tuple[int, int]) -> StressField:
         grid = self._grid

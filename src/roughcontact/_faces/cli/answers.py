@@ -146,12 +146,13 @@ def _write_answers(solutions: Sequence[rc.ContactSolution], answers: Answers) ->
     if len(solutions) == 1:
         return [line for name, found in answers.items() for line in _label(name, str(found[0]))]
     forces = [rc.Estimate(solution.force, 0.0, "N") for solution in solutions]
-    lines = Table({"force": forces, **_tabulate(answers, warned=False)}).to_text().split("\n")
+    columns = _tabulate(answers)
+    lines = Table({"force": forces, **columns}).to_text().split("\n")
     for name, found in answers.items():
         for force, result in zip(forces, found, strict=True):
             if not _list_estimates(result):
                 lines += _label(name, f"at {si(force.value, 'N')}: {result}")
-    warnings = {text: name for name, column in _tabulate(answers).items() for one in column for text in one.warnings}
+    warnings = {text: name for name, column in columns.items() for one in column for text in one.warnings}
     return [*lines, *(f"warning  {name}: {text}" for text, name in warnings.items())]
 
 
@@ -160,14 +161,13 @@ def _label(name: str, text: str) -> list[str]:
     return [f"{name:{_LABEL_WIDTH - 1}} {first}", *(f"{'':{_LABEL_WIDTH}}{line}" for line in others)]
 
 
-def _tabulate(answers: Answers, *, warned: bool = True) -> dict[str, list[rc.Estimate]]:
-    """Return a column for each number, in the order of the solutions, with or without the warnings."""
+def _tabulate(answers: Answers) -> dict[str, list[rc.Estimate]]:
+    """Return a column for each number, in the order of the solutions."""
     columns: dict[str, list[rc.Estimate]] = {}
     for name, found in answers.items():
         for result in found:
             for part, one in _list_estimates(result).items():
-                bare = rc.Estimate(one.value, one.uncertainty, one.unit, one.warnings if warned else ())
-                columns.setdefault(f"{name} {part}".strip(), []).append(bare)
+                columns.setdefault(f"{name} {part}".strip(), []).append(one)
     return columns
 
 

@@ -22,7 +22,7 @@ from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.answers import plan_picture, to_json, to_text
 from roughcontact._faces.cli.friction import path_to_json, path_to_text, state_to_json, state_to_text
-from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, name_options, quantity, whole_number
+from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, fields_of, name_options, quantity, whole_number
 from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.surfaces import list_facts
@@ -253,19 +253,15 @@ def _kinds() -> dict[str, type[Any]]:
             cls: type[Any] = rc.surfaces[name]
             given = {field.name for field, _, _ in _options_of(cls)}
             if attrs.has(cls) and all(
-                field.name in given or field.default is not attrs.NOTHING for field in _fields(cls)
+                field.name in given or field.default is not attrs.NOTHING for field in fields_of(cls)
             ):
                 found[name] = cls
     return found
 
 
-def _fields(cls: type[Any]) -> tuple[Any, ...]:
-    return tuple(attrs.fields(cls)) if attrs.has(cls) else ()
-
-
 def _options_of(cls: type[Any]) -> Iterator[tuple[Any, Callable[[str], Any], str | None]]:
     """Yield each field that an option can give, with the converter of its text and the number of values."""
-    for field in _fields(cls):
+    for field in fields_of(cls):
         annotation = field.type if isinstance(field.type, str) else getattr(field.type, "__name__", "")
         kind = _FIELD_CONVERTERS.get(annotation.removesuffix(" | None"))
         if field.init and kind is not None:

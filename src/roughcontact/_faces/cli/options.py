@@ -8,6 +8,8 @@ import re
 from collections.abc import Callable, Iterable
 from typing import Any
 
+import attrs
+
 from roughcontact._base.units import parse_quantity
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.materials import TYPICAL
@@ -55,6 +57,11 @@ def quantity(unit: str) -> Callable[[str], float]:
             raise argparse.ArgumentTypeError(str(error)) from error
 
     return convert
+
+
+def fields_of(cls: type[Any]) -> tuple[attrs.Attribute[Any], ...]:
+    """Return the fields of a class that options can give; none of a class that is not of attrs."""
+    return tuple(attrs.fields(cls)) if attrs.has(cls) else ()
 
 
 def whole_number(text: str) -> int:

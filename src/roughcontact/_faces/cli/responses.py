@@ -12,6 +12,7 @@ import attrs
 import roughcontact as rc
 from roughcontact._base.arrays import Array
 from roughcontact._faces.cli.answers import Answers
+from roughcontact._faces.cli.options import fields_of
 from roughcontact._faces.cli.problem import make_part
 
 
@@ -23,7 +24,7 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
         # An array, a number for each cell, is for scripts.
         if get_type_hints(cls.respond).get("return") == Array:
             continue
-        fields = _fields(cls)
+        fields = fields_of(cls)
         needed = [f"{field.alias}=..." for field in fields if field.default is attrs.NOTHING]
         others = [f"[{field.alias}=...]" for field in fields if field.default is not attrs.NOTHING]
         with contextlib.suppress(argparse.ArgumentError):
@@ -41,17 +42,13 @@ def _describe(cls: type) -> str:
     return line[:1].lower() + line[1:]
 
 
-def _fields(cls: type) -> tuple[attrs.Attribute[Any], ...]:
-    return tuple(attrs.fields(cls)) if attrs.has(cls) else ()
-
-
 def responses_of(options: argparse.Namespace) -> dict[str, rc.Response[Any]]:
     """Return the responses that the options ask for, by name."""
     asked = {}
     for name in rc.responses:
         texts = getattr(options, f"response {name}", None)
         if texts is not None:
-            needed = [field.alias for field in _fields(rc.responses[name]) if field.default is attrs.NOTHING]
+            needed = [field.alias for field in fields_of(rc.responses[name]) if field.default is attrs.NOTHING]
             # Of one field that is needed the value is enough: --first-yield 1GPa.
             named = [f"{needed[0]}={text}" if len(needed) == 1 and "=" not in text else text for text in texts]
             asked[name] = make_part(rc.responses, f"--{name}", name, named)

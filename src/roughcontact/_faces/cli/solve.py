@@ -120,15 +120,17 @@ examples:
             return _report_warnings(doubtful, quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
             subject, solutions = _solve(options, problem, loads, change)
-        with show_progress("answering", quiet=options.quiet or not asked):
-            answers = ask(asked, solutions)
-        if not options.quiet:
-            write = to_json if options.json else to_csv if options.csv else to_text
-            print(write(solutions, options.area, answers))
-            if options.pull_off:
-                print(f"pull-off       {problem.pull_off()}", file=sys.stderr if piped else None)
+        # Before the responses, of which one may have no answer.
         done = write_outputs(files, subject, solutions)
-        if done and not piped and not options.quiet:
+        if options.quiet:
+            return _status(solutions, quiet=True)
+        with show_progress("answering", quiet=not asked):
+            answers = ask(asked, solutions)
+        write = to_json if options.json else to_csv if options.csv else to_text
+        print(write(solutions, options.area, answers))
+        if options.pull_off:
+            print(f"pull-off       {problem.pull_off()}", file=sys.stderr if piped else None)
+        if done and not piped:
             print(done)
         return _status(solutions, quiet=options.quiet)
 

@@ -16,7 +16,7 @@ from roughcontact._base.registry import Registry, registries
 from roughcontact._base.units import parse_quantity
 from roughcontact._parts.files import read_surface
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.materials import TYPICAL, materials
+from roughcontact._parts.materials import materials, resolve_material
 from roughcontact._parts.surfaces import HeightMap, Surface, SurfaceSum, match, surfaces
 from roughcontact._solve.problem import Body, ContactProblem, require_memory_of_solve
 from roughcontact.errors import InputError
@@ -133,11 +133,11 @@ class Form:
         return tuple(self.read(item, one, f"{place}[{index}]") for index, one in enumerate(value))
 
     def _read_part(self, registry: Registry[Any], value: Any, place: str) -> Any:
+        if registry is materials and isinstance(value, str):
+            return resolve_material(value)
         name, fields = _name_and_fields(value, registry)
         if name == "file" and registry is surfaces:
             return self._read_map(fields)
-        if name in TYPICAL and not fields and registry is materials:
-            return TYPICAL[name]
         return self._read_fields(registry[name], fields, place)
 
     def _read_fields(self, cls: type[T], table: Mapping[str, Any], place: str) -> T | None:

@@ -1,4 +1,4 @@
-"""Shares of a study, for processes that know nothing of each other, as those of a job array."""
+"""One of n shares, for processes that know nothing of each other, as those of a job array."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from roughcontact._base.checks import integer
 from roughcontact._work.studies.record import Record, read_index
 from roughcontact.errors import InputError
 
+_WHAT = "One of n shares"
 _ALLOWED = "k/n or (k, n), such as 3/64, with whole numbers 1 <= k <= n"
 
 
 @attrs.frozen
 class Share:
-    """The k-th of n shares of the problems and seeds of a study.
+    """The k-th of n shares, into which the problems and seeds of a study are dealt.
 
     Attributes
     ----------
@@ -31,13 +32,13 @@ class Share:
 
     @classmethod
     def of(cls, value: object) -> Share:
-        """Return the share that two numbers or a text such as ``"3/64"`` mean, or raise `InputError`."""
+        """Return what two numbers or a text such as ``"3/64"`` mean, or raise `InputError`."""
         try:
-            number, count = (integer(one, "A share", at_least=1) for one in _numbers(value))
+            number, count = (integer(one, _WHAT, at_least=1) for one in _numbers(value))
         except ValueError:
-            raise InputError.about("A share", value, _ALLOWED) from None
+            raise InputError.about(_WHAT, value, _ALLOWED) from None
         if number > count:
-            raise InputError.about("A share", value, _ALLOWED)
+            raise InputError.about(_WHAT, value, _ALLOWED)
         return cls(number, count)
 
     def size(self, total: int) -> int:
@@ -67,7 +68,7 @@ def _numbers(value: object) -> Sequence[object]:
 
 
 def list_of_records(folder: Path, key: str, share: Share | None) -> Path:
-    """Return the file of the records of a study, or of its share: writers of one list would overwrite each other."""
+    """Return the file of the records of a study, or of one share: writers of one list would overwrite each other."""
     part = "" if share is None else f"-{share.number}-of-{share.count}"
     return folder / f"study-{key}{part}.json"
 

@@ -36,8 +36,10 @@ _TYPICAL_CONVOLUTIONS = 25
 _MAX_LISTED_VALUES = 8
 # Units of a time, s; each is used from twice its length on.
 _TIME_UNITS = {"hours": 3600.0, "minutes": 60.0, "s": 1.0}
-_OF_PATHS = ("tangential_force", "displacement", "friction", "substeps")
-_ARGUMENTS = ("problems", "pressure", "force", "approach", "areas", "seeds", *_OF_PATHS)
+_ARGUMENTS = (
+    "problems", "pressure", "force", "approach", "areas", "seeds",
+    "tangential_force", "displacement", "friction", "substeps",
+)  # fmt: skip
 # Units in which texts of a study file are read.
 _PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
 
@@ -332,7 +334,7 @@ class Study:
         Returns
         -------
         StudyResult
-            The records in the order of the study; of a share, its own.
+            The records in the order of the study; with `share`, its own.
 
         Raises
         ------

@@ -39,7 +39,7 @@ class Chains(Sequence[Chain | Unbuilt]):
     known
         Earlier records, by key.
     share
-        The share whose chains they are; None for all.
+        Which of n shares they are; None for all.
     shearing
         The loads along the surface of the study; None without.
     """
