@@ -120,6 +120,46 @@ def list_sliding() -> list[list[str]]:
     return rows
 
 
+def list_edges() -> list[list[str]]:
+    """Return the errors of the maximum principal stress at the surface, behind sliding balls and rough surfaces."""
+    rows = [["cells in the", "friction", "error: median, largest, %", "stated, %", "within 2 std"]]
+    rng = np.random.default_rng(205)
+    for cells in (1.5, 3, 6, 16):
+        for friction in (0.1, 0.5):
+            tension = (1.0 - 2.0 * STEEL.poisson) / 3.0 + np.pi * (4.0 + STEEL.poisson) / 8.0 * friction
+            pairs = []
+            for _ in range(12):
+                solution, p0, _ = press_ball(cells, rng)
+                found = solution.stress(friction=friction, direction=float(rng.uniform(0.0, 360.0))).maximum_principal
+                pairs.append((found, tension * p0))
+            rows.append([f"radius: {cells:g}", f"{friction:g}", *list_errors(pairs)])
+    scenes = [(seed, hurst, load, 1 + seed % 2) for seed, (hurst, load) in enumerate(EDGE_SCENES, 90)]
+    exact = [solve_rough(800, *scene) for scene in scenes]
+    for cells in (80, 160, 240):
+        solutions = [solve_rough(cells, *scene) for scene in scenes]
+        for friction in (0.1, 0.5):
+            pairs = [
+                tuple(one.stress([0.0], friction=friction).maximum_principal for one in pair)
+                for pair in zip(solutions, exact, strict=True)
+            ]
+            pairs = [(found, true.value) for found, true in pairs]
+            rows.append([f"shortest wave: {cells // 10}", f"{friction:g}", *list_errors(pairs)])
+    return rows
+
+
+EDGE_SCENES = ((0.8, 0.02), (0.5, 0.05), (0.8, 0.2), (0.3, 0.1)) * 2
+
+
+def list_errors(pairs: list[tuple[rc.typing.StressMaximum, float]]) -> list[str]:
+    error = np.array([abs(found.value / true - 1.0) for found, true in pairs])
+    stated = np.array([found.uncertainty / true for found, true in pairs])
+    return [
+        f"{100 * np.median(error):.2g}, {100 * error.max():.2g}",
+        f"{100 * np.median(stated):.2g}",
+        f"{np.mean(error < 2.0 * stated):.2f}",
+    ]
+
+
 def solve_rough(cells: int, seed: int, hurst: float, load: float, aspect: int) -> rc.ContactSolution:
     surface = rc.SelfAffineSurface(hurst=hurst, rms_slope=0.05, shortest=1e-4, longest=1e-3, rolloff=3e-4, seed=seed)
     grid = rc.Grid((cells // aspect, cells), 1e-3)
@@ -139,17 +179,8 @@ def list_rough() -> list[list[str]]:
     for cells in (40, 80, 160, 240):
         found = [solve_rough(cells, *scene).stress().maximum for scene in scenes]
         depth = [one.depth / (1e-3 * scene[3] / cells) for one, scene in zip(found, scenes, strict=True)]
-        error = np.array([abs(one.value / true.value - 1.0) for one, true in zip(found, exact, strict=True)])
-        stated = np.array([one.uncertainty / one.value for one in found])
-        rows.append(
-            [
-                f"{cells // 10}",
-                f"{min(depth):.1f} .. {max(depth):.1f}",
-                f"{100 * np.median(error):.2g}, {100 * error.max():.2g}",
-                f"{100 * np.median(stated):.2g}",
-                f"{np.mean(error < 2.0 * stated):.2f}",
-            ]
-        )
+        pairs = [(one, true.value) for one, true in zip(found, exact, strict=True)]
+        rows.append([f"{cells // 10}", f"{min(depth):.1f} .. {max(depth):.1f}", *list_errors(pairs)])
     return rows
 
 
@@ -203,6 +234,7 @@ def draw(folder: Path = FIGURES) -> None:
 TABLES = {
     "stress-balls": DocTable(list_balls, seconds=25, units=2.0, shown=pick(lines=("1.5", "3", "6", "24"))),
     "stress-sliding": DocTable(list_sliding, seconds=8, units=2.0),
+    "stress-edges": DocTable(list_edges, seconds=60, units=2.0),
     "stress-rough": DocTable(list_rough, seconds=50, units=2.0, shown=pick(lines=("4", "8", "16"))),
     "stress-cost": DocTable(
         list_costs,

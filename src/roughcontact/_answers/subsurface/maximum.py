@@ -1,4 +1,4 @@
-"""The maximum of a stress between points and depths, its place and uncertainty, and the peak at an edge."""
+"""The maximum of a stress between points and depths, its place and uncertainty."""
 
 from __future__ import annotations
 
@@ -8,14 +8,7 @@ from collections.abc import Callable, Sequence
 import attrs
 import numpy as np
 
-from roughcontact._answers.subsurface.field import (
-    COMPONENTS,
-    StressField,
-    maximum_principal,
-    maximum_shear,
-    shear_invariant,
-    von_mises,
-)
+from roughcontact._answers.subsurface.field import StressField, maximum_shear, shear_invariant, von_mises
 from roughcontact._base.arrays import Array, RealArray
 from roughcontact._base.units import ContactWarning, Estimate, si
 from roughcontact._parts.grid import Boundary
@@ -31,11 +24,6 @@ MIN_RELATIVE_ERROR = 2e-4
 _MIN_DEPTH_CELLS = 2.0
 # Relative error of a maximum at the surface inside a contact, where cells may smooth a larger one at its edge.
 _SURFACE_ERROR = 0.03
-# Error of the stress at the peak behind a sliding contact over the difference that an average over 2 x 2 points makes:
-# 1/(sqrt(2) - 1) where it falls with the root of the cell's side, less on balls.
-_PEAK_FACTOR = 2.0
-
-
 # Distance of the depths on both sides of an interface, over its depth: that of rounding.
 _SIDE = 1e-9
 
@@ -84,46 +72,6 @@ class PlanePeak:
 def find_von_mises(field: StressField, boundary: Boundary) -> PlanePeak:
     """Return the maximum of the von Mises stress in a plane, between the points by a parabola along each axis."""
     return _find_peak(field, boundary, von_mises(field.values), von_mises)
-
-
-@attrs.frozen(eq=False)
-class EdgeStress:
-    """The stress where the maximum principal stress at the surface is largest: at an edge, behind a sliding contact.
-
-    There the stress has a peak, which cells of constant load smooth by an amount that falls with the root of their
-    side. Averages over 2 x 2 points are the stress of cells of twice the side.
-
-    Attributes
-    ----------
-    x, y
-        The place, m.
-    values
-        The components at the nearest point, in the scale of the field, shape (6,).
-    averages
-        The averages over 2 x 2 points beside it with the largest maximum principal stress, shape (6,).
-    """
-
-    x: float
-    y: float
-    values: RealArray
-    averages: RealArray
-
-    def extrapolate(self, measure: Callable[[RealArray], RealArray]) -> tuple[float, float]:
-        """Return a measure of the stress for cells without size, and its uncertainty, in the scale of the field."""
-        value = float(measure(self.values + _PEAK_FACTOR * (self.values - self.averages)))
-        return value, abs(value - float(measure(self.values))) / _PEAK_FACTOR
-
-
-def find_edge_stress(field: StressField) -> EdgeStress:
-    """Return the stress at the point of a surface with the largest maximum principal stress."""
-    values = field.values
-    stress = maximum_principal(values)
-    i, j = (int(place) for place in np.unravel_index(int(np.argmax(stress)), stress.shape))
-    around = values.take(range(i - 1, i + 2), axis=1, mode="wrap").take(range(j - 1, j + 2), axis=2, mode="wrap")
-    averages = 0.25 * (around[:, 1:, 1:] + around[:, 1:, :-1] + around[:, :-1, 1:] + around[:, :-1, :-1])
-    averages = averages.reshape(len(COMPONENTS), -1)
-    largest = averages[:, int(np.argmax(maximum_principal(averages)))]
-    return EdgeStress(float(field.grid.x[i, 0]), float(field.grid.y[0, j]), values[:, i, j], largest)
 
 
 def find_shear(field: StressField, boundary: Boundary) -> PlanePeak:

@@ -10,6 +10,7 @@ from typing import Any
 import attrs
 import numpy as np
 
+from roughcontact._answers.subsurface.edge import EdgeStress, find_edge_stress
 from roughcontact._answers.subsurface.fatigue import find_crossland, find_dang_van, list_paths
 from roughcontact._answers.subsurface.field import (
     COMPONENTS,
@@ -25,10 +26,8 @@ from roughcontact._answers.subsurface.field import (
 from roughcontact._answers.subsurface.free import FreePlanes
 from roughcontact._answers.subsurface.maximum import (
     MIN_RELATIVE_ERROR,
-    EdgeStress,
     PlanePeak,
     StressMaximum,
-    find_edge_stress,
     find_maximum_of_layers,
     find_shear,
     find_von_mises,
@@ -138,8 +137,8 @@ class Stress:
     def maximum_principal(self) -> StressMaximum:
         """The maximum principal stress at the surface, where brittle bodies crack; tension is positive.
 
-        Behind a sliding contact it has a peak, which cells of constant load smooth: the value is extrapolated from this
-        grid and cells of twice the side.
+        Behind a sliding contact it has a peak, which cells of constant load smooth: around it the pressure is fitted in
+        finer cells, with the place of the edge.
         """
         value, uncertainty = self._edge.extrapolate(maximum_principal)
         uncertainty = max(uncertainty, MIN_RELATIVE_ERROR * abs(value)) * self._scale
@@ -242,7 +241,11 @@ class Stress:
 
     @cached_property
     def _edge(self) -> EdgeStress:
-        return find_edge_stress(self._field(0.0, (1, 1)))
+        pressure = self.solution.pressure / self._scale
+        traction = None if self.traction is None else self.traction / self._scale
+        return find_edge_stress(
+            self._field(0.0, (1, 1)), pressure, traction, self._poisson_at(0.0), self.solution.boundary
+        )
 
     def _warn_of_edges(self, found: StressMaximum) -> StressMaximum:
         if not (self._reaches_border or self._has_sharp_edge):
@@ -305,9 +308,11 @@ class Stress:
         if steps != (1, 1):
             grid = Grid((grid.shape[0] // steps[0], grid.shape[1] // steps[1]), grid.size)
         with use_threads(self._threads):
-            poisson = self.poisson if self._layers is None else self._layers.poisson_at(depth)
-            values = self._planes.at(depth / self._grid.spacing[0], poisson, steps)
+            values = self._planes.at(depth / self._grid.spacing[0], self._poisson_at(depth), steps)
         return StressField(depth, grid, values, self._scale)
+
+    def _poisson_at(self, depth: float) -> float:
+        return self.poisson if self._layers is None else self._layers.poisson_at(depth)
 
     def _stack(self, axes: tuple[int, ...], measure: Callable[[RealArray], RealArray]) -> Array:
         """Return a measure of the stress, of shape (`axes`, nx, ny), at all depths, Pa."""
