@@ -58,6 +58,16 @@ def press(
     return rc.ContactProblem(*bodies, grid=grid, threads=1, **more)
 
 
+def press_unlike(
+    surface: rc.HeightMap | rc.ParaboloidSurface | Any, grid: rc.Grid, poisson: float, **more: Any
+) -> rc.ContactProblem:
+    """Return the problem of unlike bodies with E* = 1 Pa, the counterbody three times as stiff."""
+    bodies = [rc.Elastic(factor * (1.0 - ratio * ratio), ratio) for factor, ratio in ((4 / 3, poisson), (4.0, 0.45))]
+    return rc.ContactProblem(
+        rc.Body(surface, bodies[0]), rc.Body(rc.FlatSurface(), bodies[1]), grid=grid, threads=1, **more
+    )
+
+
 def on_axis(poisson: float) -> float:
     """Return the maximum von Mises stress below Hertz's ball over the maximum pressure; Johnson, eq. 3.45."""
 
@@ -242,7 +252,8 @@ def rough(
         number += 1
         poisson = float(random.uniform(0.0, 0.5))
         pressure = 0.1 * log_uniform(random, *loads)
-        problem, fine = (press(surface, grid, poisson, boundary=boundary) for grid in grids)
+        pair = press_unlike if kind == "unlike" else press
+        problem, fine = (pair(surface, grid, poisson, boundary=boundary) for grid in grids)
         ask, true, std = ROUGH[kind](fine.solve(pressure=pressure), poisson, random)
         if not true > 0.0:
             continue
@@ -268,6 +279,10 @@ def rough_tangential(fine: rc.ContactSolution, poisson: float, random: np.random
     ratio = tangential_ratio(fine.contact, fine.grid.spacing, poisson, axis, periodic)
     normal = fine.stiffness()
     return ask_response("tangential-stiffness", axis=axis), ratio * normal.value, normal.uncertainty / normal.value
+
+
+def rough_unlike(fine: rc.ContactSolution, poisson: float, random: np.random.Generator) -> tuple[Ask, float, float]:
+    return rough_same(ask_response("tangential-stiffness", axis=int(random.integers(2))))(fine, poisson, random)
 
 
 def rough_film(fine: rc.ContactSolution, poisson: float, random: np.random.Generator) -> tuple[Ask, float, float]:
@@ -304,6 +319,7 @@ def rough_partial_slip(
 ROUGH: dict[str, Callable[[rc.ContactSolution, float, np.random.Generator], tuple[Ask, float, float]]] = {
     "stiffness": rough_same(ask_response("stiffness")),
     "tangential": rough_tangential,
+    "unlike": rough_unlike,
     "conductance": rough_same(ask_response("conductance", conductivity=1.0)),
     "film": rough_film,
     "stress": rough_same(lambda solution: solution.stress().maximum),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import runpy
 
@@ -233,6 +234,19 @@ def test_report_solves_it_again(solution, tmp_path, capsys):
     again = runpy.run_path(str(path))["solution"]
     assert np.array_equal(again.pressure, solution.pressure)
     assert np.array_equal(again.tension, solution.tension)
+
+
+def test_report_of_a_cycle_solves_it_again(tmp_path):
+    cycle = make_problem().cycle(approach=np.linspace(-0.3e-6, 0.3e-6, 4))
+    cycle.to_html(tmp_path / "cycle.html")
+    page = (tmp_path / "cycle.html").read_text(encoding="utf-8")
+    assert "Pull-off" in page
+    assert page.count("<td>") > 3 * 8
+    start = page.index("import roughcontact as rc")
+    (tmp_path / "again.py").write_text(html.unescape(page[start : page.index("</", start)]))
+    again = runpy.run_path(str(tmp_path / "again.py"))["cycle"]
+    for one, other in zip((*again.loading, *again.unloading), (*cycle.loading, *cycle.unloading), strict=True):
+        assert np.array_equal(one.pressure, other.pressure)
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import html
 import io
 import json
+import re
+import runpy
 
 import numpy as np
 import pytest
@@ -138,7 +141,7 @@ def test_takes_laws_directions_displacements_and_normal_loads(ball, capsys, prob
         ((*SLIDE, "45"), "write it like 30deg"),
         ((*SLIDE, "--tangential", "0.1N"), "not allowed with argument"),
         ((*SLIDE, "--substeps", "2"), "--substeps is for loads along the surface"),
-        ((*SLIDE, "--report", "x.html"), "--report is for loads without friction: omit it with --slide."),
+        ((*SLIDE, "--report", "x.html"), "--report with friction is of a path: give --tangential instead of --slide"),
         ((*SLIDE, "-o", "state.vti"), "must be a file that ends in .npz"),
         ((*SLIDE, "--friction", "5", "--counterbody-young", "21GPa"), "Friction times Dundurs' beta is"),
         ((*LOOP, "--refine"), "--refine is for loads without friction"),
@@ -146,6 +149,8 @@ def test_takes_laws_directions_displacements_and_normal_loads(ball, capsys, prob
         ((*LOOP, "--adhesion", "short-range", "work=50mJ/m2"), "Friction with adhesion is not known"),
         ((*LOOP, "-o", "path.vti"), "must be a file that ends in .npz"),
         ((*LOOP, "-o", "missing/path.npz"), "There is no folder 'missing'"),
+        ((*LOOP, "--report", "missing/path.html"), "There is no folder 'missing'"),
+        ((*LOOP, "--report", "path.pdf"), "a file that ends in .html"),
     ],
 )
 def test_refuses_in_a_sentence(ball, capsys, arguments, sentence):
@@ -153,6 +158,45 @@ def test_refuses_in_a_sentence(ball, capsys, arguments, sentence):
     assert status == 2
     assert sentence in " ".join(printed.err.split())
     assert printed.out == ""
+
+
+def script_of(page):
+    """Return the script of a report."""
+    return html.unescape(re.search(r"<h2>Run it again</h2>\s*<pre><code>(.*?)</code>", page, re.DOTALL)[1])
+
+
+def test_the_report_of_a_path_follows_it_again(ball, capsys, tmp_path):
+    status, _ = solve(capsys, ball, *LOOP, "--report", str(tmp_path / "path.html"), "-o", str(tmp_path / "path.npz"))
+    assert status == 0
+    page = (tmp_path / "path.html").read_text(encoding="utf-8")
+    path = rc.FrictionalPath.load(tmp_path / "path.npz")
+    shown = re.search(r">Energy lost</th><td>([0-9.]+) nJ", page)
+    assert float(shown[1]) == pytest.approx(1e9 * path.dissipated.value, rel=1e-3)
+    assert page.count('<tr><th scope="row">') > len(path)
+    script = script_of(page)
+    assert "path.save" in script
+    (tmp_path / "again.py").write_text(script.replace('"path.npz"', repr(str(tmp_path / "path.npz"))))
+    again = runpy.run_path(str(tmp_path / "again.py"))["path"]
+    assert np.array_equal(again[-1].shear, path[-1].shear)
+    assert again.dissipated == path.dissipated
+
+
+@pytest.mark.parametrize(
+    ("loads", "more"),
+    [
+        ({"force": 1.0, "displacement": [(20e-9, -10e-9)]}, {}),
+        ({"force": [1.0, 0.5], "tangential_force": [(0.1, 0.0), (0.0, 0.1)]}, {"substeps": 2}),
+    ],
+)
+def test_the_script_of_a_report_has_the_loads(tmp_path, loads, more):
+    bodies = [rc.Body(surface, rc.Elastic(210e9, 0.3)) for surface in (rc.ParaboloidSurface(1e-3), rc.FlatSurface())]
+    problem = rc.ContactProblem(*bodies, grid=rc.Grid((32, 30), 100e-6))
+    path = problem.path(**loads, **more, friction=rc.LimitedCoulomb(0.3, 1e9))
+    script = tmp_path / "again.py"
+    script.write_text(script_of(path.to_html()))
+    again = runpy.run_path(str(script))["path"]
+    assert (again.increments, again.dissipated) == (path.increments, path.dissipated)
+    assert np.array_equal(again[-1].shear, path[-1].shear)
 
 
 @pytest.fixture(scope="module")

@@ -127,7 +127,8 @@ def with_spread(value: float, uncertainty: float) -> str:
     decimals = 1 - math.floor(math.log10(uncertainty))
     if abs(decimals) > _MAX_DECIMALS:
         return f"({value:.5g} +- {uncertainty:.2g})"
-    texts = (f"{round(number, decimals):.{max(0, decimals)}f}" for number in (value, uncertainty))
+    # Zero has no sign.
+    texts = (f"{round(number, decimals) + 0.0:.{max(0, decimals)}f}" for number in (value, uncertainty))
     return f"({' +- '.join(texts)})"
 
 

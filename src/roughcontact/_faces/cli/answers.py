@@ -210,10 +210,6 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path],
         else:
             allowed = f"a folder, or a file that ends in {', '.join(sorted(known))}"
             raise rc.InputError.about("The output", text, allowed)
-    if report is not None:
-        files.append(checks.path(report, "The report"))
-        if files[-1].suffix != ".html":
-            raise rc.InputError.about("The report", report, "a file that ends in .html")
     for path in files:
         require_place(path, (path, *_numbered(path, count)), maps)
         # A report has figures.
@@ -221,7 +217,19 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path],
             require_matplotlib()
         elif path.suffix == ".nc":
             require_netcdf()
-    return files
+    return files + plan_report(report, maps)
+
+
+def plan_report(report: str | None, maps: Sequence[Path]) -> list[Path]:
+    """Return the file of a report, if there is one; see `plan_outputs`."""
+    if report is None:
+        return []
+    path = checks.path(report, "The report")
+    if path.suffix != ".html":
+        raise rc.InputError.about("The report", report, "a file that ends in .html")
+    require_place(path, [path], maps)
+    require_matplotlib()
+    return [path]
 
 
 def require_place(path: Path, targets: Sequence[Path], maps: Sequence[Path]) -> None:

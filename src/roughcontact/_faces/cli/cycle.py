@@ -4,40 +4,50 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import roughcontact as rc
 from roughcontact._base.units import si
-from roughcontact._faces.cli.answers import describe_estimate, plan_picture, write_csv, write_json
+from roughcontact._faces.cli.answers import (
+    describe_estimate,
+    plan_picture,
+    plan_report,
+    write_csv,
+    write_json,
+    write_outputs,
+)
 from roughcontact._faces.cli.problem import set_tolerance
 from roughcontact._faces.cli.progress import show_progress
-from roughcontact._faces.panels.figures import save_figure
 from roughcontact._solve.problem import AdhesionCycle, make_cycle_table
 
 # States on each branch.
 _STATES = 41
 # Options of a solve that say nothing of a cycle.
-_OF_SOLVES = ("refine", "area", "area_within", "peak_within", "report", "pull_off")
+_OF_SOLVES = ("refine", "area", "area_within", "peak_within", "pull_off")
 
 
-def solve_cycle(options: argparse.Namespace, problem: rc.ContactProblem) -> AdhesionCycle:
-    """Return the cycle that the options describe, after writing its pictures."""
-    pictures = [plan_picture(name) for name in options.output]
+def plan_cycle_outputs(options: argparse.Namespace, maps: list[Path]) -> list[Path]:
+    """Return the files of a cycle: its pictures, and its report."""
+    return [*(plan_picture(name) for name in options.output), *plan_report(options.report, maps)]
+
+
+def solve_cycle(options: argparse.Namespace, problem: rc.ContactProblem, files: list[Path]) -> AdhesionCycle:
+    """Return the cycle that the options describe, after writing its pictures and its report."""
     problem = set_tolerance(options, problem)
     low, high = options.cycle
     states = _STATES if options.states is None else options.states
     total = 2 * states - 1
     with show_progress(f"state 1 of {total}", quiet=options.quiet) as change:
         cycle = problem.cycle(approach=np.linspace(low, high, states), on_state=_count(total, change))
-    for path in pictures:
-        save_figure(cycle.plot(), path)
+    done = write_outputs(files, cycle, ())
     if not options.quiet:
         write = cycle_to_json if options.json else cycle_to_csv if options.csv else str
         print(write(cycle))
-        if pictures and write is str:
-            print(f"\nWritten: {', '.join(map(str, pictures))}")
+        if done and write is str:
+            print(done)
     return cycle
 
 

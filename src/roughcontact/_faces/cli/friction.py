@@ -18,6 +18,7 @@ from roughcontact._faces.cli.answers import (
     describe_estimate,
     describe_solution,
     plan_picture,
+    plan_report,
     require_place,
     write_csv,
     write_json,
@@ -30,7 +31,7 @@ from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import Increment
 
 # Options of a solve that say nothing of a contact with friction.
-_OF_SOLVES = ("cycle", "refine", "area", "area_within", "peak_within", "report", "pull_off")
+_OF_SOLVES = ("cycle", "refine", "area", "area_within", "peak_within", "pull_off")
 # What a script does where the bodies slide, and what the command line does.
 _SLIDING = (
     "Give displacement= instead, or call problem.slide(...).",
@@ -54,6 +55,10 @@ def refuse_for_friction(options: argparse.Namespace) -> None:
             shown = f"--{name.replace('_', '-')}"
             raise rc.InputError(f"{shown} is for loads without friction: omit it with {given}.")
     if options.slide is not None:
+        if options.report is not None:
+            raise rc.InputError(
+                "--report with friction is of a path: give --tangential instead of --slide, or omit it."
+            )
         if options.loads is not None:
             raise rc.InputError("--slide is for one load: give that instead of --loads.")
         return
@@ -83,7 +88,7 @@ def plan_friction_outputs(options: argparse.Namespace, maps: list[Path]) -> list
         path = path if path.suffix == ".npz" else plan_picture(text, (".npz",))
         require_place(path, [path], maps)
         files.append(path)
-    return files
+    return files + plan_report(options.report, maps)
 
 
 def solve_friction(
@@ -134,6 +139,8 @@ def _write_outputs(
     for file in files:
         if file.suffix == ".npz":
             subject.save(file)
+        elif file.suffix == ".html":
+            subject.to_html(file)
         else:
             save_figure(plot(), file)
     if options.quiet:

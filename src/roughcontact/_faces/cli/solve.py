@@ -13,7 +13,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import plan_outputs, to_csv, to_json, to_text, write_outputs
-from roughcontact._faces.cli.cycle import refuse_for_cycle, solve_cycle
+from roughcontact._faces.cli.cycle import plan_cycle_outputs, refuse_for_cycle, solve_cycle
 from roughcontact._faces.cli.friction import friction_of, plan_friction_outputs, refuse_for_friction, solve_friction
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
@@ -99,9 +99,10 @@ examples:
         paths = [checks.path(name, "The map") for name in maps]
         if law is not None:
             files = plan_friction_outputs(options, paths)
+        elif options.cycle is not None:
+            files = plan_cycle_outputs(options, paths)
         else:
-            outputs = options.output if options.cycle is None else []
-            files = plan_outputs(outputs, options.report, paths, len(loads_of(options)))
+            files = plan_outputs(options.output, options.report, paths, len(loads_of(options)))
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
         if options.explain or options.dry_run:
@@ -113,7 +114,7 @@ examples:
         if options.dry_run:
             return 0
         if options.cycle is not None:
-            cycle = solve_cycle(options, problem)
+            cycle = solve_cycle(options, problem, files)
             return _status((*cycle.loading, *cycle.unloading), quiet=options.quiet)
         if law is not None:
             doubtful = solve_friction(options, problem, law, loads, files)

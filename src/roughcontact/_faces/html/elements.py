@@ -42,7 +42,7 @@ th { font-weight: 600; width: 11rem; }
 .grid th { width: auto; } .grid th, .grid td { white-space: nowrap; } .grid thead th { white-space: normal; }
 .note { color: var(--soft); font-size: .9rem; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr)); gap: 1rem; }
-figure { margin: 0; }
+figure { margin: 0; } figure:only-child { max-width: 32rem; }
 figure img { width: 100%; height: auto; display: block; background: #ffffff; border-radius: .25rem; }
 figcaption { color: var(--soft); font-size: .85rem; }
 code, pre { font-family: ui-monospace, "DejaVu Sans Mono", monospace; font-size: .85rem; }

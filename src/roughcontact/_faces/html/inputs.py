@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from enum import Enum
 from typing import Any, final
 
@@ -20,14 +20,26 @@ from roughcontact._faces.html.elements import element, escape, quantity
 from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import Material, Rigid
 from roughcontact._parts.surfaces import FlatSurface, HeightMap, Surface, SurfaceSum, find_maps
-from roughcontact._solve.problem import Body, ContactProblem, problem_of
+from roughcontact._solve.problem import (
+    AS_GIVEN,
+    AdhesionCycle,
+    Body,
+    ContactProblem,
+    FrictionalPath,
+    problem_of,
+)
 from roughcontact._solve.solution import ContactSolution, describe_work, key_of_origin, versions
 from roughcontact.errors import RoughContactError
 
+_READ = 'rc.ContactSolution.load("solution.npz")'
 _FROM_FILE = """\
-# The file that solution.save("solution.npz") writes, or 'Fields (.npz)' on the page, holds the heights and all else.
-saved = rc.ContactSolution.load("solution.npz")
+# The file that {written} holds the heights and all else.
+saved = {read}
 problem = rc.ContactProblem(**saved.origin.problem)"""
+# How the file of a subject is written, and its solution read.
+_OF_SOLUTION = ("solution.save(\"solution.npz\") writes, or 'Fields (.npz)' on the page,", _READ)
+_OF_CYCLE = ('cycle.loading[0].save("solution.npz") writes', _READ)
+_OF_PATH = ('path.save("path.npz") writes', 'rc.FrictionalPath.load("path.npz")[0].contact')
 # Where the name of a file stands in the history of a map.
 _FILE_IN_HISTORY = re.compile(r"read from (.+?)(?:, \d+ non-measured.*|: \d+ x .*|)", re.DOTALL)
 _WORD_BORDER = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
@@ -46,20 +58,61 @@ def hash_pressure(solution: ContactSolution) -> str:
 
 def write_script(solution: ContactSolution, problem: ContactProblem, load: Mapping[str, float]) -> str:
     """Return a Python script that solves a contact again, made of the parts of its problem or from its npz file."""
-    writer = _Writer()
-    try:
-        made = writer.write_problem(problem)
-        modules = sorted({"hashlib", *writer.modules})
-    except _NotInAScript:
-        made = _FROM_FILE
-        modules = ["hashlib"]
-    imports = "".join(f"import {name}\n" for name in modules)
     given = ", ".join(f"{kind}={_write_number(value)}" for kind, value in load.items())
     return (
-        f"{imports}\nimport roughcontact as rc\n\n{made}\nsolution = problem.solve({given})\nprint(solution)\n"
+        f"{_write_problem(problem, _OF_SOLUTION, 'hashlib')}\nsolution = problem.solve({given})\nprint(solution)\n"
         "print(hashlib.sha256(solution.pressure.tobytes()).hexdigest())  # of the report:\n"
         f"# {hash_pressure(solution)}\n"
     )
+
+
+def write_path_script(problem: ContactProblem, path: FrictionalPath) -> str:
+    """Return a Python script that follows a path with friction again; empty if no line makes its law."""
+    writer = _Writer()
+    try:
+        law = writer.write(path[0].friction)
+    except _NotInAScript:
+        return ""
+    loads = [_load_of(state.contact) for state in path]
+    kind = loads[0].kind
+    # Under one load the bodies are pressed first, and then moved.
+    normal = _write_number(loads[0].value) if path.pressed is not None else _write_numbers(one.value for one in loads)
+    pairs = ", ".join(f"({', '.join(map(_write_number, state.given.values))})" for state in path)
+    given = [f"{kind}={normal}", f"{path[0].given.kind}=[{pairs}]", f"friction={law}"]
+    if AS_GIVEN in path.reasons:
+        given.append(f"substeps={path.increments[path.reasons.index(AS_GIVEN)]}")
+    return (
+        f"{_write_problem(problem, _OF_PATH, *writer.modules)}\npath = problem.path({', '.join(given)})\nprint(path)\n"
+    )
+
+
+def write_cycle_script(problem: ContactProblem, cycle: AdhesionCycle) -> str:
+    """Return a Python script that solves a cycle with adhesion again."""
+    approaches = _write_numbers(_load_of(state).value for state in cycle.loading)
+    return f"{_write_problem(problem, _OF_CYCLE)}\ncycle = problem.cycle(approach={approaches})\nprint(cycle)\n"
+
+
+def _write_problem(problem: ContactProblem, file: tuple[str, str], *modules: str) -> str:
+    """Return the lines that import modules and make a problem, of its parts or from a file."""
+    writer = _Writer()
+    try:
+        made = writer.write_problem(problem)
+    except _NotInAScript:
+        made = _FROM_FILE.format(written=file[0], read=file[1])
+        writer = _Writer()
+    imports = "".join(f"import {name}\n" for name in sorted({*modules, *writer.modules}))
+    separator = "\n" if imports else ""
+    return f"{imports}{separator}import roughcontact as rc\n\n{made}"
+
+
+def _load_of(solution: ContactSolution) -> Load:
+    assert solution.origin is not None
+    ((kind, value),) = solution.origin.load.items()
+    return Load(kind, value)
+
+
+def _write_numbers(values: Iterable[float]) -> str:
+    return f"[{', '.join(map(_write_number, values))}]"
 
 
 def describe_part(part: object) -> str:

@@ -14,10 +14,16 @@ import attrs
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate
 from roughcontact._faces.html.elements import element, escape, grid, items, section, tag
-from roughcontact._faces.panels.figures import make_figure
+from roughcontact._faces.panels.figures import forget_figure, make_figure
 from roughcontact._parts.grid import Load
-from roughcontact._solve.problem import Sweep
-from roughcontact._solve.solution import ContactSolution, gather_warnings, list_quantities, name_load
+from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
+from roughcontact._solve.solution import (
+    ContactSolution,
+    FrictionalSolution,
+    gather_warnings,
+    list_quantities,
+    name_load,
+)
 from roughcontact.plotting import panels
 
 # Panels that ship, in the order of the page; the panels of plug-ins come last.
@@ -74,8 +80,22 @@ def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture
 
 def draw_panel(kind: str, subject: ContactSolution | Sweep, name: str) -> str:
     """Return a panel as a PNG file in a data: address, dark on light as on paper."""
+    return _write_png(make_figure(kind, subject, name))
+
+
+def draw_curve(subject: AdhesionCycle | FrictionalPath) -> Picture:
+    """Return the curve that a cycle or a path draws."""
+    drawn = subject.plot()
+    words = (inspect.getdoc(type(subject).plot) or "").partition(" (extra")[0].removeprefix("Draw the ")
+    caption = f"The {words}."
+    picture = Picture("curve", caption, _write_png(drawn.figure))
+    forget_figure(drawn)
+    return picture
+
+
+def _write_png(figure: Any) -> str:
+    """Return a figure as a PNG file in a data: address."""
     content = io.BytesIO()
-    figure: Any = make_figure(kind, subject, name)
     figure.savefig(content, format="png", dpi=_DPI)
     return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"
 
@@ -100,17 +120,21 @@ def loads_of(solutions: Iterable[ContactSolution]) -> list[Load]:
     return sorted(found, key=lambda load: load.value)
 
 
-def make_verdict(solutions: Sequence[ContactSolution]) -> str:
+def make_verdict(solutions: Sequence[ContactSolution | FrictionalSolution]) -> str:
     """Return how the solves ended, failed ones first."""
     failed = [solution for solution in solutions if not solution.status.success]
     texts = []
     for status in dict.fromkeys(solution.status for solution in failed or solutions):
         verdict, _, reason = str(status).partition(": ")
-        at = [name_load(solution) for solution in failed if solution.status == status]
+        at = [_name_state(solution) for solution in failed if solution.status == status]
         where = f" at {', '.join(at)}" if at and len(solutions) > 1 else ""
         texts.append(f"{element('strong', escape(verdict.capitalize() + where) + ':')} {escape(reason)}.")
     advice = " Do not use these numbers: they are from the last iteration." if failed else ""
     return element("p", " ".join(texts) + advice, class_="verdict failed" if failed else "verdict", role="status")
+
+
+def _name_state(state: ContactSolution | FrictionalSolution) -> str:
+    return name_load(state) if isinstance(state, ContactSolution) else str(state.given)
 
 
 def make_warnings(texts: Sequence[str]) -> str:

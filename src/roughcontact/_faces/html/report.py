@@ -1,10 +1,10 @@
-"""The report of a solution or a sweep: one self-contained page, and what to cite."""
+"""The report of a solution, a sweep, a path or a cycle: one self-contained page, and what to cite."""
 
 from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import date
 from pathlib import Path
 from typing import final
@@ -12,18 +12,22 @@ from typing import final
 import attrs
 
 from roughcontact._base.archive import replacing
+from roughcontact._base.tables import Table
 from roughcontact._base.units import counted
-from roughcontact._faces.html.elements import CSS, element, escape, items, quantity, section, table, tag
+from roughcontact._faces.html.elements import CSS, element, escape, grid, items, quantity, section, table, tag
 from roughcontact._faces.html.inputs import (
     describe_scene,
     find_problem,
     list_certificate,
     list_inputs,
     list_versions,
+    write_cycle_script,
+    write_path_script,
     write_script,
 )
 from roughcontact._faces.html.parts import (
     can_draw,
+    draw_curve,
     draw_panel,
     draw_panels,
     list_sweep_warnings,
@@ -36,7 +40,14 @@ from roughcontact._faces.html.parts import (
     note,
 )
 from roughcontact._parts.grid import Load
-from roughcontact._solve.problem import ContactProblem, Sweep
+from roughcontact._solve.problem import (
+    AdhesionCycle,
+    ContactProblem,
+    FrictionalPath,
+    Sweep,
+    describe_cycle,
+    list_states,
+)
 from roughcontact._solve.solution import (
     DEFAULT_AREA,
     MORE_THAN_METALS,
@@ -170,6 +181,42 @@ class HtmlWriter(SolutionWriter):
             ],
         )
 
+    def path_text(self, path: FrictionalPath) -> str:
+        """Return the page of a path with friction: its states, then the last in detail."""
+        last = path[-1].contact
+        problem, missing = find_problem(last)
+        answers = {"energy lost": str(attrs.evolve(path.dissipated, warnings=())), "friction": repr(path[0].friction)}
+        script = "" if problem is None else write_path_script(problem, path)
+        return _make_page(
+            counted(len(path), "state"),
+            [
+                _make_head(last, problem, loads_of([last])),
+                make_verdict(path.states),
+                _make_states(path.table(), answers, path.warnings, path),
+                section("The last state", _make_answer(last)),
+                _make_figures(last),
+                *_make_details(last, problem, missing, script, path.explain()),
+            ],
+        )
+
+    def cycle_text(self, cycle: AdhesionCycle) -> str:
+        """Return the page of a cycle with adhesion: its states, then the largest load in detail."""
+        states = (*cycle.loading, *cycle.unloading)
+        largest = max(states, key=lambda state: state.force)
+        problem, missing = find_problem(largest)
+        script = "" if problem is None else write_cycle_script(problem, cycle)
+        return _make_page(
+            counted(len(states), "state"),
+            [
+                _make_head(largest, problem, loads_of(cycle.loading)),
+                make_verdict(states),
+                _make_states(list_states(cycle), describe_cycle(cycle), cycle.warnings, cycle),
+                section(f"The largest load, {name_load(largest)}", _make_answer(largest)),
+                _make_figures(largest),
+                *_make_details(largest, problem, missing, script),
+            ],
+        )
+
     def table(self, solution: ContactSolution) -> str:
         """Return answer, verdict and warnings for a notebook, and a picture unless the grid is large."""
         rows = {name: quantity(text) for name, text in list_answers(solution).items()}
@@ -222,23 +269,44 @@ def _make_figures(solution: ContactSolution) -> str:
     return make_figures("Figures", draw_panels("solution", solution), answer)
 
 
-def _make_details(solution: ContactSolution, problem: ContactProblem | None, missing: str) -> list[str]:
+def _make_states(
+    states: Table, answers: Mapping[str, str], warnings: Sequence[str], subject: AdhesionCycle | FrictionalPath
+) -> str:
+    """Return answers, table, warnings and curve of a path or a cycle."""
+    found = {name.capitalize(): quantity(text) for name, text in answers.items()}
+    title = "Force and displacement"
+    words = "The table has its numbers."
+    curve = make_figures(title, [draw_curve(subject)], words) if can_draw() else section(title, note(_NO_FIGURES))
+    rows = grid(*states.to_cells(), "The states, in their order")
+    parts = (table(found, "The answer", class_="answer"), rows, _NOTE, make_warnings(warnings), curve)
+    return "\n".join(parts)
+
+
+def _make_details(
+    solution: ContactSolution, problem: ContactProblem | None, missing: str, script: str | None = None, steps: str = ""
+) -> list[str]:
+    """Return inputs, certificate, versions, script, citation and plan; a path has its own script and steps."""
     return [
         section("Inputs", table(list_inputs(solution, problem), "What was solved"), note(missing)),
         '<div class="columns">',
         section("Certificate", table(list_certificate(solution), "How the solve ended")),
         section("Versions", table(list_versions(solution), "The programs that made the solution")),
         "</div>",
-        _make_script(solution, problem),
+        _make_script(solution, problem) if script is None else _show_script(script),
         _make_citation(problem),
-        _make_plan(problem),
+        _make_plan(problem, steps),
     ]
 
 
 def _make_script(solution: ContactSolution, problem: ContactProblem | None) -> str:
     if problem is None or solution.origin is None:
         return ""
-    script = write_script(solution, problem, solution.origin.load)
+    return _show_script(write_script(solution, problem, solution.origin.load))
+
+
+def _show_script(script: str) -> str:
+    if not script:
+        return ""
     remark = (
         "With the same versions on the same kind of processor the pressure is the same to the last bit, unless the "
         "solve started from another solution, as in a sweep; then it agrees within the tolerance."
@@ -257,5 +325,6 @@ def _make_citation(problem: ContactProblem | None) -> str:
     return section("Cite", element("ul", "".join(texts)), bibtex)
 
 
-def _make_plan(problem: ContactProblem | None) -> str:
-    return "" if problem is None else section("Plan", element("pre", escape(problem.explain())))
+def _make_plan(problem: ContactProblem | None, steps: str) -> str:
+    texts = [*([] if problem is None else [problem.explain()]), *([steps] if steps else [])]
+    return section("Plan", *(element("pre", escape(text)) for text in texts)) if texts else ""

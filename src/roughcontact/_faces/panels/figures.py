@@ -290,7 +290,12 @@ def write_picture(figure: Any, path: Path, **options: Any) -> None:
 
 def save_figure(drawn: Any, path: Path) -> None:
     """Write the figure of what `plot` returns, as `write_picture` does, and let pyplot forget it."""
+    write_picture(drawn.figure, path)
+    forget_figure(drawn)
+
+
+def forget_figure(drawn: Any) -> None:
+    """Let pyplot forget the figure of what `plot` returns."""
     from matplotlib import pyplot
 
-    write_picture(drawn.figure, path)
     pyplot.close(drawn.figure)

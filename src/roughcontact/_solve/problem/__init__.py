@@ -2,10 +2,24 @@
 
 from roughcontact._solve.problem.accuracy import resample_problem
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
-from roughcontact._solve.problem.cycle import AdhesionCycle, find_stability, linearise, make_cycle_table
+from roughcontact._solve.problem.cycle import (
+    AdhesionCycle,
+    describe_cycle,
+    find_stability,
+    linearise,
+    list_states,
+    make_cycle_table,
+)
 from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.increments import Increment, StepNumbers, list_targets
-from roughcontact._solve.problem.path import FrictionalPath, TangentialLoop, load_path, resolve_friction, save_path
+from roughcontact._solve.problem.path import (
+    AS_GIVEN,
+    FrictionalPath,
+    TangentialLoop,
+    load_path,
+    resolve_friction,
+    save_path,
+)
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.run import computing
@@ -13,6 +27,7 @@ from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solvin
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, maximum_pressure, pressure_unit
 
 __all__ = [
+    "AS_GIVEN",
     "LOAD_TOLERANCE",
     "RIGID_FLAT",
     "AdhesionCycle",
@@ -25,8 +40,10 @@ __all__ = [
     "Sweep",
     "TangentialLoop",
     "computing",
+    "describe_cycle",
     "find_stability",
     "linearise",
+    "list_states",
     "list_targets",
     "load_path",
     "make_cycle_table",

@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, overload
 
 import attrs
 import numpy as np
@@ -27,7 +27,9 @@ from roughcontact._solve.solution import (
     Status,
     count_patch_cells,
     describe_range,
+    page_or_file,
     trapping_error,
+    writers,
 )
 from roughcontact._solve.solvers import LinearisedGap, surface_stiffness
 from roughcontact.errors import InputError
@@ -112,17 +114,17 @@ class AdhesionCycle:
         lost = math.fsum(float(np.sum(part)) for part in self.losses)
         # Where nothing jumps the trapezoidal rule errs by a twelfth of the second differences of the force.
         error = sum(_find_rule_error(part) for part in (self.loading, self.unloading))
-        return Estimate(lost, error + trapping_error(_cells_of(self.loading[0])) * abs(lost), "J", self._warnings)
+        return Estimate(lost, error + trapping_error(_cells_of(self.loading[0])) * abs(lost), "J", self.warnings)
 
     @property
     def pull_in(self) -> Estimate:
         """Minimum of the force on loading, N: that at which the surfaces snap together."""
-        return _find_minimum(self.loading, self._warnings)
+        return _find_minimum(self.loading, self.warnings)
 
     @property
     def pull_off(self) -> Estimate:
         """Minimum of the force on unloading, N: that at which they come apart."""
-        return _find_minimum(self.unloading, self._warnings)
+        return _find_minimum(self.unloading, self.warnings)
 
     @property
     def jumps(self) -> tuple[tuple[float, float], ...]:
@@ -159,6 +161,17 @@ class AdhesionCycle:
         """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; an existing file is replaced."""
         make_cycle_table(self).to_csv(path)
 
+    @overload
+    def to_html(self, path: None = None) -> str: ...
+
+    @overload
+    def to_html(self, path: str | os.PathLike[str]) -> None: ...
+
+    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
+        """Return a report of the cycle, its largest load in detail, or write it; see `ContactSolution.to_html`."""
+        writer: Any = writers.create("html")
+        return page_or_file(lambda: writer.cycle_text(self), path)
+
     def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the force of both branches over the approach (extra ``plot``); see `ContactSolution.plot`."""
         from roughcontact.plotting import draw_cycle
@@ -166,48 +179,47 @@ class AdhesionCycle:
         return draw_cycle(self, axes, dark)
 
     @property
-    def _warnings(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str, ...]:
+        """Why all numbers of the cycle must not be trusted, in sentences; empty without a reason."""
         return tuple(text for text in self.loading[0].warnings if getattr(text, "rule", "") == "cohesive length")
 
     def __str__(self) -> str:
-        lines = textwrap.wrap(f"jumps       {self._name_jumps()}", WIDTH, subsequent_indent=" " * 12)
-        results = [f"{name:<12}{text}" for name, text in self._list_results().items()]
-        warnings = (f"warning     {text}" for text in self._warnings)
-        lines += [line for text in warnings for line in textwrap.wrap(text, WIDTH, subsequent_indent=" " * 12)]
-        return "\n".join([self._list_states().to_text(), *results, *lines])
+        rows = [*describe_cycle(self).items(), *(("warning", text) for text in self.warnings)]
+        lines = [textwrap.wrap(f"{name:<12}{text}", WIDTH, subsequent_indent=" " * 12) for name, text in rows]
+        return "\n".join([list_states(self).to_text(), *(line for wrapped in lines for line in wrapped)])
 
     def __repr__(self) -> str:
-        pull_off = self._list_results()["pull-off"]
+        pull_off = describe_cycle(self)["pull-off"]
         return f"<AdhesionCycle {len(self.loading)} and {len(self.unloading)} states, pull-off {pull_off}>"
 
     def _repr_html_(self) -> str:
-        results = [f"{name}: {text}" for name, text in self._list_results().items()]
-        return self._list_states().to_html(*results, f"jumps: {self._name_jumps()}", *self._warnings)
+        results = [f"{name}: {text}" for name, text in describe_cycle(self).items()]
+        return list_states(self).to_html(*results, *self.warnings)
 
-    def _list_results(self) -> dict[str, str]:
-        """Return pull-in, pull-off and the energy lost as texts, without the warnings that they share."""
-        found = {"pull-in": self.pull_in, "pull-off": self.pull_off, "dissipated": self.dissipated}
-        texts = {}
-        for name, one in found.items():
-            reasons = "; ".join(text for text in one.warnings if text not in self._warnings)
-            texts[name] = f"{write_column([one])[0]}{f' ({reasons})' if reasons else ''}".replace("±", "+-")
-        return texts
 
-    def _name_jumps(self) -> str:
-        return "; ".join(f"{si(a, 'm', 3)} to {si(b, 'm', 3)}" for a, b in self.jumps) or "none"
+def describe_cycle(cycle: AdhesionCycle) -> dict[str, str]:
+    """Return pull-in, pull-off, the energy lost and the jumps as texts, without the warnings that they share."""
+    found = {"pull-in": cycle.pull_in, "pull-off": cycle.pull_off, "dissipated": cycle.dissipated}
+    texts = {}
+    for name, one in found.items():
+        reasons = "; ".join(text for text in one.warnings if text not in cycle.warnings)
+        texts[name] = f"{write_column([one])[0]}{f' ({reasons})' if reasons else ''}".replace("±", "+-")
+    return texts | {"jumps": "; ".join(f"{si(a, 'm', 3)} to {si(b, 'm', 3)}" for a, b in cycle.jumps) or "none"}
 
-    def _list_states(self) -> Table:
-        columns: dict[str, Any] = {"branch": [], "approach": [], "force": [], "area, %": [], "": []}
-        for name, jumps in zip(("loading", "unloading"), self.jump_steps, strict=True):
-            sweep: Sweep = getattr(self, name)
-            columns["branch"] += [name] * len(sweep)
-            # Approaches such as those of numpy.linspace may miss zero by a rounding.
-            near = np.abs(sweep.approach) < 1e-9 * np.abs(sweep.approach).max()
-            columns["approach"] += np.where(near, 0.0, sweep.approach).tolist()
-            columns["force"] += sweep.force.tolist()
-            columns["area, %"] += (100.0 * sweep.area / sweep[0].grid.area).tolist()
-            columns[""] += ["", *("jump" if jump else "" for jump in jumps)]
-        return Table(columns, {"approach": "m", "force": "N"}, left=("branch", ""))
+
+def list_states(cycle: AdhesionCycle) -> Table:
+    """Return the states of a cycle in short, a row for each."""
+    columns: dict[str, Any] = {"branch": [], "approach": [], "force": [], "area, %": [], "": []}
+    for name, jumps in zip(("loading", "unloading"), cycle.jump_steps, strict=True):
+        sweep: Sweep = getattr(cycle, name)
+        columns["branch"] += [name] * len(sweep)
+        # Approaches such as those of numpy.linspace may miss zero by a rounding.
+        near = np.abs(sweep.approach) < 1e-9 * np.abs(sweep.approach).max()
+        columns["approach"] += np.where(near, 0.0, sweep.approach).tolist()
+        columns["force"] += sweep.force.tolist()
+        columns["area, %"] += (100.0 * sweep.area / sweep[0].grid.area).tolist()
+        columns[""] += ["", *("jump" if jump else "" for jump in jumps)]
+    return Table(columns, {"approach": "m", "force": "N"}, left=("branch", ""))
 
 
 def make_cycle_table(cycle: AdhesionCycle) -> Table:

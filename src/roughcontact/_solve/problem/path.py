@@ -31,7 +31,7 @@ from roughcontact._solve.problem.increments import (
 )
 from roughcontact._solve.problem.plan import require_memory_of_friction
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import FrictionalSolution, read_estimate, read_path, write_path
+from roughcontact._solve.solution import FrictionalSolution, page_or_file, read_estimate, read_path, write_path, writers
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 # Numbers over the largest of their kind that a table shows as zero.
 _TABLE_ROUNDING = 1e-9
+# Why a step has its increments, if their number was given.
+AS_GIVEN = "as given"
 
 
 @attrs.frozen(eq=False)
@@ -171,6 +173,17 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         from roughcontact.plotting import draw_loop
 
         return draw_loop(self, axes, dark)
+
+    @overload
+    def to_html(self, path: None = None) -> str: ...
+
+    @overload
+    def to_html(self, path: str | os.PathLike[str]) -> None: ...
+
+    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
+        """Return a report of the path, its last state in detail, or write it; see `ContactSolution.to_html`."""
+        writer: Any = writers.create("html")
+        return page_or_file(lambda: writer.path_text(self), path)
 
     def explain(self) -> str:
         """Return the constants of the pair, the increments with their reasons, and what was omitted, in words."""
@@ -314,7 +327,7 @@ def run_path(
         warning = () if all(segment.exact for segment in segments) else (GIVEN_INCREMENTS,)
         moved = find_amplitude(steps)
         numbers = [numbers_of(step, moved, warning) for step in steps]
-        reasons = [segment.exact or "as given" for segment in segments]
+        reasons = [segment.exact or AS_GIVEN for segment in segments]
     else:
         steps, numbers, reasons = refine_steps(run, segments, tell)
     kept = slice(1 if has_pressing else 0, None)

@@ -9,6 +9,7 @@ import numpy as np
 
 from roughcontact._base.archive import digest_of
 from roughcontact._base.arrays import Array, Pair, read_only
+from roughcontact._base.units import si
 from roughcontact._solve.solution.results import Residuals
 
 
@@ -65,6 +66,9 @@ class TangentialLoad:
     def unit(self) -> str:
         """SI unit of the values."""
         return {"tangential_force": "N", "displacement": "m"}.get(self.kind, "")
+
+    def __str__(self) -> str:
+        return f"({', '.join(si(value, self.unit) for value in self.values)})"
 
 
 @attrs.frozen

@@ -8,7 +8,6 @@ from typing import Any
 import attrs
 
 from roughcontact._base.checks import integer
-from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._solve.problem import ContactProblem, FrictionalPath, list_targets, resolve_friction
@@ -80,7 +79,7 @@ class Shearing:
             problem.verify(state)
 
     def __str__(self) -> str:
-        texts = [f"({si(one.values[0], one.unit)}, {si(one.values[1], one.unit)})" for one in self.loads]
+        texts = list(map(str, self.loads))
         if len(texts) > _MAX_LISTED_LOADS:
             texts = [*texts[: _MAX_LISTED_LOADS - 1], "...", texts[-1]]
         return f"{self.kind.replace('_', ' ')} {', '.join(texts)} under each normal load; {self.friction!r}"
