@@ -1,6 +1,6 @@
 """The table of docs/trust/compare.md: what the scripts of that page print.
 
-    python docs/studies/compare_with_us.py
+python docs/studies/compare_with_us.py
 """
 
 from __future__ import annotations
