@@ -252,16 +252,18 @@ class TestClosedOutput:
             **others,
         )
 
+    # argparse of CPython 3.11.2 passes on the error of its help, later ones keep it to themselves.
     @pytest.mark.parametrize(
-        ("arguments", "status"), [(["info", "rough.npz"], 141), (["solve", "--help"], 0), (["info", "none.npz"], 2)]
+        ("arguments", "statuses"),
+        [(["info", "rough.npz"], {141}), (["solve", "--help"], {0, 141}), (["info", "none.npz"], {2})],
     )
     @posix
-    def test_of_a_pipe_is_not_an_answer_that_failed(self, arguments, status):
+    def test_of_a_pipe_is_not_an_answer_that_failed(self, arguments, statuses):
         reading, writing = os.pipe()
         os.close(reading)
         done = self.start(arguments, writing)
         os.close(writing)
-        assert done.returncode == status
+        assert done.returncode in statuses
         assert "Error" not in done.stderr
 
     @posix
