@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PLACES = ("src", "plugins", "docs", "benchmarks", "tests", ".github", "*.md", "CITATION.cff")
+PLACES = ("src", "plugins", "docs", "benchmarks", "tests", ".github", "paper", "recipe", "*.md", "CITATION.cff")
 # What lists the phrases itself.
 EXCEPT = ("tests/test_phrases.py",)
 
@@ -71,7 +71,7 @@ def texts() -> list[Path]:
     """Every text of the repository that people read."""
     paths = [path for place in PLACES for path in ROOT.glob(place)]
     files = [file for path in paths for file in (path.rglob("*") if path.is_dir() else [path])]
-    kinds = {".py", ".md", ".rst", ".cff", ".yml", ".toml"}
+    kinds = {".py", ".md", ".rst", ".cff", ".yml", ".yaml", ".toml"}
     return sorted(f for f in files if f.suffix in kinds and not {"_build", "build"} & set(f.parts))
 
 

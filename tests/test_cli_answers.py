@@ -7,7 +7,6 @@ import csv
 import io
 import json
 import os
-import pty
 import re
 import signal
 import subprocess
@@ -20,6 +19,7 @@ import pytest
 import roughcontact as rc
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import commands
+from systems import posix
 
 GRID = rc.Grid((48, 48), 48e-6)
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=50e-9, shortest=8e-6, longest=48e-6, seed=3)
@@ -485,7 +485,10 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@posix
 def test_progress_is_shown_on_a_terminal_and_an_interrupt_is_clean(tmp_path):
+    import pty
+
     terminal, slave = pty.openpty()
     command = [sys.executable, "-c", ENDLESS, "solve", "rough.npz", "--force", "20mN", *STEEL]
     process = subprocess.Popen(
@@ -521,6 +524,7 @@ def test_no_progress_where_standard_error_is_not_a_terminal(run, monkeypatch):
     assert "\r" not in err
 
 
+@posix
 def test_a_reader_that_has_enough_ends_it_quietly():
     command = f"{sys.executable} -m roughcontact check love | head -c 1"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)

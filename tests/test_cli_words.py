@@ -15,6 +15,7 @@ import roughcontact as rc
 from roughcontact._faces.cli.options import name_options
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
 from roughcontact._work.reports.stability.check import RULES
+from systems import posix
 
 GRID = rc.Grid((48, 48), 48e-6)
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=50e-9, shortest=8e-6, longest=24e-6, seed=3)
@@ -251,17 +252,21 @@ class TestClosedOutput:
             **others,
         )
 
+    # argparse of CPython 3.11.2 passes on the error of its help, later ones keep it to themselves.
     @pytest.mark.parametrize(
-        ("arguments", "status"), [(["info", "rough.npz"], 141), (["solve", "--help"], 0), (["info", "none.npz"], 2)]
+        ("arguments", "statuses"),
+        [(["info", "rough.npz"], {141}), (["solve", "--help"], {0, 141}), (["info", "none.npz"], {2})],
     )
-    def test_of_a_pipe_is_not_an_answer_that_failed(self, arguments, status):
+    @posix
+    def test_of_a_pipe_is_not_an_answer_that_failed(self, arguments, statuses):
         reading, writing = os.pipe()
         os.close(reading)
         done = self.start(arguments, writing)
         os.close(writing)
-        assert done.returncode == status
+        assert done.returncode in statuses
         assert "Error" not in done.stderr
 
+    @posix
     def test_of_a_shell_is_no_fault(self):
         command = f"{sys.executable} -m roughcontact solve rough.npz {' '.join(LOADED)} -o c.npz >&-"
         done = subprocess.run(["sh", "-c", command], stderr=subprocess.PIPE, text=True)

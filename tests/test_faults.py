@@ -8,7 +8,6 @@ import multiprocessing
 import os
 import random
 import re
-import resource
 import signal
 import subprocess
 import sys
@@ -29,6 +28,9 @@ from roughcontact._faces.panels.figures import save_figure
 from roughcontact._work.studies.record import read_index, write_index
 from roughcontact.errors import NotWritten
 from scenes import list_unfinished, without_seconds
+from systems import linux
+
+resource = pytest.importorskip("resource", reason="full disks and permissions are those of POSIX")
 
 SEED = 13
 
@@ -316,6 +318,7 @@ class TestUnfinishedFiles:
         assert sorted({*list_unfinished(tmp_path), old.name}) == before
         assert not old.exists()
 
+    @linux
     def test_a_file_is_on_the_disk_before_it_has_its_name(self, tmp_path, monkeypatch):
         done, fsync, replace = [], os.fsync, Path.replace
         monkeypatch.setattr(os, "fsync", lambda fd: done.append(name_of_descriptor(fd)) or fsync(fd))
@@ -392,6 +395,11 @@ def full_disk(size):
 @contextlib.contextmanager
 def without_privileges():
     """Obey the permissions of files, as root does not: give up its capability to override them, for a while."""
+    if not sys.platform.startswith("linux"):
+        if os.geteuid() == 0:
+            pytest.skip("only Linux divides the privileges of root")
+        yield
+        return
     libc, header = ctypes.CDLL(None), (ctypes.c_uint32 * 2)(0x20080522, 0)
     held = (ctypes.c_uint32 * 6)()
     assert libc.capget(header, held) == 0
@@ -503,6 +511,7 @@ def test_nothing_depends_on_the_clocks(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
+@linux
 def test_too_little_memory_for_one_problem(tmp_path):
     """The address space is limited: the large problem fails, the others are solved."""
     script = (

@@ -10,11 +10,11 @@ import inspect
 import io
 import math
 import random
-import resource
 import signal
+import sys
 import warnings
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from decimal import Decimal
 from fractions import Fraction
 from importlib.util import find_spec
@@ -396,7 +396,15 @@ def use(value):
 
 @contextmanager
 def bounded():
-    """Bound memory and time, and make errors of warnings."""
+    """Make errors of warnings, and bound memory and time where the system lets them be."""
+    with warnings.catch_warnings(), bounds() if sys.platform.startswith("linux") else nullcontext():
+        warnings.simplefilter("error")
+        yield
+
+
+@contextmanager
+def bounds():
+    import resource
 
     def stop(*_):
         raise KeyboardInterrupt("a call did not end")
@@ -407,9 +415,7 @@ def bounded():
     signal.alarm(ENDLESS)
     resource.setrlimit(resource.RLIMIT_AS, (held + MEMORY, hard))
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            yield
+        yield
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
         signal.alarm(0)

@@ -22,6 +22,7 @@ import pytest
 import test_fuzz_calls
 from roughcontact.__main__ import main
 from roughcontact._faces.cli import commands
+from systems import linux, posix
 
 # Command lines of the long run, of one block of it, and of the ordinary run.
 COMMANDS, BLOCK, FEW = 500, 100, 15
@@ -258,6 +259,7 @@ def test_what_no_command_foresees_is_a_sentence(raised, folder, monkeypatch, cap
 
 
 @pytest.mark.slow
+@linux
 def test_a_process_without_memory_ends_in_a_sentence(folder):
     """The limit leaves room for the packages, and none for a solve."""
     script = (
@@ -273,6 +275,7 @@ def test_a_process_without_memory_ends_in_a_sentence(folder):
     assert done.stderr.startswith("roughcontact: ")
 
 
+@posix
 @pytest.mark.parametrize("command", [["-m", "roughcontact"], [str(Path(sys.executable).with_name("roughcontact"))]])
 def test_an_interrupt_of_the_imports_is_a_sentence(command, tmp_path):
     """A package of the name of one that is needed interrupts its own import."""

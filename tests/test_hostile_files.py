@@ -28,6 +28,7 @@ from roughcontact._base.archive import SEAL, pack, read_archive, seal, write_arc
 from roughcontact._work.studies import record
 from roughcontact._work.studies.record import read_index
 from roughcontact._work.studies.toml import read_study
+from systems import posix
 
 h5py = pytest.importorskip("h5py")
 xarray = pytest.importorskip("xarray")
@@ -727,6 +728,7 @@ def test_hostile_studies_are_refused(tmp_path, name):
     assert len(str(caught.value)) < 1000
 
 
+@posix
 def test_a_list_of_records_is_a_file(tmp_path):
     """A pipe would be waited for, and a device read without end."""
     os.mkfifo(tmp_path / "pipe.json")
@@ -773,7 +775,7 @@ def test_no_file_reaches_the_terminal_with_its_escape_sequences(files, tmp_path,
     assert any("\\x1b[31m" in text for text in texts)
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes and devices")
+@posix
 @pytest.mark.parametrize("what", ["device", "pipe"])
 @pytest.mark.parametrize("name", ["solution.npz", "solution.nc"])
 def test_a_file_that_is_swapped_while_it_is_opened_is_refused(files, tmp_path, monkeypatch, name, what):

@@ -17,6 +17,7 @@ import pytest
 import roughcontact as rc
 from roughcontact._work.studies.record import read_index
 from scenes import list_unfinished, without_seconds
+from systems import posix
 
 # SIGKILLs at random moments of a study, by how it runs and what is killed. docs/trust/trust.md states their sum.
 KILLS = {"serial": 40, "worker of a pool": 20, "parent of a pool": 20, "worker of dask": 20}
@@ -118,6 +119,7 @@ def folders_of_kills(tmp_path, name, block):
 
 
 @pytest.mark.slow
+@posix
 class TestKills:
     """SIGKILL at random moments: nothing that was finished is lost, solved again or changed."""
 

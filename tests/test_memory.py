@@ -21,9 +21,9 @@ from roughcontact._base.archive.plain import key_of
 from roughcontact._base.machine import available_memory, limit_of_memory, require_memory
 from roughcontact._base.units import binary
 from roughcontact._solve.problem.plan import _FRICTION_ARRAYS, _STATE_ARRAYS, require_memory_of_solve
+from systems import linux
 
 NAN = float("nan")
-linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits and figures are those of Linux")
 STEEL = rc.Elastic(1e9, 0.0)
 WAVY = rc.WavySurface(1e-7, 1e-4)
 SPHERE = rc.SphereSurface(1.0)
@@ -352,6 +352,7 @@ def test_surfaces_ask_before_they_take_memory(monkeypatch, surface, arrays):
     tracemalloc.stop()
 
 
+@linux
 def test_a_process_may_be_held_to_the_memory_that_there_is(tmp_path):
     """A gigabyte beyond what it has, and the address space that is only reserved."""
     (tmp_path / "proc/self").mkdir(parents=True)

@@ -18,6 +18,7 @@ import roughcontact as rc
 from roughcontact._base.archive import read_archive
 from roughcontact._work.studies.toml import read_study
 from scenes import list_unfinished, without_seconds
+from systems import posix
 
 # Two contacts in domains twice and three times as long as wide, with cells 1:3 and odd numbers of them.
 STUDY = """
@@ -121,6 +122,7 @@ def test_four_shares_two_of_them_at_once_are_one_run(tmp_path, whole):
     require_same(folder, whole[0])
 
 
+@posix
 def test_a_killed_share_goes_on(tmp_path, whole):
     folder = begin(tmp_path)
     process = shell(folder, "--share", "2/2")

@@ -22,6 +22,7 @@ from roughcontact._solve.problem.sweep import Sweep
 from roughcontact._work.studies.chain import run_chain
 from roughcontact._work.studies.record import read_index, write_index
 from scenes import ROUGH, make_problem, make_study
+from systems import posix
 
 
 @attrs.frozen
@@ -152,6 +153,7 @@ def test_a_broken_executor_is_said_and_the_study_goes_on_later(tmp_path):
 
 
 @pytest.mark.slow
+@posix
 def test_a_killed_process_of_a_pool(tmp_path):
     """A pool that loses a process breaks; what was finished is safe."""
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
@@ -269,6 +271,7 @@ class TestMishaps:
         assert make_study().run(tmp_path).computed == 1
 
     @pytest.mark.slow
+    @posix
     def test_a_full_disk_stops_the_study_with_a_sentence(self, tmp_path):
         """Files of this process may not grow beyond a limit, which fails as a full disk does."""
         script = tmp_path / "limited.py"

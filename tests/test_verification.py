@@ -21,6 +21,7 @@ from roughcontact._base.archive.plain import key_of, programs, programs_of
 from roughcontact._solve.solution import storage
 from roughcontact._work.studies import record
 from strategies import wild_problems
+from systems import posix
 
 HARDNESS = np.linspace(2e9, 6e9, 120).reshape(12, 10)
 SURFACE = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortest=2e-5, seed=5)
@@ -322,6 +323,7 @@ LIMITED = """
 
 
 @pytest.mark.slow
+@posix
 @pytest.mark.parametrize("suffix", ["npz", "nc"])
 def test_a_full_disk_leaves_the_old_file_and_a_sentence(tmp_path, suffix):
     path = save(problem().solve(force=1.0), tmp_path / f"solution.{suffix}")
