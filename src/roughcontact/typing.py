@@ -3,7 +3,7 @@
 ===========  ==========================================================================================================
 for          types
 ===========  ==========================================================================================================
-kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`
+kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`, `SupportsConduction`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
              `WaveMatrix`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
@@ -40,6 +40,7 @@ from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._parts.kernels import (
     BoundKernel,
     SupportsCoefficients,
+    SupportsConduction,
     SupportsShear,
     SupportsSpectrum,
     SupportsStress,
@@ -177,6 +178,7 @@ __all__ = [
     "StressMaximum",
     "StudyResult",
     "SupportsCoefficients",
+    "SupportsConduction",
     "SupportsShear",
     "SupportsSpectrum",
     "SupportsStress",

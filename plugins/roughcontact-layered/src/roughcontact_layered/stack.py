@@ -21,12 +21,20 @@ _BLOCK = 1 << 14
 
 
 def _thickness(value: float) -> float:
+    return _positive(value, "The thickness of a layer", "m")
+
+
+def _conductivity(value: float | None) -> float | None:
+    return None if value is None else _positive(value, "The conductivity of a layer", "W/(m K) or S/m")
+
+
+def _positive(value: float, what: str, unit: str) -> float:
     try:
         result = float(value)
     except (TypeError, ValueError):
         result = math.nan
     if isinstance(value, (str, bool)) or not (math.isfinite(result) and result > 0.0):
-        raise rc.InputError.about("The thickness of a layer", value, "a finite number, above 0 (m)")
+        raise rc.InputError.about(what, value, f"a finite number, above 0 ({unit})")
     return result
 
 
@@ -50,6 +58,8 @@ class Layer:
         Poisson's ratio, above -1 and at most 0.5.
     thickness
         Thickness, m, above zero.
+    conductivity
+        Conductivity, W/(m K) for heat or S/m for current, above zero, which only the contact conductance needs.
 
     Raises
     ------
@@ -60,6 +70,7 @@ class Layer:
     young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
     poisson: float = attrs.field(converter=_poisson)
     thickness: float = attrs.field(converter=_thickness, metadata={"unit": "m"})
+    conductivity: float | None = attrs.field(default=None, converter=_conductivity)
 
     @property
     def compliance(self) -> float:

@@ -271,6 +271,34 @@ class SupportsStress(Protocol):
         """
 
 
+@runtime_checkable
+class SupportsConduction(Protocol):
+    """A kernel of a body of layers that knows how they conduct heat or current: an optional ability."""
+
+    def describes(self, material: Material) -> bool:
+        """Return whether a body of this material is the one with the layers."""
+
+    def conduction_kernel(self, conductivity: float) -> InfluenceKernel:
+        """Return the kernel of temperature, or potential, by the flow through the surface.
+
+        Parameters
+        ----------
+        conductivity
+            Of the half-space under the layers, W/(m K) for heat or S/m for current.
+
+        Returns
+        -------
+        InfluenceKernel
+            A kernel whose `compliance` is (1/k1 + 1/k2) / 2 of the half-spaces under the layers, and whose values are
+            temperatures by flows, K/(W/m2).
+
+        Raises
+        ------
+        InputError
+            If the conductivity of a layer is not known.
+        """
+
+
 def odd_axes(component: str) -> tuple[bool, bool]:
     """Return whether a component is odd in x, and in y."""
     return component.count("x") % 2 == 1, component.count("y") % 2 == 1
