@@ -90,14 +90,18 @@ class LayeredKernel(StackedKernel):
 
         Examples
         --------
-        Steel under 2 µm of an oxide, on steel:
+        A layer of 2 µm that conducts badly, on one of two bodies of steel:
 
         >>> import roughcontact as rc
         >>> steel = rc.Elastic(young=210e9, poisson=0.3)
-        >>> oxide = LayeredKernel(Layer(200e9, 0.25, 2e-6, conductivity=2.0), substrate=steel)
-        >>> coated = rc.Body(rc.ParaboloidSurface(radius=1e-3), steel)
-        >>> problem = rc.ContactProblem(coated, rc.Body(rc.FlatSurface(), steel), grid=rc.Grid((64, 64), 80e-6), kernel=oxide)
-        >>> print(f"{problem.solve(force=5.0).conductance(45.0).value:.2e} W/K")
+        >>> ball = rc.Body(rc.ParaboloidSurface(radius=1e-3), steel)
+        >>> flat = rc.Body(rc.FlatSurface(), steel)
+        >>> for conductivity in (2.0, 45.0):
+        ...     oxide = LayeredKernel(Layer(210e9, 0.3, 2e-6, conductivity), substrate=steel)
+        ...     problem = rc.ContactProblem(ball, flat, grid=rc.Grid((64, 64), 80e-6), kernel=oxide)
+        ...     print(f"{problem.solve(force=5.0).conductance(45.0).value:.5f} W/K")
+        0.00152 W/K
+        0.00287 W/K
         """
         for layer in self.layers:
             conductivity_of(layer)
