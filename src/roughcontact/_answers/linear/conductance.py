@@ -197,7 +197,7 @@ class _Conduction:
         r"""Return the resistance of a disc with each radius, shape (n,), K/W.
 
         On layers the flow through a unit disc is that of an isothermal one on a half-space and a uniform one in the
-        parts of the least energy (Thomson's principle), with their transforms t and the effective modulus E of waves:
+        parts of the smallest energy (Thomson's principle), with their transforms t and the effective modulus E of waves:
 
         .. math:: \min \frac{1}{2\pi a} \int_0^\infty \frac{2}{E(x/a)}\,t^2\,\mathrm{d}x, \qquad
            t = (1 - c)\,\frac{\sin x}{x} + c\,\frac{2 J_1(x)}{x}
@@ -212,8 +212,8 @@ class _Conduction:
         if moduli is None or not radii.size:
             return np.asarray(0.25 * self.resistivity / radii)
         isothermal, both, uniform = weights @ (2.0 / moduli).reshape(sizes.size, x.size).T
-        least = (isothermal * uniform - both**2) / (isothermal + uniform - 2.0 * both)
-        return np.asarray(np.interp(np.log(radii), np.log(sizes), least) / (2.0 * np.pi * radii))
+        smallest = (isothermal * uniform - both**2) / (isothermal + uniform - 2.0 * both)
+        return np.asarray(np.interp(np.log(radii), np.log(sizes), smallest) / (2.0 * np.pi * radii))
 
 
 def _find_conduction(solution: ContactSolution, conductivity: Pair) -> _Conduction:
@@ -230,8 +230,8 @@ def _find_conduction(solution: ContactSolution, conductivity: Pair) -> _Conducti
     if solution.moduli is not None:
         raise InputError(
             "The conductance follows from the stiffness of two isotropic half-spaces, but this kernel is of a graded "
-            "body, of a crystal or of layers that do not state how they conduct: choose kernel='love', or a kernel with "
-            "the conductivity of its layers."
+            "body, of a crystal or of layers that do not state how they conduct: choose kernel='love', or a kernel "
+            "with the conductivity of its layers."
         )
     return _Conduction(resistivity, 2.0 / (solution.modulus * resistivity), solution.modulus)
 
