@@ -3,7 +3,8 @@
 ===========  ==========================================================================================================
 for          types
 ===========  ==========================================================================================================
-kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`, `SupportsConduction`
+kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`, `SupportsConduction`,
+             `SupportsTangential`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
              `WaveMatrix`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
@@ -44,6 +45,7 @@ from roughcontact._parts.kernels import (
     SupportsShear,
     SupportsSpectrum,
     SupportsStress,
+    SupportsTangential,
 )
 from roughcontact._parts.materials import TYPICAL, PairConstants, pair_constants
 from roughcontact._parts.surfaces import MatchedPair, Separated
@@ -182,6 +184,7 @@ __all__ = [
     "SupportsShear",
     "SupportsSpectrum",
     "SupportsStress",
+    "SupportsTangential",
     "Sweep",
     "Table",
     "TangentialLoad",

@@ -93,9 +93,8 @@ def resist(pairs, substrate, other, radius):
 @pytest.mark.parametrize("ratio", [1e-3, 0.3, 1.0, 20.0])
 def test_waves_in_layers_are_those_of_the_boundary_value_problem(ratio):
     pairs = ((2.0 * ratio, 0.7), (5.0, 0.3), (0.5 * ratio, 2.0))
-    layers = stack(*pairs).layers
     q = np.geomspace(1e-4, 30.0, 40)
-    own, rest = conduct(layers, 3.0, q)
+    own, rest = conduct([k for k, _ in pairs], 3.0, [h for _, h in pairs], q)
     exact = solve_layers(pairs, 3.0, q)
     np.testing.assert_allclose(own, exact, rtol=1e-12)
     np.testing.assert_allclose(rest, exact - 1 / pairs[0][0], atol=1e-13 * exact.max())

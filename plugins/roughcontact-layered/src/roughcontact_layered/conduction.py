@@ -33,7 +33,8 @@ class LayeredConduction(StackedKernel):
 
     def respond(self, q: Array) -> tuple[Array, Array]:
         """Return q T / f, and the same less that of a half-space of the topmost layer; see `conduct`."""
-        return conduct(self.layers, self.conductivity, q)
+        values = [conductivity_of(layer) for layer in self.layers]
+        return conduct(values, self.conductivity, [layer.thickness for layer in self.layers], q)
 
     def top_compliance(self) -> float:
         """Return 1/(2 k) of the topmost layer, m K/W."""
@@ -44,7 +45,9 @@ class LayeredConduction(StackedKernel):
         return max(compliance - 0.5 / self.conductivity, 0.0)
 
 
-def conduct(layers: tuple[Layer, ...], conductivity: float, q: Array) -> tuple[Array, Array]:
+def conduct(
+    conductivities: list[float], conductivity: float, thicknesses: list[float], q: Array
+) -> tuple[Array, Array]:
     r"""Return q T / f, and the same less that of a half-space of the topmost layer.
 
     With r the resistance :math:`k q T / f` over that of a half-space of the layer, x = q h, and :math:`e = e^{-2x}`, a
@@ -53,14 +56,16 @@ def conduct(layers: tuple[Layer, ...], conductivity: float, q: Array) -> tuple[A
     .. math:: r' = \frac{r (1 + e) + (1 - e)}{(1 + e) + r (1 - e)}, \qquad
               r' - 1 = \frac{2 e\,(r - 1)}{(1 + e) + r (1 - e)}
 
-    in which nothing cancels.
+    in which nothing cancels. Shear across waves obeys the same equations, with shear moduli as conductivities.
 
     Parameters
     ----------
-    layers
-        From the surface downwards, with conductivities.
+    conductivities
+        Of the layers from the surface downwards, W/(m K) or S/m.
     conductivity
         Of the half-space under them, W/(m K) or S/m.
+    thicknesses
+        Of the layers, m.
     q
         Wave numbers, shape (n,), rad/m, above zero.
 
@@ -71,10 +76,9 @@ def conduct(layers: tuple[Layer, ...], conductivity: float, q: Array) -> tuple[A
     """
     resistivity = np.full(q.size, 1.0 / conductivity)
     rest = np.zeros(q.size)
-    for layer in reversed(layers):
-        own = conductivity_of(layer)
+    for own, thickness in zip(conductivities[::-1], thicknesses[::-1], strict=True):
         ratio = own * resistivity
-        decay = np.exp(-2.0 * q * layer.thickness)
+        decay = np.exp(-2.0 * q * thickness)
         denominator = (1.0 + decay) + ratio * (1.0 - decay)
         # A body of the same conductivity leaves no rest, not even rounding.
         rest = 2.0 * decay * (ratio - 1.0) / denominator / own

@@ -5,11 +5,13 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import roughcontact as rc
+from roughcontact.typing import PairConstants
 
 from roughcontact_layered.below import find_excess
 from roughcontact_layered.bodies import compliance_of_other
 from roughcontact_layered.conduction import LayeredConduction, conductivity_of
 from roughcontact_layered.harmonics import FindWaves, integrate_stress
+from roughcontact_layered.shear import LayeredShear
 from roughcontact_layered.stack import Array, Layer, respond
 from roughcontact_layered.stacked import StackedKernel
 from roughcontact_layered.waves_below import sum_waves
@@ -106,6 +108,35 @@ class LayeredKernel(StackedKernel):
         for layer in self.layers:
             conductivity_of(layer)
         return LayeredConduction(self.layers, conductivity)
+
+    def shear_kernel(self, axis: int, pair: PairConstants) -> LayeredShear:
+        """Return the response of displacement along an axis to shear along it; see `roughcontact.typing`.
+
+        Parameters
+        ----------
+        axis
+            0 for x, 1 for y.
+        pair
+            The constants of the two half-spaces under the layers.
+        """
+        return LayeredShear(self.layers, self.substrate, axis, pair)
+
+    def coupling(self, wavenumber: Array, compliance: float, pair: PairConstants) -> Array:
+        """Return Dundurs' beta of each wave number, shape (n,), positive where the coated body is the softer one.
+
+        Parameters
+        ----------
+        wavenumber
+            Wave numbers, shape (n,), rad/m, above zero.
+        compliance
+            1/E* of the half-spaces under the layers, 1/Pa.
+        pair
+            Their constants, with the coated body as the body.
+        """
+        own = -respond(self.layers, self.substrate, wavenumber, (0, 1))[0]
+        substrate = (1.0 - 2.0 * self.substrate.poisson) * (1.0 + self.substrate.poisson) / self.substrate.young
+        change = own - substrate + 2.0 * pair.beta * compliance
+        return np.asarray(change / (wavenumber * self.response(wavenumber, compliance)))
 
     @property
     def interfaces(self) -> Array:

@@ -78,7 +78,9 @@ class Layer:
         return (1.0 - self.poisson**2) / self.young
 
 
-def respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
+def respond(
+    layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array, component: tuple[int, int] = (1, 1)
+) -> tuple[Array, Array]:
     r"""Return q u / p, and the same less that of a half-space of the topmost layer.
 
     With u and t the amplitudes of displacement and traction (along x, along z), t over q, each
@@ -101,6 +103,8 @@ def respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple
         The half-space under them.
     q
         Wave numbers, shape (n,), rad/m, above zero.
+    component
+        Of displacement and traction, 0 along the wave and 1 along the normal.
 
     Returns
     -------
@@ -116,11 +120,13 @@ def respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple
     rest = np.empty(q.size)
     for start in range(0, q.size, _BLOCK):
         block = slice(start, start + _BLOCK)
-        own[block], rest[block] = _respond(layers, substrate, q[block])
+        own[block], rest[block] = _respond(layers, substrate, q[block], component)
     return own, rest
 
 
-def _respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
+def _respond(
+    layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array, component: tuple[int, int]
+) -> tuple[Array, Array]:
     scale = layers[0].young
     below = half_space(substrate.young / scale, substrate.poisson)
     matrix = below[:, :, np.newaxis] * np.ones(q.size)
@@ -128,7 +134,7 @@ def _respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tupl
     for layer in reversed(layers):
         own = half_space(layer.young / scale, layer.poisson)
         matrix, difference = cross(layer, scale, own, matrix, q * layer.thickness)
-    return np.asarray(-matrix[1, 1] / scale), np.asarray(-difference[1, 1] / scale)
+    return np.asarray(-matrix[component] / scale), np.asarray(-difference[component] / scale)
 
 
 def half_space(young: float, poisson: float) -> Array:

@@ -196,8 +196,9 @@ class _Conduction:
     def find_constriction(self, radii: Array) -> Array:
         r"""Return the resistance of a disc with each radius, shape (n,), K/W.
 
-        On layers the flow through a unit disc is that of an isothermal one on a half-space and a uniform one in the
-        parts of the smallest energy (Thomson's principle), with their transforms t and the effective modulus E of waves:
+        On layers the flow through a unit disc is that of an isothermal one on a half-space and a uniform one, in the
+        parts of the smallest energy (Thomson's principle), with their transforms t and the modulus E of waves:
+
 
         .. math:: \min \frac{1}{2\pi a} \int_0^\infty \frac{2}{E(x/a)}\,t^2\,\mathrm{d}x, \qquad
            t = (1 - c)\,\frac{\sin x}{x} + c\,\frac{2 J_1(x)}{x}

@@ -9,10 +9,12 @@ import numpy as np
 
 from roughcontact._answers.linear.adhesive_tangent import tangent_of
 from roughcontact._answers.linear.stiffness import find_normal_answer
+from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
+from roughcontact._parts.kernels import SupportsTangential
 from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, pair_constants
-from roughcontact._solve.problem import problem_of
+from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact._solve.solvers import ProjectedShearCG, ShearTask
 from roughcontact.errors import InputError, NotConverged
@@ -27,6 +29,14 @@ _ROUND_TOLERANCE = 1e-6
 # Relative standard deviation by the shape that the cells give a patch, over the anisotropy, times the root of their
 # number. Set on 60 ellipses of 1:1 to 81:1 in radii, of 1.5 to 8 cells.
 _SHAPE_STD = 0.1
+# On layers: relative residual; waves of which the coupling is found; and relative standard deviations, over the square
+# of Dundurs' beta, by the neglected change of pressure, and, over that of the anisotropy, by the tractions across the
+# force.
+_LAYERED_TOLERANCE = 1e-3
+_WAVES = 33
+_FINE = 1e-3
+_COUPLING_STD = 0.2
+_ACROSS_STD = 0.1
 
 
 def tangential_axis(value: int) -> int:
@@ -161,10 +171,12 @@ class TangentialStiffness(Response[Estimate]):
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
-        if solution.moduli is not None:
+        problem = problem_of(solution)
+        kernel = problem.plan.kernel
+        if solution.moduli is not None and not isinstance(kernel, SupportsTangential):
             raise InputError(
-                "The tangential stiffness follows from the normal one of two isotropic half-spaces, but this kernel is "
-                "of a layer or a crystal: choose kernel='love'."
+                "The tangential stiffness needs the response to shear, which this kernel of a graded body, a crystal "
+                "or layers does not know: choose kernel='love'."
             )
         if solution.saturated.any():
             raise InputError(
@@ -175,11 +187,50 @@ class TangentialStiffness(Response[Estimate]):
         warnings = normal.warnings
         if not 0.0 < normal.value < math.inf:
             return Estimate(normal.value, 0.0, "N/m", warnings)
-        ratio = find_compliance_ratio(solution, normal.field, self.axis)
-        value = normal.value / (ratio * find_energy_ratio(solution, normal.field, self.axis, coupled=True))
-        by_shape = _SHAPE_STD * find_anisotropy(solution) * _find_scatter(solution, normal.field)
-        std = math.hypot(normal.uncertainty / normal.value, by_shape) * value
+        if isinstance(kernel, SupportsTangential):
+            ratio, anisotropy, neglected = _compare_on_layers(solution, problem, kernel, self.axis)
+        else:
+            ratio = find_compliance_ratio(solution, normal.field, self.axis)
+            ratio *= find_energy_ratio(solution, normal.field, self.axis, coupled=True)
+            anisotropy = find_anisotropy(solution)
+            neglected = 0.0
+        value = normal.value / ratio
+        by_shape = _SHAPE_STD * anisotropy * _find_scatter(solution, normal.field)
+        std = math.hypot(normal.uncertainty / normal.value, by_shape, neglected) * value
         return Estimate(value, std, "N/m", warnings)
+
+
+def _compare_on_layers(
+    solution: ContactSolution, problem: ContactProblem, kernel: SupportsTangential, axis: int
+) -> tuple[float, float, float]:
+    """Return the tangential over the normal compliance, the anisotropy, and the relative standard deviation.
+
+    The last is by what is neglected: the tractions across the force, and the change of the pressure. The anisotropy is
+    that of `find_anisotropy`, the largest of all waves.
+    """
+    pair = pair_constants(*problem.plan.materials)
+    if not kernel.describes(problem.body.material):
+        if not kernel.describes(problem.counterbody.material):
+            raise InputError(
+                f"The tangential stiffness needs to know which body carries the layers, but neither "
+                f"{problem.body.material!r} nor {problem.counterbody.material!r} is the substrate of {kernel!r}."
+            )
+        pair = attrs.evolve(pair, beta=-pair.beta)
+    bound = problem.convolution.setup.kernel
+    shear = attrs.evolve(bound, kernel=kernel.shear_kernel(axis, pair))
+    unit = np.ones(solution.grid.shape)
+    normal, tangential = (
+        Tangent(solution, kernel=one).solve(unit, _LAYERED_TOLERANCE).product for one in (None, shear)
+    )
+    waves = np.geomspace(1.0 / max(solution.grid.size), 1.0 / min(solution.grid.spacing), _WAVES)
+    beta = float(np.abs(kernel.coupling(waves, bound.compliance, pair)).max())
+    # Waves on cells much smaller than they are.
+    ends = np.array([[0.0], [1.0]])
+    spectra = [shear.spectrum(q * ends, q * ends.T, (_FINE / q, _FINE / q)) for q in waves]
+    along_x, along_y = np.array([[spectrum[1, 0], spectrum[0, 1]] for spectrum in spectra]).T
+    along, across = (along_x, along_y) if axis == 0 else (along_y, along_x)
+    anisotropy = float(np.abs(1.0 - along / across).max())
+    return normal / tangential, anisotropy, math.hypot(_COUPLING_STD * beta**2, _ACROSS_STD * anisotropy**2)
 
 
 def _find_scatter(solution: ContactSolution, answer: Array) -> float:

@@ -299,6 +299,33 @@ class SupportsConduction(Protocol):
         """
 
 
+@runtime_checkable
+class SupportsTangential(Protocol):
+    """A kernel of a body of layers that knows the displacement along an axis by shear along it: an optional ability.
+
+    The tangential stiffness needs it. In both methods `pair` has the constants of the half-spaces under the layers.
+    """
+
+    def describes(self, material: Material) -> bool:
+        """Return whether a body of this material is the one with the layers."""
+
+    def shear_kernel(self, axis: int, pair: PairConstants) -> InfluenceKernel:
+        """Return the kernel of the displacement along x, 0, or y, 1, by shear along it, of the same compliance."""
+
+    def coupling(self, wavenumber: Array, compliance: float, pair: PairConstants) -> Array:
+        """Return Dundurs' beta of waves.
+
+        Parameters
+        ----------
+        wavenumber
+            Wave numbers, shape (n,), rad/m, above zero.
+        compliance
+            1/E* of the half-spaces under the layers, 1/Pa.
+        pair
+            Their constants, with the body with the layers first.
+        """
+
+
 def odd_axes(component: str) -> tuple[bool, bool]:
     """Return whether a component is odd in x, and in y."""
     return component.count("x") % 2 == 1, component.count("y") % 2 == 1
