@@ -155,7 +155,7 @@ def test_the_axes_can_be_exchanged(boundary):
         found.append(problem.solve(pressure=5e6).conductance((2.0, 5.0), 0.5))
     assert found[0].value == pytest.approx(found[1].value, rel=1e-5)
     assert found[0].uncertainty == pytest.approx(found[1].uncertainty, rel=1e-4)
-    assert found[0].patches.size > 3
+    assert found[0].patches.size > 2
 
 
 def test_units_cancel():

@@ -97,7 +97,10 @@ class LayeredShear(rc.InfluenceKernel):
         """Return the response at the cell centres to waves of cell shears, shape (m, n), m/Pa."""
         surface, pair = self._find_surface(compliance)
         love = rc.Love().shear_spectrum("xy"[self.axis] * 2, qx, qy, spacing, surface, pair)
-        return np.asarray(love + cell_waves(self, qx, qy, spacing))
+        nearest = np.array([np.pi / max(spacing)])
+        largest = max(abs(_Harmonic(self.layers, self.substrate, order).rest(nearest).item()) for order in (0, 2))
+        is_aliased = largest * nearest.item() > np.finfo(np.float64).eps * surface
+        return np.asarray(love + cell_waves(self, qx, qy, spacing, is_aliased))
 
     def wave_rest(self, qx: Array, qy: Array) -> Array:
         """Return the response less that of a half-space of the topmost layer, of wave vectors, m/Pa."""
