@@ -119,7 +119,7 @@ def test_the_axes_exchange():
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_layers_of_the_same_material_change_little(axis):
-    """Tractions across the force, which are neglected, matter by less than 0.2 % in a light contact."""
+    """Tractions across the force, which are neglected, make a light contact softer by less than 0.4 %."""
     same = LayeredKernel((Layer(1e9, 0.3, 0.7), Layer(1e9, 0.3, 2.0)), substrate=STEEL)
     surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8.0, longest=32.0, seed=3)
     found = []
@@ -127,7 +127,7 @@ def test_layers_of_the_same_material_change_little(axis):
         body = rc.Body(surface, STEEL)
         problem = rc.ContactProblem(body, FLAT, grid=rc.Grid((64, 60), (64.0, 90.0)), kernel=kernel)
         found.append(tangential(problem.solve(pressure=2e6), axis))
-    assert found[0].value == pytest.approx(found[1].value, rel=2e-3)
+    assert 0.996 * found[1].value < found[0].value < found[1].value
     assert abs(found[0].value - found[1].value) < found[0].uncertainty
 
 
@@ -166,11 +166,11 @@ def test_which_body_has_the_layers_does_not_matter():
 @pytest.mark.parametrize("boundary", ["free", "periodic", ("free", "periodic")])
 def test_the_domain_can_be_turned(boundary):
     kernel = LayeredKernel(Layer(5e9, 0.2, 2.0), substrate=STEEL)
-    x, y = np.mgrid[:24, :10]
+    x, y = np.mgrid[:16, :6]
     heights = np.sin(x / 3.0) * np.cos(y / 2.0) + 0.3 * np.cos(x / 7.0 + y)
     found = []
     for turned in (False, True):
-        grid = rc.Grid((10, 24), (30.0, 24.0)) if turned else rc.Grid((24, 10), (24.0, 30.0))
+        grid = rc.Grid((6, 16), (18.0, 16.0)) if turned else rc.Grid((16, 6), (16.0, 18.0))
         body = rc.Body(rc.HeightMap(heights.T if turned else heights, grid.size), STEEL)
         sides = boundary[::-1] if turned and isinstance(boundary, tuple) else boundary
         problem = rc.ContactProblem(body, FLAT, grid=grid, kernel=kernel, boundary=sides)
@@ -208,6 +208,6 @@ def test_what_is_not_known_is_refused_in_words():
         rc.Body(rc.ParaboloidSurface(1000.0), STEEL), grid=rc.Grid((16, 16), 16.0), kernel=coated
     )
     with pytest.raises(rc.InputError, match="ratio of tangential to normal compliance is the same for all waves"):
-        problem.solve(force=1e8).partial_slip(1e5, friction=0.3)
+        problem.solve(force=1e8).partial_slip(tangential_force=1e5, friction=0.3)
     with pytest.raises(rc.InputError, match="response to shear, which friction needs"):
         problem.path(force=1e8, tangential_force=[(1e6, 0.0)], friction=0.3)
