@@ -4,16 +4,14 @@ from roughcontact._parts.kernels.base import (
     BoundKernel,
     InfluenceKernel,
     SupportsCoefficients,
-    SupportsConduction,
     SupportsShear,
     SupportsSpectrum,
-    SupportsStress,
-    SupportsTangential,
     kernels,
     odd_axes,
     require_form,
 )
 from roughcontact._parts.kernels.half_space import FourierHalfSpace, Love
+from roughcontact._parts.kernels.layers import SupportsConduction, SupportsStress, SupportsTangential
 from roughcontact._parts.kernels.mixed import list_octaves, sum_along_x
 
 __all__ = [
