@@ -3,7 +3,8 @@
 ===========  ==========================================================================================================
 for          types
 ===========  ==========================================================================================================
-kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`
+kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`, `SupportsConduction`,
+             `SupportsTangential`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
              `WaveMatrix`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
@@ -40,9 +41,11 @@ from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._parts.kernels import (
     BoundKernel,
     SupportsCoefficients,
+    SupportsConduction,
     SupportsShear,
     SupportsSpectrum,
     SupportsStress,
+    SupportsTangential,
 )
 from roughcontact._parts.materials import TYPICAL, PairConstants, pair_constants
 from roughcontact._parts.surfaces import MatchedPair, Separated
@@ -177,9 +180,11 @@ __all__ = [
     "StressMaximum",
     "StudyResult",
     "SupportsCoefficients",
+    "SupportsConduction",
     "SupportsShear",
     "SupportsSpectrum",
     "SupportsStress",
+    "SupportsTangential",
     "Sweep",
     "Table",
     "TangentialLoad",

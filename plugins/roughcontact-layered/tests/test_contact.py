@@ -38,6 +38,18 @@ def test_load_and_approach_of_a_sphere_are_those_of_the_axisymmetric_problem(rat
     assert solution.area().value == pytest.approx(np.pi * contact**2, rel=2e-3)
 
 
+@pytest.mark.parametrize("ratio", [0.1, 0.25, 4.0, 10.0])
+@pytest.mark.parametrize("thickness", [0.3, 1.0])
+def test_the_stiffness_is_the_slope_of_load_over_approach(ratio, thickness):
+    contact = 0.01
+    kernel = coating(ratio, thickness * contact)
+    loads = [rings(kernel, factor * contact) for factor in (0.995, 1.0, 1.005)]
+    exact = (loads[2][0] - loads[0][0]) / (loads[2][1] - loads[0][1])
+    found = sphere(kernel, 39, contact).solve(force=loads[1][0]).stiffness()
+    assert found.value == pytest.approx(exact, rel=3e-3)
+    assert abs(found.value - exact) < 2.5 * found.uncertainty
+
+
 @pytest.mark.parametrize("ratio", [0.1, 0.5, 2.0, 10.0])
 @pytest.mark.parametrize("thickness", [0.01, 0.1, 0.3, 1.0, 5.0])
 def test_the_default_area_is_right_or_warns(ratio, thickness):

@@ -52,14 +52,46 @@ def integrate_stress(
     reach
         Distance over which the waves decay, m.
     """
-    own = [_halve_towards_zero(0.5 * side, reach) for side in spacing]
-    smallest = math.hypot(own[0][0][0], own[1][0][0])
+    own = [_halve_towards_zero(0.5 * side, reach)[0][0] for side in spacing]
     largest = math.hypot(*(n * side for n, side in zip(shape, spacing, strict=True)))
-    field = _tabulate(find, load, smallest, largest, reach)
-    result = np.zeros((6, *shape))
+    result = integrate_cells(_tabulate(find, load, math.hypot(*own), largest, reach), 6, shape, spacing, reach)
+    # At the centre of the load the odd components vanish.
+    result[:, 0, 0] *= (1, 1, 1, 0, 0, 0) if load == "z" else (0, 0, 0, 0, 1, 0)
+    # Exactly zero where the Gauss points on both sides cancel.
+    for place, component in enumerate(("xx", "yy", "zz", "yz", "xz", "xy")):
+        for axis, letter in enumerate("xy"):
+            if (component + load).count(letter) % 2:
+                result[(place, *((0, slice(None)) if axis == 0 else (slice(None), 0)))] = 0.0
+    return result
+
+
+def integrate_cells(
+    field: Callable[[Array, Array], Array],
+    count: int,
+    shape: tuple[int, int],
+    spacing: tuple[float, float],
+    reach: float,
+) -> Array:
+    """Return the integrals of a field around a point over the cell at each offset, shape (count, nx, ny).
+
+    That over the cell at the point itself is four times the integral over a quarter.
+
+    Parameters
+    ----------
+    field
+        Its components, shape (count, ...), at offsets along x and y, m.
+    count
+        Number of components.
+    shape, spacing
+        Offsets (nx, ny), and sides of a cell (dx, dy), m.
+    reach
+        Distance from the point up to which the field is smooth, m.
+    """
+    own = [_halve_towards_zero(0.5 * side, reach) for side in spacing]
+    result = np.zeros((count, *shape))
     near, far = (
-        tuple(min(n, math.ceil(count * min(spacing) / side) + 1) for n, side in zip(shape, spacing, strict=True))
-        for count in (_NEAR, _FAR)
+        tuple(min(n, math.ceil(cells * min(spacing) / side) + 1) for n, side in zip(shape, spacing, strict=True))
+        for cells in (_NEAR, _FAR)
     )
     blocks = (
         (slice(far[0], None), slice(None), _FAR_POINTS),
@@ -72,14 +104,7 @@ def integrate_stress(
     for along_x, along_y, points in blocks:
         integrate_gauss(result, field, spacing, (along_x, along_y), points)
     (x, weights_x), (y, weights_y) = own
-    quarter = np.einsum("cij,i,j->c", field(x[:, np.newaxis], y[np.newaxis, :]), weights_x, weights_y)
-    # At the centre of the load the odd components vanish.
-    result[:, 0, 0] = 4.0 * quarter * ((1, 1, 1, 0, 0, 0) if load == "z" else (0, 0, 0, 0, 1, 0))
-    # Exactly zero where the Gauss points on both sides cancel.
-    for place, component in enumerate(("xx", "yy", "zz", "yz", "xz", "xy")):
-        for axis, letter in enumerate("xy"):
-            if (component + load).count(letter) % 2:
-                result[(place, *((0, slice(None)) if axis == 0 else (slice(None), 0)))] = 0.0
+    result[:, 0, 0] = 4.0 * np.einsum("cij,i,j->c", field(x[:, np.newaxis], y[np.newaxis, :]), weights_x, weights_y)
     return result
 
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import roughcontact as rc
+from roughcontact.typing import PairConstants
 
 from roughcontact_layered.below import find_excess
 from roughcontact_layered.bodies import compliance_of_other
-from roughcontact_layered.cells import cell_integrals, cell_waves
+from roughcontact_layered.conduction import LayeredConduction, conductivity_of
 from roughcontact_layered.harmonics import FindWaves, integrate_stress
-from roughcontact_layered.radial import tabulate
+from roughcontact_layered.shear import LayeredShear
 from roughcontact_layered.stack import Array, Layer, respond
+from roughcontact_layered.stacked import StackedKernel
 from roughcontact_layered.waves_below import sum_waves
 
 
@@ -29,7 +31,7 @@ def _substrate(value: object) -> rc.Elastic:
 
 
 @attrs.frozen
-class LayeredKernel(rc.InfluenceKernel):
+class LayeredKernel(StackedKernel):
     r"""Bonded elastic layers on one of the two bodies, frictionless, under cells of constant pressure.
 
     .. math:: \hat u(q) = \left[\frac{2}{E^*|q|} + \hat u_\mathrm{layers}(q) - \frac{2 c_s}{|q|}\right] \hat p(q)
@@ -63,53 +65,78 @@ class LayeredKernel(rc.InfluenceKernel):
     layers: tuple[Layer, ...] = attrs.field(converter=_layers)
     substrate: rc.Elastic = attrs.field(converter=_substrate)
 
-    def response(self, q: Array, compliance: float) -> Array:
-        """Return the displacement amplitude by a pressure wave of amplitude one.
+    def respond(self, q: Array) -> tuple[Array, Array]:
+        """Return q u / p of the coated body, and the same less that of a half-space of the topmost layer, 1/Pa."""
+        return respond(self.layers, self.substrate, q)
+
+    def top_compliance(self) -> float:
+        """Return (1 - nu^2) / E of the topmost layer, 1/Pa."""
+        return self.layers[0].compliance
+
+    def other_compliance(self, compliance: float) -> float:
+        """Return (1 - nu^2) / E of the body without layers, 1/Pa."""
+        return compliance_of_other(f"The substrate {self.substrate!r}", self.substrate.compliance, compliance)
+
+    def conduction_kernel(self, conductivity: float) -> LayeredConduction:
+        """Return the response of temperature to heat, or of potential to current; see `roughcontact.typing`.
 
         Parameters
         ----------
-        q
-            Wave numbers, any shape, rad/m, above zero.
-        compliance
-            1/E* of the half-spaces under the layers, 1/Pa.
-
-        Returns
-        -------
-        Array
-            Amplitudes, of the shape of `q`, m/Pa.
+        conductivity
+            Of the body under the layers, W/(m K) or S/m.
 
         Raises
         ------
         roughcontact.InputError
-            If the substrate is softer than both bodies together.
+            If the conductivity of a layer is not known.
+
+        Examples
+        --------
+        A layer of 2 µm that conducts badly, on one of two bodies of steel:
+
+        >>> import roughcontact as rc
+        >>> steel = rc.Elastic(young=210e9, poisson=0.3)
+        >>> ball = rc.Body(rc.ParaboloidSurface(radius=1e-3), steel)
+        >>> flat = rc.Body(rc.FlatSurface(), steel)
+        >>> for conductivity in (2.0, 45.0):
+        ...     oxide = LayeredKernel(Layer(210e9, 0.3, 2e-6, conductivity), substrate=steel)
+        ...     problem = rc.ContactProblem(ball, flat, grid=rc.Grid((64, 64), 80e-6), kernel=oxide)
+        ...     print(f"{problem.solve(force=5.0).conductance(45.0).value:.5f} W/K")
+        0.00152 W/K
+        0.00287 W/K
         """
-        q = np.asarray(q, dtype=np.float64)
-        own, _ = respond(self.layers, self.substrate, q.ravel())
-        return (own.reshape(q.shape) + 2.0 * self._other(compliance)) / q
+        for layer in self.layers:
+            conductivity_of(layer)
+        return LayeredConduction(self.layers, conductivity)
 
-    def effective_modulus(self, wavenumber: Array, compliance: float) -> Array:
-        """Return 2 / (q u(q)), the contact modulus at each wave number, shape (n,), Pa."""
-        return np.asarray(2.0 / (wavenumber * self.response(wavenumber, compliance)))
+    def shear_kernel(self, axis: int, pair: PairConstants) -> LayeredShear:
+        """Return the response of displacement along an axis to shear along it; see `roughcontact.typing`.
 
-    def coefficients(self, shape: tuple[int, int], spacing: tuple[float, float], compliance: float) -> Array:
-        """Return the influence coefficients, shape (nx, ny), m/Pa.
-
-        Love's, for half-spaces of the topmost layer and of the other body, plus a smooth rest.
+        Parameters
+        ----------
+        axis
+            0 for x, 1 for y.
+        pair
+            The constants of the two half-spaces under the layers.
         """
-        largest = float(np.hypot(shape[0] * spacing[0], shape[1] * spacing[1]))
-        table = tabulate(self, 0.4 * min(spacing), largest)
-        singular = rc.Love().coefficients(shape, spacing, self._top(compliance))
-        return np.asarray(singular + cell_integrals(table, shape, spacing))
+        return LayeredShear(self.layers, self.substrate, axis, pair)
 
-    def spectrum(self, qx: Array, qy: Array, spacing: tuple[float, float], compliance: float) -> Array:
-        """Return the response at the cell centres to waves of cell pressures, shape (m, n), m/Pa.
+    def coupling(self, wavenumber: Array, compliance: float, pair: PairConstants) -> Array:
+        """Return Dundurs' beta of each wave number, shape (n,), positive where the coated body is the softer one.
 
-        Love's, for half-spaces of the topmost layer and of the other body, plus the rest with its aliases.
+        Parameters
+        ----------
+        wavenumber
+            Wave numbers, shape (n,), rad/m, above zero.
+        compliance
+            1/E* of the half-spaces under the layers, 1/Pa.
+        pair
+            Their constants, with the coated body as the body.
         """
-        nearest = np.array([np.pi / max(spacing)])
-        is_aliased = abs((self.rest(nearest) * nearest).item()) > np.finfo(np.float64).eps * self._top(compliance)
-        love = rc.Love().spectrum(qx, qy, spacing, self._top(compliance))
-        return np.asarray(love + cell_waves(self, qx, qy, spacing, is_aliased))
+        own = -respond(self.layers, self.substrate, wavenumber, (0, 1))[0]
+        substrate = (1.0 - 2.0 * self.substrate.poisson) * (1.0 + self.substrate.poisson) / self.substrate.young
+        change = own - substrate + 2.0 * pair.beta * compliance
+        return np.asarray(change / (wavenumber * self.response(wavenumber, compliance)))
 
     @property
     def interfaces(self) -> Array:
@@ -117,8 +144,10 @@ class LayeredKernel(rc.InfluenceKernel):
         return np.cumsum([layer.thickness for layer in self.layers])
 
     def describes(self, material: rc.Material) -> bool:
-        """Return whether the layers lie on a body of this material."""
-        return isinstance(material, rc.Elastic) and material == self.substrate
+        """Return whether the layers lie on a body of this material; a hardness does not count."""
+        if not isinstance(material, (rc.Elastic, rc.ElasticPerfectlyPlastic)):
+            return False
+        return (material.young, material.poisson) == (self.substrate.young, self.substrate.poisson)
 
     def poisson_at(self, depth: float) -> float:
         """Return Poisson's ratio at a depth, m; at an interface the one above."""
@@ -170,27 +199,6 @@ class LayeredKernel(rc.InfluenceKernel):
     def _number_at(self, depth: float) -> int:
         # A depth at an interface lies above it, also after rounding.
         return int(np.searchsorted(self.interfaces, (1.0 - 1e-12) * depth))
-
-    @property
-    def depth(self) -> float:
-        """The thickness of all layers, m."""
-        return sum(layer.thickness for layer in self.layers)
-
-    def wave_rest(self, qx: Array, qy: Array) -> Array:
-        """Return `rest` of wave vectors, m/Pa."""
-        return self.rest(np.hypot(qx, qy))
-
-    def rest(self, q: Array) -> Array:
-        """Return the response less that of a half-space of the topmost layer, shape of `q` (rad/m, above 0), m/Pa."""
-        _, rest = respond(self.layers, self.substrate, q.ravel())
-        return np.asarray(rest.reshape(q.shape) / q)
-
-    def _top(self, compliance: float) -> float:
-        return self.layers[0].compliance + self._other(compliance)
-
-    def _other(self, compliance: float) -> float:
-        """Return (1 - nu^2) / E of the body without layers, 1/Pa."""
-        return compliance_of_other(f"The substrate {self.substrate!r}", self.substrate.compliance, compliance)
 
 
 def _exchange_axes(stress: Array) -> Array:

@@ -50,7 +50,7 @@ class Radial:
     point
         Chebyshev coefficients of r times the displacement by a unit force, (nodes, octaves), m^2/(N).
     disc
-        The same of the integral of r' times that displacement over 0 < r' < r, over r.
+        The same of the integral of r' times that displacement over 0 < r' < r, over r, if it is the same all round.
     """
 
     first: int
@@ -78,30 +78,34 @@ class Radial:
         return result
 
 
-def tabulate(kernel: DepthDependent, smallest: float, largest: float) -> Radial:
-    """Return what a body adds to a half-space of what lies at its surface, between two distances, m."""
+def tabulate(kernel: DepthDependent, smallest: float, largest: float, order: int = 0) -> Radial:
+    """Return what a body adds to a half-space of what lies at its surface, between two distances, m.
+
+    Of order n, 0 or 2, it is what stands before the cosine of n times the angle, for waves with that factor.
+    """
     first, last = (math.floor(math.log2(r)) for r in (smallest, largest))
-    tables = [_octave(kernel, k) for k in range(first, last + 1)]
+    tables = [_octave(kernel, k, order) for k in range(first, last + 1)]
     point, disc = (np.stack(part, axis=1) for part in zip(*tables, strict=True))
     return Radial(first, point, disc)
 
 
 @lru_cache(maxsize=1024)
-def _octave(kernel: DepthDependent, octave: int) -> tuple[Array, Array]:
+def _octave(kernel: DepthDependent, octave: int, order: int) -> tuple[Array, Array]:
     r"""Return the Chebyshev coefficients on 2^octave .. 2^(octave + 1), over the logarithm of the distance.
 
     .. math:: r\,G(r) = \frac{1}{2\pi} \int_0^\infty F(x / r)\,J_0(x)\,\mathrm{d}x, \quad
               \frac{1}{r} \int_0^r G\,r'\,\mathrm{d}r' = \frac{1}{2\pi} \int_0^\infty F(x / r)\,\frac{J_1(x)}{x}\,
               \mathrm{d}x
 
-    with F = q u the rest of the kernel times q, which is finite at zero, so that the integrals converge.
+    with F = q u the rest of the kernel times q, which is finite at zero, so that the integrals converge. For order 2
+    -J2 is in place of J0.
     """
     nodes = chebyshev.chebpts1(_NODES)
     r = 2.0 ** (octave + 0.5 * (nodes + 1.0))
     x, weights = list_points(count_halvings(kernel.depth / 2.0**octave))
     q = x[np.newaxis, :] / r[:, np.newaxis]
     values = kernel.rest(q) * q / (2.0 * np.pi)
-    point = values @ (weights * special.j0(x))
+    point = values @ (weights * (special.j0(x) if order == 0 else -special.jv(2, x)))
     disc = values @ (weights * special.j1(x) / x)
     vandermonde = chebyshev.chebvander(nodes, _NODES - 1)
     solved = np.linalg.solve(vandermonde, np.stack((point, disc), axis=1)).astype(np.float64)

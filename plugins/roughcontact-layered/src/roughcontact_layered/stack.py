@@ -21,12 +21,20 @@ _BLOCK = 1 << 14
 
 
 def _thickness(value: float) -> float:
+    return _positive(value, "The thickness of a layer", "m")
+
+
+def _conductivity(value: float | None) -> float | None:
+    return None if value is None else _positive(value, "The conductivity of a layer", "W/(m K) or S/m")
+
+
+def _positive(value: float, what: str, unit: str) -> float:
     try:
         result = float(value)
     except (TypeError, ValueError):
         result = math.nan
     if isinstance(value, (str, bool)) or not (math.isfinite(result) and result > 0.0):
-        raise rc.InputError.about("The thickness of a layer", value, "a finite number, above 0 (m)")
+        raise rc.InputError.about(what, value, f"a finite number, above 0 ({unit})")
     return result
 
 
@@ -50,6 +58,8 @@ class Layer:
         Poisson's ratio, above -1 and at most 0.5.
     thickness
         Thickness, m, above zero.
+    conductivity
+        Conductivity, W/(m K) for heat or S/m for current, above zero, which only the contact conductance needs.
 
     Raises
     ------
@@ -60,6 +70,7 @@ class Layer:
     young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
     poisson: float = attrs.field(converter=_poisson)
     thickness: float = attrs.field(converter=_thickness, metadata={"unit": "m"})
+    conductivity: float | None = attrs.field(default=None, converter=_conductivity)
 
     @property
     def compliance(self) -> float:
@@ -67,7 +78,9 @@ class Layer:
         return (1.0 - self.poisson**2) / self.young
 
 
-def respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
+def respond(
+    layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array, component: tuple[int, int] = (1, 1)
+) -> tuple[Array, Array]:
     r"""Return q u / p, and the same less that of a half-space of the topmost layer.
 
     With u and t the amplitudes of displacement and traction (along x, along z), t over q, each
@@ -90,6 +103,8 @@ def respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple
         The half-space under them.
     q
         Wave numbers, shape (n,), rad/m, above zero.
+    component
+        Of displacement and traction, 0 along the wave and 1 along the normal.
 
     Returns
     -------
@@ -105,11 +120,13 @@ def respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple
     rest = np.empty(q.size)
     for start in range(0, q.size, _BLOCK):
         block = slice(start, start + _BLOCK)
-        own[block], rest[block] = _respond(layers, substrate, q[block])
+        own[block], rest[block] = _respond(layers, substrate, q[block], component)
     return own, rest
 
 
-def _respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
+def _respond(
+    layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array, component: tuple[int, int]
+) -> tuple[Array, Array]:
     scale = layers[0].young
     below = half_space(substrate.young / scale, substrate.poisson)
     matrix = below[:, :, np.newaxis] * np.ones(q.size)
@@ -117,7 +134,7 @@ def _respond(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tupl
     for layer in reversed(layers):
         own = half_space(layer.young / scale, layer.poisson)
         matrix, difference = cross(layer, scale, own, matrix, q * layer.thickness)
-    return np.asarray(-matrix[1, 1] / scale), np.asarray(-difference[1, 1] / scale)
+    return np.asarray(-matrix[component] / scale), np.asarray(-difference[component] / scale)
 
 
 def half_space(young: float, poisson: float) -> Array:

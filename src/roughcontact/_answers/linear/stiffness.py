@@ -7,12 +7,13 @@ import math
 import attrs
 import numpy as np
 
+from roughcontact._answers.areas.calibration import EDGE_LENGTH
 from roughcontact._answers.areas.cells import count_sides, find_sharp_edges
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.linear.adhesive_tangent import describe_jump, tangent_of
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import ContactWarning
-from roughcontact._parts.grid import Boundary, list_borders
+from roughcontact._parts.grid import Boundary, Grid, list_borders
 from roughcontact._solve.problem import find_stability, problem_of
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
@@ -70,7 +71,7 @@ class EdgeCorrection:
 
 
 def correct_edges(
-    solution: ContactSolution, answer: Array, cells: Mask, area: Area, film: float = 0.0
+    solution: ContactSolution, answer: Array, cells: Mask, area: Area, film: float, modulus: float
 ) -> EdgeCorrection:
     """Return the correction of the stiffness of each patch.
 
@@ -86,19 +87,21 @@ def correct_edges(
         The area of the contact and of each patch.
     film
         Compliance of a film on the cells, m/Pa, scaled so that the cells together yield as the film on the real area.
+    modulus
+        Contact modulus of waves as short as the edge, Pa.
     """
     count = solution.patches.count
     cell = solution.grid.cell_area
     cells_of = solution.patches.sum(cells.astype(np.float64))
     lost, sides, squares, along = _measure_rows(solution, answer, cells)
     # A film that yields more than a cell makes the pressure even at the edge: the cells then act with their own area.
-    faded = 1.0 - 1.0 / (1.0 + _FILM_FADING * film * solution.modulus / math.sqrt(cell))
+    faded = 1.0 - 1.0 / (1.0 + _FILM_FADING * film * modulus / math.sqrt(cell))
     lost *= 1.0 - faded
     acting = np.maximum(cells_of - lost, 0.3 * cells_of) * cell
     known = _find_areas(solution, cells_of, acting, area)
     width = np.where(sides > 0.0, 2.0 * acting / np.maximum(0.25 * np.pi * sides, 1e-300), np.inf) / math.sqrt(cell)
     factor = _EDGE_FACTOR * (1.0 - _NARROW_RADIUS_CELLS / np.maximum(width, 2.0 * _NARROW_RADIUS_CELLS))
-    slope = factor * squares * cell / (np.maximum(sides, 1e-300) * solution.modulus)
+    slope = factor * squares * cell / (np.maximum(sides, 1e-300) * modulus)
     # The stiffness of a single spot is proportional to the root of its area.
     growth = np.where(acting > 0.0, known / np.maximum(acting, 1e-300), 1.0)
     ratio = curvature_resolution(solution)
@@ -129,8 +132,13 @@ def correct_edges(
     by_cells = open_part * _POSITION_STD * math.sqrt(float(np.sum(by_patch**2)))
     # Near full contact the stiffness grows much faster than the area.
     common = open_part * _COMMON_STD * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
-    unseen = open_part * 2.0 * solution.modulus * _HIDDEN_RADIUS_FACTOR * math.sqrt(min(ratio, 1.0) * cell)
+    unseen = open_part * 2.0 * modulus * _HIDDEN_RADIUS_FACTOR * math.sqrt(min(ratio, 1.0) * cell)
     return EdgeCorrection(correction, math.hypot(by_area, by_cells, unsure, common, unseen))
+
+
+def edge_length(grid: Grid) -> float:
+    """Return the inverse of the wave number at an edge of a contact, m."""
+    return EDGE_LENGTH * math.sqrt(grid.cell_area)
 
 
 def _find_trust(solution: ContactSolution, ratio: float) -> float:
@@ -287,7 +295,8 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
     value = answer.product * solution.grid.cell_area
     std = 0.0
     if tangent.cells.any():
-        correction = correct_edges(solution, answer.values, tangent.cells, area)
+        modulus = float(solution.effective_modulus(1.0 / edge_length(solution.grid)))
+        correction = correct_edges(solution, answer.values, tangent.cells, area, 0.0, modulus)
         value += float(correction.patches.sum())
         std = correction.uncertainty
     if solution.tension is not None:

@@ -17,6 +17,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray, read_only, sum_of_products
 from roughcontact._parts.grid import Boundary
+from roughcontact._parts.kernels import BoundKernel
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._solve.problem import computing, problem_of
 from roughcontact._solve.solution import ContactSolution
@@ -82,6 +83,9 @@ class Tangent:
         Whether cells at the pressure limit belong to it: they do not under further load, and they do in unloading.
     compliance
         Displacement of each cell by its own pressure, in addition to the kernel, m/Pa, as by a film.
+    kernel
+        A kernel in place of that of the contact, such as that of temperature by heat; pressure and displacement are
+        then those that it relates.
 
     Raises
     ------
@@ -89,11 +93,19 @@ class Tangent:
         If the solution does not say which problem it solves.
     """
 
-    def __init__(self, solution: ContactSolution, *, saturated: bool = False, compliance: float = 0.0) -> None:
+    def __init__(
+        self,
+        solution: ContactSolution,
+        *,
+        saturated: bool = False,
+        compliance: float = 0.0,
+        kernel: BoundKernel | None = None,
+    ) -> None:
         self._solution = solution
         self._problem = problem_of(solution)
+        self._kernel = kernel
         # Displacement in m by a pressure of one Pa on all cells, if the dimensionless kernel were one.
-        self._unit = solution.grid.spacing[0] / solution.modulus
+        self._unit = solution.grid.spacing[0] / solution.modulus if kernel is None else kernel.unit
         self._diagonal = compliance / self._unit
         self.cells: Mask = solution.contact if saturated else read_only(solution.contact & ~solution.saturated)
 
@@ -157,6 +169,9 @@ class Tangent:
     @cached_property
     def _operator(self) -> PreparedConvolution:
         convolution = self._problem.convolution
+        if self._kernel is not None:
+            setup = convolution.setup
+            convolution = setup.convolver.prepare(self._kernel, setup.grid, setup.boundary)
         return convolution if self._diagonal == 0.0 else _WithCompliance(convolution, self._diagonal)
 
     @cached_property

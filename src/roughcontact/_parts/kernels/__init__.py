@@ -6,12 +6,12 @@ from roughcontact._parts.kernels.base import (
     SupportsCoefficients,
     SupportsShear,
     SupportsSpectrum,
-    SupportsStress,
     kernels,
     odd_axes,
     require_form,
 )
 from roughcontact._parts.kernels.half_space import FourierHalfSpace, Love
+from roughcontact._parts.kernels.layers import SupportsConduction, SupportsStress, SupportsTangential
 from roughcontact._parts.kernels.mixed import list_octaves, sum_along_x
 
 __all__ = [
@@ -20,9 +20,11 @@ __all__ = [
     "InfluenceKernel",
     "Love",
     "SupportsCoefficients",
+    "SupportsConduction",
     "SupportsShear",
     "SupportsSpectrum",
     "SupportsStress",
+    "SupportsTangential",
     "kernels",
     "list_octaves",
     "odd_axes",

@@ -171,14 +171,15 @@ class ContactSolution(ContactFields):
         Parameters
         ----------
         conductivity
-            Conductivity of both bodies, or of each (body, counterbody), W/(m K) for heat or S/m for current.
+            Conductivity of both bodies, or of each (body, counterbody), W/(m K) for heat or S/m for current; that of
+            layers is with the kernel.
         film_resistance
             Resistance of a film on the spots times its area, m2 K/W or Ohm m2.
 
         Raises
         ------
         InputError
-            If a number is not positive, or the boundary has no conductance.
+            If a number is not positive, the boundary has no conductance, or that of a layer is not known.
         """
         asked = responses.create("conductance", conductivity, film_resistance=film_resistance)
         found: Conductance = self.response(asked)

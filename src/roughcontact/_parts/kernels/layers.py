@@ -1,0 +1,124 @@
+"""What kernels of bodies of layers may know beside the displacement by pressure."""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._parts.kernels.base import InfluenceKernel
+from roughcontact._parts.materials import Material, PairConstants
+
+
+@runtime_checkable
+class SupportsStress(Protocol):
+    """A kernel of a body of layers that knows the stress below its surface: an optional ability.
+
+    Of the stress it gives what the layers add to that of a homogeneous half-space with Poisson's ratio at the same
+    depth: the components xx, yy, zz, yz, xz, xy by a load ``"z"``, a pressure, or ``"x"`` or ``"y"``, a traction along
+    this axis. Tension is positive, and z points into the body. A component is odd in x, or in y, if its name and that
+    of the load together have the letter an odd number of times.
+
+    Attributes
+    ----------
+    interfaces
+        Depths of the interfaces, shape (n,), m, ascending: there the stress along the surface jumps.
+    """
+
+    @property
+    def interfaces(self) -> Array: ...
+
+    def describes(self, material: Material) -> bool:
+        """Return whether a body of this material is the one with the layers."""
+
+    def poisson_at(self, depth: float) -> float:
+        """Return Poisson's ratio at a depth, m; at an interface the one above."""
+
+    def stress_coefficients(self, load: str, shape: tuple[int, int], spacing: Pair, depth: float) -> Array:
+        """Return what the layers add at offsets from a cell with unit load.
+
+        Parameters
+        ----------
+        load
+            The letter of the load.
+        shape, spacing
+            As for `SupportsCoefficients.coefficients`.
+        depth
+            Depth, m, at least zero.
+
+        Returns
+        -------
+        Array
+            Shape (6, nx, ny); zero at offset zero along an axis in which the component is odd.
+        """
+
+    def stress_spectrum(self, load: str, qx: Array, qy: Array, spacing: Pair, depth: float) -> Array:
+        """Return what the layers add for a wave of unit load.
+
+        Parameters
+        ----------
+        load, depth
+            As for `stress_coefficients`.
+        qx, qy, spacing
+            As for `SupportsSpectrum.spectrum`.
+
+        Returns
+        -------
+        Array
+            Amplitudes at the centres of the cells, shape (6, m, n), of components that are odd in one axis their
+            imaginary parts.
+        """
+
+
+@runtime_checkable
+class SupportsConduction(Protocol):
+    """A kernel of a body of layers that knows how they conduct heat or current: an optional ability."""
+
+    def describes(self, material: Material) -> bool:
+        """Return whether a body of this material is the one with the layers."""
+
+    def conduction_kernel(self, conductivity: float) -> InfluenceKernel:
+        """Return the kernel of temperature, or potential, by the flow through the surface.
+
+        Parameters
+        ----------
+        conductivity
+            Of the half-space under the layers, W/(m K) for heat or S/m for current.
+
+        Returns
+        -------
+        InfluenceKernel
+            A kernel whose `compliance` is (1/k1 + 1/k2) / 2 of the half-spaces under the layers, and whose values are
+            temperatures by flows, K/(W/m2).
+
+        Raises
+        ------
+        InputError
+            If the conductivity of a layer is not known.
+        """
+
+
+@runtime_checkable
+class SupportsTangential(Protocol):
+    """A kernel of a body of layers that knows the displacement along an axis by shear along it: an optional ability.
+
+    The tangential stiffness needs it. In both methods `pair` has the constants of the half-spaces under the layers.
+    """
+
+    def describes(self, material: Material) -> bool:
+        """Return whether a body of this material is the one with the layers."""
+
+    def shear_kernel(self, axis: int, pair: PairConstants) -> InfluenceKernel:
+        """Return the kernel of the displacement along x, 0, or y, 1, by shear along it, of the same compliance."""
+
+    def coupling(self, wavenumber: Array, compliance: float, pair: PairConstants) -> Array:
+        """Return Dundurs' beta of waves.
+
+        Parameters
+        ----------
+        wavenumber
+            Wave numbers, shape (n,), rad/m, above zero.
+        compliance
+            1/E* of the half-spaces under the layers, 1/Pa.
+        pair
+            Their constants, with the body with the layers first.
+        """
