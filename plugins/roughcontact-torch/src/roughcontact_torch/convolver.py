@@ -142,6 +142,7 @@ class TensorInverse(InverseConvolution):
 
     # Kernels on a GPU are few and large, or their start takes the time.
     local = False
+    by_rows = False
 
     @cached_property
     def axes(self) -> tuple[RealArray, RealArray]:

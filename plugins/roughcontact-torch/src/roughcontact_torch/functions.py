@@ -83,6 +83,16 @@ def _ones_like(values: torch.Tensor, dtype: Any = None) -> torch.Tensor:
     return torch.ones_like(values, dtype=None if dtype is None else torch_dtype(dtype))
 
 
+@_listed(np.empty_like)
+def _empty_like(values: torch.Tensor, dtype: Any = None) -> torch.Tensor:
+    return torch.empty_like(values, dtype=None if dtype is None else torch_dtype(dtype))
+
+
+@_listed(np.roll)
+def _roll(values: torch.Tensor, shift: int, axis: int) -> torch.Tensor:
+    return torch.roll(values, shift, axis)
+
+
 @_listed(np.where)
 def _where(mask: torch.Tensor, one: Operand, other: Operand) -> torch.Tensor:
     dtype = promoted((one, other))

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import attrs
 import numpy as np
@@ -110,12 +110,14 @@ def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
 class InverseConvolution:
     """Division by the kernel's spectrum on a periodic grid: a good preconditioner, not an exact inverse.
 
-    A subclass for another kind of array overrides `multiply`.
+    A subclass for another kind of array overrides `multiply`; one for parts of arrays `long_waves` and `blocks` too.
 
     Attributes
     ----------
     local
         Whether its effect on a few cells is cheaper by `coefficients` than by a product.
+    by_rows
+        Whether `multiply` saves work where few rows are not zero.
     stiffness
         Pressure amplitude per displacement amplitude of each wave, not negative, zero for the mean,
         shape (mx, my // 2 + 1).
@@ -126,6 +128,7 @@ class InverseConvolution:
     """
 
     local: ClassVar[bool] = True
+    by_rows: ClassVar[bool] = True
 
     stiffness: RealArray = attrs.field(repr=outlined)
     padded: tuple[int, int]
@@ -135,6 +138,15 @@ class InverseConvolution:
     def axes(self) -> tuple[RealArray, RealArray]:
         """The stiffness of the waves along x and along y, arrays of numpy."""
         return self.stiffness[: self.padded[0] // 2 + 1, 0], self.stiffness[0]
+
+    def long_waves(self, rows: IntArray, columns: int) -> RealArray:
+        """Return the stiffness of some waves along x and of the first ones along y, an array of numpy or of its kind."""
+        found: RealArray = self.stiffness[rows][:, :columns]
+        return found
+
+    def blocks(self, active: Any, partition: Any) -> Any:
+        """Return active cells by blocks of a partition, which sum vectors and spread values."""
+        return active.blocks(partition)
 
     def apply(self, displacement: RealArray) -> RealArray:
         """Return the pressure, of the shape and precision of `displacement` (float32 or float64)."""
@@ -206,7 +218,7 @@ def _multiply_columns(waves: Waves, symbol: RealArray, length: int) -> Waves:
 
 def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float64) -> InverseConvolution:
     """Return the approximate inverse of a convolution, its stiffness in the given precision."""
-    shape = inverse_shape(setup)
+    shape = setup.inverse_shape
     if setup.boundary is Boundary.PERIODIC:
         response = np.array(setup.spectrum)
     else:
@@ -221,15 +233,6 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
     np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
     stiffness[0, 0] = 0.0
     return InverseConvolution(stiffness.astype(dtype, copy=False), shape, exact)
-
-
-def inverse_shape(setup: ConvolutionSetup) -> tuple[int, int]:
-    """Return the cells of the periodic grid of an approximate inverse, along free axes with those of its padding."""
-    mx, my = (
-        scipy.fft.next_fast_len(max(math.ceil(_PADDING_FACTOR * n), n + _PADDING_CELLS), real=True) if free else n
-        for n, free in zip(setup.grid.shape, setup.boundary.free_axes, strict=True)
-    )
-    return mx, my
 
 
 def periodic_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
@@ -359,6 +362,15 @@ class ConvolutionSetup:
     def spectrum(self) -> Array:
         """The kernel's spectrum at the waves of the periodic grid, shape (nx, ny // 2 + 1), read-only."""
         return frozen_array(periodic_spectrum(self.kernel, self.grid.shape, self.grid.spacing))
+
+    @property
+    def inverse_shape(self) -> tuple[int, int]:
+        """The cells of the periodic grid of the approximate inverse, along free axes with those of its padding."""
+        mx, my = (
+            scipy.fft.next_fast_len(max(math.ceil(_PADDING_FACTOR * n), n + _PADDING_CELLS), real=True) if free else n
+            for n, free in zip(self.grid.shape, self.boundary.free_axes, strict=True)
+        )
+        return mx, my
 
 
 def require_shear(setup: ConvolutionSetup) -> None:

@@ -18,7 +18,6 @@ from roughcontact._parts.grid import Grid
 from roughcontact._parts.kernels import BoundKernel, odd_axes
 from roughcontact._solve.convolvers.base import (
     ConvolutionSetup,
-    inverse_shape,
     multiply_columns,
     transform_rows,
     transform_rows_back,
@@ -203,7 +202,7 @@ class ShearConvolution(abc.ABC):
 
 def approximate_shear_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike) -> WaveMatrix:
     """Return the approximate inverse of the tangential part of a convolution of shear."""
-    shape = inverse_shape(setup)
+    shape = setup.inverse_shape
     xx, yy, xy = (
         periodic_shear_spectrum(setup.kernel, component, shape, setup.grid.spacing) for component in ("xx", "yy", "xy")
     )

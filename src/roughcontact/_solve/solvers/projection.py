@@ -231,8 +231,8 @@ class LoadControl:
         cells = np.concatenate((released.low, released.high))
         values = direction[cells].astype(np.float64)
         slopes = weights[cells].astype(np.float64)
-        inward = np.repeat((1.0, -1.0), (released.low.size, released.high.size))
-        held = np.zeros(cells.size, dtype=bool)
+        inward = np.concatenate((np.ones_like(released.low, dtype=float), -np.ones_like(released.high, dtype=float)))
+        held = np.zeros_like(cells, dtype=bool)
         for _ in range(_MAX_RELEASED_ROUNDS):
             before = held
             held = inward * (values - shift * slopes) < 0.0

@@ -45,11 +45,11 @@ class ListedCells:
     @cached_property
     def ones(self) -> RealArray:
         """The vector of ones, float32."""
-        return np.ones(self.cells.size, dtype=np.float32, like=self.cells)
+        return np.ones_like(self.cells, dtype=np.float32)
 
     def gather(self, field: RealArray) -> RealArray:
         """Return the vector of a flat field."""
-        vector = np.empty(self.cells.size, dtype=field.dtype, like=field)
+        vector = np.empty_like(self.cells, dtype=field.dtype)
 
         def take(part: slice) -> None:
             # All cells lie within the field; this mode of numpy is the fastest.
@@ -60,7 +60,7 @@ class ListedCells:
 
     def scatter(self, vector: RealArray) -> RealArray:
         """Return the flat field that is the vector on the active cells and zero elsewhere."""
-        field = np.zeros(self.mask.size, dtype=vector.dtype, like=vector)
+        field = np.zeros_like(self.mask, dtype=vector.dtype)
         self.store(field, vector)
         return field
 
@@ -189,7 +189,7 @@ class _MaskedBlocks:
 
 def active_cells(field: RealArray, mark: Callable[[slice], Mask]) -> ActiveCells:
     """Return the active cells of a flat field in the faster form; `mark` returns the mask of a tile."""
-    mask = np.empty(field.shape, dtype=bool, like=field)
+    mask = np.empty_like(field, dtype=bool)
 
     def find(tile: slice) -> IntArray:
         mask[tile] = mark(tile)

@@ -200,32 +200,28 @@ def interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
     if fy == 2:
         coarse = values
         fine = np.empty((values.shape[0], 2 * values.shape[1]), dtype=values.dtype, like=values)
-        map_tiles(lambda rows: _double(coarse[rows].T, fine[rows].T), tiles_of(coarse))
+        map_tiles(lambda rows: _double(coarse[rows], fine[rows], 1), tiles_of(coarse))
         values = fine
     if fx == 2:
         rough = values
         smooth = np.empty((2 * values.shape[0], values.shape[1]), dtype=values.dtype, like=values)
-        map_tiles(lambda columns: _double(rough[:, columns], smooth[:, columns]), tiles_of(rough.T))
+        map_tiles(lambda columns: _double(rough[:, columns], smooth[:, columns], 0), tiles_of(rough.T))
         values = smooth
     return values
 
 
-def _double(coarse: RealArray, fine: RealArray) -> None:
-    """Interpolate along the first axis, a quarter of a coarse cell to both sides of its centre."""
+def _double(coarse: RealArray, fine: RealArray, axis: int) -> None:
+    """Interpolate along an axis, a quarter of a coarse cell to both sides of its centre."""
     middle = 0.9375 * coarse
     near = 0.15625 * coarse
     far = 0.09375 * coarse
-    lower = fine[0::2]
-    upper = fine[1::2]
-    lower[:] = upper[:] = middle
-    lower[1:] += near[:-1]
-    lower[0] += near[-1]
-    lower[:-1] -= far[1:]
-    lower[-1] -= far[0]
-    upper[:-1] += near[1:]
-    upper[-1] += near[0]
-    upper[1:] -= far[:-1]
-    upper[0] -= far[-1]
+    for first, step in ((0, 1), (1, -1)):
+        values = middle + np.roll(near, step, axis=axis)
+        values -= np.roll(far, -step, axis=axis)
+        if axis == 0:
+            fine[first::2] = values
+        else:
+            fine[:, first::2] = values
 
 
 @attrs.frozen(eq=False)

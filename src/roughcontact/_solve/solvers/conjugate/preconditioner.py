@@ -340,7 +340,7 @@ def multiply_active(
 ) -> RealArray:
     """Return the vector of a field that is zero where it is not active, with its waves multiplied by a symbol."""
     field = active.scatter(vector).reshape(shape)
-    rows = active.few_rows(shape[1])
+    rows = active.few_rows(shape[1]) if inverse.by_rows else None
     return active.gather(inverse.multiply(field, symbol, inverse.padded, rows).ravel())
 
 
@@ -364,10 +364,10 @@ class CoarseCorrection:
         mean = total(weights) / (mx * my)
         bx, by = (count_blocks(axis, count, mean) for axis, count in zip(inverse.axes, (mx, my), strict=True))
         partition = divide(shape, (mx, my), (bx, by))
-        self._blocks = active.blocks(partition)
+        self._blocks = inverse.blocks(active, partition)
         self._diagonal = self._blocks.sums(weights).astype(np.float32)
         half = np.fft.fftfreq(bx, 1 / bx).astype(int)
-        stiffness = inverse.stiffness[half][:, : by // 2 + 1]
+        stiffness = inverse.long_waves(half, by // 2 + 1)
         size = mx * my / (bx * by)
         growth = np.minimum((stiffness / (LONG_WAVE_CUT * mean)) ** 2, _MAX_EXPONENT)
         far = stiffness * np.exp(growth) * np.float32(size)

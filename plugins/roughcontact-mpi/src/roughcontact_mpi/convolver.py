@@ -1,0 +1,338 @@
+"""Convolution by FFT on slabs: rows at home, a transpose by all-to-all, columns, and back."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import attrs
+import numpy as np
+import roughcontact as rc
+import scipy.fft
+from roughcontact.typing import (
+    Array,
+    BoundKernel,
+    ConvolutionSetup,
+    IntArray,
+    InverseConvolution,
+    PreparedConvolution,
+    RealArray,
+    SupportsSpectrum,
+)
+
+from roughcontact_mpi.arrays import SlabArray
+from roughcontact_mpi.functions import gather
+from roughcontact_mpi.processes import Processes
+
+# Columns that are transformed at a time: few enough for the cache.
+_COLUMNS = 32
+# Minimum amplitude that is inverted, over the mean, as in the inverse of arrays of numpy.
+_MIN_AMPLITUDE = 1e-6
+
+
+@attrs.frozen(eq=False)
+class SlabFFT(rc.Convolver):
+    """Multiplication in Fourier space, each process with its rows and columns, on a periodic or a free boundary.
+
+    Parameters
+    ----------
+    processes
+        The processes; None: all that `mpiexec` has started.
+    """
+
+    processes: Processes = attrs.field(factory=Processes)
+
+    boundaries = frozenset({rc.Boundary.PERIODIC, rc.Boundary.FREE})
+
+    def transform_shape(self, grid: rc.Grid, boundary: rc.Boundary) -> tuple[int, int]:
+        """Return the cells of the grid, on a free boundary those of a padded one that is fast to transform."""
+        sizes = zip(grid.shape, boundary.free_axes, strict=True)
+        mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) if free else n for n, free in sizes)
+        return mx, my
+
+    def prepare(self, kernel: BoundKernel, grid: rc.Grid, boundary: rc.Boundary) -> PreparedConvolution:
+        """Return the convolution on slabs."""
+        setup = ConvolutionSetup(self, kernel, grid, boundary)
+        padded = self.transform_shape(grid, boundary)
+        if boundary is rc.Boundary.PERIODIC:
+            symbol = _spectrum_of_columns(setup, padded, self.processes)
+        else:
+            symbol = _symbol_of_columns(setup, padded, self.processes)
+        return SlabConvolution(setup, symbol, padded, self.processes)
+
+
+def _spectrum_of_columns(setup: ConvolutionSetup, shape: tuple[int, int], processes: Processes) -> Array:
+    """Return the kernel's spectrum at the waves of a periodic grid that this process multiplies, shape (nx, n)."""
+    dx, dy = setup.grid.spacing
+    own = processes.own_columns(shape[1] // 2 + 1)
+    qx = 2 * np.pi / dx * scipy.fft.fftfreq(shape[0])[:, np.newaxis]
+    qy = 2 * np.pi / dy * scipy.fft.rfftfreq(shape[1])[np.newaxis, own]
+    return setup.kernel.spectrum(qx, qy, setup.grid.spacing) if qy.size else np.zeros((shape[0], 0))
+
+
+def _symbol_of_columns(setup: ConvolutionSetup, padded: tuple[int, int], processes: Processes) -> Array:
+    """Return the transform of the coefficients on a padded grid, its columns of this process, for half of the rows."""
+    nx, ny = setup.grid.shape
+    own = processes.own_rows(nx)
+    # A kernel gives the coefficients from the first row on.
+    rows = setup.kernel.coefficients((max(own.stop, 1), ny), setup.grid.spacing)[own].copy()
+    half = _transform_even(rows, padded[1], 1)
+    columns = _Transpose(processes, (nx, padded[1] // 2 + 1)).forward(half)
+    return _transform_even(columns, padded[0], 0)
+
+
+def _transform_even(values: Array, length: int, axis: int) -> Array:
+    """Return the real transform along an axis of the even extension to a length, shape length // 2 + 1 along it."""
+    n = values.shape[axis]
+    shape = list(values.shape)
+    shape[axis] = length
+    extended = np.zeros(shape)
+    ahead = np.moveaxis(extended, axis, 0)
+    given = np.moveaxis(values, axis, 0)
+    ahead[:n] = given
+    ahead[length - n + 1 :] = given[:0:-1]
+    if not extended.size:
+        shape[axis] = length // 2 + 1
+        return np.zeros(shape)
+    return np.ascontiguousarray(scipy.fft.rfft(extended, axis=axis).real)
+
+
+@attrs.frozen
+class _Transpose:
+    """Exchanges rows for columns and back; `shape` is that of the whole."""
+
+    processes: Processes
+    shape: tuple[int, int]
+
+    def _widths(self) -> list[int]:
+        return np.diff(self.processes.columns(self.shape[1])).tolist()
+
+    def _heights(self) -> list[int]:
+        return np.diff(self.processes.rows(self.shape[0])).tolist()
+
+    def forward(self, rows: RealArray) -> RealArray:
+        """Return the columns of this process, shape (nx, n), from its rows."""
+        processes = self.processes
+        if processes.count == 1:
+            return rows
+        widths = self._widths()
+        heights = self._heights()
+        ends = np.cumsum(widths)
+        packed = np.empty(rows.size, dtype=rows.dtype)
+        start = 0
+        for end, width in zip(ends, widths, strict=True):
+            stop = start + width * rows.shape[0]
+            packed[start:stop].reshape(rows.shape[0], width)[:] = rows[:, end - width : end]
+            start = stop
+        mine = widths[processes.rank]
+        counts = [rows.shape[0] * width for width in widths]
+        return processes.exchange(packed, counts, [height * mine for height in heights]).reshape(self.shape[0], mine)
+
+    def back(self, columns: RealArray) -> RealArray:
+        """Return the rows of this process, shape (n, ny), from its columns."""
+        processes = self.processes
+        if processes.count == 1:
+            return columns
+        widths = self._widths()
+        heights = self._heights()
+        mine = heights[processes.rank]
+        counts = [height * columns.shape[1] for height in heights]
+        found = processes.exchange(columns.reshape(-1), counts, [mine * width for width in widths])
+        rows = np.empty((mine, self.shape[1]), dtype=columns.dtype)
+        start = 0
+        for end, width in zip(np.cumsum(widths), widths, strict=True):
+            rows[:, end - width : end] = found[start : start + mine * width].reshape(mine, width)
+            start += mine * width
+        return rows
+
+
+def _multiply(
+    values: RealArray, shape: tuple[int, int], symbol: RealArray, padded: tuple[int, int], processes: Processes
+) -> RealArray:
+    """Return the rows of this process of a field, padded with zeros, with each wave multiplied by a real symbol.
+
+    Parameters
+    ----------
+    values
+        The rows of this process.
+    shape
+        Rows and columns of the field.
+    symbol
+        The columns of this process: all rows, or those of the waves from zero up, the others being the same.
+    padded
+        Cells of the periodic grid.
+    """
+    nx, ny = shape
+    mx, my = padded
+    transpose = _Transpose(processes, (nx, my // 2 + 1))
+    waves = _transform(values, my)
+    columns = transpose.forward(waves)
+    del waves
+    half = symbol.shape[0]
+    for start in range(0, columns.shape[1], _COLUMNS):
+        block = slice(start, start + _COLUMNS)
+        found = scipy.fft.fft(columns[:, block], n=mx, axis=0)
+        found[:half] *= symbol[:, block]
+        if half < mx:
+            found[half:] *= symbol[mx - half : 0 : -1, block]
+        columns[:, block] = scipy.fft.ifft(found, axis=0, overwrite_x=True)[:nx]
+    waves = transpose.back(columns)
+    del columns
+    if not waves.size:
+        return np.zeros_like(values)
+    found = scipy.fft.irfft(waves, n=my, axis=1, overwrite_x=True)
+    return np.asarray(found) if my == ny else np.ascontiguousarray(found[:, :ny])
+
+
+def _transform(values: RealArray, length: int) -> RealArray:
+    if values.size:
+        return np.asarray(scipy.fft.rfft(values, n=length, axis=1))
+    return np.zeros((0, length // 2 + 1), dtype=np.result_type(values.dtype, np.complex64))
+
+
+@attrs.frozen(eq=False)
+class SlabInverse(InverseConvolution):
+    """The approximate inverse on slabs: each process has the stiffness of its columns, as an array of numpy."""
+
+    local = False
+    by_rows = False
+
+    processes: Processes = attrs.field(kw_only=True)
+    ends: tuple[RealArray, RealArray] = attrs.field(kw_only=True)
+
+    @property
+    def axes(self) -> tuple[RealArray, RealArray]:  # type: ignore[override]
+        """The stiffness of the waves along x and along y."""
+        return self.ends
+
+    def long_waves(self, rows: IntArray, columns: int) -> RealArray:
+        """Return the stiffness of some waves along x and of the first ones along y, on each process."""
+        own = self.processes.own_columns(self.padded[1] // 2 + 1)
+        mine = self.stiffness[rows][:, : max(0, columns - own.start)]
+        found = np.zeros((len(rows), columns), dtype=self.stiffness.dtype)
+        found[:, own.start : own.start + mine.shape[1]] = mine
+        return self.processes.total_blocks(found)
+
+    def blocks(self, active: Any, partition: Any) -> Any:
+        """Return active cells by blocks, whose sums are those over all processes."""
+        own = self.processes.own_rows(partition.shape[0])
+        rows = partition.rows[own]
+        first = int(rows[0]) if rows.size else 0
+        count = int(rows[-1]) - first + 1 if rows.size else 0
+        blocks = (count, partition.blocks[1])
+        here = attrs.evolve(partition, shape=(rows.size, partition.shape[1]), blocks=blocks, rows=rows - first)
+        parts = {
+            field.name: getattr(active, field.name).part if field.name in ("mask", "cells") else getattr(active, field.name)
+            for field in attrs.fields(type(active))
+        }
+        local = type(active)(**parts).blocks(here) if rows.size else None
+        return _SlabBlocks(local, slice(first, first + count), partition.blocks, self.processes)
+
+    def multiply(
+        self, values: RealArray, symbol: RealArray, padded: tuple[int, int], rows: IntArray | None = None
+    ) -> RealArray:
+        """Return a field with each of its waves multiplied by a symbol; see `InverseConvolution.multiply`."""
+        if isinstance(values, np.ndarray):
+            return super().multiply(values, symbol, padded, rows)
+        field = _slab(values)
+        shape = cast(tuple[int, int], field.shape)
+        return _array(field.like(_multiply(field.part, shape, symbol, padded, self.processes)))
+
+
+@attrs.frozen(eq=False)
+class _SlabBlocks:
+    """Active cells by blocks: those of this process by the blocks of its rows; none if it has no rows."""
+
+    local: Any
+    rows: slice
+    blocks: tuple[int, int]
+    processes: Processes
+
+    def sums(self, vector: SlabArray) -> RealArray:
+        """Return the sum over each block and all processes, shape (bx, by), an array of numpy."""
+        found = np.zeros(self.blocks)
+        if self.local is not None:
+            found[self.rows] = self.local.sums(vector.part)
+        return self.processes.total_blocks(found)
+
+    def spread(self, values: RealArray) -> SlabArray:
+        """Return the vector with the value of its block on each cell."""
+        part = np.zeros(0, dtype=values.dtype) if self.local is None else self.local.spread(values[self.rows])
+        return SlabArray.list(part, self.processes)
+
+
+@attrs.frozen(eq=False)
+class SlabConvolution(PreparedConvolution):
+    """Transform, multiply by the real symbol, transform back, on slabs.
+
+    Attributes
+    ----------
+    symbol
+        The factors of the columns of this process, an array of numpy.
+    padded
+        Cells of the transforms.
+    """
+
+    setup: ConvolutionSetup
+    symbol: Array
+    padded: tuple[int, int]
+    processes: Processes
+
+    def apply(self, pressure: RealArray) -> RealArray:
+        """Return the displacement, an array of the kind of the pressure."""
+        if isinstance(pressure, np.ndarray):
+            return self.to_numpy(self.apply(self.from_numpy(pressure)))
+        field = _slab(pressure)
+        symbol = self.symbol.astype(np.float32) if field.dtype == np.float32 else self.symbol
+        shape = cast(tuple[int, int], field.shape)
+        return _array(field.like(_multiply(field.part, shape, symbol, self.padded, self.processes)))
+
+    def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
+        """Return the approximate inverse on slabs."""
+        setup = self.setup
+        mx, my = shape = setup.inverse_shape
+        processes = self.processes
+        own = processes.own_columns(my // 2 + 1)
+        if not isinstance(setup.kernel.kernel, SupportsSpectrum):
+            raise rc.InputError(f"The kernel {setup.kernel.kernel!r} has no spectrum, which a contact on slabs needs.")
+        response = _spectrum_of_columns(setup, shape, processes)
+        is_mean = np.zeros(response.shape, dtype=bool)
+        is_mean[:1, : own.start == 0] = True
+        response[is_mean] = 0.0
+        floor = _MIN_AMPLITUDE * float(processes.total(np.abs(response).sum())) / (mx * (my // 2 + 1))
+        small = int(processes.total(int(((response <= floor) & ~is_mean).sum())))
+        response = np.abs(response)
+        stiffness = np.zeros_like(response)
+        np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
+        stiffness[is_mean] = 0.0
+        stiffness = stiffness.astype(dtype, copy=False)
+        first = stiffness[: mx // 2 + 1, 0] if own.start == 0 < own.stop else np.zeros(mx // 2 + 1, dtype=dtype)
+        top = np.zeros(my // 2 + 1, dtype=dtype)
+        top[own] = stiffness[0]
+        ends = processes.total_blocks(np.ascontiguousarray(first)), processes.total_blocks(top)
+        exact = setup.boundary is rc.Boundary.PERIODIC and small == 0
+        return SlabInverse(stiffness, shape, exact, processes=processes, ends=ends)
+
+    def from_numpy(self, values: Array) -> Array:
+        """Return the rows of this process of a field, or a single value, as an array in slabs."""
+        if isinstance(values, SlabArray):
+            return _array(values)
+        if values.ndim < 2 or values.shape != self.setup.grid.shape:
+            return _array(SlabArray(values, self.processes, None))
+        own = self.processes.own_rows(values.shape[0])
+        return _array(SlabArray.field(values[own].copy(), self.processes, values.shape[0]))
+
+    def to_numpy(self, values: Array) -> Array:
+        """Return the whole field, on each process."""
+        return cast(Array, gather(_slab(values)))
+
+    def sum(self, values: RealArray) -> float:
+        """Return the sum over all cells."""
+        return float(np.add.reduce(values, axis=None))
+
+
+def _array(values: SlabArray) -> Any:
+    return values
+
+
+def _slab(values: Any) -> SlabArray:
+    return cast(SlabArray, values)

@@ -1,0 +1,333 @@
+"""Numpy's functions on arrays in slabs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import roughcontact as rc
+from roughcontact.typing import RealArray
+
+if TYPE_CHECKING:
+    from roughcontact_mpi.arrays import SlabArray
+
+_FUNCTIONS: dict[Any, Callable[..., Any]] = {}
+_IDENTITIES = {np.add: 0.0, np.minimum: np.inf, np.maximum: -np.inf}
+
+
+def unknown(name: str) -> rc.InputError:
+    """Return the error for a step that arrays in slabs do not have."""
+    return rc.InputError(
+        f"This contact needs a step that is not done on slabs (numpy.{name}), as of thin stiff layers: solve it in one "
+        "process, by rc.ContactProblem."
+    )
+
+
+def is_slab(value: Any) -> bool:
+    """Return whether a value is an array in slabs."""
+    return hasattr(value, "processes") and hasattr(value, "part")
+
+
+def leader(values: Sequence[Any]) -> SlabArray:
+    """Return the array that says how a result is divided: of those in slabs a divided one with most axes."""
+    slabs = [one for one in values if is_slab(one)]
+    found: SlabArray = max(slabs, key=lambda one: (one.is_divided, one.ndim))
+    return found
+
+
+def part_of(value: Any, lead: SlabArray) -> Any:
+    """Return the part of a value for a result that is divided as another array is."""
+    if is_slab(value):
+        if lead.is_divided and not value.is_divided and value.size > 1:
+            raise unknown("broadcast")
+        return value.part
+    if isinstance(value, np.ndarray) and value.size > 1 and lead.is_divided:
+        raise unknown("broadcast")
+    return value
+
+
+def carry_out(function: Any, caller: SlabArray, args: Sequence[Any], options: dict[str, Any]) -> Any:
+    """Return the result of a function; `InputError` if arrays in slabs have no such function."""
+    if function in _CREATORS:
+        return _create(function, caller, *args, **options)
+    if function not in _FUNCTIONS:
+        raise unknown(function.__name__)
+    return _FUNCTIONS[function](*args, **options)
+
+
+def reduce(
+    ufunc: np.ufunc,
+    values: SlabArray,
+    axis: int | None = 0,
+    dtype: Any = None,
+    *,
+    where: Any = True,
+    initial: Any = None,
+) -> Any:
+    """Return a sum, minimum or maximum over all processes."""
+    if axis is not None and values.ndim > 1:
+        raise unknown(f"{ufunc.__name__}.reduce")
+    part = values.part
+    options: dict[str, Any] = {} if dtype is None else {"dtype": dtype}
+    if where is not True:
+        options["where"] = part_of(where, values)
+    if ufunc is not np.add or initial is not None:
+        options["initial"] = _IDENTITIES[ufunc] if initial is None else initial
+    if part.dtype.kind in "iub" and ufunc is not np.add:
+        raise unknown(f"{ufunc.__name__}.reduce")
+    own = ufunc.reduce(part, axis=None, **options)
+    if not values.is_divided:
+        return own
+    found = ufunc.reduce(values.processes.collect(np.asarray(own, dtype=np.float64)))
+    return own.dtype.type(found)
+
+
+def gather(values: SlabArray) -> RealArray:
+    """Return the whole of an array as one of numpy, on each process."""
+    if not values.is_divided:
+        return values.part
+    flat = _as_bytes(np.ascontiguousarray(values.part)).reshape(-1)
+    return values.processes.gather(flat).view(values.dtype).reshape(-1, *values.part.shape[1:])
+
+
+def get(values: SlabArray, index: Any) -> Any:
+    """Return the entries at an index; see `put`."""
+    cells = _local(values, index)
+    if cells is None:
+        return _get_window(values, index)
+    found = values.part[cells]
+    if not values.is_divided:
+        return values.like(np.asarray(found))
+    if is_slab(index):
+        # A list of places has the length of what is found, a mask does not.
+        return index.like(found) if index.dtype.kind in "iu" else _new_list(values, found)
+    if isinstance(index, np.ndarray):
+        return _new_list(values, found)
+    return _divided(values, found, _length_after(values, index))
+
+
+def put(values: SlabArray, index: Any, given: Any) -> None:
+    """Set the entries at an index: of places or a mask, of a slice along the first axis in full or of every second."""
+    cells = _local(values, index)
+    if cells is None:
+        _put_window(values, index, given)
+        return
+    part = given.part if is_slab(given) else given
+    if isinstance(part, np.ndarray) and isinstance(cells, slice):
+        target = values.part[cells]
+        # What was changed in place need not be copied to itself.
+        if target.ctypes.data == part.ctypes.data and target.strides == part.strides and target.shape == part.shape:
+            return
+    values.part[cells] = part
+
+
+def _local(values: SlabArray, index: Any) -> Any:
+    """Return an index in the part of this process; None for a window, whose rows have to move."""
+    if is_slab(index):
+        return index.part
+    if isinstance(index, np.ndarray):
+        if values.is_divided and index.size:
+            raise unknown("take")
+        return index
+    if not values.is_divided:
+        return index
+    if isinstance(index, tuple) and len(index) == values.ndim:
+        rows = index[0]
+        return (_local(values, rows), *index[1:]) if _is_simple(values, rows) else None
+    if not isinstance(index, slice):
+        raise unknown("take")
+    if not _is_simple(values, index):
+        raise unknown("take")
+    return slice(None) if index.step in (None, 1) else index
+
+
+def _is_simple(values: SlabArray, rows: Any) -> bool:
+    """Return whether a slice takes all rows, or every second one."""
+    if not isinstance(rows, slice):
+        return False
+    if rows.step == 2 and rows.stop is None:
+        return rows.start in (None, 0, 1)
+    return rows.step in (None, 1) and rows.start in (None, 0) and (rows.stop is None or rows.stop >= values.shape[0])
+
+
+def _length_after(values: SlabArray, index: Any) -> int:
+    rows = index[0] if isinstance(index, tuple) else index
+    return len(range(*rows.indices(values.shape[0])))
+
+
+def _divided(values: SlabArray, part: RealArray, length: int) -> SlabArray:
+    if part.shape[1:] == values.part.shape[1:] and length == values.shape[0]:
+        return values.like(part)
+    return type(values).field(part, values.processes, length)
+
+
+def _new_list(values: SlabArray, part: RealArray) -> SlabArray:
+    return type(values).list(part, values.processes)
+
+
+def _window(values: SlabArray, index: tuple[slice, slice]) -> tuple[tuple[int, ...], tuple[int, ...], int]:
+    """Return the bounds of the rows of a field, and those of a window, in rows of the field, with its rows."""
+    start, stop, step = index[0].indices(values.shape[0])
+    if step != 1:
+        raise unknown("take")
+    processes = values.processes
+    inside = tuple(start + bound for bound in processes.rows(stop - start))
+    return processes.rows(values.shape[0]), inside, stop - start
+
+
+def _get_window(values: SlabArray, index: tuple[slice, slice]) -> SlabArray:
+    bounds, inside, count = _window(values, index)
+    columns = np.ascontiguousarray(values.part[:, index[1]])
+    part = values.processes.move_rows(_as_bytes(columns), bounds, inside).view(values.dtype)
+    return type(values).field(part, values.processes, count)
+
+
+def _put_window(values: SlabArray, index: tuple[slice, slice], given: SlabArray) -> None:
+    bounds, inside, _ = _window(values, index)
+    processes = values.processes
+    rows = processes.move_rows(_as_bytes(given.part), inside, bounds).view(given.dtype)
+    first = max(bounds[processes.rank], inside[0]) - bounds[processes.rank]
+    values.part[first : first + rows.shape[0], index[1]] = rows
+
+
+def _as_bytes(values: RealArray) -> RealArray:
+    """Return rows in a type that MPI knows."""
+    return values.view(np.uint8) if values.dtype == np.bool_ else values
+
+
+def _create(function: Any, caller: SlabArray, shape: Any, *args: Any, **options: Any) -> SlabArray:
+    """Return a new field, or an array of one entry that all have."""
+    if function is np.asarray:
+        return _as_slab(caller, shape, *args, **options)
+    if not isinstance(shape, tuple) or len(shape) == 1:
+        raise unknown(function.__name__)
+    if not shape:
+        return type(caller)(function(shape, *args, **options), caller.processes, None)
+    own = caller.processes.own_rows(shape[0])
+    part = function((own.stop - own.start, *shape[1:]), *args, **options)
+    return type(caller).field(part, caller.processes, shape[0])
+
+
+def _as_slab(caller: SlabArray, values: Any, dtype: Any = None) -> SlabArray:
+    if is_slab(values):
+        kept: SlabArray = values if dtype is None else values.astype(dtype, copy=False)
+        return kept
+    return type(caller)(np.asarray(values, dtype=dtype), caller.processes, None)
+
+
+_CREATORS = {np.zeros, np.ones, np.empty, np.full, np.asarray}
+
+
+def _listed(function: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    def enter(ours: Callable[..., Any]) -> Callable[..., Any]:
+        _FUNCTIONS[function] = ours
+        return ours
+
+    return enter
+
+
+@_listed(np.zeros_like)
+def _zeros_like(values: SlabArray, dtype: Any = None) -> Any:
+    return values.like(np.zeros_like(values.part, dtype=dtype))
+
+
+@_listed(np.ones_like)
+def _ones_like(values: SlabArray, dtype: Any = None) -> Any:
+    return values.like(np.ones_like(values.part, dtype=dtype))
+
+
+@_listed(np.empty_like)
+def _empty_like(values: SlabArray, dtype: Any = None) -> Any:
+    return values.like(np.empty_like(values.part, dtype=dtype))
+
+
+@_listed(np.where)
+def _where(mask: Any, one: Any, other: Any) -> Any:
+    lead = leader((mask, one, other))
+    return lead.like(np.asarray(np.where(*(part_of(value, lead) for value in (mask, one, other)))))
+
+
+@_listed(np.clip)
+def _clip(values: SlabArray, low: Any, high: Any, out: SlabArray | None = None) -> Any:
+    target = None if out is None else out.part
+    found = np.clip(values.part, part_of(low, values), part_of(high, values), out=target)
+    return values.like(np.asarray(found)) if out is None else out
+
+
+@_listed(np.copyto)
+def _copyto(target: SlabArray, values: Any, where: Any = True) -> None:
+    np.copyto(target.part, part_of(values, target), where=part_of(where, target))
+
+
+@_listed(np.einsum)
+def _einsum(sums: str, one: SlabArray, other: SlabArray, dtype: Any = None, casting: Any = "safe") -> Any:
+    if sums not in ("i,i->", "ij,ij->"):
+        raise unknown("einsum")
+    options = {} if dtype is None else {"dtype": dtype, "casting": casting}
+    own = np.einsum(sums, part_of(one, other), part_of(other, one), **options)
+    return one.processes.total(np.float64(own)) if one.is_divided else own
+
+
+@_listed(np.sum)
+def _sum(values: SlabArray, where: Any = True) -> Any:
+    return reduce(np.add, values, None, where=where)
+
+
+@_listed(np.count_nonzero)
+def _count_nonzero(values: SlabArray) -> int:
+    own = np.count_nonzero(values.part)
+    return int(values.processes.total(own)) if values.is_divided else own
+
+
+@_listed(np.flatnonzero)
+def _flatnonzero(values: SlabArray) -> SlabArray:
+    return _new_list(values, np.flatnonzero(values.part))
+
+
+@_listed(np.array_equal)
+def _array_equal(one: SlabArray, other: SlabArray) -> bool:
+    return not (one != other).any()
+
+
+@_listed(np.concatenate)
+def _concatenate(parts: Sequence[Any]) -> Any:
+    lead = leader(parts)
+    if len(parts) == 1:
+        return lead
+    return _new_list(lead, np.concatenate([part_of(one, lead) for one in parts]))
+
+
+@_listed(np.broadcast_to)
+def _broadcast_to(values: SlabArray, shape: tuple[int, ...]) -> SlabArray:
+    if values.is_divided:
+        return values
+    own = values.processes.own_rows(shape[0])
+    part = np.broadcast_to(values.part, (own.stop - own.start, *shape[1:]))
+    return type(values).field(part, values.processes, shape[0])
+
+
+@_listed(np.repeat)
+def _repeat(values: SlabArray, repeats: int, axis: int | None = None) -> SlabArray:
+    part = np.repeat(values.part, repeats, axis=axis)
+    return type(values).field(part, values.processes, values.shape[0] * (1 if axis else repeats))
+
+
+@_listed(np.roll)
+def _roll(values: SlabArray, shift: int, axis: int) -> Any:
+    if axis == 1:
+        return values.like(np.roll(values.part, shift, axis=1))
+    if shift not in (-1, 1):
+        raise unknown("roll")
+    processes = values.processes
+    count = values.shape[0]
+    bounds = processes.rows(count)
+    wanted = [
+        [] if start == stop else [(start - 1 if shift == 1 else stop) % count]
+        for start, stop in zip(bounds[:-1], bounds[1:], strict=True)
+    ]
+    halo = processes.fetch_rows(np.ascontiguousarray(values.part), bounds, wanted)
+    if not values.part.shape[0]:
+        return values
+    rows = (halo, values.part[:-1]) if shift == 1 else (values.part[1:], halo)
+    return values.like(np.concatenate(rows))
