@@ -193,7 +193,6 @@ def _transform(values: RealArray, length: int) -> RealArray:
 class SlabInverse(InverseConvolution):
     """The approximate inverse on slabs: each process has the stiffness of its columns, as an array of numpy."""
 
-    local = False
     by_rows = False
 
     processes: Processes = attrs.field(kw_only=True)
@@ -211,6 +210,47 @@ class SlabInverse(InverseConvolution):
         found = np.zeros((len(rows), columns), dtype=self.stiffness.dtype)
         found[:, own.start : own.start + mine.shape[1]] = mine
         return self.processes.total_blocks(found)
+
+    def coefficients(self, reach: int, first: int = 0) -> RealArray:
+        """Return the pressure at (i, j) cells from a unit displacement of one; see `InverseConvolution`."""
+        own = self.processes.own_columns(self.padded[1] // 2 + 1)
+        return self.processes.total_blocks(super().coefficients(reach, own.start))
+
+    def add_near(
+        self, field: RealArray, shape: tuple[int, int], cells: IntArray, amounts: RealArray, stencil: RealArray
+    ) -> None:
+        """Add amounts times a stencil around cells of a flat field; rows beyond those of a process go to their owner."""
+        processes = self.processes
+        mx, my = self.padded
+        ny = shape[1]
+        reach = min(stencil.shape[0] - 1, (mx - 1) // 2)
+        bounds = processes.rows(shape[0])
+        own = processes.own_rows(shape[0])
+        count = own.stop - own.start
+        wide = np.zeros((count + 2 * reach, ny), dtype=_slab(field).dtype)
+        if count:
+            alone = InverseConvolution(self.stiffness, (count + 2 * reach, my))
+            places = _slab(cells).part + reach * ny
+            alone.add_near(wide.reshape(-1), wide.shape, places, _slab(amounts).part, stencil[: reach + 1])
+        target = _slab(field).part.reshape(count, ny)
+        target += wide[reach : reach + count]
+
+        def beyond(rank: int) -> list[tuple[int, int]]:
+            """Return the rows beyond those of a process, as positions and as rows of the field."""
+            start, stop = bounds[rank : rank + 2]
+            if start == stop:
+                return []
+            before = [(k, (start - reach + k) % mx) for k in range(reach)]
+            after = [(stop - start + reach + k, (stop + k) % mx) for k in range(reach)]
+            return before + after
+
+        mine = beyond(processes.rank)
+        ranks = range(processes.count)
+        sent = [[place for place, row in mine if bounds[other] <= row < bounds[other + 1]] for other in ranks]
+        incoming = [[row for _, row in beyond(other) if own.start <= row < own.stop] for other in ranks]
+        found = processes.exchange_rows(wide, sent, [len(rows) for rows in incoming])
+        for row, values in zip(sum(incoming, []), found, strict=True):
+            target[row - own.start] += values
 
     def blocks(self, active: Any, partition: Any) -> Any:
         """Return active cells by blocks, whose sums are those over all processes."""

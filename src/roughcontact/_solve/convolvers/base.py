@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import itertools
 import math
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
@@ -110,7 +111,8 @@ def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
 class InverseConvolution:
     """Division by the kernel's spectrum on a periodic grid: a good preconditioner, not an exact inverse.
 
-    A subclass for another kind of array overrides `multiply`; one for parts of arrays `long_waves` and `blocks` too.
+    A subclass for another kind of array overrides `multiply`; one for parts of arrays `long_waves`, `blocks` and `add_near`
+    too.
 
     Attributes
     ----------
@@ -172,16 +174,44 @@ class InverseConvolution:
             return multiply_waves(values, symbol, padded)
         return _multiply_waves_of_rows(values, rows, symbol, padded)
 
-    def coefficients(self, reach: int) -> RealArray:
-        """Return the pressure at (i, j) cells from a unit displacement of one, shape (reach + 1, reach + 1)."""
+    def coefficients(self, reach: int, first: int = 0) -> RealArray:
+        """Return the pressure at (i, j) cells from a unit displacement of one, shape (reach + 1, reach + 1).
+
+        The part of it due to the waves along y from the first one on for which there is a stiffness.
+        """
         mx, my = self.padded
-        columns = self.stiffness.shape[1]
+        columns = np.arange(first, first + self.stiffness.shape[1])
         offsets = 2.0 * np.pi * np.arange(reach + 1)
         x = np.cos(np.outer(offsets, np.arange(mx) / mx)).astype(self.stiffness.dtype) / mx
-        y = np.cos(np.outer(np.arange(columns) / my, offsets)).astype(self.stiffness.dtype) / my
+        y = np.cos(np.outer(columns / my, offsets)).astype(self.stiffness.dtype) / my
         # Half of the waves along y are stored; each counts twice, except the first and, if even, the last.
-        y[1 : (my + 1) // 2] *= 2.0
+        y[(columns > 0) & (2 * columns < my)] *= 2.0
         return matrix_product(matrix_product(x, self.stiffness), y)
+
+    def add_near(
+        self, field: RealArray, shape: tuple[int, int], cells: IntArray, amounts: RealArray, stencil: RealArray
+    ) -> None:
+        """Add amounts times a stencil, as of `coefficients`, around cells of a flat field, in place."""
+        nx, ny = shape
+        padded = self.padded
+        # On a small periodic grid a cell is reached once.
+        reach = tuple(min(n - 1, (m - 1) // 2) for n, m in zip(stencil.shape, padded, strict=True))
+        rows, columns = np.divmod(cells, ny)
+        far = (np.minimum(rows, nx - 1 - rows) >= reach[0]) & (np.minimum(columns, ny - 1 - columns) >= reach[1])
+        inner = cells[far]
+        inner_amounts = amounts[far]
+        near = ~far
+        rows = rows[near]
+        columns = columns[near]
+        near_amounts = amounts[near]
+        for i, j in itertools.product(*(range(-n, n + 1) for n in reach)):
+            value = stencil[abs(i), abs(j)]
+            field[inner + (i * ny + j)] += value * inner_amounts
+            if near_amounts.size:
+                row = (rows + i) % padded[0]
+                column = (columns + j) % padded[1]
+                inside = (row < nx) & (column < ny)
+                field[row[inside] * ny + column[inside]] += value * near_amounts[inside]
 
 
 def multiply_waves(values: RealArray, symbol: RealArray, padded: tuple[int, int]) -> RealArray:

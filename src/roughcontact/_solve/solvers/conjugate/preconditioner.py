@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable
 from functools import lru_cache
@@ -98,28 +97,7 @@ class PunchWeights:
         """Add amounts times the inverse kernel around cells."""
         if self._stencil is None:
             self._stencil = self._inverse.coefficients(_STENCIL_REACH)
-        nx, ny = self._shape
-        padded = self._inverse.padded
-        # On a small periodic grid a cell is reached once.
-        x, y = (np.arange(-reach, reach + 1) for reach in (min(_STENCIL_REACH, (m - 1) // 2) for m in padded))
-        rows, columns = np.divmod(cells, ny)
-        far = (np.minimum(rows, nx - 1 - rows) >= _STENCIL_REACH) & (
-            np.minimum(columns, ny - 1 - columns) >= _STENCIL_REACH
-        )
-        inner = cells[far]
-        inner_amounts = amounts[far]
-        near = ~far
-        rows = rows[near]
-        columns = columns[near]
-        near_amounts = amounts[near]
-        for i, j in itertools.product(x.tolist(), y.tolist()):
-            value = self._stencil[abs(i), abs(j)]
-            self._field[inner + (i * ny + j)] += value * inner_amounts
-            if near_amounts.size:
-                row = (rows + i) % padded[0]
-                column = (columns + j) % padded[1]
-                inside = (row < nx) & (column < ny)
-                self._field[row[inside] * ny + column[inside]] += value * near_amounts[inside]
+        self._inverse.add_near(self._field, self._shape, cells, amounts, self._stencil)
 
 
 def _smaller(active: ActiveCells) -> float:
