@@ -8,10 +8,11 @@ kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`, `Suppo
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
              `WaveMatrix`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
-             `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`
+             `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`; for a solve of your own
+             `make_task`, `confirm`, `Certificate`
 materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the function `pair_constants`
 readers      `RawMap`; the function `read_raw`
-commands     `Table`; the functions `replacing`, `si`, `binary`, `write_column`, `available_memory`,
+commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
              `list_quantities`, `gather_warnings`, `exceeds_metals`, `build_problem`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
@@ -35,6 +36,7 @@ from roughcontact._base.machine import available_memory, available_threads, limi
 from roughcontact._base.tables import Table
 from roughcontact._base.units import ContactWarning, binary, si, write_column
 from roughcontact._faces.cli import Command
+from roughcontact._faces.cli.options import quantity
 from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import BoundInteraction
@@ -58,11 +60,14 @@ from roughcontact._solve.convolvers import (
 )
 from roughcontact._solve.problem import (
     AdhesionCycle,
+    Certificate,
     Increment,
     SolvePlan,
     StepNumbers,
     Sweep,
     TangentialLoop,
+    confirm,
+    make_task,
     require_memory_of_solve,
     run_sweep,
 )
@@ -125,6 +130,7 @@ __all__ = [
     "BeyondResolution",
     "BoundInteraction",
     "BoundKernel",
+    "Certificate",
     "Check",
     "Command",
     "Conductance",
@@ -202,15 +208,18 @@ __all__ = [
     "available_threads",
     "binary",
     "build_problem",
+    "confirm",
     "exceeds_metals",
     "gather_warnings",
     "limit_address_space",
     "list_quantities",
+    "make_task",
     "name_load",
     "natural_residual",
     "nearest_pressure",
     "pair_constants",
     "project_to_load",
+    "quantity",
     "read_raw",
     "replacing",
     "require_memory_of_solve",

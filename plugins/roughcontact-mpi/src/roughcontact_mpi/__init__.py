@@ -1,6 +1,9 @@
 """One contact of roughcontact solved by several processes, each with a slab of the domain."""
 
+from roughcontact_mpi.arrays import SlabArray
+from roughcontact_mpi.contact import SlabSolution, solve
 from roughcontact_mpi.convolver import SlabFFT
+from roughcontact_mpi.files import read_heights, write_field
 from roughcontact_mpi.processes import Processes
 
-__all__ = ["Processes", "SlabFFT"]
+__all__ = ["Processes", "SlabArray", "SlabFFT", "SlabSolution", "read_heights", "solve", "write_field"]

@@ -36,10 +36,13 @@ class SlabFFT(rc.Convolver):
     Parameters
     ----------
     processes
-        The processes; None: all that `mpiexec` has started.
+        The processes; by default all that `mpiexec` has started.
+    gathers
+        Whether the solver's result becomes a whole array of numpy on each process, or stays in slabs.
     """
 
     processes: Processes = attrs.field(factory=Processes)
+    gathers: bool = attrs.field(default=True, kw_only=True)
 
     boundaries = frozenset({rc.Boundary.PERIODIC, rc.Boundary.FREE})
 
@@ -362,8 +365,9 @@ class SlabConvolution(PreparedConvolution):
         return _array(SlabArray.field(values[own].copy(), self.processes, values.shape[0]))
 
     def to_numpy(self, values: Array) -> Array:
-        """Return the whole field, on each process."""
-        return cast(Array, gather(_slab(values)))
+        """Return the whole field, on each process; or as it is, if the convolver does not gather."""
+        gathers = cast(SlabFFT, self.setup.convolver).gathers
+        return cast(Array, gather(_slab(values))) if gathers else values
 
     def sum(self, values: RealArray) -> float:
         """Return the sum over all cells."""

@@ -92,6 +92,15 @@ class Processes:
         self.communicator.Bcast(found, root=0)
         return found
 
+    def rows_of_machine(self, own: int) -> int:
+        """Return the rows of all processes on this machine, from those of each."""
+        from mpi4py import MPI
+
+        machine = self.communicator.Split_type(MPI.COMM_TYPE_SHARED)
+        rows = int(machine.allreduce(own))
+        machine.Free()
+        return rows
+
     def exchange(self, values: RealArray, counts: Sequence[int], expected: Sequence[int]) -> RealArray:
         """Return what all processes send to this one, flat, in their order.
 

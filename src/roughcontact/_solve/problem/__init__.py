@@ -22,7 +22,7 @@ from roughcontact._solve.problem.path import (
 )
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
-from roughcontact._solve.problem.run import computing
+from roughcontact._solve.problem.run import Certificate, computing, confirm
 from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, maximum_pressure, pressure_unit
 
@@ -32,6 +32,7 @@ __all__ = [
     "RIGID_FLAT",
     "AdhesionCycle",
     "Body",
+    "Certificate",
     "ContactProblem",
     "FrictionalPath",
     "Increment",
@@ -40,6 +41,7 @@ __all__ = [
     "Sweep",
     "TangentialLoop",
     "computing",
+    "confirm",
     "describe_cycle",
     "find_stability",
     "linearise",

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from roughcontact._base.arrays import Array, frozen_array
 from roughcontact._base.machine import use_threads
+from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedConvolution
@@ -23,6 +24,7 @@ from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure
 from roughcontact._solve.solution import AdhesiveConditions, ContactConditions, ContactSolution, Residuals, Status
 from roughcontact._solve.solvers import Outcome, Step, Task
 from roughcontact.errors import InputError, NotConverged
+from roughcontact.errors.door import guarded
 
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
@@ -40,6 +42,31 @@ _GAP_ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
 # round; and maximum rounds: after eight they are 4^36 = 5e21 times deeper.
 _DEPTH_FACTOR = 4.0
 _MAX_DEEPENINGS = 8
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Certificate:
+    """What a solve has found, in SI units, and how well it satisfies the conditions of contact.
+
+    Attributes
+    ----------
+    pressure
+        Pressure, shape (nx, ny), Pa; saturated cells carry the limit to the last bit.
+    displacement
+        Displacement that it causes, shape (nx, ny), m.
+    approach
+        Approach, m.
+    status
+        The status; no success unless it is confirmed.
+    residuals
+        The violations of the conditions.
+    """
+
+    pressure: Array = attrs.field(repr=outlined)
+    displacement: Array = attrs.field(repr=outlined)
+    approach: float
+    status: Status
+    residuals: Residuals
 
 
 def certify(
@@ -71,6 +98,21 @@ def certify(
         raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
     if task.interaction is not None:
         return _certify_adhesive(plan, convolution, initial_gap, task, task.interaction, outcome, seconds)
+    certificate = confirm(plan, convolution, task, outcome)
+    return _make_solution(plan, initial_gap, outcome, certificate, seconds)
+
+
+@guarded
+def confirm(plan: SolvePlan, convolution: PreparedConvolution, task: Task, outcome: Outcome) -> Certificate:
+    """Return what a solver has found, in SI units, with residuals recomputed in float64 from its pressure alone.
+
+    Parameters
+    ----------
+    plan, convolution, task
+        The problem, without adhesion, in dimensionless variables.
+    outcome
+        The pressure and status that the solver returned; its arrays may be of the kind of the convolution.
+    """
     displacement = convolution.apply(outcome.pressure)
     state = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms_gap).measure(
         outcome.pressure, displacement
@@ -85,7 +127,7 @@ def certify(
         status = Status.UNCONFIRMED
     complementarity, penetration = (max(value, state.floor) for value in (state.complementarity, state.penetration))
     residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley)
-    return _make_solution(plan, initial_gap, task, outcome, displacement, state.approach, status, residuals, seconds)
+    return _in_si(plan, task, outcome, displacement, state.approach, status, residuals)
 
 
 def _certify_adhesive(
@@ -123,46 +165,58 @@ def _certify_adhesive(
     found = (max(value, state.floor) for value in (state.complementarity, state.penetration, state.gap))
     complementarity, penetration, tension = found
     residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley, tension)
-    return _make_solution(plan, initial_gap, task, outcome, displacement, state.approach, status, residuals, seconds)
+    certificate = _in_si(plan, task, outcome, displacement, state.approach, status, residuals)
+    return _make_solution(plan, initial_gap, outcome, certificate, seconds)
 
 
-def _make_solution(
+def _in_si(
     plan: SolvePlan,
-    initial_gap: Array,
     task: Task,
     outcome: Outcome,
     displacement: Array,
     approach: float,
     status: Status,
     residuals: Residuals,
-    seconds: float,
-) -> ContactSolution:
-    """Return the solution in SI units."""
+) -> Certificate:
+    """Return the certificate of dimensionless fields and a dimensionless approach."""
     unit = pressure_unit(plan)
     pressure = np.minimum(outcome.pressure * unit, plan.pressure_limit)
     # Saturated cells carry the limit to the last bit.
     pressure = np.where(outcome.pressure >= task.pressure_limit, plan.pressure_limit, pressure)
+    return Certificate(
+        pressure=pressure,
+        displacement=displacement * plan.peak_to_valley,
+        approach=approach * plan.peak_to_valley,
+        status=status,
+        residuals=residuals,
+    )
+
+
+def _make_solution(
+    plan: SolvePlan, initial_gap: Array, outcome: Outcome, certificate: Certificate, seconds: float
+) -> ContactSolution:
+    """Return the solution with the fields of a certificate."""
     return ContactSolution(
         grid=plan.grid,
         boundary=plan.boundary,
         modulus=plan.modulus,
         pressure_limit=plan.pressure_limit,
-        pressure=frozen_array(pressure),
-        displacement=frozen_array(displacement * plan.peak_to_valley),
+        pressure=frozen_array(certificate.pressure),
+        displacement=frozen_array(certificate.displacement),
         initial_gap=initial_gap,
-        approach=approach * plan.peak_to_valley,
-        status=status,
+        approach=certificate.approach,
+        status=certificate.status,
         iterations=outcome.iterations,
         convolutions=outcome.convolutions + 1,
         seconds=seconds,
-        residuals=residuals,
+        residuals=certificate.residuals,
         errors=outcome.errors,
         levels=outcome.levels,
         edge_shift=plan.kernel.edge_shift,
         moduli=_sample_modulus(plan),
         directional_moduli=_sample_directions(plan),
         non_measured=plan.non_measured,
-        tension=None if outcome.tension is None else frozen_array(outcome.tension * unit),
+        tension=None if outcome.tension is None else frozen_array(outcome.tension * pressure_unit(plan)),
     )
 
 

@@ -11,6 +11,7 @@ from roughcontact._parts.interactions import BoundInteraction, Interaction
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.solvers import Task
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 # Relative error of the load by rounding.
 LOAD_TOLERANCE = 1e-12
@@ -26,6 +27,7 @@ def pressure_unit(plan: SolvePlan) -> float:
     return plan.modulus * (plan.peak_to_valley / plan.grid.spacing[0])
 
 
+@guarded
 def make_task(
     plan: SolvePlan, initial_gap: Array, load: Load, start: Array | None = None, start_gap: Array | None = None
 ) -> Task:

@@ -1,0 +1,329 @@
+"""One contact on slabs: the solve, and its solution."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, cast
+
+import attrs
+import numpy as np
+import roughcontact as rc
+from roughcontact.typing import (
+    Array,
+    BoundKernel,
+    GridLevel,
+    Load,
+    Residuals,
+    SolvePlan,
+    Step,
+    confirm,
+    make_task,
+    require_memory_of_solve,
+    si,
+)
+
+from roughcontact_mpi.arrays import SlabArray
+from roughcontact_mpi.convolver import SlabFFT
+from roughcontact_mpi.files import write_field
+from roughcontact_mpi.processes import Processes
+
+# Mean excess of the count, in cells per side, and the fraction of that correction in one standard deviation, as in
+# rc.Perimeter (Yastrebov 2017).
+_COUNT_EXCESS = (math.pi - 1.0 + math.log(2.0)) / 24.0
+_CORRECTION_STD = 0.5
+# Cells along the sides of the small grid on which materials, kernel and boundary are checked.
+_SCENE_CELLS = 8
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class SlabSolution:
+    """The solution of a contact: its numbers on each process, and its fields by slab.
+
+    Attributes
+    ----------
+    grid, boundary
+        The domain.
+    modulus
+        Contact modulus E*, Pa.
+    pressure_limit
+        Maximum pressure, Pa; `inf` without a hardness.
+    pressure
+        Contact pressure, shape (nx, ny), Pa.
+    displacement
+        Displacement that it causes, shape (nx, ny), m.
+    initial_gap
+        Gap before deformation, shape (nx, ny), m.
+    approach
+        Approach since first touch, m.
+    status, residuals
+        The certificate, recomputed in float64 from the pressure alone.
+    iterations, convolutions
+        Iterations, and convolutions on the finest grid or work of the same cost.
+    levels
+        The work on each grid.
+    seconds
+        Wall time, s.
+    """
+
+    grid: rc.Grid
+    boundary: rc.Boundary
+    modulus: float
+    pressure_limit: float
+    pressure: SlabArray = attrs.field(repr=False)
+    displacement: SlabArray = attrs.field(repr=False)
+    initial_gap: SlabArray = attrs.field(repr=False)
+    approach: float
+    status: rc.Status
+    residuals: Residuals
+    iterations: int
+    convolutions: int
+    levels: tuple[GridLevel, ...] = attrs.field(repr=False)
+    seconds: float
+
+    @property
+    def gap(self) -> SlabArray:
+        """Gap after deformation, shape (nx, ny), m."""
+        return cast(SlabArray, self.displacement + self.initial_gap - self.approach)
+
+    @property
+    def force(self) -> float:
+        """Normal force, N; all processes must ask."""
+        return float(self.pressure.sum()) * self.grid.cell_area
+
+    @property
+    def mean_pressure(self) -> float:
+        """Nominal mean pressure, Pa; all processes must ask."""
+        return float(self.pressure.mean())
+
+    def area(self, estimator: str = "perimeter") -> rc.Area:
+        """Return the real contact area; all processes must ask.
+
+        Parameters
+        ----------
+        estimator
+            ``"cell-count"``: all cells with pressure; or ``"perimeter"``: less a correction by the sides of the edge,
+            with an uncertainty of half of it (see `rc.Perimeter`, which adds the position of straight edges).
+        """
+        if estimator not in ("cell-count", "perimeter"):
+            raise rc.InputError.about("The area estimator on slabs", estimator, "'cell-count' or 'perimeter'")
+        contact = self.pressure > 0.0
+        count = int(np.count_nonzero(contact))
+        cell = self.grid.cell_area
+        sides = self._count_sides(contact, None)
+        excess = _COUNT_EXCESS * sides
+        if estimator == "cell-count":
+            return rc.Area(count * cell, count / self.grid.cells, excess * cell, estimator)
+        needed = 0.0
+        if math.isfinite(self.pressure_limit):
+            sides -= self._count_sides(contact, self.pressure >= self.pressure_limit)
+            excess = _COUNT_EXCESS * sides
+            needed = float(self.pressure.sum()) / self.pressure_limit
+        value = max(count - excess, needed) * cell
+        return rc.Area(value, value / self.grid.area, _CORRECTION_STD * excess * cell, estimator)
+
+    def _count_sides(self, contact: SlabArray, of: SlabArray | None) -> int:
+        """Return the number of cell sides between contact and open cells, or of those at the cells `of`."""
+        count = 0
+        for axis, free in enumerate(self.boundary.free_axes):
+            # The next row may be that of another process.
+            sides: Any = contact != np.roll(cast(Array, contact), -1, axis=axis)
+            if of is not None:
+                sides &= of | np.roll(cast(Array, of), -1, axis=axis)
+            if free and axis == 1:
+                sides.part[:, -1] = False
+            elif free and sides.processes.own_rows(self.grid.shape[0]).stop == self.grid.shape[0]:
+                sides.part[-1:] = False
+            count += int(np.count_nonzero(sides))
+        return count
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """The numbers of the solution, in SI units; all processes must ask."""
+        counted = self.area("cell-count")
+        area = self.area()
+        return {
+            "shape": list(self.grid.shape),
+            "size": list(self.grid.size),
+            "boundary": str(self.boundary),
+            "processes": self.pressure.processes.count,
+            "status": self.status.name,
+            "force": self.force,
+            "mean_pressure": self.mean_pressure,
+            "maximum_pressure": float(self.pressure.max()),
+            "approach": self.approach,
+            "area": area.value,
+            "area_uncertainty": area.uncertainty,
+            "counted_area": counted.value,
+            "contact_modulus": self.modulus,
+            "iterations": self.iterations,
+            "convolutions": self.convolutions,
+            "residuals": {
+                "complementarity": self.residuals.complementarity,
+                "penetration": self.residuals.penetration,
+                "load": self.residuals.load,
+            },
+            "seconds": self.seconds,
+        }
+
+    def describe(self) -> str:
+        """Return the numbers in words; all processes must ask."""
+        numbers = self.numbers
+        slabs = f"{numbers['processes']} processes"
+        rows = (
+            ("grid", f"{self.grid}, boundary {self.boundary}, {slabs}"),
+            ("status", f"{self.status}; {self.residuals}"),
+            ("force", si(numbers["force"], "N", 6)),
+            ("pressure", f"mean {si(numbers['mean_pressure'], 'Pa', 6)}, maximum {si(numbers['maximum_pressure'], 'Pa', 6)}"),
+            ("approach", si(self.approach, "m", 6)),
+            ("area", str(self.area())),
+            ("counted", str(self.area("cell-count"))),
+            ("work", f"{self.iterations} iterations, {self.convolutions} convolutions, {self.seconds:.3g} s"),
+        )
+        return "\n".join(f"{label:<10} {text}" for label, text in rows)
+
+    def save(self, folder: str | Path) -> None:
+        """Write pressure, displacement and gap to .npy files, each process its rows, and the numbers to numbers.json.
+
+        Parameters
+        ----------
+        folder
+            A folder on a disk of all processes; it is made if it is not there.
+        """
+        folder = Path(folder)
+        processes = self.pressure.processes
+        if processes.rank == 0:
+            folder.mkdir(parents=True, exist_ok=True)
+        processes.communicator.Barrier()
+        for name in ("pressure", "displacement", "gap"):
+            write_field(folder / f"{name}.npy", getattr(self, name))
+        numbers = self.numbers
+        if processes.rank == 0:
+            (folder / "numbers.json").write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+
+
+def solve(
+    heights: SlabArray,
+    size: float | str | Sequence[float | str],
+    material: rc.Material | str,
+    counterbody: rc.Material | str | None = None,
+    *,
+    pressure: float | str | None = None,
+    force: float | str | None = None,
+    approach: float | str | None = None,
+    boundary: str = "free",
+    kernel: str | rc.InfluenceKernel = "love",
+    tolerance: float | None = None,
+    on_step: Callable[[Step], None] | None = None,
+    throw: bool = True,
+) -> SlabSolution:
+    """Solve the contact of heights in slabs with a flat counterbody, by the default solver; all processes must call it.
+
+    Parameters
+    ----------
+    heights
+        Heights, shape (nx, ny), m; of two rough bodies the sum of both.
+    size
+        Length of the domain along x and y, or of both sides, m.
+    material, counterbody
+        Materials of the rough body and of the flat one; by default this one is rigid. One hardness for all cells.
+    pressure, force, approach
+        Exactly one load: nominal mean pressure, Pa; normal force, N; approach since first touch, m.
+    boundary
+        ``"free"`` or ``"periodic"``.
+    kernel
+        An influence kernel.
+    tolerance
+        Tolerance of the solver.
+    on_step
+        Called with a `Step` after each iteration.
+    throw
+        Whether to raise when the solver does not converge, or to return the unfinished solution.
+
+    Raises
+    ------
+    InputError
+        If something does not fit together, or the bodies cannot carry the load.
+    NotConverged
+        If the solution is not certified and `throw` is true.
+    """
+    started = time.perf_counter()
+    load = Load.of(pressure=pressure, force=force, approach=approach)
+    grid = rc.Grid(cast(tuple[int, int], heights.shape), cast(Any, size))
+    solver = rc.ProjectedConjugateGradient() if tolerance is None else rc.ProjectedConjugateGradient(tolerance)
+    plan = _plan(heights, grid, material, counterbody, boundary, kernel, solver)
+    # The plan has the gap; arrays in slabs follow numpy's protocols.
+    gap: Any = plan.initial_gap
+    convolver = cast(SlabFFT, plan.convolver)
+    unit = grid.spacing[0] / plan.modulus
+    bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit)
+    convolution = convolver.prepare(bound, grid, plan.boundary)
+    task = attrs.evolve(make_task(plan, gap, load), on_step=on_step)
+    outcome = solver.solve(convolution, task)
+    certificate = confirm(plan, convolution, task, outcome)
+    fields: Any = certificate
+    solution = SlabSolution(
+        grid=grid,
+        boundary=plan.boundary,
+        modulus=plan.modulus,
+        pressure_limit=float(plan.pressure_limit),
+        pressure=fields.pressure,
+        displacement=fields.displacement,
+        initial_gap=gap,
+        approach=certificate.approach,
+        status=certificate.status,
+        residuals=certificate.residuals,
+        iterations=outcome.iterations,
+        convolutions=outcome.convolutions + 1,
+        levels=outcome.levels,
+        seconds=time.perf_counter() - started,
+    )
+    if throw and not solution.status.success:
+        reason = f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals})."
+        raise rc.NotConverged(reason, cast(Any, solution))
+    return solution
+
+
+def _plan(
+    heights: SlabArray,
+    grid: rc.Grid,
+    material: rc.Material | str,
+    counterbody: rc.Material | str | None,
+    boundary: str,
+    kernel: str | rc.InfluenceKernel,
+    solver: rc.Solver,
+) -> SolvePlan:
+    """Return the plan of the solve: materials, kernel and boundary are checked on a few of its cells."""
+    processes = heights.processes
+    few = rc.Grid((_SCENE_CELLS, _SCENE_CELLS), tuple(_SCENE_CELLS * step for step in grid.spacing))
+    flat = rc.FlatSurface()
+    scene = rc.ContactProblem(
+        rc.Body(rc.SphereSurface(max(few.size)), material),
+        rc.RIGID_FLAT if counterbody is None else rc.Body(flat, counterbody),
+        grid=few,
+        boundary=boundary,
+        kernel=kernel,
+        solver=solver,
+    ).plan
+    convolver = SlabFFT(processes, gathers=False)
+    convolver.require(scene.kernel, scene.boundary)
+    if scene.pressure_limit.ndim:
+        raise rc.InputError("On slabs the hardness must be one number for all cells.")
+    _require_memory(processes, grid, scene.boundary)
+    summit = float(heights.max())
+    gap = summit - heights
+    height = float(gap.max())
+    if not height > 0.0:
+        raise rc.InputError("The heights are all the same: of flat bodies there is nothing to solve.")
+    return attrs.evolve(scene, grid=grid, initial_gap=cast(Any, gap), peak_to_valley=height, convolver=convolver)
+
+
+def _require_memory(processes: Processes, grid: rc.Grid, boundary: rc.Boundary) -> None:
+    """Refuse a contact of which the slabs of one machine do not fit into its memory."""
+    own = processes.own_rows(grid.shape[0])
+    rows = processes.rows_of_machine(own.stop - own.start)
+    if rows:
+        require_memory_of_solve(rc.Grid((rows, grid.shape[1]), grid.size), boundary)
