@@ -6,21 +6,16 @@ import argparse
 import contextlib
 import os
 import sys
-import time
-import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import roughcontact as rc
-from roughcontact.errors import RoughContactError
 from roughcontact.typing import quantity
 
 from roughcontact_mpi.contact import solve
 from roughcontact_mpi.files import read_heights
-from roughcontact_mpi.processes import Processes
+from roughcontact_mpi.processes import Processes, ending_all
 
 _METRE, _PASCAL, _NEWTON, _NUMBER = (quantity(unit) for unit in ("m", "Pa", "N", ""))
-# Seconds for which the first process goes first, so that an error of all is told once.
-_PRECEDENCE = 1.0
 _EPILOG = """
 example:
   mpiexec -n 4 python -m roughcontact_mpi map.npy --size 1mm --pressure 10MPa --young 210GPa \\
@@ -94,28 +89,6 @@ def _run(processes: Processes, options: argparse.Namespace) -> None:
         solution.save(options.output)
     if processes.rank == 0 and not options.quiet:
         print(text, flush=True)
-
-
-@contextlib.contextmanager
-def ending_all(processes: Processes) -> Iterator[None]:
-    """End all processes, with one sentence, when one of them fails inside the context: the others would wait forever.
-
-    The exit status is 1 if there is no certified answer or the error is not one of the user, else 2.
-    """
-    try:
-        yield
-    except KeyboardInterrupt:
-        processes.communicator.Abort(130)
-    except Exception as error:
-        if processes.rank:
-            time.sleep(_PRECEDENCE)
-        if isinstance(error, RoughContactError):
-            status = 1 if isinstance(error, (rc.NotConverged, rc.UnexpectedError)) else 2
-        else:
-            status = 1
-            traceback.print_exc()
-        print(f"roughcontact_mpi: {error} (process {processes.rank} of {processes.count})", file=sys.stderr, flush=True)
-        processes.communicator.Abort(status)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

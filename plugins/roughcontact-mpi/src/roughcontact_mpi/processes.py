@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+import sys
+import time
+import traceback
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 import roughcontact as rc
+from roughcontact.errors import RoughContactError
 from roughcontact.typing import RealArray
 
 # Minimum cells along an axis that the default solver halves: rows are shared on the coarsest grid, so that the rows of
 # a process on a grid are those of its rows on the next coarser one.
 _MIN_COARSE_CELLS = 32
+# Seconds for which the first process goes first, so that an error of all is told once.
+_PRECEDENCE = 1.0
 
 
 def share(count: int, parts: int) -> tuple[int, ...]:
@@ -194,3 +201,25 @@ def _places(values: RealArray, counts: Sequence[int]) -> list[Any]:
     """Return an array with the entries of each process in it, as MPI takes them."""
     starts = np.concatenate(([0], np.cumsum(counts)[:-1])).tolist()
     return [values, (list(counts), starts)]
+
+
+@contextlib.contextmanager
+def ending_all(processes: Processes) -> Iterator[None]:
+    """End all processes, with one sentence, when one of them fails inside the context: the others would wait forever.
+
+    The exit status is 1 if there is no certified answer or the error is not one of the user, else 2.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        processes.communicator.Abort(130)
+    except Exception as error:
+        if processes.rank:
+            time.sleep(_PRECEDENCE)
+        if isinstance(error, RoughContactError):
+            status = 1 if isinstance(error, (rc.NotConverged, rc.UnexpectedError)) else 2
+        else:
+            status = 1
+            traceback.print_exc()
+        print(f"roughcontact_mpi: {error} (process {processes.rank} of {processes.count})", file=sys.stderr, flush=True)
+        processes.communicator.Abort(status)

@@ -1,0 +1,27 @@
+"""Solves the cases of a folder on slabs; the first process writes their numbers. Run by `mpiexec`."""
+
+import json
+import sys
+from pathlib import Path
+
+import roughcontact as rc
+
+from roughcontact_mpi import Processes, ending_all, read_heights, solve, write_field
+
+folder = Path(sys.argv[1])
+processes = Processes()
+with ending_all(processes):
+    for name, case in json.loads((folder / "cases.json").read_text()).items():
+        material = rc.Elastic(1e9, 0.0)
+        if case["hardness"] is not None:
+            material = rc.ElasticPerfectlyPlastic(1e9, 0.0, case["hardness"])
+        heights = read_heights(folder / f"{case['map']}.npy", processes)
+        solution = solve(
+            heights, case["size"], material, **case["load"], boundary=case["boundary"], tolerance=case["tolerance"]
+        )
+        write_field(folder / f"{name}-{processes.count}.npy", solution.pressure)
+        numbers = solution.numbers
+        rows = processes.rows(heights.shape[0])
+        if processes.rank == 0:
+            numbers["rows"] = rows
+            (folder / f"{name}-{processes.count}.json").write_text(json.dumps(numbers))

@@ -1,0 +1,90 @@
+"""The command, and the end of all processes when one fails."""
+
+import json
+
+import mpi
+import numpy as np
+import pytest
+import roughcontact as rc
+
+pytestmark = pytest.mark.skipif(bool(mpi.missing()), reason=mpi.missing() or "MPI is there")
+
+ONE_FAILS = """
+import roughcontact as rc
+from roughcontact_mpi import Processes, ending_all
+processes = Processes()
+with ending_all(processes):
+    if processes.rank == 1:
+        raise rc.InputError("This one has failed.")
+    processes.total(1.0)
+"""
+
+
+@pytest.fixture(scope="module")
+def heights(tmp_path_factory):
+    path = tmp_path_factory.mktemp("maps") / "map.npy"
+    values = np.random.default_rng(0).normal(size=(48, 36)).astype(np.float32)
+    np.save(path, values)
+    return path, values
+
+
+def run_command(count, *arguments):
+    return mpi.run(count, "-m", "roughcontact_mpi", *arguments)
+
+
+def test_the_command_writes_fields_and_numbers(heights, tmp_path):
+    path, values = heights
+    out = tmp_path / "out"
+    load = ("--force", "2mN", "--young", "2GPa", "--poisson", "0.25", "--hardness", "1GPa", "--tolerance", "1e-11")
+    done = run_command(3, path, "--size", "96um", "72um", "--unit", "um", *load, "-o", out)
+    assert done.returncode == 0, done.stderr
+    assert "3 processes" in done.stdout
+    assert sorted(file.name for file in out.iterdir()) == ["displacement.npy", "gap.npy", "numbers.json", "pressure.npy"]
+    surface = rc.HeightMap(values.astype(np.float64) * 1e-6, (96e-6, 72e-6))
+    body = rc.Body(surface, rc.ElasticPerfectlyPlastic(2e9, 0.25, 1e9))
+    alone = rc.ContactProblem(body).solve(force=2e-3, tolerance=1e-11)
+    for name, field in (("pressure", alone.contact_pressure), ("gap", alone.gap), ("displacement", alone.displacement)):
+        assert np.abs(np.load(out / f"{name}.npy") - field).max() < 1e-9 * np.abs(field).max()
+    numbers = json.loads((out / "numbers.json").read_text())
+    assert numbers["force"] == pytest.approx(2e-3, rel=1e-12)
+    assert numbers["contact_modulus"] == pytest.approx(alone.modulus, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("--size", "1mm", "--pressure", "5", "--young", "1GPa"), "has no unit"),
+        (("--size", "1mm", "--young", "1GPa"), "is required"),
+        (("--size", "1mm", "2mm", "3mm", "--force", "1N", "--young", "1GPa"), "one length or two"),
+        (("--size", "1mm", "--force", "1N", "--material", "cheese"), "cheese"),
+        (("--size", "1mm", "--pressure", "2GPa", "--young", "1GPa", "--hardness", "1GPa"), "more than the bodies can"),
+    ],
+)
+def test_wrong_input_gets_one_sentence(heights, arguments, sentence):
+    done = run_command(2, heights[0], *arguments)
+    assert done.returncode != 0
+    assert done.stderr.count(sentence) == 1
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        (np.zeros((4, 4, 4)), "two axes"),
+        (np.full((4, 4), "a"), "real numbers"),
+        (np.array([[0.0, 1.0], [np.nan, 2.0]]), "not finite"),
+        (np.zeros((8, 8)), "all the same"),
+    ],
+)
+def test_unfit_heights_get_one_sentence(values, sentence, tmp_path):
+    np.save(tmp_path / "map.npy", values)
+    done = run_command(2, tmp_path / "map.npy", "--size", "1mm", "--force", "1N", "--young", "1GPa")
+    assert done.returncode != 0
+    assert done.stderr.count(sentence) == 1
+    assert "Traceback" not in done.stderr
+
+
+def test_the_failure_of_one_ends_all():
+    done = mpi.run(3, "-c", ONE_FAILS, timeout=60)
+    assert done.returncode != 0
+    assert "This one has failed. (process 1 of 3)" in done.stderr
