@@ -55,13 +55,16 @@ SWEEP = LIMITED.sweep(pressure=[1e7, 2e7])
 STUDY = rc.Study(problems=PROBLEM, pressure=[1e7])
 TASK = types_of_rc.Task(initial_gap=MAP.heights(GRID) - MAP.heights(GRID).min(), mean_pressure=0.1)
 PLAN = PROBLEM.plan
+OUTCOME = types_of_rc.Outcome(
+    pressure=TASK.initial_gap * 0.1, status=rc.Status.CONVERGED, iterations=1, convolutions=1, errors=()
+)
 LAW = rc.interface_law(PROBLEM, [1e7, 2e7], ["stiffness", rc.responses.create("conductance", 50.0)])
 BOUND = types_of_rc.BoundKernel(rc.Love())
 
 # Methods that parts call on each other: any error of roughcontact will do, and what they return is not judged.
 INNER = ("Love", "FourierHalfSpace", "DCFFT", "CircularFFT", "Direct", "project_to_load", "rescale_to_load")
 INNER += ("nearest_pressure", "starting_pressure", "PolonskyKeer.solve", "ProjectedConjugateGradient.solve")
-INNER += ("SpectralGradient.solve", "natural_residual")
+INNER += ("SpectralGradient.solve", "natural_residual", "make_task", "confirm")
 
 # A good value for each argument that has no default, by its name; the loads are given as pressures.
 GOOD = {
@@ -70,7 +73,7 @@ GOOD = {
     "cells": (4, 8, 16), "choice": "blend", "cls": rc.Blend, "compliance": 1e-9, "contact_fraction": 0.5,
     "convolution": PROBLEM.convolution, "convolutions": 3, "convolver": rc.CircularFFT(), "count": 1,
     "counterbody": rc.RIGID_FLAT, "displacement": SOLUTION.displacement, "estimator": "blend",
-    "field": SOLUTION.pressure,
+    "field": SOLUTION.pressure, "plan": PLAN, "outcome": OUTCOME, "unit": "Pa",
     "folder": "study", "force": 1.0, "fraction": 0.3, "grid": GRID, "hardness": 1e9, "heights": MAP.heights(GRID),
     "history": (0.1,), "hurst": 0.8, "increment": 1, "initial_gap": SOLUTION.initial_gap, "iterations": 3,
     "kernel": rc.Love(), "kind": "pressure", "levels": [0.0, 1e-7],
@@ -122,7 +125,8 @@ GOOD_FOR = {
     "effective_modulus": {"wavenumber": np.array([1e3, 1e4])},
     "directional_modulus": {"angle": np.array([0.0, 1.0])},
     "natural_residual": {"shear": np.zeros((2, 8)), "slip": np.zeros((2, 8)), "limit": np.ones(8), "own": 1.0},
-    "nearest_pressure": {"values": TASK.initial_gap}, "rescale_to_load": {"pressure": np.ones((8, 8))},
+    "nearest_pressure": {"values": TASK.initial_gap}, "make_task": {"load": types_of_rc.Load("pressure", 1e8)},
+    "rescale_to_load": {"pressure": np.ones((8, 8))},
 }  # fmt: skip
 LOADED = ("solve", "require_load", "error_vs_time", "extrapolate", "run_in", "stability", "beyond_resolution")
 
